@@ -32,12 +32,23 @@ class TurningImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    def solve(
+        normal_rate,
+        tangential_rate,
+        gap_rate,
+        slip,
+        d_nn,
+        d_nt,
+        d_tt,
+        friction_coefficient,
+        restitution,
+        turned,
+    ):
         """Give impulses [N s] and mode."""
-        rate = normal_rate + parameters[1] * min(gap_rate, 0.0)
-        along = tangential_rate + parameters[2] * slip
-        p_n, p_t, mode = stick_or_slip_impulse(rate, along, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
-        return p_n, p_t, SLIP if parameters[2] > 0.0 else mode
+        rate = normal_rate + restitution * min(gap_rate, 0.0)
+        along = tangential_rate + turned * slip
+        p_n, p_t, mode = stick_or_slip_impulse(rate, along, slip, d_nn, d_nt, d_tt, friction_coefficient)
+        return p_n, p_t, SLIP if turned > 0.0 else mode
 
 
 @dataclass(frozen=True)
@@ -55,11 +66,11 @@ class ViscoelasticImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, loss):
         """Give impulses [N s] and mode."""
         approach = min(gap_rate, 0.0)
-        rate = normal_rate + max(1.0 - parameters[1] * (-approach) ** 0.2, 0.0) * approach
-        return stick_or_slip_impulse(rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+        rate = normal_rate + max(1.0 - loss * (-approach) ** 0.2, 0.0) * approach
+        return stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
 
 
 @dataclass(frozen=True)
@@ -78,9 +89,20 @@ class SlantingImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    def solve(
+        normal_rate,
+        tangential_rate,
+        gap_rate,
+        slip,
+        d_nn,
+        d_nt,
+        d_tt,
+        friction_coefficient,
+        restitution,
+        slant,
+    ):
         """Give impulses [N s] and mode."""
         approach = min(gap_rate, 0.0)
-        kept = exp(parameters[2] * abs(slip) / approach) if approach < 0.0 else 0.0
-        rate = normal_rate + parameters[1] * kept * approach
-        return stick_or_slip_impulse(rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+        kept = exp(slant * abs(slip) / approach) if approach < 0.0 else 0.0
+        rate = normal_rate + restitution * kept * approach
+        return stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)

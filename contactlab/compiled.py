@@ -8,6 +8,7 @@ fingerprint of all that it was made from. Nothing stale is ever run.
 
 import os
 import shutil
+import sys
 import tempfile
 import time
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
+from types import ModuleType
 from typing import Any, TypeVar, cast
 
 import numba
@@ -78,11 +80,6 @@ def _remove_old(parent: Path, prefix: str, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-def is_compiled(name: str) -> bool:
-    """Tell whether the code of the kernel with this name is kept."""
-    return any(code_folder().glob(f"*/*.{name}-*.nbi"))
-
-
 def kernel(function: Function, **options: Any) -> Function:
     """Compile a scalar or array function on first use and keep the code; another package's by `keep_code`.
 
@@ -119,6 +116,24 @@ def fleeting_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel while the program runs, around another."""
     njit: Any = numba.njit
     return cast(Function, njit(error_model="numpy", _nrt=False, **options)(function))
+
+
+def generated_kernel(name: str, source: str) -> Any:
+    """Make a kernel from a source that imports this package's kernels, and keep both beside their code."""
+    path = code_folder() / "generated" / f"{name}_{sha256(source.encode()).hexdigest()[:16]}.py"
+    if not path.is_file():
+        path.parent.mkdir(exist_ok=True)
+        with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
+            file.write(source)
+        # The same for every process that writes it: the compiler goes by it.
+        os.utime(file.name, (0, 0))
+        Path(file.name).replace(path)
+    # The compiler finds the code of functions of known modules again.
+    module = sys.modules.setdefault(f"contactlab_{path.stem}", ModuleType(f"contactlab_{path.stem}"))
+    exec(compile(source, str(path), "exec"), vars(module))
+    made = fleeting_kernel(vars(module)[name])
+    _keep_in(code_folder(), made)
+    return made
 
 
 def remade(kernel: Any) -> Any:

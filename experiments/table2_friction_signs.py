@@ -14,6 +14,7 @@ import contactlab as cl
 from contactlab.engine.plant import delassus, plant_of
 from contactlab.laws import LagrangeSlip
 from contactlab.motor.geometry import contact_frame
+from contactlab.testing.plants import impulses_of
 
 CASES = (
     (1.0, 0.5, "+", "left"),
@@ -57,7 +58,7 @@ class Table2FrictionSigns(Experiment):
         impulses = []
         for tip, rotor, _, _ in CASES:
             slip = tip - rotor
-            _, friction, _ = law.solve(-0.1, slip, -0.1, slip, *d, law.parameters())
+            _, friction, _ = impulses_of(law, -0.1, slip, d)
             # Along t = (1, 0): to the right.
             impulses.append(friction)
         tips, rotors, signs, directions = zip(*CASES, strict=True)

@@ -184,8 +184,6 @@ def _memory_rows(said: Any) -> dict[str, str]:
     guards = getattr(said, "guards", 0)
     if not _hangs(guards) and guards:
         rows["guards"] = f"{guards}: where one falls through zero, a step ends and what it remembers jumps"
-    if getattr(said, "told", False):
-        rows["told"] = "how long a step is, and whether it is that of an impact"
     return rows
 
 

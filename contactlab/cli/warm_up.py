@@ -6,13 +6,13 @@ from typing import Final
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE
 
-LAWS: Final = {
-    "compliant": ["law=hertz_penalty"],
-    "rigid": ["law=lagrange_stick"],
-    "compliant_with_memory": ["law=composed", "law/normal=walton_braun"],
-    "rigid_with_memory": ["law=lagrange_ageing"],
-}
-"""A law of each kind, which takes a loop of the engine for its runs and one for its impacts."""
+LAWS: Final = (
+    ["law=hertz_penalty"],
+    ["law=lagrange_stick"],
+    ["law=composed", "law/normal=walton_braun"],
+    ["law=lagrange_ageing"],
+)
+"""A law of each kind that the engine is compiled for, once for runs and once for impacts."""
 
 DURATION: Final = 2e-6
 """Of the run that loads a loop [s]."""
@@ -30,24 +30,26 @@ def main(arguments: list[str]) -> int:
     from contactlab.compilation import telling
     from contactlab.compiled import INTERPRETED, code_folder
     from contactlab.config import build
-    from contactlab.engine.loop import KINDS
+    from contactlab.engine.binding import bind
+    from contactlab.engine.loop import SECONDS, kind_of
     from contactlab.impact import velocities_after
 
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")
         return COMPLETE
-    width, whole = max(len(words) for words, _ in KINDS.values()), perf_counter()
-    for kind, overrides in LAWS.items():
+    width, whole = max(map(len, SECONDS)), perf_counter()
+    for overrides in LAWS:
         setup = build(overrides)
-        for loop in (f"advance_{kind}", f"strike_{kind}"):
+        for impacts in (False, True):
             began = perf_counter()
             with telling() as compiled:
-                if loop.startswith("strike"):
+                if impacts:
                     velocities_after(setup.law, [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
                 else:
                     setup.run(duration=DURATION, record_interval=DURATION)
-            done = "compiled" if loop in compiled.functions else "was there, loaded"
-            print(f"{KINDS[loop][0]:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
+            done = "compiled" if "advance" in compiled.functions else "was there, loaded"
+            kind = kind_of(bind(setup.law), impacts)
+            print(f"{kind:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
     seconds = perf_counter() - whole
     print(f"The engine is ready after {seconds:.0f} s; its code is kept in {code_folder()}.")
     return COMPLETE

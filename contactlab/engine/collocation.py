@@ -23,7 +23,7 @@ from contactlab.engine.friction import (
     push_node,
 )
 from contactlab.engine.kinematics import contact_at, contact_of, free_response, tip_motion
-from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
+from contactlab.engine.memory import correct_memory, end_at, guess_memory, note_turn, recall
 from contactlab.engine.moments import fit_moments, missed_moments, set_moments
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import LAST, NODES, START, fit, largest, value_at
@@ -46,9 +46,9 @@ NODE_PRODUCT = 126.0
 KINK = 1e3
 """Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
 
-Known = tuple[float, float, float, float]
-"""Normal force, bound in the step's friction mode, friction that is not set-valued [N] and its steepness
-[N s/m], where a step begins."""
+Known = tuple[float, float, float, float, float]
+"""Normal force, half the width and the middle of the interval that bounds friction in the step's mode,
+friction that is not set-valued [N] and its steepness [N s/m], where a step begins."""
 
 
 @part_kernel
@@ -68,7 +68,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     when the whole force left is negligible.
     """
     state, step = run.state, run.step
-    normal, bound, friction, steepness = known
+    normal, bound, bias, friction, steepness = known
     build_level(run.plant, run.propagator, level)
     free_response(run, level, FIRST)
     for i in range(NODES):
@@ -94,7 +94,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         return 0.5 if kinked * h <= allowed else KINK
     error = max(abs(state.normal.coefficient[0] - normal), missed_moments(run, law.memory))
     if not depends:
-        error = max(error, abs(state.bound.coefficient[0] - bound))
+        error = max(error, abs(state.bound.coefficient[0] - bound), abs(state.bias.coefficient[0] - bias))
     if state.friction_kind != SET_VALUED:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
         if depends:
@@ -124,7 +124,7 @@ def _highest_coefficient(run: Run, level: int) -> float:
 def _kinked_force(run: Run, known: Known) -> float:
     """Give the largest force [N] of a step in which the gap opens, or the force ends or begins; else -1."""
     normal, forces = known[0], run.state.normal.node
-    most, ends = max(abs(normal), abs(known[2])), False
+    most, ends = max(abs(normal), abs(known[3])), False
     for i in range(NODES):
         most = max(most, abs(forces[i]))
         if run.state.friction_kind == RATE_DEPENDENT:
@@ -138,17 +138,17 @@ def _kinked_force(run: Run, known: Known) -> float:
 @merged_kernel
 def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
-    state, step, nodes = run.state, run.step, run.propagator.rule.nodes
+    state, nodes = run.state, run.propagator.rule.nodes
     for i in range(NODES):
         x = state.taken + nodes[i] * stretch
         state.normal.node[i] = max(value_at(state.normal, x), 0.0)
         state.bound.node[i] = max(value_at(state.bound, x), 0.0)
+        state.bias.node[i] = value_at(state.bias, x)
         state.friction.node[i] = value_at(state.friction, x)
         if state.mode == SLIP and state.friction_kind != RATE_DEPENDENT:
-            state.friction.node[i] = -state.sign * state.bound.node[i]
+            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
         # Only friction with an internal variable reads these.
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
-        step.internal[i] = state.internal + nodes[i] * state.length * state.internal_rate.node[i]
         push_node(run, law.memory, i)
     guess_memory(run, law.memory)
 
@@ -173,7 +173,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             old_normal, old_friction = state.normal.node[i], state.friction.node[i]
             turned = _law_at_node(run, law, level, i)
             if slides:
-                state.friction.node[i] = -sign * state.bound.node[i]
+                state.friction.node[i] = state.bias.node[i] - sign * state.bound.node[i]
             push_node(run, law.memory, i)
             change = max(change, turned, abs(state.normal.node[i] - old_normal))
             change = max(change, abs(state.friction.node[i] - old_friction))
@@ -182,7 +182,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
         holds = (held and sweep == 1) or (sticks and not follows)
         if holds or follows:
             change = max(change, correct_friction(run, law, level, holds, least_slip))
-        flowed = correct_memory(run, law.memory, state.length)
+        flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
             return 0
         least = 1e-3 * AGREEMENT * state.momentum
@@ -192,6 +192,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             fit(rule, state.normal)
             fit(rule, state.friction)
             fit(rule, state.bound)
+            fit(rule, state.bias)
             fit(rule, state.internal_rate)
             fit(rule, step.push_u)
             fit(rule, step.push_th)
@@ -219,15 +220,18 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
         th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
         rotor += tip_v[3, i, m] * step.push_r.node[m]
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
-    normal, bound, loss, turned = 0.0, 0.0, 0.0, 0.0
-    recall(run, law.memory, i)
-    step.end[i] = end_at(law.memory)
+    normal, bound, bias, loss, turned = 0.0, 0.0, 0.0, 0.0, 0.0
+    note_turn(run, i, th, t_u, th_rate, rotor)
+    recall(run, law, i)
+    step.end[i] = end_at(run, law, law.memory, rate)
     if gap < step.end[i]:
         seen = 0.0 if state.mode == STICK else slip
-        normal, bound, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+        normal, least, most, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+        bound, bias = 0.5 * (most - least), 0.5 * (most + least)
         normal = sound_normal(normal, bound)
-        turned = set_moments(run, law.memory, i, gap, normal, (th, t_u, th_rate, rotor))
+        turned = set_moments(run, law, law.memory, i, gap, normal)
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
-    state.normal.node[i], state.bound.node[i], step.loss[i] = normal, bound, loss
+    state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
     step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
+    step.loss[i] = loss
     return turned

@@ -66,8 +66,8 @@ def step_compliant(run: Run, law: Law) -> int:
     for i in range(NODES):
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
-    open_step(run, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
-    first_moments(run, law.memory, gap, known[0])
+    open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+    first_moments(run, law, law.memory, gap, known[0])
     if state.contact.duration == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         state.momentum = _impulse_scale(run, law, rate, known[0], mobility)
@@ -105,7 +105,9 @@ def _solve(
     UNSOLVED where no step, however short, satisfies the law.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(run, gap - end_at(law.memory), rate, max(abs(known[0]), known[1]))
+    level = _separation_level(
+        run, gap - end_at(run, law, law.memory, rate), rate, max(abs(known[0]), known[1])
+    )
     # The shortest step at this time.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
@@ -121,14 +123,14 @@ def _solve(
             level += 2 if error > 500.0 or hidden else 1
             if error < np.inf:
                 level = min(level, finest)
-        elif _contradicted(run, law, slip, known[1]):
+        elif _contradicted(run, law, slip, known[1], known[2]):
             # Neither slipping nor sticking fits at this length: look closer before trying again.
             flips += 1
             level += 2 * (flips // 2)
             jump(run, law, law.memory, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
-            open_step(run, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
-            first_moments(run, law.memory, gap, known[0])
+            open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+            first_moments(run, law, law.memory, gap, known[0])
         else:
             break
     else:
@@ -150,7 +152,8 @@ def _guess(run: Run, known: Known) -> None:
     state.taken = 0.0
     hold(state.normal, known[0])
     hold(state.bound, known[1])
-    hold(state.friction, known[2])
+    hold(state.bias, known[2])
+    hold(state.friction, known[3])
     hold(state.internal_rate, 0.0)
 
 
@@ -158,11 +161,11 @@ def _guess(run: Run, known: Known) -> None:
 def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> Known:
     """Give what is known of the forces where the step begins."""
     state = run.state
-    recall_start(run, law.memory)
-    end = end_at(law.memory)
+    recall_start(run, law)
+    end = end_at(run, law, law.memory, rate)
     if gap >= end:
         if rate >= 0.0:
-            return 0.0, 0.0, 0.0, 0.0
+            return 0.0, 0.0, 0.0, 0.0, 0.0
         gap = end + TOUCHED
     seen = slip
     if state.mode == STICK:
@@ -170,13 +173,15 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     elif state.friction_kind == SET_VALUED and state.sign * slip < SLIP_ROUND_OFF:
         # Slip that only begins: the law must not take it for stick.
         seen = state.sign * SLIP_ROUND_OFF
-    normal, bound, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+    normal, least, most, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+    bound = 0.5 * (most - least)
     normal = sound_normal(normal, bound)
     friction, steepness = 0.0, 0.0
     if state.friction_kind != SET_VALUED:
         at = gap, rate, slip
-        friction, steepness = friction_and_steepness(law, at, end, normal, state.internal)
-    return normal, bound, friction, steepness if state.friction_kind == RATE_DEPENDENT else 0.0
+        friction, steepness = friction_and_steepness(law, at, end, normal)
+    steepness = steepness if state.friction_kind == RATE_DEPENDENT else 0.0
+    return normal, bound, 0.5 * (most + least), friction, steepness
 
 
 @merged_kernel
@@ -189,7 +194,7 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
         # What is remembered flows on past the release at another rate, whatever the force is by then.
-        small = state.tolerance * state.momentum * (REMEMBERED if state.variables > 0 else 1.0)
+        small = state.tolerance * state.momentum * (REMEMBERED if state.variables > state.coupled else 1.0)
         finest = run.propagator.rule.level_count - 1
         while h * rate > -0.7 * gap and abs(normal) * h > small and level < finest:
             level += 1
@@ -245,12 +250,13 @@ def count_event(state: Any) -> None:
 @inner_kernel
 def switch_friction(state: Any, event: int) -> None:
     """Set the friction mode after a step that ended in REVERSAL or CONE."""
-    _switch(state, event, value_at(state.friction, state.taken / state.length))
+    x = state.taken / state.length
+    _switch(state, event, value_at(state.friction, x) - value_at(state.bias, x))
 
 
 @inner_kernel
 def _switch(state: Any, event: int, friction: float) -> None:
-    """Let the contact stick, or slip against the friction that it cannot hold [N]."""
+    """Let the contact stick, or slip against a friction [N] that it cannot hold, less the bound's middle."""
     state.mode = STICK
     if event == CONE:
         state.mode, state.sign = SLIP, -1 if friction > 0.0 else 1
@@ -259,24 +265,25 @@ def _switch(state: Any, event: int, friction: float) -> None:
 
 
 @merged_kernel
-def _contradicted(run: Run, law: Law, slip: float, bound: float) -> bool:
+def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) -> bool:
     """Return whether the step contradicts its own friction mode at its start; the other mode is then set.
 
-    Stick stands where the friction that it demands at that instant lies inside the `bound` [N] of that
+    Stick stands where the friction that it demands at that instant lies within `bound` of `bias` [N] at that
     instant; outside it the contact slips against the demand. The first node alone does not decide: by then a
     growing normal force may have closed the cone over the demand. An excess counts by the impulse that it
     has over the step, beyond the error of the demand. Slip that starts from zero into the wrong direction
     must stick. Rate-dependent friction has no modes.
     """
     state, step = run.state, run.step
-    friction, sticks = state.friction.node[0], state.mode == STICK
+    friction, sticks = state.friction.node[0] - state.bias.node[0], state.mode == STICK
     if state.friction_kind == RATE_DEPENDENT:
         return False
     if sticks:
         denied = abs(friction) > state.bound.node[0] * (1.0 + CONE_ROUND_OFF)
-        denied = denied and value_at(state.bound, 0.0) <= abs(value_at(state.friction, 0.0))
+        demanded = value_at(state.friction, 0.0) - value_at(state.bias, 0.0)
+        denied = denied and value_at(state.bound, 0.0) <= abs(demanded)
         if not denied and bound > 0.0 and state.friction_kind == SET_VALUED:
-            friction = value_at(state.friction, 0.0)
+            friction = value_at(state.friction, 0.0) - bias
             excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
             excess -= STICK_ERROR * abs(state.friction.coefficient[NODES - 1])
             denied = excess * state.length > state.tolerance * state.momentum

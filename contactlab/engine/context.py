@@ -6,7 +6,11 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.state import SAMPLE
-from contactlab.laws.base import FrictionKernel, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import Kernel
+from contactlab.laws.intake import HEAD as HEAD
+
+STEP, IMPACT, TILT, SPIN, SPEED = range(HEAD)
+"""Places in a law's row of what the engine writes there; internal variables begin at HEAD."""
 
 
 class Run(NamedTuple):
@@ -19,33 +23,46 @@ class Run(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """The kernels of a law that remembers, has limits, a moment, or is told more, and what they read.
+    """The kernels of a law that is not plain, see `contactlab.engine.binding`."""
 
-    `parameters` are those of `Law`; `row` is the part of them that is memory: what is written there, the
-    kernels see.
-    """
-
-    rate: Any
-    guard: Any
-    jump: Any
-    limits: Any
-    moment: Any
-    parameters: Array
-    row: Array
+    rate: Kernel
+    guard: Kernel
+    jump: Kernel
+    limits: Kernel
+    moment: Kernel
 
 
 class Law(NamedTuple):
-    """The kernels of a law, idle ones for those that it lacks, and its parameters.
+    """The bound kernels of a law, None those that its family has not, and what they read.
 
-    Of a law that is plain the memory is None, and code that is about it is compiled to nothing: functions
-    that take a memory ask whether it is None before all else.
+    The engine writes to `row`, which is the same memory as `parameters`. Of a law that is plain the memory is
+    None, and code that is about it is compiled to nothing: functions that take a memory ask whether it is
+    None before all else.
     """
 
-    force: PenaltyKernel
-    friction: FrictionKernel
-    solve: MultiplierKernel
+    force: Kernel
+    friction: Kernel
+    solve: Any
     parameters: Array
+    row: Array
     memory: Memory | None
+
+
+@final
+class Impacts(NamedTuple):
+    """Impacts to integrate, see `contactlab.engine.impact`.
+
+    Args:
+        contacts: u_n, u_t [m/s], D_nn, D_nt, D_tt [1/kg], shape (impact, 5).
+        outcomes: records of `OUTCOME`, shape (impact,).
+        histories: records of `MOMENT`, shape (impact, record); of no record where none is kept.
+        silent: room for the records of a run that keeps no history.
+    """
+
+    contacts: Array
+    outcomes: Any
+    histories: Any
+    silent: Any
 
 
 @final

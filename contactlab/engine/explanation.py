@@ -5,7 +5,6 @@ Asked after the run has ended, at the state it ended in, so that a run that goes
 
 from collections.abc import Callable
 from functools import partial
-from itertools import product
 from typing import Any, Final
 
 import numpy as np
@@ -33,24 +32,16 @@ from contactlab.trajectory import LEDGER_LIMIT, SCALE, Ending, openness
 FARTHEST: Final = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
 
-PROBES: Final = 65
-"""States at which a law is asked along the way of a step."""
+STATES: Final = 9
+"""States at which a law is evaluated along the step that it did not answer."""
 
-STEEP: Final = 0.01
-"""Change of a force over its size that counts as one."""
-
-NARROW: Final = 10.0 ** np.arange(-15.0, -6.0)
-"""Changes of gap, gap rate or slip over their own size that should not change a force by as much."""
-
-OF_FORCE: Final = ("normal force", "friction bound", "stored energy", "normal loss")
+OF_FORCE: Final = ("normal force", "least friction", "friction bound", "stored energy", "normal loss")
 OF_FRICTION: Final = (
     "friction",
     "rate of the friction's memory",
     "stored energy of the friction",
     "tangential stiffness",
 )
-FORCES: Final = {*OF_FORCE[:2], OF_FRICTION[0]}
-
 Contact = tuple[float, float, float]
 """What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""
 
@@ -108,18 +99,16 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
         words = "no step in contact, however short, satisfies the law"
     elif state.idle > IDLE_LIMIT:
         words = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
-    why = "Check the law's parameters, or choose a larger solver.tolerance."
+    why = (
+        "A force that jumps with gap, gap rate or slip stalls the steps: check the law and its parameters, "
+        "or choose a larger solver.tolerance. Friction that jumps with the slip is set-valued."
+    )
     sway = float(run.plant.tones["steady_u"].sum())
     if sway >= FARTHEST:
         why = (
             f"The steady state of the tones moves the tip by {sway:.3g} m, and a gap that is summed "
             f"from it is good to {sway * np.finfo(np.float64).eps:.3g} m only. Leave out a tone that meets a "
             "mode without stiffness so slowly."
-        )
-    elif jump := _jump(run, answers, reach):
-        why = (
-            f"The law's {jump}: for the steps that is a jump. Let the force change over a wider "
-            "range; friction that jumps with the slip is set-valued and wants no kernel of its own."
         )
     return Ending.STALLED, f"The run stalls at {time}: {words}. {why}"
 
@@ -202,34 +191,11 @@ def _not_finite(run: Run, answers: Answers, reach: float) -> str:
         impulses = {"normal": state.normal.node[0], "friction": state.friction.node[0]}
         found = [f"{name} impulse {p}" for name, p in impulses.items() if not np.isfinite(p)]
         return f"{' and '.join(found)} at {_told(_contact_after(run, 0.0))}" if found else ""
-    for time in np.linspace(0.0, reach, PROBES):
+    for time in np.linspace(0.0, reach, STATES):
         contact = _contact_after(run, time)
         for name, value in answers(contact).items():
             if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
                 return f"{name} {value} at {_told(contact)}"
-    return ""
-
-
-def _jump(run: Run, answers: Answers, reach: float) -> str:
-    """Say where the law's force changes at once, in words; empty where it does not."""
-    state, here = run.state, _contact_after(run, 0.0)
-    if not state.compliant:
-        return ""
-    if not here[0] < 0.0:
-        here = _contact_after(run, reach)
-    known = answers(here)
-    size = max(abs(known.get("normal force", 0.0)), state.momentum / reach)
-    gap, speed = abs(here[0]), max(abs(here[1]), state.impact_speed)
-    scales = (("gap", "m", gap), ("gap rate", "m/s", speed), ("slip", "m/s", max(abs(here[2]), speed)))
-    for narrow, (i, (name, unit, scale)), sign in product(NARROW, enumerate(scales), (-1.0, 1.0)):
-        moved = list(here)
-        moved[i] += sign * narrow * scale
-        for force, value in answers((moved[0], moved[1], moved[2])).items():
-            if force in FORCES and abs(value - known.get(force, value)) > STEEP * size:
-                return (
-                    f"{force} goes from {known[force]:.4g} N to {value:.4g} N where the {name} goes from "
-                    f"{here[i]:.10g} {unit} to {moved[i]:.10g} {unit}"
-                )
     return ""
 
 
@@ -253,6 +219,6 @@ def _answers(run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Con
     found = kernels[0](*contact, run.state.impact_speed, parameters)
     answers = dict(zip(OF_FORCE, found, strict=True))
     if run.state.friction_kind != SET_VALUED:
-        friction = kernels[1](*contact, found[0], run.state.internal, parameters)
+        friction = kernels[1](*contact, found[0], parameters)
         answers |= zip(OF_FRICTION, friction, strict=True)
     return answers

@@ -16,13 +16,13 @@ from typing import Final, cast
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.context import Law, Memory, Run
+from contactlab.engine.context import HEAD, Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start
 from contactlab.engine.moments import push_moments
-from contactlab.engine.state import NODES, START, internal_at, value_at
-from contactlab.laws.base import ELASTOPLASTIC, SLIP, Forces
+from contactlab.engine.state import NODES, START, value_at
+from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
 
 FIRST: Final = cast(int, np.int64(0))
@@ -63,27 +63,28 @@ def mobility(run: Run, level: int, i: int, m: int) -> float:
 
 @inner_kernel
 def friction_at(
-    law: Law, at: tuple[float, float, float], end: float, normal: float, internal: float
-) -> Forces:
-    """Give the law's friction at gap, gap rate and slip, a normal force and an internal variable.
+    law: Law, at: tuple[float, float, float], end: float, normal: float
+) -> tuple[float, float, float, float]:
+    """Return the law's friction at gap, gap rate and slip and a normal force, of what is recalled.
 
     It is zero where there is no contact, from the gap `end` on [m].
     """
     gap, rate, slip = at
     if gap >= end:
         return 0.0, 0.0, 0.0, 0.0
-    return law.friction(gap, rate, slip, normal, internal, law.parameters)
+    friction, internal_rate, stored, stiffness = law.friction(gap, rate, slip, normal, law.parameters)
+    return friction, internal_rate, stored, stiffness
 
 
 @inner_kernel
 def friction_and_steepness(
-    law: Law, at: tuple[float, float, float], end: float, normal: float, internal: float
+    law: Law, at: tuple[float, float, float], end: float, normal: float
 ) -> tuple[float, float]:
     """Give friction [N], and how steeply it falls with the slip [N s/m], zero where it rises."""
     gap, rate, slip = at
-    friction = friction_at(law, at, end, normal, internal)[0]
+    friction = friction_at(law, at, end, normal)[0]
     dv = _nudge_of(slip, HELD_SLIP)
-    steeper = friction_at(law, (gap, rate, slip + dv), end, normal, internal)[0]
+    steeper = friction_at(law, (gap, rate, slip + dv), end, normal)[0]
     return friction, max((friction - steeper) / dv, 0.0)
 
 
@@ -95,12 +96,43 @@ def _nudge_of(slip: float, least: float) -> float:
 
 @inner_kernel
 def _internal_rate(run: Run, i: int) -> float:
-    """Give the rate at node i of the polynomial through the internal variable."""
+    """Return the rate at node i of the polynomial through the coupled internal variable."""
     total = 0.0
+    if run.state.coupled == 0:
+        return total
     for m in range(NODES):
-        difference = run.step.internal[m] - run.state.internal
+        difference = run.step.memory[m, 0] - run.state.memory[0]
         total += run.propagator.rule.derivative[i, m] * difference
     return float(total / run.state.length)
+
+
+@inner_kernel
+def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float, float, float, float, float]:
+    """Return friction f [N] and rate g of the coupled variable at node i, and their derivatives.
+
+    These are f_v, f_z, g_v, g_z by slip and variable, differences over a slip of at least about `least`
+    [m/s].
+    """
+    state, step = run.state, run.step
+    gap, rate, slip = step.gap[i], step.gap_rate[i], step.slip[i]
+    z = step.memory[i, 0] if state.coupled != 0 else 0.0
+    # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
+    way = NUDGE if slip >= 0.0 or state.parity == EVEN else -NUDGE
+    dv = _nudge_of(slip, least)
+    dz = way * (abs(z) + LEAST_INTERNAL)
+    normal, end = state.normal.node[i], step.end[i]
+    recall(run, law, i)
+    f, g, _, _ = friction_at(law, (gap, rate, slip), end, normal)
+    f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal)
+    f_z, g_z = f, g
+    if state.coupled != 0:
+        law.row[HEAD] = z + dz
+        f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), end, normal)
+    f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
+    if slip == 0.0 and state.parity == EVEN:
+        # What a mirror leaves has no slope there, but at most a kink.
+        g_v = 0.0
+    return f, g, f_v, f_z, g_v, g_z
 
 
 @inner_kernel
@@ -114,25 +146,12 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
     h, system, derivative = state.length, step.system, run.propagator.rule.derivative
     right = NODES if holds else 2 * NODES
     for i in range(NODES):
-        gap, rate, slip, z = step.gap[i], step.gap_rate[i], step.slip[i], step.internal[i]
         if holds:
             for m in range(NODES):
                 system[i, m] = mobility(run, level, i, m)
-            system[i, right] = -slip
+            system[i, right] = -step.slip[i]
             continue
-        # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
-        way = NUDGE if slip >= 0.0 or state.parity == EVEN else -NUDGE
-        dv = _nudge_of(slip, least)
-        dz = way * (abs(z) + LEAST_INTERNAL)
-        normal, end = state.normal.node[i], step.end[i]
-        recall(run, law.memory, i)
-        f, g, _, _ = friction_at(law, (gap, rate, slip), end, normal, z)
-        f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal, z)
-        f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), end, normal, z + dz)
-        f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
-        if slip == 0.0 and state.parity == EVEN:
-            # What a mirror leaves has no slope there, but at most a kink.
-            g_v = 0.0
+        f, g, f_v, f_z, g_v, g_z = _derivatives(run, law, i, least)
         for m in range(NODES):
             s = mobility(run, level, i, m)
             same = 1.0 if m == i else 0.0
@@ -147,7 +166,8 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
     for i in range(NODES):
         change = system[i, right]
         state.friction.node[i] += change
-        step.internal[i] += 0.0 if holds else system[NODES + i, right]
+        if state.coupled != 0 and not holds:
+            step.memory[i, 0] += system[NODES + i, right]
         push_node(run, law.memory, i)
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
     if not holds:
@@ -162,16 +182,17 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
     state, step = run.state, run.step
     for i in range(NODES):
         at = step.gap[i], step.gap_rate[i], step.slip[i]
-        recall(run, law.memory, i)
-        stiffness = friction_at(law, at, step.end[i], state.normal.node[i], 0.0)[3]
-        bound = state.bound.node[i]
-        step.internal[i] = sign * bound / stiffness if stiffness > 0.0 else 0.0
+        recall(run, law, i)
+        law.row[HEAD] = 0.0
+        stiffness = friction_at(law, at, step.end[i], state.normal.node[i])[3]
+        bound = sign * state.bound.node[i] - state.bias.node[i]
+        step.memory[i, 0] = bound / stiffness if stiffness > 0.0 else 0.0
     for i in range(NODES):
         at = step.gap[i], step.gap_rate[i], step.slip[i]
         state.internal_rate.node[i] = _internal_rate(run, i)
         if step.gap[i] < step.end[i]:
-            recall(run, law.memory, i)
-            stretching = friction_at(law, at, step.end[i], state.normal.node[i], step.internal[i])[1]
+            recall(run, law, i)
+            stretching = friction_at(law, at, step.end[i], state.normal.node[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
 
 
@@ -181,10 +202,10 @@ def _spring_at_start(run: Run, law: Law) -> tuple[float, float]:
     state = run.state
     if state.friction_kind != ELASTOPLASTIC:
         return 0.0, 0.0
-    recall_start(run, law.memory)
+    recall_start(run, law)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    end, normal = end_at(law.memory), value_at(state.normal, state.taken / state.length)
-    friction, _, _, stiffness = friction_at(law, (gap, rate, slip), end, normal, state.internal)
+    end, normal = end_at(run, law, law.memory, rate), value_at(state.normal, state.taken / state.length)
+    friction, _, _, stiffness = friction_at(law, (gap, rate, slip), end, normal)
     return friction, stiffness
 
 
@@ -201,7 +222,7 @@ def jump_at_guard(run: Run, law: Law) -> bool:
     jump(run, law, law.memory, state.guard)
     after = _spring_at_start(run, law)[1]
     if after > before:
-        state.internal *= before / after
+        state.memory[0] *= before / after
     return bool(after < before and friction != 0.0 and state.mode == SLIP)
 
 
@@ -219,11 +240,11 @@ def missed_between(run: Run, law: Law, yielding: float) -> float:
     for i in range(NODES - 1):
         x = 0.5 * (nodes[i] + nodes[i + 1])
         gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
-        memory_at(run, law.memory, x * state.length)
-        end = end_at(law.memory)
+        memory_at(run, law, law.memory, x * state.length)
+        end = end_at(run, law, law.memory, rate)
         if gap < end:
-            normal, internal = max(value_at(state.normal, x), 0.0), internal_at(state, x)
-            friction, steepness = friction_and_steepness(law, (gap, rate, slip), end, normal, internal)
+            normal = max(value_at(state.normal, x), 0.0)
+            friction, steepness = friction_and_steepness(law, (gap, rate, slip), end, normal)
             missed = abs(friction - value_at(state.friction, x))
             most = max(most, missed / (1.0 + steepness * yielding))
     return most

@@ -16,10 +16,10 @@ from typing import Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel, merged_kernel
-from contactlab.engine.context import Law, Memory, Records, Run
-from contactlab.engine.loop import run_compliant
-from contactlab.engine.state import INCONSISTENT, NOT_FINITE, RUNNING, TOUCHING, record
+from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.engine.context import HEAD, Impacts, Law, Memory, Records, Run
+from contactlab.engine.hybrid import run_law
+from contactlab.engine.state import BETWEEN, INCONSISTENT, NOT_FINITE, RUNNING, TOUCHING, record
 from contactlab.laws.base import RATE_DEPENDENT, SLIP, STICK
 from contactlab.laws.memory import AT_TOUCH
 
@@ -49,34 +49,32 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 """A record of a history [s], [N], [N], [m]; the forces are means since the one before."""
 
 
-@kernel
-def strike_rigid(contacts: Array, outcomes: Any, parameters: Array, solve: Any) -> None:
-    """Ask a plain multiplier law for every impact: u_n, u_t, D_nn, D_nt, D_tt, shape (impact, 5)."""
-    for i in range(outcomes.size):
-        _strike(contacts[i], outcomes[i], parameters, solve)
+@inner_kernel
+def evaluate_impacts(run: Run, state: Any, impacts: Impacts, law: Law, solve: Any) -> None:
+    """Evaluate `solve` of a rigid law for every impact."""
+    for i in range(impacts.outcomes.size):
+        contact = impacts.contacts[i]
+        for k in range(state.variables):
+            law.row[HEAD + k] = run.step.memory_first[k]
+        _touch(run, state, law, law.memory, contact)
+        _evaluate_one(contact, impacts.outcomes[i], law.parameters, solve)
 
 
-@kernel
-def strike_rigid_with_memory(
-    contacts: Array, outcomes: Any, parameters: Array, row: Array, first: Array, solve: Any, jumps: Any
-) -> None:
-    """Ask a multiplier law that is told more, see `strike_rigid`.
-
-    `first`, shape (2, variable), has the internal variables before the touch-down, and room for those after.
-    """
-    count = first.shape[1]
-    for i in range(outcomes.size):
-        for k in range(count):
-            row[k] = first[0, k]
-        for k in range(count):
-            first[1, k] = jumps(k, AT_TOUCH, 0.0, contacts[i, 0], contacts[i, 1], 0.0, parameters)
-        for k in range(count):
-            row[k] = first[1, k]
-        _strike(contacts[i], outcomes[i], parameters, solve)
+@part_kernel
+def _touch(run: Run, state: Any, law: Law, memory: Memory | None, contact: Array) -> None:
+    """Apply the reset map of a touch-down to the internal variables that are recalled."""
+    if memory is None:
+        return
+    for k in range(state.variables):
+        run.step.memory[BETWEEN, k] = memory.jump(
+            k, AT_TOUCH, 0.0, contact[0], contact[1], 0.0, law.parameters
+        )
+    for k in range(state.variables):
+        law.row[HEAD + k] = run.step.memory[BETWEEN, k]
 
 
 @inner_kernel
-def _strike(contact: Array, outcome: Any, parameters: Array, solve: Any) -> None:
+def _evaluate_one(contact: Array, outcome: Any, parameters: Array, solve: Any) -> None:
     rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
     p_n, p_t, mode = solve(rate, slip, rate, slip, nn, nt, tt, parameters)
     outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
@@ -99,89 +97,42 @@ def _give_up(outcome: Any, ending: int) -> None:
     outcome.peak_normal_force, outcome.max_penetration = np.nan, np.nan
 
 
-@kernel
-def strike_compliant(
+@merged_kernel
+def integrate_impacts(
     run: Run,
     states: Any,
     motions: Array,
-    silent: Records,
     records: Records,
-    contacts: Array,
-    outcomes: Any,
-    histories: Any,
-    parameters: Array,
-    force: Any,
-    friction: Any,
-    solve: Any,
-) -> None:
-    """Let every impact run under a penalty law, see `strike_rigid`.
-
-    The states are a fresh one, and room for that of the impact. Histories, shape (impact, record), may have
-    no record; then `records` are not used, else they have two more, and `silent` none.
-    """
-    law = Law(force, friction, solve, parameters, None)
-    _strike_all(run, states, motions, silent, records, contacts, outcomes, histories, law)
-
-
-@kernel
-def strike_compliant_with_memory(
-    run: Run,
-    states: Any,
-    motions: Array,
-    silent: Records,
-    records: Records,
-    contacts: Array,
-    outcomes: Any,
-    histories: Any,
-    parameters: Array,
-    row: Array,
-    force: Any,
-    friction: Any,
-    solve: Any,
-    rate: Any,
-    guard: Any,
-    jumps: Any,
-    limits: Any,
-    moment: Any,
-) -> None:
-    """Let every impact run under a penalty law that is not plain, see `strike_compliant`."""
-    memory = Memory(rate, guard, jumps, limits, moment, parameters, row)
-    law = Law(force, friction, solve, parameters, memory)
-    _strike_all(run, states, motions, silent, records, contacts, outcomes, histories, law)
-
-
-@inner_kernel
-def _strike_all(
-    run: Run,
-    states: Any,
-    motions: Array,
-    silent: Records,
-    records: Records,
-    contacts: Array,
-    outcomes: Any,
-    histories: Any,
+    impacts: Impacts,
     law: Law,
+    compliant: int,
+    solve: Any,
 ) -> None:
-    count = histories.shape[1]
-    for i in range(outcomes.size):
-        contact, outcome, state = contacts[i], outcomes[i], states[1]
+    """Integrate every impact of a compliant law.
+
+    The states are a fresh one, and room for that of the impact. Histories may have no record; then `records`
+    are not used, else they have two more, and `silent` none.
+    """
+    count = impacts.histories.shape[1]
+    for i in range(impacts.outcomes.size):
+        contact, outcome, state = impacts.contacts[i], impacts.outcomes[i], states[1]
         _set_body(run, contact)
-        unit = _time_scale(run, law, law.memory, contact, states[0].begins)
+        unit = _time_scale(run, law, contact, states[0].begins)
         _set_ladder(run, STEP_SHARE * unit)
         # One pass tells how long the contact lasts, the other one records it.
         for k in range(2 if count > 0 else 1):
             states[1] = states[0]
             state.end = state.window = LONGEST * unit
             _throw(motions, contact, state.begins)
-            written = silent
+            written = Records(impacts.silent, records.traces, records.ends)
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_compliant(run, states[1:], motions, written, law, NO_END)
+            run_law(run, states[1:], motions, written, law, compliant, solve, NO_END)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break
         if count > 0:
-            _keep(records.series, histories[i], outcome, contact, motions)
+            _keep(records.series, impacts.histories[i], outcome, contact, motions)
 
 
 @merged_kernel
@@ -202,13 +153,14 @@ def _rows(contact: Array) -> tuple[float, float, float]:
 
 
 @merged_kernel
-def _time_scale(run: Run, law: Law, memory: Memory | None, contact: Array, begins: float) -> float:
+def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
     """Give a unit of time for an impact [s], from the law's own force.
 
     At the depth d the force at the speed of the approach, times d, is the energy u_n^2 / (2 D_nn) of the
     approach. The unit is sqrt(2 d / (D_nn N)), where N is the largest force down to there, be it a pull.
     """
-    _recall_first(run, memory)
+    for k in range(run.state.variables):
+        law.row[HEAD + k] = run.step.memory_first[k]
     rate, slip, mobility = contact[0], contact[1], contact[2]
     energy, most, before = 0.5 * rate * rate / mobility, 0.0, 0.0
     depth = 0.5**HALVINGS
@@ -225,15 +177,6 @@ def _time_scale(run: Run, law: Law, memory: Memory | None, contact: Array, begin
         most, before = max(most, abs(normal)), work
         depth *= 2.0
     return sqrt(2.0 * depth / (mobility * most)) if 0.0 < most < np.inf else -depth / rate
-
-
-@inner_kernel
-def _recall_first(run: Run, memory: Memory | None) -> None:
-    """Let the law's kernels see the internal variables before any contact."""
-    if memory is None:
-        return
-    for k in range(run.state.variables):
-        memory.row[k] = run.step.memory_first[k]
 
 
 @merged_kernel

@@ -9,14 +9,26 @@ relaxation is no matter of the step; what couples variables is met by the sweeps
 a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
 """
 
+from math import asin
+
 import numpy as np
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.context import Law, Memory, Run
-from contactlab.engine.kinematics import contact_after, contact_at
+from contactlab.engine.context import HEAD, IMPACT, SPIN, STEP, TILT, Law, Memory, Run
+from contactlab.engine.kinematics import contact_after, contact_at, tip_motion
 from contactlab.engine.linear import solve_linear
 from contactlab.engine.propagator import step_length
-from contactlab.engine.state import BETWEEN, COLLOCATED, FLIGHT, HELD, LAST, NODES, START, value_at
+from contactlab.engine.state import (
+    BETWEEN,
+    COLLOCATED,
+    FLIGHT,
+    HELD,
+    LAST,
+    NODES,
+    START,
+    internal_at,
+    value_at,
+)
 from contactlab.laws.base import SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 
@@ -38,52 +50,76 @@ before: a fast exponential decays before the steps are too long for it, to an er
 
 
 @part_kernel
-def recall(run: Run, memory: Memory | None, place: int) -> None:
-    """Let the law's kernels see the internal variables of a place of the step."""
-    if memory is None:
-        return
-    for k in range(run.state.variables):
-        memory.row[k] = run.step.memory[place, k]
+def note_turn(run: Run, place: int, th: float, t_u: float, th_rate: float, rotor: float) -> None:
+    """Note tilt and spin at a place of the step, for laws that read them.
+
+    t_u of the contact's directions is the sine of the angle by which the tangent has turned; th_rate is in
+    rad/s, the rotor's rate -R Omega in m/s.
+    """
+    if run.state.turns != 0:
+        run.step.tilt[place] = th - asin(t_u)
+        run.step.spin[place] = th_rate + rotor / run.plant.geometry.radius
+
+
+@inner_kernel
+def _note_turn_at(run: Run, place: int) -> None:
+    _, th, _, th_rate, rotor = tip_motion(run.plant, place)
+    note_turn(run, place, th, contact_at(run.plant, place)[5], th_rate, rotor)
 
 
 @part_kernel
-def recall_start(run: Run, memory: Memory | None) -> None:
-    """Let them see the internal variables where the step starts."""
-    if memory is None:
-        return
+def note_turn_at(run: Run, place: int) -> None:
+    """Note tilt and spin at a place whose motion is known."""
+    if run.state.turns != 0:
+        _note_turn_at(run, place)
+
+
+@part_kernel
+def recall(run: Run, law: Law, place: int) -> None:
+    """Let the law's kernels read the internal variables, tilt and spin of a place of the step."""
+    for k in range(run.state.variables):
+        law.row[HEAD + k] = run.step.memory[place, k]
+    if run.state.turns != 0:
+        law.row[TILT], law.row[SPIN] = run.step.tilt[place], run.step.spin[place]
+
+
+@part_kernel
+def recall_start(run: Run, law: Law) -> None:
+    """Let the law's kernels read those where the step starts."""
     for k in range(run.state.variables):
         run.step.memory[START, k] = run.state.memory[k]
-        memory.row[k] = run.state.memory[k]
+    note_turn_at(run, START)
+    recall(run, law, START)
 
 
 @part_kernel
-def tell(run: Run, memory: Memory | None) -> None:
-    """Tell a rigid law its memory, the length of its step [s], and whether that is of an impact."""
-    if memory is None:
-        return
-    state = run.state
-    recall_start(run, memory)
-    if state.told != 0:
-        memory.row[state.variables] = state.length
-        memory.row[state.variables + 1] = 1.0 if state.contact.duration == 0.0 else 0.0
+def pass_step(run: Run, law: Law) -> None:
+    """Pass a rigid law its internal variables, the length of its step [s], and whether it is of an impact."""
+    recall_start(run, law)
+    if run.state.told != 0:
+        law.row[STEP] = run.state.length
+        law.row[IMPACT] = 1.0 if run.state.contact.duration == 0.0 else 0.0
 
 
 @part_kernel
 def guess_memory(run: Run, memory: Memory | None) -> None:
-    """Let the internal variables go on from the start at their rates."""
+    """Extrapolate the internal variables from the start at their rates; the coupled one at its own."""
+    state, step, nodes = run.state, run.step, run.propagator.rule.nodes
+    if state.coupled != 0:
+        for i in range(NODES):
+            step.memory[i, 0] = state.memory[0] + nodes[i] * state.length * state.internal_rate.node[i]
     if memory is None:
         return
-    state, step, nodes = run.state, run.step, run.propagator.rule.nodes
-    for k in range(state.variables):
+    for k in range(state.coupled, state.variables):
         for i in range(NODES):
             step.memory[i, k] = state.memory[k] + nodes[i] * state.length * step.memory_rate[k]
 
 
 @inner_kernel
-def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
-    """Take a Newton step of each internal variable over a step of length h; gives the largest correction.
+def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float:
+    """Take a Newton step of each internal variable but the coupled one over a step of length h.
 
-    It is relative to the size of its variable [1].
+    Returns the largest correction, relative to the size of its variable [1].
     """
     if memory is None:
         return 0.0
@@ -91,13 +127,13 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
     derivative = run.propagator.rule.derivative
     flies, sticks = step.kind == FLIGHT, state.mode == STICK
     most = 0.0
-    for k in range(state.variables):
+    for k in range(state.coupled, state.variables):
         if flies and step.memory_lasts[k] == 0.0:
             continue
         first, size, moves = state.memory[k], abs(state.memory[k]), False
         for i in range(NODES):
             z, g_z = step.memory[i, k], 0.0
-            recall(run, memory, i)
+            recall(run, law, i)
             slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
             if slip == 0.0 and state.mode == SLIP and state.friction_kind == SET_VALUED:
                 # Where a slip ends exactly the law must not take it for stick.
@@ -105,11 +141,11 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
             # Of a step that the release cuts, what lies beyond it goes on as at the release.
             gap = min(step.gap[i], step.end[i]) if step.kind == COLLOCATED else step.gap[i]
             rate = step.gap_rate[i]
-            g = memory.rate(k, gap, rate, slip, normal, memory.parameters)
+            g = memory.rate(k, gap, rate, slip, normal, law.parameters)
             dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
             if dz != 0.0:
-                memory.row[k] = z + dz
-                g_z = (memory.rate(k, gap, rate, slip, normal, memory.parameters) - g) / dz
+                law.row[HEAD + k] = z + dz
+                g_z = (memory.rate(k, gap, rate, slip, normal, law.parameters) - g) / dz
             size = max(size, abs(z))
             left = h * g
             for m in range(NODES):
@@ -129,17 +165,17 @@ def correct_memory(run: Run, memory: Memory | None, h: float) -> float:
 
 
 @inner_kernel
-def _memory_at(run: Run, memory: Memory, s: float) -> None:
+def _memory_at(run: Run, law: Law, memory: Memory, s: float) -> None:
     state, step, rule = run.state, run.step, run.propagator.rule
     if step.kind != COLLOCATED:
         gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
-        _relax(run, memory, s, gap, rate, slip)
+        _relax(run, law, memory, s, gap, rate, slip)
     if step.kind != COLLOCATED or s == state.length:
-        for k in range(state.variables):
+        for k in range(state.coupled, state.variables):
             step.memory[BETWEEN, k] = step.memory[LAST, k]
     else:
         x = s / state.length
-        for k in range(state.variables):
+        for k in range(state.coupled, state.variables):
             first, total = state.memory[k], 0.0
             for d in range(NODES - 1, -1, -1):
                 coefficient = 0.0
@@ -150,70 +186,84 @@ def _memory_at(run: Run, memory: Memory, s: float) -> None:
                     coefficient += rate * rule.lagrange[m, d]
                 total = (total + coefficient / (d + 1)) * x
             step.memory[BETWEEN, k] = first + total
-    recall(run, memory, BETWEEN)
 
 
 @part_kernel
-def memory_at(run: Run, memory: Memory | None, s: float) -> None:
-    """Leave the internal variables at time s of the step BETWEEN, recalled."""
+def memory_at(run: Run, law: Law, memory: Memory | None, s: float) -> None:
+    """Leave the internal variables at time s of the step BETWEEN, where its motion stands, recalled."""
     if memory is not None:
-        _memory_at(run, memory, s)
+        _memory_at(run, law, memory, s)
+    if run.state.coupled != 0:
+        run.step.memory[BETWEEN, 0] = run.state.memory[0]
+        if run.step.kind == COLLOCATED:
+            run.step.memory[BETWEEN, 0] = internal_at(run.state, s / run.state.length)
+    note_turn_at(run, BETWEEN)
+    recall(run, law, BETWEEN)
 
 
 @inner_kernel
-def _take_memory(run: Run, memory: Memory, s: float) -> None:
+def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
+    """Integrate over a time s again what an event truncated: it was solved across the event."""
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
-    memory_at(run, memory, s)
-    if step.kind == COLLOCATED and 0.0 < s < state.length:
-        for k in range(state.variables):
-            for i in range(NODES):
-                step.memory[i, k] = state.memory[k] + nodes[i] * (step.memory[BETWEEN, k] - state.memory[k])
+    if step.kind != COLLOCATED or not 0.0 < s < state.length or state.variables == state.coupled:
+        return
+    for k in range(state.coupled, state.variables):
         for i in range(NODES):
-            at = nodes[i] * s
-            step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
-            state.normal.node[i] = value_at(state.normal, at / state.length)
-        _flow_out(run, memory, s)
-        for k in range(state.variables):
-            step.memory[BETWEEN, k] = step.memory[LAST, k]
-    for k in range(state.variables):
-        state.memory[k] = step.memory[BETWEEN, k]
+            step.memory[i, k] = state.memory[k] + nodes[i] * (step.memory[BETWEEN, k] - state.memory[k])
+    for i in range(NODES):
+        at = nodes[i] * s
+        step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
+        state.normal.node[i] = value_at(state.normal, at / state.length)
+        if state.turns != 0:
+            note_turn_at(run, BETWEEN)
+            step.tilt[i], step.spin[i] = step.tilt[BETWEEN], step.spin[BETWEEN]
+    _flow_out(run, law, memory, s)
+    for k in range(state.coupled, state.variables):
+        step.memory[BETWEEN, k] = step.memory[LAST, k]
 
 
 @part_kernel
-def take_memory(run: Run, memory: Memory | None, s: float) -> None:
-    """Leave the state's internal variables at time s, where the step has been cut or ends.
-
-    What an event cuts has been solved through what lies behind it, where a rate may be another: there the
-    flow is solved once more, over what is taken.
-    """
+def take_memory(run: Run, law: Law, memory: Memory | None, s: float) -> None:
+    """Leave the state's internal variables at time s, where the step has been cut or ends."""
+    state = run.state
+    if state.variables == 0:
+        return
+    memory_at(run, law, memory, s)
     if memory is not None:
-        _take_memory(run, memory, s)
+        _flow_again(run, law, memory, s)
+    for k in range(state.variables):
+        state.memory[k] = run.step.memory[BETWEEN, k]
 
 
 @inner_kernel
-def _flow_out(run: Run, memory: Memory, s: float) -> None:
+def _flow_out(run: Run, law: Law, memory: Memory, s: float) -> None:
     """Correct the internal variables over a time s until nothing is left to correct."""
     for _ in range(MOST_CORRECTIONS):
-        if s == 0.0 or correct_memory(run, memory, s) <= FLOWED:
+        if s == 0.0 or correct_memory(run, law, memory, s) <= FLOWED:
             break
 
 
 @inner_kernel
-def _relax(run: Run, memory: Memory, s: float, gap: float, rate: float, slip: float) -> None:
+def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float, slip: float) -> None:
     """Integrate the variables over a time s in which gap [m], gap rate and slip [m/s] are constant."""
     state, step = run.state, run.step
+    if state.variables == state.coupled:
+        for k in range(state.variables):
+            step.memory[LAST, k] = state.memory[k]
+        return
     normal = state.normal.node[0] if step.kind == HELD else 0.0
+    recall_start(run, law)
     for i in range(NODES):
         step.gap[i], step.gap_rate[i], step.slip[i] = gap, rate, slip
+        step.tilt[i], step.spin[i] = step.tilt[START], step.spin[START]
         state.normal.node[i] = normal
         for k in range(state.variables):
             step.memory[i, k] = state.memory[k]
-    recall_start(run, memory)
     left, h = s, s
     if step.kind == FLIGHT:
-        fastest = _fastest_relaxation(run, memory, s, gap, rate, slip)
+        fastest = _fastest_relaxation(run, law, memory, s, gap, rate, slip)
         h = RELAXED / fastest if fastest * s > RELAXED else s
-    _flow_out(run, memory, h)
+    _flow_out(run, law, memory, h)
     while h < left:
         left -= h
         h = min(RELAXED_GROWTH * h, left)
@@ -221,24 +271,26 @@ def _relax(run: Run, memory: Memory, s: float, gap: float, rate: float, slip: fl
             state.memory[k] = step.memory[LAST, k]
             for i in range(NODES):
                 step.memory[i, k] = state.memory[k]
-        _flow_out(run, memory, h)
+        _flow_out(run, law, memory, h)
     for k in range(state.variables):
         state.memory[k] = step.memory[START, k]
 
 
 @inner_kernel
-def _fastest_relaxation(run: Run, memory: Memory, s: float, gap: float, rate: float, slip: float) -> float:
+def _fastest_relaxation(
+    run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float, slip: float
+) -> float:
     """Return the largest derivative of a variable's rate by the variable [1/s], in a flight over s."""
     most = 0.0
-    for k in range(run.state.variables):
+    for k in range(run.state.coupled, run.state.variables):
         if run.step.memory_lasts[k] == 0.0:
             continue
-        z, g = memory.row[k], memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
+        z, g = law.row[HEAD + k], memory.rate(k, gap, rate, slip, 0.0, law.parameters)
         dz = NUDGE * (abs(z) + abs(s * g))
         if dz != 0.0:
-            memory.row[k] = z + dz
-            nudged = memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
-            memory.row[k] = z
+            law.row[HEAD + k] = z + dz
+            nudged = memory.rate(k, gap, rate, slip, 0.0, law.parameters)
+            law.row[HEAD + k] = z
             most = max(most, abs((nudged - g) / dz))
     return float(most)
 
@@ -248,98 +300,121 @@ def note_limit(run: Run, memory: Memory | None) -> None:
     """Note whether the gap at which the next contact begins may move in flight."""
     if memory is None:
         return
-    run.step.limit_moves = 0
-    for k in range(run.state.variables):
+    state = run.state
+    run.step.limit_moves = 1 if state.turns != 0 and state.limited != 0 else 0
+    for k in range(state.coupled, state.variables):
         if run.step.memory_lasts[k] != 0.0:
             run.step.limit_moves = 1
 
 
 @inner_kernel
 def limit_at(
-    run: Run, memory: Memory | None, s: float, gap: float, rate: float, slip: float
+    run: Run, law: Law, memory: Memory | None, place: int, s: float, contact: tuple[float, float, float]
 ) -> tuple[float, float]:
     """Return the gap at which the next contact begins [m] and its rate [m/s], at time s of a flight step.
 
-    The internal variables flow up to s under the gap [m], gap rate and slip [m/s] that there are at s.
+    The internal variables flow up to s under the gap [m], gap rate and slip [m/s] that there are at s, at a
+    place of the step.
     """
     if memory is None or run.step.limit_moves == 0:
         return run.state.begins, 0.0
-    return _limit_at(run, memory, s, gap, rate, slip)
+    return _limit_at(run, law, memory, place, s, contact)
+
+
+@inner_kernel
+def _turning(run: Run, law: Law, place: int, gap: float, slip: float) -> float:
+    """Let the law's kernels read tilt and spin of a place; returns the rate of the tilt [rad/s]."""
+    if run.state.turns == 0:
+        return 0.0
+    note_turn_at(run, place)
+    law.row[TILT], law.row[SPIN] = run.step.tilt[place], run.step.spin[place]
+    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
+    return float(th_rate - (slip - rotor) / (run.plant.geometry.radius + gap))
 
 
 @inner_kernel
 def _limit_at(
-    run: Run, memory: Memory, s: float, gap: float, rate: float, slip: float
+    run: Run, law: Law, memory: Memory, place: int, s: float, contact: tuple[float, float, float]
 ) -> tuple[float, float]:
     state, step = run.state, run.step
-    _relax(run, memory, s, gap, rate, slip)
-    recall(run, memory, LAST)
-    begins = float(memory.limits(memory.parameters)[0])
+    gap, rate, slip = contact
+    _relax(run, law, memory, s, gap, rate, slip)
+    recall(run, law, LAST)
+    turning = _turning(run, law, place, gap, slip)
+    begins = float(memory.limits(rate, law.parameters)[0])
     # The time in which one variable at most changes by a part NUDGE of itself.
-    dt, moves = np.inf, False
-    for k in range(state.variables):
+    dt, moves = np.inf, turning != 0.0
+    if moves:
+        dt = NUDGE * max(abs(step.tilt[place] / turning), step_length(run.propagator, 0))
+    for k in range(state.coupled, state.variables):
         step.memory_rate[k] = 0.0
         if step.memory_lasts[k] != 0.0:
-            step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, memory.parameters)
+            step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, law.parameters)
         if step.memory_rate[k] != 0.0:
             moves = True
-            if memory.row[k] != 0.0:
-                dt = min(dt, NUDGE * abs(memory.row[k] / step.memory_rate[k]))
+            if law.row[HEAD + k] != 0.0:
+                dt = min(dt, NUDGE * abs(law.row[HEAD + k] / step.memory_rate[k]))
     if not moves:
-        return begins, 0.0
+        return min(begins, state.left), 0.0
     if dt == np.inf:
         dt = NUDGE * step_length(run.propagator, 0)
-    for k in range(state.variables):
-        memory.row[k] += dt * step.memory_rate[k]
-    return begins, float((memory.limits(memory.parameters)[0] - begins) / dt)
+    for k in range(state.coupled, state.variables):
+        law.row[HEAD + k] += dt * step.memory_rate[k]
+    law.row[TILT] += dt * turning
+    after = memory.limits(rate, law.parameters)[0]
+    if state.left < begins:
+        return state.left, 0.0
+    return begins, float((after - begins) / dt)
 
 
 @part_kernel
-def end_at(memory: Memory | None) -> float:
-    """Give the gap at which the contact ends with the internal variables that are recalled [m]."""
-    if memory is None:
+def end_at(run: Run, law: Law, memory: Memory | None, rate: float) -> float:
+    """Return the gap at which the contact ends at a gap rate [m/s], of what is recalled [m]."""
+    if memory is None or run.state.limited == 0:
         return 0.0
-    return float(memory.limits(memory.parameters)[1])
+    return float(memory.limits(rate, law.parameters)[1])
 
 
 @inner_kernel
 def open_step(
-    run: Run, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
+    run: Run, law: Law, memory: Memory | None, gap: float, gap_rate: float, slip: float, normal: float
 ) -> None:
     """Take the rates of the internal variables at the start of a step."""
     if memory is None:
         return
-    recall_start(run, memory)
-    for k in range(run.state.variables):
-        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, memory.parameters)
+    recall_start(run, law)
+    for k in range(run.state.coupled, run.state.variables):
+        run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, law.parameters)
 
 
 @inner_kernel
-def guard_at(run: Run, memory: Memory | None, s: float) -> float:
-    """Give the guard that is looked at, at time s of a collocated step."""
+def guard_at(run: Run, law: Law, memory: Memory | None, s: float) -> float:
+    """Return the guard that is looked at, at time s of a collocated step."""
     if memory is None:
         return 1.0
     state = run.state
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
-    memory_at(run, memory, s)
+    memory_at(run, law, memory, s)
     normal = value_at(state.normal, s / state.length)
     slip = 0.0 if state.mode == STICK else slip
-    return float(memory.guard(state.guard, gap, rate, slip, normal, memory.parameters))
+    return float(memory.guard(state.guard, gap, rate, slip, normal, law.parameters))
 
 
 @inner_kernel
 def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
-    """Give what the law stores where a contact with the recalled variables would begin [J]."""
+    """Return what the law stores where a contact with the recalled variables would begin [J]."""
     if run.state.compliant == 0:
         return 0.0
-    begins = memory.limits(memory.parameters)[0]
-    return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[2])
+    begins = memory.limits(0.0, law.parameters)[0]
+    return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[3])
 
 
 @part_kernel
 def stored_apart(run: Run, law: Law, memory: Memory | None) -> float:
     """Return what the contacts so far have left stored in flight [J]; of the recalled variables."""
-    if memory is None or run.state.variables == 0 or run.state.touchdowns == 0:
+    if memory is None:
+        return float(run.state.apart)
+    if run.state.variables == run.state.coupled or run.state.touchdowns == 0:
         return float(run.state.apart)
     return _stored_apart(run, law, memory)
 
@@ -349,27 +424,27 @@ def _jump(run: Run, law: Law, memory: Memory, event: int) -> None:
     state = run.state
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     slip = 0.0 if state.mode == STICK else slip
-    recall_start(run, memory)
+    recall_start(run, law)
     normal, stored = state.normal.node[0], 0.0
     if state.compliant != 0:
-        gap = min(gap, end_at(memory))
-        normal, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+        gap = min(gap, end_at(run, law, memory, rate))
+        normal, _, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         stored = state.apart if event == AT_TOUCH else before
-    for k in range(state.variables):
-        state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, memory.parameters)
-    recall_start(run, memory)
+    for k in range(state.coupled, state.variables):
+        state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, law.parameters)
+    recall_start(run, law)
     if event == AT_RELEASE:
         state.apart = _stored_apart(run, law, memory)
         stored -= state.apart
     elif state.compliant != 0:
-        stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[2]
+        stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
     state.total.contact_loss += stored
     state.contact.energy_loss += stored
 
 
 @part_kernel
 def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
-    """Let the internal variables jump at an event where the step starts; what is stored less is lost.
+    """Apply the law's reset map at an event where the step starts; stored energy that is gone is lost.
 
     What stays stored while apart is that where the next contact would begin.
     """
@@ -377,38 +452,59 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
         _jump(run, law, memory, event)
 
 
-@inner_kernel
-def _leave(run: Run, law: Law, memory: Memory) -> None:
-    state, step = run.state, run.step
-    if state.variables == 0:
+@part_kernel
+def note_release(run: Run, law: Law, memory: Memory | None) -> None:
+    """Note the gap of a release below the gap at which the next contact would begin."""
+    if memory is None or run.state.limited == 0:
         return
+    gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
+    recall_start(run, law)
+    begins, ends = memory.limits(rate, law.parameters)
+    run.state.left = gap if ends < begins and gap < begins else np.inf
+
+
+@inner_kernel
+def _is_clear(run: Run, law: Law, memory: Memory | None) -> bool:
+    """Set where the next contact begins; returns whether the gap is clear of where a first one would.
+
+    The variables of a first contact stand BETWEEN.
+    """
+    if memory is None or run.state.limited == 0:
+        return True
+    state = run.state
+    gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
+    recall_start(run, law)
+    begins = min(memory.limits(rate, law.parameters)[0], state.left)
+    for k in range(state.variables):
+        law.row[HEAD + k] = run.step.memory[BETWEEN, k]
+    anew = memory.limits(rate, law.parameters)[0]
+    if anew <= begins or gap > anew:
+        state.begins, state.kept, state.left = anew, 0, np.inf
+        return True
+    state.begins, state.kept = begins, 1
+    return False
+
+
+@inner_kernel
+def leave(run: Run, law: Law, memory: Memory | None) -> None:
+    """Set where the next contact begins, after a release or a step of flight.
+
+    Variables of the contact are reset once the gap is clear of where a first contact would begin; until then
+    the last one puts off the next. What is stored while apart is lost as it goes, by the contact before.
+    """
+    state, step = run.state, run.step
     for k in range(state.variables):
         lasts = step.memory_lasts[k] != 0.0
         step.memory[BETWEEN, k] = state.memory[k] if lasts else step.memory_first[k]
-    recall_start(run, memory)
-    begins = memory.limits(memory.parameters)[0]
-    recall(run, memory, BETWEEN)
-    anew = memory.limits(memory.parameters)[0]
-    state.begins, state.kept = begins, 1
-    if anew <= begins or contact_at(run.plant, START)[0] > anew:
+    if _is_clear(run, law, memory):
         for k in range(state.variables):
             state.memory[k] = step.memory[BETWEEN, k]
-        state.begins, state.kept = anew, 0
-    recall_start(run, memory)
+    if memory is None or state.variables == state.coupled:
+        return
+    recall_start(run, law)
     stored = stored_apart(run, law, memory)
     state.total.contact_loss += state.apart - stored
     if state.stored > 0:
         # It was stored in the contact before.
         run.step.contacts[state.stored - 1].energy_loss += state.apart - stored
     state.apart = stored
-
-
-@part_kernel
-def leave(run: Run, law: Law, memory: Memory | None) -> None:
-    """Set where the next contact begins, after a release or a step of flight.
-
-    What lives for a contact is forgotten once the gap is clear of where a first contact would begin; until
-    then it puts off the next one. What is stored while apart is lost as it goes, by the contact before.
-    """
-    if memory is not None:
-        _leave(run, law, memory)

@@ -5,56 +5,40 @@ the tip as M_t - M_t/|d| along the tangent, and not on the rotor: the pressure i
 against the spin thdot - Omega turns tip and rotor against each other.
 """
 
-from math import asin
-
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_at, tip_motion
+from contactlab.engine.memory import recall_start
 from contactlab.engine.state import START, fit, value_at
 
 
 @inner_kernel
 def moments_at(
-    run: Run, memory: Memory | None, gap: float, normal: float, turn: tuple[float, float, float, float]
+    run: Run, law: Law, memory: Memory | None, gap: float, normal: float
 ) -> tuple[float, float, float]:
-    """Give the moments against tilt and spin [N m] and what they store [J]; of what is recalled.
-
-    `turn` is the tip's slope th [rad], t_u of the contact's directions, which is the sine of the angle by
-    which the tangent has turned, thdot [rad/s] and -R Omega [m/s].
-    """
-    if memory is None:
+    """Return the moments against tilt and spin [N m] and what they store [J]; of what is recalled."""
+    if memory is None or run.state.moments == 0:
         return 0.0, 0.0, 0.0
-    th, t_u, th_rate, rotor = turn
-    spin = th_rate + rotor / run.plant.geometry.radius
-    tilting, spinning, stored = memory.moment(th - asin(t_u), spin, gap, normal, memory.parameters)
+    tilting, spinning, stored = memory.moment(gap, normal, law.parameters)
     return tilting, spinning, stored
 
 
 @part_kernel
-def first_moments(run: Run, memory: Memory | None, gap: float, normal: float) -> None:
-    """Take the moments at the start of a step, whose internal variables are recalled."""
-    if memory is None:
+def first_moments(run: Run, law: Law, memory: Memory | None, gap: float, normal: float) -> None:
+    """Take the moments at the start of a step, which is recalled."""
+    if memory is None or run.state.moments == 0:
         return
-    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
-    t_u = contact_at(run.plant, START)[5]
-    moments = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))
+    moments = moments_at(run, law, memory, gap, normal)
     run.step.first_tilting, run.step.first_spinning = moments[0], moments[1]
 
 
 @part_kernel
-def set_moments(
-    run: Run,
-    memory: Memory | None,
-    i: int,
-    gap: float,
-    normal: float,
-    turn: tuple[float, float, float, float],
-) -> float:
-    """Set the moments at node i, see `moments_at`; gives their change as a force on the rotor [N]."""
-    if memory is None:
+def set_moments(run: Run, law: Law, memory: Memory | None, i: int, gap: float, normal: float) -> float:
+    """Set the moments at node i, see `moments_at`; returns their change as a force on the rotor [N]."""
+    if memory is None or run.state.moments == 0:
         return 0.0
     step = run.step
-    tilting, spinning, _ = moments_at(run, memory, gap, normal, turn)
+    tilting, spinning, _ = moments_at(run, law, memory, gap, normal)
     change = abs(tilting - step.tilting.node[i]) + abs(spinning - step.spinning.node[i])
     step.tilting.node[i], step.spinning.node[i] = tilting, spinning
     return float(change / run.plant.geometry.radius)
@@ -63,7 +47,7 @@ def set_moments(
 @part_kernel
 def push_moments(run: Run, memory: Memory | None, i: int) -> None:
     """Add the moments of node i to its generalised forces."""
-    if memory is None:
+    if memory is None or run.state.moments == 0:
         return
     step, radius = run.step, run.plant.geometry.radius
     tilting, spinning = step.tilting.node[i], step.spinning.node[i]
@@ -78,7 +62,7 @@ def push_moments(run: Run, memory: Memory | None, i: int) -> None:
 @part_kernel
 def fit_moments(run: Run, memory: Memory | None) -> None:
     """Lay the polynomials of the moments through their nodes."""
-    if memory is None:
+    if memory is None or run.state.moments == 0:
         return
     fit(run.propagator.rule, run.step.tilting)
     fit(run.propagator.rule, run.step.spinning)
@@ -87,7 +71,7 @@ def fit_moments(run: Run, memory: Memory | None) -> None:
 @part_kernel
 def missed_moments(run: Run, memory: Memory | None) -> float:
     """Give what the moments' polynomials miss of them at the step's start, as a force on the rotor [N]."""
-    if memory is None:
+    if memory is None or run.state.moments == 0:
         return 0.0
     step = run.step
     tilting = abs(step.tilting.coefficient[0] - step.first_tilting)
@@ -97,8 +81,8 @@ def missed_moments(run: Run, memory: Memory | None) -> float:
 
 @part_kernel
 def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
-    """Give the power of the moments at a place of the step, at x = s/h [W]."""
-    if memory is None:
+    """Return the power of the moments at a place of the step, at x = s/h [W]."""
+    if memory is None or run.state.moments == 0:
         return 0.0
     _, _, _, th_rate, rotor = tip_motion(run.plant, place)
     gap, _, slip, _, _, _, _ = contact_at(run.plant, place)
@@ -114,10 +98,10 @@ def press(run: Run, law: Law, memory: Memory | None) -> None:
     if memory is None:
         return
     state = run.state
-    _, th, _, th_rate, rotor = tip_motion(run.plant, START)
-    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, START)
-    normal, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
-    turned = moments_at(run, memory, gap, normal, (th, t_u, th_rate, rotor))[2]
+    recall_start(run, law)
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    normal, _, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    turned = moments_at(run, law, memory, gap, normal)[2]
     state.total.contact_loss += pressed
     state.total.friction_loss += turned
     state.contact.energy_loss += pressed + turned

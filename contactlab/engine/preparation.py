@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
-from typing import Any, Final, NamedTuple, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
 
@@ -16,16 +16,17 @@ from contactlab.engine.arguments import (
     default_contact_step,
     memory_mark,
 )
+from contactlab.engine.binding import FORCE, LIMITS, Bound, bind, row_of
 from contactlab.engine.callback import law_errors
-from contactlab.engine.context import Records, Run
+from contactlab.engine.context import HEAD, Impacts, Records, Run
 from contactlab.engine.explanation import explain
-from contactlab.engine.law_kernels import IDLE, kernels_of
-from contactlab.engine.loop import TOUCH_REFINEMENT, loop_for
+from contactlab.engine.hybrid import TOUCH_REFINEMENT
+from contactlab.engine.loop import advance, prepare_loop
 from contactlab.engine.plant import Plant, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import GUARDS, check_answers, check_words, guarded, is_plain, memory_size, row_of
+from contactlab.laws.intake import CANARIES, check_answers, check_words, guarded
 from contactlab.laws.memory import ODD
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
@@ -39,12 +40,6 @@ ON_GRID = 1e-6
 
 _sound: deque[object] = deque(maxlen=64)
 """What the last laws that were taken in are made of: they answered as a law must."""
-
-LIMITS: Final = tuple(IDLE).index("limits")
-"""Where the kernel of limits is among a law's."""
-
-FORCE: Final = tuple(IDLE).index("force")
-"""Where the kernel of a penalty law's force is."""
 
 _workspace = Workspace()
 """Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
@@ -63,16 +58,16 @@ class Prepared(NamedTuple):
     tolerance: float
     plant: Plant
     propagator: Propagator
-    kernels: tuple[Any, ...]
+    bound: Bound
     parameters: Array
-    memory: Array
-    """The part of the parameters that is the law's memory, as `Law` has it."""
+    row: Array
+    """The same memory as the parameters, writable."""
     errors: LawErrors
 
     def run_of(self, state: Any) -> Run:
         """Give the context of a run in a state."""
         run = Run(self.plant, self.propagator, state, one(STEP))
-        for k, variable in enumerate(self.law.remembered):
+        for k, variable in enumerate(self.law.internal_variables):
             run.step["memory_first"][k] = variable.initial
             run.step["memory_lasts"][k] = variable.life == "run"
         return run
@@ -81,18 +76,32 @@ class Prepared(NamedTuple):
         """Give room for so many records of a run, and for its contacts."""
         return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables))
 
-    def advance(self, run: Run, states: Any, motions: Array, records: Records, budget: int) -> None:
+    def prepare_loop(self, run: Run, impacts: Impacts | None = None) -> None:
+        """Compile the loop for a run or for impacts, or load its code."""
+        motions = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
+        prepare_loop(self.bound, run, *motions, impacts)
+
+    def advance(
+        self,
+        run: Run,
+        states: Any,
+        motions: Array,
+        records: Records,
+        budget: int,
+        impacts: Impacts | None = None,
+    ) -> None:
         """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
-        loop = loop_for(self.law, run)
+        self.prepare_loop(run, impacts)
         with self.errors():
-            rows = (self.parameters,) if is_plain(self.law) else (self.parameters, self.memory)
-            loop(run, states, motions, records, *rows, budget, *self.kernels)
+            rows = self.parameters, self.row
+            marks = budget if impacts is None else None, 1 if self.bound.kernels[2] is None else None
+            advance(run, states, motions, records, impacts, *rows, *marks, *self.bound.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
-        """Give the ending of a run that stopped by itself, and a sentence on it."""
+        """Return the ending of a run that stopped by itself, and a sentence on it."""
         self._recall(run.state)
         with self.errors():
-            return explain(run, self.kernels, self.parameters, self.contact_step)
+            return explain(run, self.bound.kernels, self.parameters, self.contact_step)
 
     def begin_with(self, state: Any, memory: Array | None) -> None:
         """Set the internal variables whose life is the run, in a state in free flight that `set_up` made.
@@ -102,24 +111,20 @@ class Prepared(NamedTuple):
         """
         if memory is None:
             return
-        own = 1 if self.law.friction_variable else 0
         lasting = [i for i, each in enumerate(self.law.internal_variables) if each.life == "run"]
         for i, value in zip(lasting, memory, strict=True):
-            if i < own:
-                state["internal"] = value
-            else:
-                state["memory"][i - own] = value
+            state["memory"][i] = value
         self._recall(state)
-        if lasting and not is_plain(self.law):
+        if lasting and self.bound.kernels[LIMITS] is not None:
             with self.errors():
-                state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
+                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
                 if isinstance(self.law, PenaltyLaw):
                     gap = float(state["begins"])
-                    state["apart"] = float(self.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[2])
+                    state["apart"] = float(self.bound.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
 
     def _recall(self, state: Any) -> None:
-        count = len(self.law.remembered)
-        self.memory[:count] = state["memory"][:count]
+        count = len(self.law.internal_variables)
+        self.row[HEAD : HEAD + count] = state["memory"][:count]
 
     def set_up(self, state: Any, interval: float) -> None:
         """Set clock, grid of records, ladder, pace and what the kernels know of a law beside its own.
@@ -141,27 +146,31 @@ class Prepared(NamedTuple):
             state["longest"], state["contact_level"] = rule.longest, rule.contact_level
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
         self._set_memory(state)
+        state["coupled"] = state["moments"] = 0
         if isinstance(law, PenaltyLaw):
-            own = law.friction_variable
-            state["friction_kind"], state["parity"] = law.friction_kind, own.parity if own else ODD
+            state["friction_kind"], state["coupled"] = law.friction_kind, law.coupled
+            state["parity"] = law.internal_variables[0].parity if law.coupled else ODD
+            state["moments"] = law.moment is not None
         if isinstance(law, MultiplierLaw):
-            state["projects"], state["told"] = law.projects, law.told
+            state["projects"] = law.projects
+        state["told"] = not self.bound.seen.isdisjoint(("step", "impact"))
+        state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
+        state["limited"] = law.limits is not None
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
 
     def _set_memory(self, state: Any) -> None:
         """Let what is remembered go on, or begin where it is another law's."""
-        law, own = self.law, self.law.friction_variable
-        state["variables"], state["guards"] = len(law.remembered), law.guards
-        state["first_internal"], state["lasts"] = (own.initial, own.life == "run") if own else (0.0, 0)
+        law = self.law
+        state["variables"], state["guards"] = len(law.internal_variables), law.guards
         if state["memory_of"] != (whose := memory_mark(law)):
-            state["memory_of"], state["kept"], state["internal"] = whose, 0, state["first_internal"]
-            state["memory"][: len(law.remembered)] = [one.initial for one in law.remembered]
+            state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
+            state["memory"][: len(law.internal_variables)] = [one.initial for one in law.internal_variables]
         self._recall(state)
-        if not state["kept"] and not is_plain(law):
+        if not state["kept"] and self.bound.kernels[LIMITS] is not None:
             with self.errors():
-                state["begins"] = float(self.kernels[LIMITS](self.parameters)[0])
+                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
 
 
 def prepared(
@@ -178,18 +187,18 @@ def prepared(
     if contact_step is None:
         contact_step = default_contact_step(motor.modes, law)
     check_numbers(law, duration, interval, contact_step, tolerance)
-    parameters, memory, kernels, errors = take_in(law)
+    parameters, row, bound, errors = take_in(law)
     plant = plant_of(motor)
     check_rates(plant, duration)
     exact = isinstance(law, MultiplierLaw)
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    made = plant, propagator, kernels, parameters, memory, errors
+    made = plant, propagator, bound, parameters, row, errors
     return Prepared(law, duration, contact_step, tolerance, *made)
 
 
-def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, tuple[Any, ...], LawErrors]:
-    """Give what a law's kernels read, between guards, its part that is memory, and the kernels.
+def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:
+    """Return a law's row between canaries, read-only and writable, and its bound kernels.
 
     Its answers are looked at for every new set of parameters, or `once` for all that have the same kernels.
 
@@ -199,20 +208,20 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, tuple[An
     with law_errors(law.name):
         check_words(law)
         parameters = row_of(law)
-    kernels, callbacks = kernels_of(law)
-    errors = partial(law_errors, law.name, *callbacks)
+    bound = bind(law)
+    errors = partial(law_errors, law.name, *bound.callbacks)
     friction = law.friction_kind if isinstance(law, PenaltyLaw) else None
     values = parameters.size if once else parameters.tobytes()
-    made_of = kernels, values, friction, tuple(law.violations)
+    made_of = bound.kernels, values, friction, tuple(law.violations)
     # Interpreted functions may have changed since.
-    if callbacks or made_of not in _sound:
+    if bound.callbacks or made_of not in _sound:
         with errors():
-            check_answers(law, parameters, *kernels)
+            check_answers(law, parameters, *bound.kernels)
         _sound.append(made_of)
     # What the law may only read, the engine writes.
     row = guarded(parameters)
     memory: Any = row.base
-    return row, memory[GUARDS : GUARDS + memory_size(law)], kernels, errors
+    return row, memory[CANARIES:-CANARIES], bound, errors
 
 
 def phase_at(gap: float, rate: float) -> int:
@@ -235,5 +244,5 @@ def overlap_at(gap: float, law: ContactLaw) -> str:
 def fresh_state() -> Any:
     """Give the state of a run at t = 0, whose phase is not set yet."""
     # A first step continues a polynomial of zeros, of some length.
-    unknown = {"least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
+    unknown = {"left": np.inf, "least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
     return one(STATE, length=1.0, **unknown)

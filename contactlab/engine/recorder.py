@@ -36,7 +36,6 @@ from contactlab.engine.state import (
     NODES,
     STALLED,
     START,
-    internal_at,
     value_at,
 )
 from contactlab.laws.base import FREE, SET_VALUED, STICK
@@ -58,7 +57,7 @@ Terms = tuple[float, float, float, float, float, float, float]
 @part_kernel
 def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
-    state, step, plant = run.state, run.step, run.plant
+    state, plant = run.state, run.plant
     s = state.taken
     whole = s == state.length
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, whole)
@@ -93,9 +92,7 @@ def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
         row.friction_impulse += p_t
         row.energy_loss += friction + contact
     state.time = now
-    if step.kind == COLLOCATED and state.friction_kind != SET_VALUED:
-        state.internal = internal_at(state, s / state.length)
-    take_memory(run, law.memory, s)
+    take_memory(run, law, law.memory, s)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
@@ -108,19 +105,18 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     """Write the next record, at time s of the step, and leave the state there BETWEEN."""
     state, lengths, total = run.state, run.plant.geometry, run.state.total
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
-    u, th, _, th_rate, rotor = tip_motion(run.plant, BETWEEN)
-    gap, rate, slip, _, _, t_u, _ = contact_at(run.plant, BETWEEN)
-    memory_at(run, law.memory, s)
-    stored, held, internal = 0.0, 0.0, state.internal
+    u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
+    memory_at(run, law, law.memory, s)
+    stored, held = 0.0, 0.0
     if state.mode == FREE:
         stored = stored_apart(run, law, law.memory)
         contact += state.apart - stored
-    if run.step.kind == COLLOCATED and gap < end_at(law.memory):
-        normal, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    if run.step.kind == COLLOCATED and gap < end_at(run, law, law.memory, rate):
+        normal, _, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
-            internal = internal_at(state, s / state.length)
-            held = law.friction(gap, rate, slip, normal, internal, law.parameters)[2]
-        held += moments_at(run, law.memory, gap, normal, (th, t_u, th_rate, rotor))[2]
+            held = law.friction(gap, rate, slip, normal, law.parameters)[2]
+        held += moments_at(run, law, law.memory, gap, normal)[2]
     angle = 0.0
     for j in range(run.plant.mode_count):
         angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
@@ -141,9 +137,8 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     row.load_work = total.load_work + load
     row.contact_mode = state.mode
     state.held_energy = held
-    own = traces.shape[1] - state.variables
-    for k in range(traces.shape[1]):
-        traces[state.recorded, k] = run.step.memory[BETWEEN, k - own] if k >= own else internal
+    for k in range(state.variables):
+        traces[state.recorded, k] = run.step.memory[BETWEEN, k]
     state.recorded += 1
 
 
@@ -193,11 +188,11 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
                 loss = -normal * rate
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
-                memory_at(run, law.memory, at)
+                memory_at(run, law, law.memory, at)
                 # Where the step was cut at the release, its last node may be clear of it by round-off.
                 loss = 0.0
-                if gap < end_at(law.memory):
-                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
+                if gap < end_at(run, law, law.memory, rate):
+                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[4]
         friction -= weight * tangential * slip
         friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss

@@ -19,7 +19,7 @@ from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import add_held, checked, contact_at, free_response, rates_in_frame
-from contactlab.engine.memory import tell
+from contactlab.engine.memory import pass_step
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
@@ -144,7 +144,7 @@ def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Ans
         nt += mobility * normal * tangential
         tt += mobility * tangential * tangential
     normal_rate, tangential_rate = rates_in_frame(run, LAST)
-    tell(run, law.memory)
+    pass_step(run, law)
     p_n, p_t, friction_mode = law.solve(
         normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, law.parameters
     )

@@ -6,6 +6,7 @@ from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at
 from contactlab.engine.state import (
+    BETWEEN,
     CONE,
     GUARD,
     NODES,
@@ -14,7 +15,6 @@ from contactlab.engine.state import (
     RELEASE,
     REVERSAL,
     TOUCH,
-    internal_at,
     largest,
     slope_at,
     value_at,
@@ -37,24 +37,24 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     state = run.state
     x = s / state.length
     if event == CONE:
-        return value_at(state.bound, x) - abs(value_at(state.friction, x))
+        return value_at(state.bound, x) - abs(value_at(state.friction, x) - value_at(state.bias, x))
     if event == PEAK:
         return slope_at(state.normal, x)
     if event == GUARD:
-        return float(guard_at(run, law.memory, s))
+        return float(guard_at(run, law, law.memory, s))
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
     if event == TOUCH:
-        return float(gap - limit_at(run, law.memory, s, gap, rate, slip)[0])
-    memory_at(run, law.memory, s)
-    end = end_at(law.memory)
+        return float(gap - limit_at(run, law, law.memory, BETWEEN, s, (gap, rate, slip))[0])
+    memory_at(run, law, law.memory, s)
+    end = end_at(run, law, law.memory, rate)
     if event == RELEASE:
         return float(gap - end)
     if state.friction_kind == SET_VALUED or gap >= end:
         return slip
     normal = max(value_at(state.normal, x), 0.0)
-    stretching = friction_at(law, (gap, rate, slip), end, normal, internal_at(state, x))[1]
+    stretching = friction_at(law, (gap, rate, slip), end, normal)[1]
     return stretching - value_at(state.internal_rate, x)
 
 
@@ -111,7 +111,7 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
         for event in (CONE, REVERSAL, SUMMIT, RELEASE):
             if event == CONE:
                 ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
-                happened = sticks and abs(state.friction.node[i]) > ceiling
+                happened = sticks and abs(state.friction.node[i] - state.bias.node[i]) > ceiling
             elif event == REVERSAL:
                 happened = slides and state.sign * step.sliding[i] < 0.0
             elif event == SUMMIT:
@@ -145,10 +145,10 @@ def first_guard(run: Run, law: Law, memory: Memory | None, event: int, s: float)
     state, chosen = run.state, run.state.guard
     for guard in range(state.guards):
         state.guard = guard
-        left, before = 0.0, guard_at(run, memory, 0.0)
+        left, before = 0.0, guard_at(run, law, memory, 0.0)
         for i in range(NODES):
             right = min(run.propagator.rule.nodes[i] * state.length, s)
-            now = guard_at(run, memory, right)
+            now = guard_at(run, law, memory, right)
             if now < 0.0:
                 at = locate(run, law, GUARD, left, right, 0.0) if before > 0.0 else left
                 if event != GUARD or at < s:

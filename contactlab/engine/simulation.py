@@ -10,7 +10,6 @@ from contactlab.engine.arguments import check_start
 from contactlab.engine.context import Run
 from contactlab.engine.explanation import balanced
 from contactlab.engine.kinematics import contact_from
-from contactlab.engine.loop import loop_for
 from contactlab.engine.plant import Plant, modes_of
 from contactlab.engine.preparation import ON_GRID, fresh_state, overlap_at, phase_at, prepared
 from contactlab.engine.recorder import take_series
@@ -89,7 +88,7 @@ def simulate(
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
     records = ready.records(intervals + 1, run)
-    loop_for(law, run)
+    ready.prepare_loop(run)
 
     if progress is not None:
         progress(0.0)
@@ -184,8 +183,7 @@ def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
 
 def memory_of(state: Any, law: ContactLaw) -> Array:
     """Give the law's internal variables in a state, shape (variable,)."""
-    own = [state["internal"]] if law.friction_variable else []
-    return np.append(own, state["memory"][: len(law.remembered)])
+    return np.array(state["memory"][: len(law.internal_variables)])
 
 
 def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:

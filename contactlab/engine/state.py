@@ -78,18 +78,17 @@ SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for ea
 """A record of the series; the forces are impulses since the start until the run is read."""
 
 STATE: Final = record(
-    # Forces of the last step [N], of which the next begins its guess, and the rate of the friction's
-    # internal variable; the contact that goes on; the ledger since t = 0.
-    *((name, FORCE) for name in ("normal", "friction", "bound", "internal_rate")),
+    # Forces of the last step [N], of which the next begins its guess: friction lies within `bound` of `bias`;
+    # the rate of the coupled internal variable; the contact that goes on; the ledger since t = 0.
+    *((name, FORCE) for name in ("normal", "friction", "bound", "bias", "internal_rate")),
     ("contact", CONTACT),
     ("total", LEDGER),
     ("memory", float, MOST_VARIABLES),  # internal variables of the law, see `contactlab.laws.memory`
     real="time end interval origin "  # [s]; records lie at origin + (first + i) interval
     "window window_start tolerance "  # of the pace [s]; of a compliant step [1]
     "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
-    "impact_speed internal "  # with which the contact began [m/s]; variable of the friction
-    "first_internal begins apart "  # its value at first; gap at which the next contact begins [m]; what the
-    # law stores while apart [J]
+    "impact_speed begins left apart "  # with which the contact began [m/s]; gap at which the next contact
+    # begins, and at which the last one ended if below that [m]; what the law stores while apart [J]
     "normal_before friction_before "  # of a rigid contact [N]
     "held_energy "  # what a spring of the friction holds at the last record [J]
     "initial_energy least_open most_open "  # at t = 0; what the ledger's terms left so far [J]
@@ -101,8 +100,9 @@ STATE: Final = record(
     "level level_before contact_level "  # of the next step, of the one before and of the contact step
     "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
     "most_steps steps_before "  # in contact in a window, and those taken before it
-    "projects compliant friction_kind parity told variables guards lasts "  # of the law;
-    # the last: whether the variable of the friction has the life of the run
+    "projects compliant friction_kind parity variables coupled guards "  # of the law; whether the first
+    # variable is solved together with the friction
+    "told turns limited moments "  # whether it reads step or impact, tilt or spin; has limits, moments
     "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
     # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
 )
@@ -114,7 +114,8 @@ STEP: Final = record(
     *((name, FORCE) for name in ("push_u", "push_th", "push_r", "tilting", "spinning")),
     # The contact at the nodes [m, m/s, W]; `end` is the gap at which it ends; `sliding` is what must keep its
     # sign in slip: the slip, less what a spring of the friction takes of it [m/s].
-    *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "internal", "end")),
+    *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "end")),
+    *((n, float, PLACES) for n in ("tilt", "spin")),
     # The law's internal variables, their rates at the start, their first values, and whose life is the run.
     ("memory", float, (PLACES, MOST_VARIABLES)),
     *((n, float, MOST_VARIABLES) for n in ("memory_rate", "memory_first", "memory_lasts")),
@@ -174,11 +175,11 @@ def slope_at(force: Any, x: float) -> float:
 
 @inner_kernel
 def internal_at(state: Any, x: float) -> float:
-    """Give the friction's internal variable at x = s/h."""
+    """Return the coupled internal variable at x = s/h."""
     total = 0.0
     for d in range(NODES - 1, -1, -1):
         total = (total + state.internal_rate.coefficient[d] / (d + 1)) * x
-    return float(state.internal + state.length * total)
+    return float(state.memory[0] + state.length * total)
 
 
 @inner_kernel

@@ -3,38 +3,22 @@
 from functools import cache
 from typing import Any, Final, NamedTuple, final
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.compiled import INTERPRETED
 from contactlab.engine.arguments import check_law, check_tolerance
-from contactlab.engine.context import Run
-from contactlab.engine.impact import (
-    MOMENT,
-    OUTCOME,
-    WAY,
-    strike_compliant,
-    strike_compliant_with_memory,
-    strike_rigid,
-    strike_rigid_with_memory,
-)
-from contactlab.engine.law_kernels import IDLE
-from contactlab.engine.loop import compiled_for
+from contactlab.engine.context import Impacts, Run
+from contactlab.engine.impact import MOMENT, OUTCOME, WAY
 from contactlab.engine.plant import MODES, TONES, Plant, plant_record
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, Prepared, fresh_state, take_in
 from contactlab.engine.propagator import Propagator, Workspace
-from contactlab.engine.rows import SIGNATURES
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, one
 from contactlab.laws.base import ContactLaw, MultiplierLaw
-from contactlab.laws.intake import is_plain
 from contactlab.trajectory import Ending
 
 PIECE: Final = 500
 """Impacts between two looks at Ctrl-C."""
-
-NAMES: Final = tuple(IDLE)
 
 
 @final
@@ -101,38 +85,17 @@ class _Striking:
         check_law(law)
         check_tolerance(law, tolerance)
         law = law.on_rotor(WAY)
-        parameters, memory, kernels, errors = take_in(law, once)
+        parameters, row, bound, errors = take_in(law, once)
         tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-        made = *_body(), kernels, parameters, memory, errors
-        self.ready = Prepared(law, 1.0, 1.0, tolerance, *made)
+        self.ready = Prepared(law, 1.0, 1.0, tolerance, *_body(), bound, parameters, row, errors)
 
     def strike(self, contacts: Array, history: int) -> tuple[Any, Any]:
-        """Give the outcomes of impacts, and so many records of each."""
+        """Return the outcomes of impacts, and so many records of each."""
         outcomes, histories = np.zeros(len(contacts), OUTCOME), np.zeros((len(contacts), history), MOMENT)
-        if isinstance(self.ready.law, MultiplierLaw):
-            self._strike_rigid(contacts, outcomes)
-        else:
-            self._strike_compliant(contacts, outcomes, histories)
+        self._integrate(contacts, outcomes, histories)
         return outcomes, histories
 
-    def _strike_rigid(self, contacts: Array, outcomes: Any) -> None:
-        ready = self.ready
-        rows: tuple[Array, ...] = (ready.parameters,)
-        names = ["solve"]
-        if not is_plain(ready.law):
-            initial = [variable.initial for variable in ready.law.remembered]
-            rows = ready.parameters, ready.memory, np.array([initial, initial])
-            names.append("jump")
-        given = contacts, outcomes, *rows
-        loop: Any = strike_rigid if is_plain(ready.law) else strike_rigid_with_memory
-        if not INTERPRETED and not loop.overloads:
-            kernels = [numba.types.FunctionType(SIGNATURES[name]) for name in names]
-            loop.compile((*map(numba.typeof, given), *kernels))
-            loop.disable_compile()
-        with ready.errors():
-            loop(*given, *(ready.kernels[NAMES.index(name)] for name in names))
-
-    def _strike_compliant(self, contacts: Array, outcomes: Any, histories: Any) -> Run:
+    def _integrate(self, contacts: Array, outcomes: Any, histories: Any) -> Run:
         ready = self.ready
         states: Any = np.zeros(2, STATE)
         states[0] = fresh_state()
@@ -143,15 +106,14 @@ class _Striking:
         states[0]["stored"] = run.step["contacts"].size - 2
         motions = np.zeros((1, 2, 2))
         count = histories.shape[1]
-        written = ready.records(0, run), ready.records(count + 2 if count else 0, run)
-        begins = run, states, motions, *written
-        rows = (ready.parameters,) if is_plain(ready.law) else (ready.parameters, ready.memory)
-        loops = strike_compliant_with_memory, strike_compliant
-        loop = compiled_for(ready.law, loops, run, (*begins, contacts, outcomes, histories))
-        for i in range(0, len(contacts), PIECE):
-            some = slice(i, i + PIECE)
-            with ready.errors():
-                loop(*begins, contacts[some], outcomes[some], histories[some], *rows, *ready.kernels)
+        records = ready.records(count + 2 if count else 0, run)
+        silent = records.series[:0]
+        # The impulses of a rigid law take no time.
+        size = len(contacts) if isinstance(ready.law, MultiplierLaw) else PIECE
+        for i in range(0, len(contacts), size):
+            some = slice(i, i + size)
+            impacts = Impacts(contacts[some], outcomes[some], histories[some], silent)
+            ready.advance(run, states, motions, records, 0, impacts)
         return run
 
     def explain(self, contact: Array) -> tuple[Ending, str]:
@@ -159,7 +121,7 @@ class _Striking:
         law = self.ready.law
         if not isinstance(law, MultiplierLaw):
             outcomes, histories = np.zeros(1, OUTCOME), np.zeros((1, 0), MOMENT)
-            run = self._strike_compliant(contact[None], outcomes, histories)
+            run = self._integrate(contact[None], outcomes, histories)
             longest = float(run.propagator.rule.longest)
             return self.ready._replace(contact_step=longest).explain(run)
         outcomes, _ = self.strike(contact[None], 0)

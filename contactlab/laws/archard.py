@@ -1,7 +1,7 @@
 """A Hertz contact with Coulomb friction whose surfaces wear."""
 
 from dataclasses import dataclass
-from typing import Annotated, Any, final
+from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import PenaltyLaw
@@ -12,16 +12,9 @@ from contactlab.parameter import not_negative, positive
 
 
 @inner_kernel
-def wear_rate(normal, slip, parameters):
-    """Give the rate of the depth worn off [m/s]."""
-    return parameters[2] * max(normal, 0.0) * abs(slip) / (parameters[3] * parameters[4])
-
-
-@kernel
-def worn_hertz(gap, gap_rate, slip, impact_speed, z, parameters):
-    """Give force and bound [N], stored energy [J] and what wears off with it [W]; z[0] = w [m]."""
-    normal, stored, _, _ = hertz_elastic(max(-gap - z[0], 0.0), parameters, 0)
-    return normal, parameters[1] * normal, stored, normal * wear_rate(normal, slip, parameters)
+def wear_rate(normal, slip, wear_coefficient, hardness, apparent_area):
+    """Return the rate of the depth worn off [m/s]."""
+    return wear_coefficient * max(normal, 0.0) * abs(slip) / (hardness * apparent_area)
 
 
 @final
@@ -51,19 +44,19 @@ class Archard(PenaltyLaw):
     hardness: Annotated[float, positive("H", "Pa", "hardness of the softer body")] = 2e9
     apparent_area: Annotated[float, positive("A", "m2", "apparent area of contact")] = 1e-8
 
-    @property
-    def force(self) -> Any:
-        """See `PenaltyLaw.force`."""
-        return worn_hertz
+    @staticmethod
+    @kernel
+    def force(depth, slip, wear, stiffness, friction_coefficient, wear_coefficient, hardness, apparent_area):
+        normal, stored, _, _ = hertz_elastic(max(depth - wear, 0.0), stiffness)
+        worn = normal * wear_rate(normal, slip, wear_coefficient, hardness, apparent_area)
+        return normal, friction_coefficient * normal, stored, worn
 
     @staticmethod
     @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
-        """See `contactlab.laws.memory`: dw/dt [m/s]."""
-        return wear_rate(normal, slip, parameters)
+    def rate(normal, slip, wear_coefficient, hardness, apparent_area):
+        return wear_rate(normal, slip, wear_coefficient, hardness, apparent_area)
 
     @staticmethod
     @kernel
-    def limits(z, parameters):
-        """See `contactlab.laws.memory`: the contact is where the surface has receded to."""
-        return -z[0], -z[0]
+    def limits(wear):
+        return -wear, -wear

@@ -1,21 +1,30 @@
-"""What a contact law is, and a part of a composed one: frozen parameters and compiled scalar kernels.
+"""Contact laws and parts of a composed law: frozen parameters and compiled scalar kernels.
 
-A law never sees a mode shape. It is given the state of one contact with a normal and a tangential
-direction (signs in `contactlab.motor.geometry`) and gives back a force or an impulse.
+A law never sees a mode shape. Its kernels map the state of one contact with a normal and a tangential
+direction (signs in `contactlab.motor.geometry`) to a force or an impulse.
+
+A kernel is a static method whose argument names say what it needs, in any order:
+
+* coefficients: the fields of the class, or what `coefficients` derives from them;
+* internal variables by their names, see `contactlab.laws.memory`;
+* quantities of the contact. Compliant: gap and depth = -gap [m], gap_rate and depth_rate [m/s], slip [m/s],
+  impact_speed [m/s], the approach at which the contact began (zero where it was pressed together), tilt
+  [rad], the angle of the tip to the rotor's tangent, and spin [rad/s], its rate of turning less the rotor's;
+  once the normal force is known also normal [N]. Frictions of a composed law have besides
+  normal_stiffness = dN/dd [N/m] and its rate normal_stiffness_rate [N m^-1 s^-1], its dampings elastic_force
+  [N]. Rigid: see `MultiplierLaw.solve`;
+* z and parameters, the internal variables and the coefficients as arrays, where their number varies.
 """
 
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Self
 
-import numpy as np
-from numba import types
-
-from contactlab.arrays import Array
-from contactlab.laws.declaration import FRICTION_COEFFICIENT, Declared
-from contactlab.laws.memory import InternalVariable, Remembering
+from contactlab.compiled import kernel
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared
+from contactlab.laws.memory import Remembering
 
 FREE, SLIP, STICK = 0, 1, 2
 """Contact modes, as recorded."""
@@ -24,18 +33,19 @@ SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT = 0, 1, 2
 """Kinds of friction: stick without any slip; a spring that a slider ends (a Jenkins element); a force that
 the slip and the internal variable determine."""
 
-_real = types.float64
-_parameters = types.Array(types.float64, 1, "C", readonly=True)
+Kernel = Callable[..., Any]
+"""A kernel of a law or a part: a scalar function that names what it needs, see the module."""
 
-PENALTY_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 4, _parameters)
-FRICTION_SIGNATURE = types.UniTuple(_real, 4)(*[_real] * 5, _parameters)
-MULTIPLIER_SIGNATURE = types.Tuple((_real, _real, types.int64))(*[_real] * 7, _parameters)
 
-Forces = tuple[float, float, float, float]
-PenaltyKernel = Callable[..., Forces]
-FrictionKernel = Callable[..., Forces]
-MultiplierKernel = Callable[..., tuple[float, float, int]]
-"""Kernels of a law; what they are called with hangs on whether it remembers."""
+@kernel
+def cone(normal: float, slip: float, friction_coefficient: float, static_ratio: float) -> float:
+    """Return the bound of Coulomb's cone [N]: mu_s N in stick, where the slip [m/s] is exactly zero, else mu
+    N.
+
+    A pull N < 0 gives no friction.
+    """
+    ratio = static_ratio if slip == 0.0 else 1.0
+    return float(friction_coefficient * ratio * max(normal, 0.0))
 
 
 class Tangential(Remembering):
@@ -62,14 +72,12 @@ class Tangential(Remembering):
         return 0.0
 
     @property
-    def friction_remembers(self) -> bool:
-        """Whether the kernel of its friction has internal variables as an array and gives no rate."""
-        return bool(self.remembered)
+    def coupled(self) -> int:
+        """Number of internal variables that are solved together with the friction, 0 or 1.
 
-    @property
-    def friction_variable(self) -> InternalVariable | None:
-        """The one variable that the friction's own kernel flows, where there is no `rate` and no `jump`."""
-        return self.internal_variables[0] if self.internal_variables and not self.remembered else None
+        Without a kernel `rate` or `jump` the friction's own kernel returns the rate of the only one.
+        """
+        return int(bool(self.internal_variables) and self.rate is None and self.jump is None)
 
 
 class ContactLaw(Declared, Tangential):
@@ -93,11 +101,6 @@ class ContactLaw(Declared, Tangential):
         """What tells the law from others that are made alike."""
         return self.name
 
-    def parameters(self) -> Array:
-        """Give what the kernel receives, shape (parameter,), SI: the fields in their order, NaN for None."""
-        values = [getattr(self, f.name) for f in fields(self)]  # type: ignore[arg-type]
-        return np.array(values, dtype=np.float64)
-
     def on_rotor(self, radius: float) -> Self:
         """Give the law with what follows from the radius of the rotor [m]; every run asks for it."""
         return self
@@ -120,57 +123,63 @@ class PenaltyLaw(ContactLaw):
         ...     default_contact_step = 4e-6
         ...     stiffness: Annotated[float, cl.Parameter("k", "N m-1", "stiffness", above=0.0)] = 1e7
         ...     @staticmethod
-        ...     def force(gap, gap_rate, slip, approach, parameters):
-        ...         normal = -parameters[0] * gap
-        ...         return normal, 0.0, -0.5 * normal * gap, 0.0
+        ...     def force(depth, stiffness):
+        ...         normal = stiffness * depth
+        ...         return normal, 0.0, 0.5 * normal * depth, 0.0
         ...
-        >>> Spring(1e7).force(-2e-6, 0.0, 0.0, 0.0, (1e7,))[0]
+        >>> Spring(1e7).force(2e-6, 1e7)[0]
         20.0
     """
 
     @property
     @abstractmethod
-    def force(self) -> PenaltyKernel:
-        """The kernel, a static method as a rule.
+    def force(self) -> Kernel:
+        """The kernel of the normal force, a static method as a rule.
 
-            force(gap, gap_rate, slip, impact_speed, parameters)
-            force(gap, gap_rate, slip, impact_speed, z, parameters)     with internal variables
-                -> normal force N [N], friction bound [N], stored energy [J], normal loss [W]
+            force(...) -> normal force N [N], friction bound [N], stored energy [J], normal loss [W]
 
-        Called for gap < 0 only [m], or below the end of its `limits`, gap_rate [m/s], slip [m/s]; the slip
-        is exactly zero where the contact sticks, so that a bound may have a static and a kinetic value.
-        impact_speed is the approach at which the contact began [m/s], zero where it was pressed together.
-        Set-valued friction: the engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The
-        stored energy V makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss);
-        where internal variables flow, dV/dz dz/dt is taken from that loss.
+        Evaluated in contact only, for a gap below the end of its `limits` (zero without); the slip is exactly
+        zero where the contact sticks, so that a bound may have a static and a kinetic value. Set-valued
+        friction: the engine finds |F| <= bound in stick and F = -bound sign(slip) in slip. The stored energy
+        V makes N = -dV/dgap + (a part whose power -(N + dV/dgap) gap_rate is the normal loss); where internal
+        variables flow, dV/dz dz/dt is subtracted from that loss.
         """
 
     @property
-    def friction_force(self) -> FrictionKernel | None:
-        """The kernel of friction that is not set-valued, else None.
+    def bounds(self) -> Kernel | None:
+        """The kernel of an asymmetric bound of set-valued friction, else None.
 
-            friction_force(gap, gap_rate, slip, normal, z, parameters)
-                -> friction F [N], rate of z, stored energy [J], tangential stiffness [N/m]
+            bounds(...) -> least friction F- [N], largest friction F+ [N]
 
-        normal is the normal force [N], z the one internal variable, a number. ELASTOPLASTIC friction has
-        the stretch of its spring there [m], F = -stiffness z; the engine calls this while it holds, and in
-        slip keeps F on the bound and z with it. In RATE_DEPENDENT friction z may be anything; the stiffness
-        is not read. With z an array, see `contactlab.laws.memory`, the friction is RATE_DEPENDENT and the
-        kernel gives three numbers: the rates are those of `rate`.
+        Stick has F- <= F <= F+; slip v > 0 has F = F-, slip v < 0 has F = F+. It replaces the bound of
+        `force`.
         """
         return None
 
     @property
-    def moment(self) -> Any:
-        """The kernel of the moments that a patch of some extent has, else None.
+    def friction_force(self) -> Kernel | None:
+        """The kernel of friction that is not set-valued, else None.
 
-            moment(tilt, spin, gap, normal, parameters)     z before the parameters as in `force`
-                -> moment against tilt [N m], moment against spin [N m], stored energy [J]
+            friction_force(...) -> friction F [N], rate of z, stored energy [J], tangential stiffness [N/m]
 
-        tilt is the angle of the tip to the rotor's tangent [rad], spin thdot - Omega [rad/s]; both moments
-        turn the tip as th grows. One against tilt shifts the pressure, which is normal to the rotor and does
-        not turn it; one against spin turns the rotor the other way. Their power is that of tilt rate and
-        spin; what they do not store is lost as friction.
+        z is the one internal variable, which the engine solves together with F. In ELASTOPLASTIC friction it
+        is the stretch of a spring [m], F = -stiffness z; the engine evaluates this while it holds, and in
+        slip keeps F on the bound and z with it. In RATE_DEPENDENT friction z may be anything; the stiffness
+        is not read. With a kernel `rate` or `jump` the friction is RATE_DEPENDENT and the kernel returns
+        three numbers: the rates are those of `rate`.
+        """
+        return None
+
+    @property
+    def moment(self) -> Kernel | None:
+        """The kernel of the moments of an extended contact, else None.
+
+            moment(...) -> moment against tilt [N m], moment against spin [N m], stored energy [J]
+
+        Both moments turn the tip as th grows. The one against tilt shifts the pressure, which is normal to
+        the rotor and does not turn it; the one against spin turns the rotor the other way. Their power is
+        that of tilt rate and spin; what they do not store is lost as friction. Where the normal force
+        depends on the tilt, the energy that `force` stores is that without tilt.
         """
         return None
 
@@ -188,43 +197,32 @@ class MultiplierLaw(ContactLaw):
     """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
     corrector does, and the last step is shortened to the release; else the constraint is one of
     velocities only, the contact may penetrate by O(step), and it lasts until the gap is open."""
-    told: ClassVar[bool] = False
-    """Whether `solve` is told of step, impact and memory; one with internal variables has to be."""
 
     @property
     @abstractmethod
-    def solve(self) -> MultiplierKernel:
+    def solve(self) -> Kernel:
         """The kernel, a static method as a rule.
 
-            solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
-                -> normal impulse [N s], friction impulse [N s], mode
+            solve(...) -> normal impulse [N s], friction impulse [N s], mode
 
-        normal_rate and tangential_rate are gap rate and slip at the end of the step without
-        contact [m/s]; gap_rate and slip are those of its start [m/s], where the gap rate is that of
-        the approach in an impact and zero but for round-off while a contact lasts; d is the symmetric
-        2x2 Delassus matrix [1/kg] of the step. With impulses p the step ends with
-        normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt p_t. The mode is SLIP or
-        STICK. A normal impulse that is not positive means release.
-
-        A law that is `told` more has
-
-            solve(normal_rate, ..., d_tt, step, impact, z, parameters)
-
-        with the length of the step [s], whether it is that of an impact, and the internal variables. Those
-        flow with the mean force of the step.
+        Its quantities: normal_rate and tangential_rate, gap rate and slip at the end of the step without
+        contact [m/s]; gap_rate and slip at its start [m/s], where the gap rate is that of the approach in an
+        impact and zero but for round-off while a contact lasts; d_nn, d_nt, d_tt, the symmetric Delassus
+        matrix of the step [1/kg]; step, its length [s], and impact, whether it is that of an impact. With
+        impulses p the step ends with normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt
+        p_t. The mode is SLIP or STICK. A normal impulse that is not positive means release. Internal
+        variables flow with the mean force of the step.
         """
 
 
 class NormalForce(Declared, Remembering):
-    """A part of a composed law: a normal force of the penetration d >= 0, elastic or with a memory.
+    """A part of a composed law: a normal force of the penetration d >= 0.
 
-    The kernel of a part reads its coefficients, as many as they are, from the place `at` of the law's array.
-    It has `elastic`, or where it has internal variables `force`.
+    It has a kernel `elastic`, or where it dissipates or has internal variables `force`.
 
         >>> import contactlab as cl
-        >>> import numpy as np
         >>> part = cl.Linear(stiffness=2e7)
-        >>> force, energy, stiffness, slope = part.elastic(1e-6, np.array(part.coefficients()), 0)
+        >>> force, energy, stiffness, slope = part.evaluate("elastic", depth=1e-6)
         >>> cl.Composed(normal=part).title, float(force)
         ('composed of normal linear, damping none, friction coulomb', 20.0)
     """
@@ -234,34 +232,30 @@ class NormalForce(Declared, Remembering):
     """Whether it may pull."""
     convergence_order: ClassVar[float] = 1.0
     """As of a law: less where the force jumps, which coarse tolerances do not see."""
-
-    def coefficients(self) -> tuple[float, ...]:
-        """Give what the kernel reads: the fields in their order, unless something follows from them."""
-        return tuple(self.describe().values())
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """As of a law."""
 
     @property
-    def elastic(self) -> Any:
+    def elastic(self) -> Kernel | None:
         """The kernel of an elastic force, else None.
 
-        elastic(depth, parameters, at)
-            -> force [N], stored energy [J], stiffness dN/dd [N/m], its slope d2N/dd2 [N/m^2]
+        elastic(...) -> force [N], stored energy [J], stiffness dN/dd [N/m], its slope d2N/dd2 [N/m^2]
         """
         return None
 
     @property
-    def force(self) -> Any:
-        """The kernel of a force with internal variables, else None.
+    def force(self) -> Kernel | None:
+        """The kernel of a force that dissipates, or has internal variables, else None.
 
-        force(depth, depth_rate, z, parameters, at)
-            -> force [N], stored energy [J], stiffness [N/m], its slope [N/m^2], loss [W]
+        force(...) -> force [N], stored energy [J], stiffness [N/m], its slope [N/m^2], loss [W]
 
-        Stiffness and slope are those at constant z.
+        Stiffness and slope are those at constant rate and internal variables.
         """
         return None
 
 
 class Damping(Declared):
-    """A part of a composed law: what the elastic force becomes while the bodies move.
+    """A part of a composed law: the normal force of an elastic one while the bodies move.
 
     >>> import contactlab as cl
     >>> law = cl.Composed(damping=cl.HuntCrossley(restitution=0.7, impact_speed=0.1))
@@ -273,25 +267,32 @@ class Damping(Declared):
     family: ClassVar[str] = "damping"
     any_force: ClassVar[bool] = True
     """Whether it may act on a normal force that pulls, or that has a memory and losses of its own."""
+    convergence_order: ClassVar[float] = 1.0
+    """As of a law."""
+    violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """As of a law."""
 
-    @abstractmethod
-    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
-        """Give what the kernel reads, solved for an elastic force."""
+    def solved(self, normal: NormalForce) -> Mapping[str, Coefficient]:
+        """Return the coefficients for an elastic force, by name; its own where they do not depend on it."""
+        return self.coefficients()
 
     @property
     @abstractmethod
-    def damped(self) -> Any:
+    def damped(self) -> Kernel:
         """The kernel.
 
-        damped(elastic, depth_rate, impact_speed, parameters, at) -> normal force [N]
-
-        depth_rate is the rate of the penetration, impact_speed its value at the touch-down [m/s].
+        damped(elastic_force, ...) -> normal force [N]
         """
+
+    @property
+    def limits(self) -> Kernel | None:
+        """The kernel of the limits, as of a law, else None: those of the normal force."""
+        return None
 
 
 @dataclass(frozen=True)
 class Friction(Declared, Tangential):
-    """A part of a composed law: set-valued friction needs nothing but its cone, any other a kernel too.
+    """A part of a composed law: set-valued friction has a bound only, any other a kernel `state` too.
 
     Where static friction is larger than kinetic it has a field `static_ratio`, mu_s / mu.
 
@@ -305,31 +306,30 @@ class Friction(Declared, Tangential):
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give what the kernels read: mu, mu_s / mu, and the other fields in their order."""
-        given = self.describe()
-        first = given.pop("friction_coefficient"), given.pop("static_ratio", 1.0)
-        return *first, *given.values()
+    bound: ClassVar[Kernel] = staticmethod(cone)
+    """The kernel of the bound, by default that of Coulomb's cone.
+
+    bound(normal, slip, ...) -> largest friction [N]
+
+    The slip is exactly zero in stick.
+    """
+
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the fields by name; the static ratio of a friction without is 1."""
+        return {"static_ratio": 1.0, **super().coefficients()}
 
     @property
-    def bound(self) -> Any:
-        """The kernel of a bound that is no cone of constant coefficients, else None.
-
-        bound(normal, slip, parameters, at) -> largest friction [N]
-
-        The slip is exactly zero in stick. With internal variables z comes before the parameters.
-        """
+    def bounds(self) -> Kernel | None:
+        """The kernel of an asymmetric bound, else None; see `PenaltyLaw.bounds`."""
         return None
 
     @property
-    def state(self) -> Any:
+    def state(self) -> Kernel | None:
         """The kernel of friction that is not set-valued, else None.
 
-        state(normal, stiffness, stiffness_rate, slip, z, parameters, at)
-            -> friction [N], rate of z, stored energy [J], tangential stiffness [N/m]
+            state(...) -> friction [N], rate of z, stored energy [J], tangential stiffness [N/m]
 
-        z is the internal variable; stiffness is that of the normal force [N/m], and its rate in
-        time [N m^-1 s^-1]. With z an array it gives three numbers, without the rate.
+        See `PenaltyLaw.friction_force`.
         """
         return None
 

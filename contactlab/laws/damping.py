@@ -15,6 +15,7 @@ of a nominal restitution, and achieve it near 1 only; here D is solved for what 
 A model whose largest nominal D, that of e_n = 0, is smaller than what is asked cannot achieve it and says so.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import exp, inf, log, log1p
@@ -27,6 +28,7 @@ from scipy.optimize import brentq
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.laws.base import Damping, NormalForce
+from contactlab.laws.declaration import Coefficient, names_of
 from contactlab.parameter import Parameter, positive
 
 ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
@@ -50,14 +52,10 @@ class Undamped(Damping):
     equation = "no loss"
     source = "Hertz (1881)"
 
-    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
-        """Give none."""
-        return ()
-
     @staticmethod
     @kernel
-    def damped(elastic, depth_rate, impact_speed, parameters, at):
-        return elastic
+    def damped(elastic_force):
+        return elastic_force
 
 
 @final
@@ -78,14 +76,14 @@ class LinearDamping(Damping):
     effective_mass: Annotated[float, positive("m", "kg", "mass of the impact")] = 2e-3
     impact_speed: Annotated[float, positive("v", "m s-1", "speed of the impact")] = 0.1
 
-    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
-        """Give the coefficient c [N s/m]."""
-        return (damping_coefficient(self, normal),)
+    def solved(self, normal: NormalForce) -> Mapping[str, Coefficient]:
+        """Return the coefficient c [N s/m]."""
+        return {"damping_coefficient": damping_coefficient(self, normal)}
 
     @staticmethod
     @kernel
-    def damped(elastic, depth_rate, impact_speed, parameters, at):
-        return float(max(elastic + parameters[at] * depth_rate, 0.0))
+    def damped(elastic_force, depth_rate, damping_coefficient):
+        return float(max(elastic_force + damping_coefficient * depth_rate, 0.0))
 
 
 @cache
@@ -94,12 +92,21 @@ def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
     if asked.restitution == 1.0:
         return 0.0
     mass, speed = asked.effective_mass, asked.impact_speed
-    parameters, elastic = np.array(normal.coefficients()), normal.elastic
+    known: Any = normal.coefficients()
+    kernel: Any = normal.elastic
+    place = names_of(kernel).index("depth")
+    others = [known[name] for name in names_of(kernel) if name != "depth"]
+
+    def elastic(depth: float) -> tuple[float, float]:
+        """Return force [N] and stored energy [J]."""
+        force, energy, *_ = kernel(*others[:place], depth, *others[place:])
+        return force, energy
+
     energy = 0.5 * mass * speed**2
 
     def beyond(exponent: float) -> float:
         """Give the logarithm of the energy that a depth stores, over that of the impact."""
-        return float(np.log(elastic(10.0**exponent, parameters, 0)[1] / energy))
+        return float(np.log(elastic(10.0**exponent)[1] / energy))
 
     # Depth and speed are the units.
     depth = float(10.0 ** brentq(beyond, -20.0, 2.0, xtol=1e-12))
@@ -109,7 +116,7 @@ def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
         c = ratio * (mass * speed / depth)
 
         def force(_: float, y: Array) -> float:
-            spring = elastic(max(y[0], 0.0) * depth, parameters, 0)[0]
+            spring = elastic(max(y[0], 0.0) * depth)[0]
             return float(unit * (spring + c * speed * y[1]))
 
         def motion(t: float, y: Array) -> list[float]:
@@ -182,14 +189,14 @@ class HuntCrossley(Hysteretic):
 
     impact_speed: Annotated[float, positive("v", "m s-1", "speed at which e is achieved")] = 0.1
 
-    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
-        """Give the loss factor a [s/m]."""
-        return (loss_number(self.restitution) / self.impact_speed,)
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the loss factor a [s/m]."""
+        return {"loss_factor": loss_number(self.restitution) / self.impact_speed}
 
     @staticmethod
     @kernel
-    def damped(elastic, depth_rate, impact_speed, parameters, at):
-        return float(elastic * max(1.0 + parameters[at] * depth_rate, 0.0))
+    def damped(elastic_force, depth_rate, loss_factor):
+        return float(elastic_force * max(1.0 + loss_factor * depth_rate, 0.0))
 
 
 @dataclass(frozen=True)
@@ -198,15 +205,15 @@ class SpeedHysteresis(Hysteretic):
 
     least_speed: Annotated[float, LEAST_SPEED] = 1e-3
 
-    def coefficients(self, normal: NormalForce) -> tuple[float, ...]:
-        """Give D [1] and v_min [m/s]."""
-        return loss_number(self.restitution), self.least_speed
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return D [1] and v_min [m/s]."""
+        return {"loss_number": loss_number(self.restitution), "least_speed": self.least_speed}
 
     @staticmethod
     @kernel
-    def damped(elastic, depth_rate, impact_speed, parameters, at):
-        factor = parameters[at] / max(impact_speed, parameters[at + 1])
-        return float(elastic * max(1.0 + factor * depth_rate, 0.0))
+    def damped(elastic_force, depth_rate, impact_speed, loss_number, least_speed):
+        factor = loss_number / max(impact_speed, least_speed)
+        return float(elastic_force * max(1.0 + factor * depth_rate, 0.0))
 
 
 @final

@@ -4,12 +4,16 @@ Refusals, configuration, options and listings all follow from this.
 """
 
 from abc import ABC
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
-from inspect import get_annotations, isabstract
+from inspect import get_annotations, isabstract, signature
+from math import nan
 from typing import Any, ClassVar, Self
 
+import numpy as np
+
+from contactlab.arrays import Array
 from contactlab.checks import check_fields, shown
 from contactlab.parameter import DeclaredField, Parameter, declared_fields
 
@@ -18,6 +22,10 @@ SHARED = "friction_coefficient"
 
 FRICTION_COEFFICIENT = Parameter("mu", "1", "friction coefficient", at_least=0.0)
 RESTITUTION = Parameter("e", "1", "coefficient of restitution", at_least=0.0, at_most=1.0)
+
+
+Coefficient = float | tuple[float, ...]
+"""A number that a kernel may name, or several of a kind."""
 
 
 class LawError(RuntimeError):
@@ -60,6 +68,30 @@ class Declared(ABC):
             elif value is not None:
                 yield name, value, member.parameter
 
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the numbers that kernels may name, SI: by default the fields, with NaN for None."""
+        named: Any = type(self)
+        values = {name: getattr(self, name) for name in declared_fields(named)}
+        return {k: nan if v is None else v for k, v in values.items() if not isinstance(v, Declared)}
+
+    def parameters(self) -> Array:
+        """Return the coefficients as one array, shape (parameter,)."""
+        return np.array(
+            [x for value in self.coefficients().values() for x in np.atleast_1d(value)], np.float64
+        )
+
+    def evaluate(self, kernel: str, **quantities: Any) -> Any:
+        """Evaluate one of its kernels: coefficients are its own, all else that the kernel names is given.
+
+        >>> import contactlab as cl
+        >>> float(cl.HertzPoint(1e10).evaluate("elastic", depth=1e-6)[0])
+        10.0
+        """
+        function: Any = getattr(self, kernel)
+        known = {**self.coefficients(), "parameters": self.parameters(), **quantities}
+        values = (known[name] for name in names_of(function))
+        return function(*(np.array(v) if isinstance(v, tuple) else v for v in values))
+
     def describe(self) -> dict[str, float]:
         """Give the effective parameters by name, SI."""
         return {name: value for name, value, _ in self.effective()}
@@ -70,6 +102,11 @@ class Declared(ABC):
         field, _, below = name.partition(".")
         given: Any = getattr(own, field).changed(below, value) if below else value
         return replace(own, **{field: given})  # type: ignore[no-any-return]
+
+
+def names_of(function: Any) -> tuple[str, ...]:
+    """Return the names of a kernel's arguments."""
+    return tuple(signature(getattr(function, "py_func", function)).parameters)
 
 
 @cache

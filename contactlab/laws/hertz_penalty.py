@@ -51,12 +51,11 @@ class HertzPenalty(PenaltyLaw):
         stiffness = hertz_stiffness(self.tip_radius, radius)
         return replace(self, stiffness=stiffness, tip_radius=None)
 
-    # As a composition's, but under a name: its code is kept, so that the default law starts at once.
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, parameters):
-        normal, stored, _, _ = hertz_elastic(max(-gap, 0.0), parameters, 0)
-        return normal, parameters[1] * normal, stored, 0.0
+    def force(depth, stiffness, friction_coefficient):
+        normal, stored, _, _ = hertz_elastic(max(depth, 0.0), stiffness)
+        return normal, friction_coefficient * normal, stored, 0.0
 
 
 def hertz_stiffness(

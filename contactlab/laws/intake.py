@@ -33,9 +33,12 @@ Kernel = Callable[..., Any]
 KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
 """Kinds of friction in words, in their order."""
 
-GUARDS, LURES = 16, (nan, 1.0, -1.0)
-"""Numbers on either side of a law's parameters, where no kernel has any business, and what they are: an
-answer that changes with them was made from them."""
+HEAD = 5
+"""Place in a law's row where the internal variables begin: before them is what the engine writes there."""
+
+CANARIES, VALUES = 16, (nan, 1.0, -1.0)
+"""Numbers on either side of a law's row, where no kernel has any business, and what they are: a result that
+changes with them was made from them."""
 
 DEPTHS, SPEEDS = (1e-12, 1e-9), (-0.01, 0.0, 0.01)
 """Penetrations that every contact begins and ends with [m], and gap rates and slips [m/s]."""
@@ -51,67 +54,18 @@ BALANCE_DEPTHS, PROBE_SPEED = (1e-9, 1e-7, 1e-6), 0.01
 NUDGE, DIFFERENCE = 1e-4, 1e-3
 """Step of a central difference over the depth or stretch, and what may be missing beyond its error [1]."""
 
-COUNTS = {"force": 4, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
+AT_REST = ("gap_rate", "depth_rate", "slip", "impact_speed", "tilt", "spin")
+"""Quantities of a contact at rest."""
+
+COUNTS = {"force": 5, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
 """Numbers that kernels answer with."""
 
-BETWEEN = 3
-"""Numbers between the internal variables of a law and its parameters in a row: the length of a step [s],
-whether it is that of an impact, and none."""
 
-
-def guarded(parameters: Array, guard: float = nan) -> Array:
-    """Put the parameters between guards, so that a kernel that reads beyond them finds no number."""
-    padded = np.pad(parameters, GUARDS, constant_values=guard)
-    row = padded[GUARDS:-GUARDS]
-    # As the kernels are compiled for it: one for another kind of array would be compiled anew.
-    row.flags.writeable = bool(base.PENALTY_SIGNATURE.args[-1].mutable)
-    return row
-
-
-def function_of(law: ContactLaw, name: str) -> Kernel:
-    """Give the function behind one of a law's kernels, or raise a LawError where there is none."""
-    function: Kernel = getattr(law, name)
-    if not callable(function):
-        raise LawError(f"{law.name}: its {name} is {shown(function)}; it must be a function.")
-    return function
-
-
-def kernel_parameters(law: ContactLaw) -> Array:
-    """Give what the kernels of a law receive, or raise a LawError where it is no row of numbers."""
-    given: Any = law.parameters()
-    values = np.asarray(given)
-    if values.ndim != 1 or values.dtype.kind not in "biuf":
-        raise LawError(f"{law.name}: parameters() gives {shown(given)}; it must give numbers.")
-    return values.astype(np.float64)
-
-
-def has_row(law: ContactLaw) -> bool:
-    """Tell whether the kernels read a row with more in it than parameters: what is remembered, or told."""
-    return bool(law.remembered) or (isinstance(law, MultiplierLaw) and law.told)
-
-
-def is_plain(law: ContactLaw) -> bool:
-    """Tell whether a law has nothing beyond what its family needs: no row, no limits and no moment."""
-    if isinstance(law, PenaltyLaw) and (law.limits is not None or law.moment is not None):
-        return False
-    return not has_row(law)
-
-
-def memory_size(law: ContactLaw) -> int:
-    """Give how many numbers at the beginning of a law's row the engine writes."""
-    return len(law.remembered) + 2 if has_row(law) else 0
-
-
-def row_of(law: ContactLaw) -> Array:
-    """Give what the engine's kernels read: the parameters, behind the memory of a law that `has_row`.
-
-    z begins with its initial values, the step is the law's own and that of an impact.
-    """
-    parameters = kernel_parameters(law)
-    if not has_row(law):
-        return parameters
-    initial = [one.initial for one in law.remembered]
-    return np.array([*initial, law.default_contact_step, 1.0, nan, *parameters])
+def guarded(row: Array, canary: float = nan) -> Array:
+    """Copy a row between canaries, read-only, so that a kernel that reads beyond it finds no number."""
+    copied = np.pad(row, CANARIES, constant_values=canary)[CANARIES:-CANARIES]
+    copied.flags.writeable = False
+    return copied
 
 
 def check_words(law: ContactLaw) -> None:
@@ -153,8 +107,8 @@ def misfits(law: ContactLaw) -> Iterator[str]:
         yield from _misfits_of_friction(law)
     elif isinstance(law, MultiplierLaw):
         yield from _misfits_of_a_rigid_law(law)
-    if len(law.remembered) > MOST_VARIABLES:
-        yield f"it has {len(law.remembered)} internal variables; it can have {MOST_VARIABLES} at most."
+    if (count := len(law.internal_variables)) > MOST_VARIABLES:
+        yield f"it has {count} internal variables; it can have {MOST_VARIABLES} at most."
     if law.guards and (law.guard is None or law.jump is None):
         yield f"it says that it has {law.guards} guards; it needs a kernel guard and a kernel jump for them."
     if law.guard is not None and not law.guards:
@@ -162,14 +116,14 @@ def misfits(law: ContactLaw) -> Iterator[str]:
 
 
 def _misfits_of_a_rigid_law(law: MultiplierLaw) -> Iterator[str]:
-    if law.internal_variables and not (law.remembered and law.told):
-        yield "it has internal variables, but no kernel rate or jump, or does not say told = True."
+    if law.internal_variables and law.rate is None and law.jump is None:
+        yield "it has internal variables, but no kernel rate or jump."
     if law.limits is not None or law.guard is not None:
         yield "it has limits or guards; a rigid contact begins and ends at a gap of zero, and has neither."
 
 
 def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
-    kind, kernel, own = law.friction_kind, law.friction_force, law.friction_variable
+    kind, kernel, coupled = law.friction_kind, law.friction_force, law.coupled
     if kind not in (SET_VALUED, ELASTOPLASTIC, RATE_DEPENDENT):
         yield (f"friction_kind is {shown(kind)}; it must be {', '.join(KINDS)} of contactlab.laws.base.")
         return
@@ -181,16 +135,16 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
         )
     if kind != SET_VALUED and kernel is None:
         yield f"{said}, but it has no kernel of friction. Give it one, or say SET_VALUED."
-    if len(law.internal_variables) > 1 and not law.remembered:
+    flows = law.rate is not None or law.jump is not None
+    if len(law.internal_variables) > 1 and not flows:
         yield (
             f"it remembers {', '.join(map(str, law.internal_variables))}; more than one quantity needs a "
             "kernel rate or jump."
         )
-    elif law.internal_variables and not law.remembered and own is None:
-        yield "it has an internal variable of its normal force, and no kernel rate or jump for it."
-    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != (own is not None):
+    elif kind != RATE_DEPENDENT and (kind == ELASTOPLASTIC) != bool(coupled):
+        names = [one.name for one in law.internal_variables[:coupled]]
         yield (
-            f"{said} and what its friction remembers {shown(own and own.name)}; set-valued friction "
+            f"{said} and what its friction remembers {shown(names)}; set-valued friction "
             "remembers by a kernel rate or jump, and a spring its stretch."
         )
 
@@ -198,17 +152,17 @@ def _misfits_of_friction(law: PenaltyLaw) -> Iterator[str]:
 def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     """Refuse a law whose kernels answer to a contact what cannot be, by a LawError on the first answer.
 
-    The kernels are those of `contactlab.engine.law_kernels.kernels_of`, and read what `row_of` gives.
+    The kernels are bound, see `contactlab.engine.binding`, and read its row.
     """
-    ask = partial(_answer, law.name, [guarded(parameters, lure) for lure in LURES])
-    force, friction_force, solve, *of_memory = kernels
+    ask = partial(_answer, law.name, [guarded(parameters, canary) for canary in VALUES])
+    force, friction_force, solve, *others = kernels
+    of_memory = others if others[0] is not None else []
     if isinstance(law, PenaltyLaw):
         begin = _first_limit(law, ask, of_memory[3]) if of_memory else 0.0
-        own = law.friction_variable
         for depth, rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
             gap = begin - depth
             where = f"at a gap of {gap:g} m, a gap rate of {rate:g} m/s and a slip of {slip:g} m/s"
-            normal, bound, *_ = ask("force", force, where, gap, rate, slip, abs(rate))
+            normal, _, bound, *_ = ask("force", force, where, gap, rate, slip, abs(rate))
             if bound < -ROUND_OFF * abs(normal):
                 raise LawError(
                     f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
@@ -216,8 +170,7 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
                 )
             if law.friction_kind != SET_VALUED:
                 # What else the variable may be than at first, the law alone knows.
-                first = own.initial if own else 0.0
-                ask("friction_force", friction_force, where, gap, rate, slip, normal, first)
+                ask("friction_force", friction_force, where, gap, rate, slip, normal)
             _check_memory(law, ask, of_memory, where, gap, rate, slip, normal)
         _check_energy(law, force, friction_force, guarded(parameters), begin)
         _check_stiffness(law)
@@ -240,7 +193,7 @@ def check_answers(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
 
 def _first_limit(law: ContactLaw, ask: Any, limits: Kernel) -> float:
     """Give the gap at which a first contact begins [m]; refuse one that ends before."""
-    begin, end = ask("limits", limits, "at first")
+    begin, end = ask("limits", limits, "at first", 0.0)
     if begin > end:
         raise LawError(
             f"{law.name}: its limits say that a contact begins at a gap of {begin:g} m and ends at {end:g} "
@@ -265,13 +218,13 @@ def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, 
     The normal loss is -(N + dV/dgap) gap_rate, a spring has F = -k z and E = 1/2 k z^2, and friction at a
     constant gap loses -F v - dE/dz dz/dt >= 0: a stretched contact gives back no more than it stores.
     """
-    if law.remembered:
+    if len(law.internal_variables) > law.coupled:
         return
     for depth, rate in product(BALANCE_DEPTHS, SPEEDS):
         gap = begin - depth
-        normal, _, _, loss = force(gap, rate, 0.0, PROBE_SPEED, row)
+        normal, _, _, _, loss = force(gap, rate, 0.0, PROBE_SPEED, row)
         slope, error = derivative(
-            lambda g, rate=rate: force(g, rate, 0.0, PROBE_SPEED, row)[2],  # type: ignore[misc]
+            lambda g, rate=rate: force(g, rate, 0.0, PROBE_SPEED, row)[3],  # type: ignore[misc]
             gap,
             NUDGE * depth,
         )
@@ -283,16 +236,23 @@ def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, 
                 f"{gap:g} m and a gap rate of {rate:g} m/s: N is {normal:g} N, -dV/dgap {-slope:g} N, "
                 f"the loss {loss:g} W; the loss must be -(N + dV/dgap) gap_rate."
             )
-        if law.friction_variable is not None:
-            _check_stretch(law, friction, row, gap, float(normal))
+        if law.coupled:
+            _check_stretch(law, partial(_friction_with, friction, row), gap, float(normal))
 
 
-def _check_stretch(law: PenaltyLaw, friction: Kernel, row: Array, gap: float, normal: float) -> None:
+def _friction_with(friction: Kernel, row: Array, *state: float) -> Any:
+    """Evaluate friction with a value of its coupled variable, the last number."""
+    first: Any = row.base
+    first[CANARIES + HEAD] = state[-1]
+    return friction(*state[:-1], row)
+
+
+def _check_stretch(law: PenaltyLaw, friction: Kernel, gap: float, normal: float) -> None:
     """Refuse stored energy of friction that contradicts its force at a small stretch."""
     first = law.internal_variables[0].initial
     if law.friction_kind == ELASTOPLASTIC:
         z = first + NUDGE * abs(gap)
-        drag, _, stored, stiffness = friction(gap, 0.0, 0.0, normal, z, row)
+        drag, _, stored, stiffness = friction(gap, 0.0, 0.0, normal, z)
         misses = abs(drag + stiffness * z), abs(stored - 0.5 * stiffness * z * z) / (abs(z) or 1.0)
         wrong = max(misses) > ROUND_OFF * (abs(drag) + stiffness * abs(z))
         if wrong and "kernel_is_consistent" not in law.violations:
@@ -303,13 +263,13 @@ def _check_stretch(law: PenaltyLaw, friction: Kernel, row: Array, gap: float, no
         return
     way = 1e-3 * abs(gap)
     for outward in (-PROBE_SPEED, PROBE_SPEED):
-        z = first + friction(gap, 0.0, outward, normal, first, row)[1] * way / PROBE_SPEED
+        z = first + friction(gap, 0.0, outward, normal, first)[1] * way / PROBE_SPEED
         if z == first:
             continue
         for slip in (outward, -outward):
-            drag, rate, _, _ = friction(gap, 0.0, slip, normal, z, row)
+            drag, rate, _, _ = friction(gap, 0.0, slip, normal, z)
             slope, error = derivative(
-                lambda x, slip=slip: friction(gap, 0.0, slip, normal, x, row)[2],  # type: ignore[misc]
+                lambda x, slip=slip: friction(gap, 0.0, slip, normal, x)[2],  # type: ignore[misc]
                 z,
                 NUDGE * abs(z - first),
             )
@@ -329,35 +289,33 @@ def _check_stiffness(law: ContactLaw) -> None:
     part = getattr(law, "normal", None)
     if not isinstance(part, NormalForce):
         return
-    kernel: Any = part.elastic if part.force is None else part.force
-    plain = getattr(kernel, "py_func", kernel)
     # The package's own are held to the contract by its tests; here they would only cost time.
-    if is_own(plain):
+    if is_own(type(part)):
         return
-    row = guarded(np.array(part.coefficients(), dtype=np.float64))
-    kept = np.array([one.initial for one in part.remembered], dtype=np.float64)
+    name = "elastic" if part.force is None else "force"
+    initial = np.array([one.initial for one in part.internal_variables], dtype=np.float64)
+    known: dict[str, Any] = {**dict.fromkeys(AT_REST, 0.0), "z": initial}
+    known |= {one.name: one.initial for one in part.internal_variables}
+
+    def asked(depth: float) -> tuple[float, float, float]:
+        given = part.evaluate(name, **known, depth=depth, gap=-depth)
+        return float(given[0]), float(given[2]), float(given[3])
+
     for depth in BALANCE_DEPTHS:
-        asked = partial(_stiffness_at, plain, row, None if part.force is None else kept)
-        for name, order in (("stiffness", 0), ("slope", 1)):
+        for word, order in (("stiffness", 0), ("slope", 1)):
             step = NUDGE * depth
-            found, error = derivative(lambda d, k=order, ask=asked: ask(d)[k], depth, step)  # type: ignore[misc]
+            found, error = derivative(lambda d, k=order: asked(d)[k], depth, step)  # type: ignore[misc]
             declared = asked(depth)[order + 1]
             if abs(declared - found) - error > DIFFERENCE * (abs(declared) + abs(found)):
                 raise LawError(
-                    f"{law.name}: the {name} of its normal force {part.name} is {declared:g} at a depth of "
+                    f"{law.name}: the {word} of its normal force {part.name} is {declared:g} at a depth of "
                     f"{depth:g} m, where the derivative of the {('force', 'stiffness')[order]} is {found:g}."
                 )
 
 
-def _stiffness_at(kernel: Kernel, row: Array, kept: Array | None, depth: float) -> tuple[float, float, float]:
-    """Return force [N], stiffness [N/m] and its slope [N/m^2] at rest, at constant internal variables."""
-    given = kernel(depth, row, 0) if kept is None else kernel(depth, 0.0, kept, row, 0)
-    return float(given[0]), float(given[2]), float(given[3])
-
-
 def _check_memory(law: ContactLaw, ask: Any, kernels: list[Kernel], where: str, *state: float) -> None:
     """Ask rates, jumps and guards at a state, as `contactlab.laws.memory` has it."""
-    for k in range(len(law.remembered)):
+    for k in range(law.coupled, len(law.internal_variables)):
         ask("rate", kernels[0], where, k, *state)
         for event in (*EVENTS, *range(law.guards)):
             ask("jump", kernels[2], where, k, event, *state)

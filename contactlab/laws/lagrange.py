@@ -40,8 +40,8 @@ class LagrangeSlip(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        mu = parameters[0]
+    def solve(normal_rate, slip, d_nn, d_nt, friction_coefficient):
+        mu = friction_coefficient
         s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
         if d_nn <= s * mu * d_nt:
             # No slip meets an approach; what opens by itself is released.
@@ -50,8 +50,8 @@ class LagrangeSlip(MultiplierLaw):
 
 
 @kernel
-def stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
+def stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient):
+    """Return impulses [N s] and mode; arguments as in `MultiplierLaw.solve`.
 
     One approaching contact (normal rate < 0) has exactly one answer, for any positive definite D and
     any mu: with p = -D^-1 (normal rate, tangential rate) of stick outside of the cone,
@@ -63,7 +63,7 @@ def stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_
     ever more (d_nn <= s mu d_nt), it is the other one. One that opens by itself (normal rate >= 0) is
     released, p_n <= 0, unless stick is consistent, too: see `wedges`.
     """
-    mu = parameters[0]
+    mu = friction_coefficient
     p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
     # Not strict: on the cone's surface the contact still sticks.
     if abs(p_t) <= mu * p_n and (normal_rate < 0.0 or abs(slip) <= abs(tangential_rate - slip)):

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import log1p
-from typing import Annotated, ClassVar, final
+from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import STICK, MultiplierLaw
@@ -14,10 +14,9 @@ from contactlab.parameter import not_negative, positive
 
 
 @inner_kernel
-def static_coefficient(age, parameters):
-    """Give mu_s of an age [s]; parameters as those of the law."""
-    mu, ratio, delta = parameters[0], parameters[1], parameters[2]
-    return mu * ratio + delta * log1p(min(age, parameters[4]) / parameters[3])
+def static_coefficient(age, kinetic, static_ratio, strengthening, ageing_time, longest_age):
+    """Return mu_s of an age [s]."""
+    return kinetic * static_ratio + strengthening * log1p(min(age, longest_age) / ageing_time)
 
 
 @final
@@ -39,7 +38,6 @@ class LagrangeAgeing(MultiplierLaw):
     equation = "g = 0, N >= 0, |F| <= (mu_s + delta ln(1 + min(t, t_max)/t_0)) N, F = -mu N sign(v) in slip"
     source = "Dieterich (1972), J. Geophys. Res. 77, 3690; Andersen, Blanke and Helbo (2001), eqs. 60-66"
     default_contact_step = 5e-8
-    told: ClassVar[bool] = True
     internal_variables = (InternalVariable("age", "t", "s", "age of stick"),)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
@@ -56,23 +54,39 @@ class LagrangeAgeing(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters):
+    def solve(
+        normal_rate,
+        tangential_rate,
+        slip,
+        d_nn,
+        d_nt,
+        d_tt,
+        age,
+        friction_coefficient,
+        static_ratio,
+        strengthening,
+        ageing_time,
+        longest_age,
+    ):
         p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
         # An age is that of a stick. Slip that would reverse has ended: p_t > 0 drives slip > 0.
-        rests = z[0] > 0.0 or p_t * slip >= 0.0
+        rests = age > 0.0 or p_t * slip >= 0.0
         holds = normal_rate < 0.0 or abs(slip) <= abs(tangential_rate - slip)
-        if rests and holds and abs(p_t) <= static_coefficient(z[0], parameters) * p_n:
+        static = static_coefficient(
+            age, friction_coefficient, static_ratio, strengthening, ageing_time, longest_age
+        )
+        if rests and holds and abs(p_t) <= static * p_n:
             return p_n, p_t, STICK
         return stick_or_slip_impulse(
-            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
+            normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient
         )
 
     @staticmethod
     @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+    def rate(slip):
         return 1.0 if slip == 0.0 else 0.0
 
     @staticmethod
     @kernel
-    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
-        return 0.0 if event in (AT_SLIP, AT_TOUCH) else z[which]
+    def jump(event, age):
+        return 0.0 if event in (AT_SLIP, AT_TOUCH) else age

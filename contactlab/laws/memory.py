@@ -107,8 +107,3 @@ class Remembering:
     def lasting(self) -> tuple[InternalVariable, ...]:
         """Internal variables whose life is the run: part of the motor's state in free flight."""
         return tuple(one for one in self.internal_variables if one.life == "run")
-
-    @property
-    def remembered(self) -> tuple[InternalVariable, ...]:
-        """The variables in z, in its order."""
-        return self.internal_variables if self.rate is not None or self.jump is not None else ()

@@ -14,7 +14,6 @@ from contactlab.config.quantity import dimensions
 from contactlab.laws import ContactLaw
 from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
-from contactlab.laws.intake import guarded
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.parameter import declared_fields, from_cf
 from contactlab.testing.asking import Asked
@@ -89,15 +88,22 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
         return
     part: NormalForce = law.normal
     count = len(law.friction.internal_variables)
-    row = guarded(np.array(part.coefficients()))
+    kernel = "elastic" if part.force is None else "force"
+    names = [one.name for one in part.internal_variables]
     for gap, rate, _, _, kept in states_of(bench):
-        depth, z = -gap, guarded(kept[count:])
+        depth, z = -gap, kept[count:].copy()
+        known: dict[str, Any] = {
+            "gap_rate": rate,
+            "depth_rate": -rate,
+            "slip": 0.0,
+            "impact_speed": 0.0,
+            "tilt": 0.0,
+            "spin": 0.0,
+        }
+        known |= {"z": z, **dict(zip(names, z.tolist(), strict=True))}
 
-        def answer(d: float, rate: float = rate, z: Array = z) -> tuple[float, ...]:
-            if part.force is None:
-                return tuple(part.elastic(d, row, 0))
-            kernel: Any = part.force
-            return tuple(kernel(d, -rate, z, row, 0) if part.remembered else kernel(d, -rate, row, 0))
+        def answer(d: float, known: dict[str, Any] = known) -> tuple[float, ...]:
+            return tuple(part.evaluate(kernel, **known, depth=d, gap=-d))
 
         step = 1e-4 * abs(depth) + 1e-14
         _, _, stiffness, slope, *_ = answer(depth)

@@ -150,7 +150,7 @@ def kernel_is_consistent(bench: Bench) -> Claims:
         excess = max(-bound, bound - limit * max(normal + offset, 0.0)) / (size + offset)
         worst.take("friction bound outside of [0, mu (N + C)], over the force", excess)
         worst.take("negative normal loss, over the power", -loss / power)
-        if not law.remembered:
+        if len(law.internal_variables) == law.coupled:
             # Central differences of V: (h/gap)^2 and less.
             miss = abs(loss + (normal + slope) * rate) / power
             worst.take("loss less -(N + dV/dg) gdot, over the power", miss, 1e-6)

@@ -1,34 +1,27 @@
-"""Properties of a composed law: it is its parts, each asked alone."""
+"""Properties of a composed law: it is its parts, each evaluated alone."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction import cone_bound
-from contactlab.laws.intake import guarded
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claims
-from contactlab.testing.kernel_properties import TINY, Worst, states_of, variables_of_friction
+from contactlab.testing.kernel_properties import TINY, Worst, states_of
 from contactlab.testing.plants import Bench
-
-Side = tuple[Any, tuple[Any, ...], Array]
-Sides = tuple[Side, Side]
-"""Friction and normal force: the part, what its kernels are asked, and its own internal variables."""
 
 
 def parts_keep_apart(bench: Bench) -> Claims:
-    """A composed law is its parts, each asked alone with its own coefficients and nothing behind them."""
+    """A composed law is its parts, each evaluated alone with its own coefficients and variables."""
     law, worst = bench.law, Worst()
     if not isinstance(law, Composed):
         return
     asked = Asked(law)
     for gap, rate, slip, speed, kept in states_of(bench):
-        expected, found = answers_of_parts(law, gap, rate, slip, speed, kept), []
-        found += asked.force(gap, rate, slip, speed, kept)
+        expected = answers_of_parts(law, gap, rate, slip, speed, kept)
+        found = [*asked.force(gap, rate, slip, speed, kept)]
         state = gap, rate, slip, found[0], kept
         if asked.has_friction:
             found += asked.friction(*state)
@@ -44,53 +37,45 @@ def parts_keep_apart(bench: Bench) -> Claims:
 def answers_of_parts(
     law: Composed, gap: float, rate: float, slip: float, speed: float, kept: Array
 ) -> list[float]:
-    """Give what the parts of a law say of one state: force, friction, rates, guards, limits and jumps."""
-    normal, damping, friction = (guarded(np.array(given)) for given in law.coefficients)
-    count, part, drag = variables_of_friction(law), law.normal, law.friction
-    # Nothing lies behind what each part remembers, either.
-    bent, pressed = (guarded(some) for some in (kept[:count], kept[count:]))
-    of_normal: tuple[Array, ...] = (pressed, normal) if part.remembered else (normal,)
-    of_friction: tuple[Array, ...] = (bent, friction) if drag.remembered else (friction,)
-    kernel: Any = part.elastic if part.force is None else part.force
+    """Return force, friction, rates, guards, limits and jumps of the parts of a law in one state."""
+    part, drag = law.normal, law.friction
+    state = {"gap": gap, "depth": -gap, "gap_rate": rate, "depth_rate": -rate, "slip": slip}
+    state |= {"impact_speed": speed, "tilt": 0.0, "spin": 0.0}
+    count = len(drag.internal_variables)
+    bent, pressed = _variables_of(drag, kept[:count]), _variables_of(part, kept[count:])
     if part.force is None:
-        spring, stored, stiffness, slope = kernel(-gap, normal, 0)
-        lost = 0.0
+        (spring, stored, stiffness, slope), lost = part.evaluate("elastic", **state, **pressed), 0.0
     else:
-        spring, stored, stiffness, slope, lost = kernel(-gap, -rate, pressed, normal, 0)
-    alone = law.damping.damped(spring, -rate, speed, damping, 0)
-    bound = cone_bound(alone, slip, friction, 0)
-    if drag.bound is not None:
-        bound = drag.bound(alone, slip, *of_friction, 0)
+        spring, stored, stiffness, slope, lost = part.evaluate("force", **state, **pressed)
+    damping: Any = law.damping
+    solved = {**damping.solved(part), "elastic_force": spring}
+    alone = damping.evaluate("damped", **state, **solved)
+    bound = drag.evaluate("bound", **state, **bent, normal=alone)
     answers = [alone, bound, stored, lost + (spring - alone) * rate]
-    swept = alone, stiffness, -slope * rate, slip
-    if drag.state is not None and drag.remembered:
-        force, held, tangential = drag.state(*swept, *of_friction, 0)
-        answers += force, 0.0, held, tangential
-    elif drag.state is not None:
-        z = float(kept[0]) if drag.internal_variables else 0.0
-        answers += drag.state(*swept, z, friction, 0)
-    way = -gap, -rate, *of_normal, 0
-    limits = (0.0, 0.0) if part.limits is None else part.limits(*of_normal, 0)
-    sides = (drag, (*swept, *of_friction, 0), bent), (part, way, pressed)
-    return [*answers, *_memory_of_parts(sides, limits)]
+    swept = {**state, **bent, "normal": alone, "normal_stiffness": stiffness}
+    swept["normal_stiffness_rate"] = -slope * rate
+    if drag.state is not None:
+        given = drag.evaluate("state", **swept)
+        answers += (given[0], 0.0, *given[1:]) if len(drag.internal_variables) > drag.coupled else given
+    sides = ((drag, swept, kept[:count]), (part, {**state, **pressed}, kept[count:]))
+    for each, known, own in sides:
+        for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
+            answers.append(0.0 if each.rate is None else each.evaluate("rate", **known, which=k))
+    for each, known, _ in sides:
+        answers += [each.evaluate("guard", **known, which=k) for k in range(each.guards)]
+    answers += (0.0, 0.0) if part.limits is None else part.evaluate("limits", **state, **pressed)
+    for event in range(AT_TOUCH, law.guards):
+        for each, known, own in sides:
+            mine = event if event < 0 or each is drag else event - drag.guards
+            theirs = event >= 0 and (event < drag.guards) != (each is drag)
+            for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
+                as_it_was = theirs or each.jump is None
+                jumped = float(own[k]) if as_it_was else each.evaluate("jump", **known, which=k, event=mine)
+                answers.append(jumped)
+    return answers
 
 
-def _memory_of_parts(sides: Sides, limits: tuple[float, float]) -> Iterator[float]:
-    """Give rates, guards, limits and jumps of the friction and the normal force, in what each is asked."""
-    (drag, _, _), _ = sides
-    guards = sum(part.guards for part, _, _ in sides)
-    remembering = [side for side in sides if side[0].remembered]
-    for part, state, own in remembering:
-        for k in range(own.size):
-            yield 0.0 if part.rate is None else part.rate(k, *state)
-    for part, state, _ in sides:
-        for k in range(part.guards):
-            yield part.guard(k, *state)
-    yield from limits
-    for event in range(AT_TOUCH, guards):
-        for part, state, own in remembering:
-            mine = event if event < 0 or part is drag else event - drag.guards
-            theirs = event >= 0 and (event < drag.guards) != (part is drag)
-            for k in range(own.size):
-                kept_as_is = theirs or part.jump is None
-                yield float(own[k]) if kept_as_is else part.jump(k, mine, *state)
+def _variables_of(part: Any, values: Array) -> dict[str, Any]:
+    """Return the internal variables of a part by name, and as z."""
+    named = zip(part.internal_variables, values.tolist(), strict=True)
+    return {"z": np.array(values), **{variable.name: value for variable, value in named}}

@@ -127,3 +127,23 @@ class Bench:
     def runs(self) -> dict[str, Trajectory]:
         """Both, once they have reached their ends."""
         return {"motor": completed(self.motor_run), "block": completed(self.skipping)}
+
+
+def impulses_of(law: MultiplierLaw, gap_rate: float, slip: float, delassus: tuple[float, ...]) -> Any:
+    """Return normal and friction impulse [N s] and mode of an impact at a gap rate and a slip [m/s].
+
+    The Delassus matrix is given by D_nn, D_nt, D_tt [1/kg].
+    """
+    d_nn, d_nt, d_tt = delassus
+    return law.evaluate(
+        "solve",
+        normal_rate=gap_rate,
+        tangential_rate=slip,
+        gap_rate=gap_rate,
+        slip=slip,
+        d_nn=d_nn,
+        d_nt=d_nt,
+        d_tt=d_tt,
+        step=law.default_contact_step,
+        impact=True,
+    )

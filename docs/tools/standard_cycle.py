@@ -22,7 +22,8 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.engine.preparation import LIMITS, take_in
+from contactlab.engine.binding import LIMITS
+from contactlab.engine.preparation import take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.testing.plants import block, run, way_of
 from contactlab.trajectory import Trajectory
@@ -88,11 +89,11 @@ def curves_of(law: ContactLaw) -> Curves:
 
 def _normal_of(law: PenaltyLaw) -> Callable[[float], float]:
     """The force [N] of a depth [m] below the first touch, at rest and with the memory of that."""
-    row, _, kernels, _ = take_in(law)
-    begins = 0.0 if law.limits is None else kernels[LIMITS](row)[0]
+    row, _, bound, _ = take_in(law)
+    begins = 0.0 if law.limits is None else bound.kernels[LIMITS](0.0, row)[0]
 
     def normal(depth: float) -> float:
-        return float(kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
+        return float(bound.kernels[0](begins - depth, 0.0, 0.0, 0.0, row)[0])
 
     return normal
 
@@ -165,12 +166,12 @@ def _tidy(energy: float) -> str:
 
 
 def _impacts(law: MultiplierLaw) -> Curves:
-    row, _, kernels, _ = take_in(law)
+    row, _, bound, _ = take_in(law)
     (d_nn, d_nt), (_, d_tt) = DELASSUS
 
     def answers(rate: float, slip: float) -> tuple[float, float]:
         # As the engine asks it in an impact, with the memory of a first touch.
-        p_n, p_t, _ = kernels[2](-rate, slip, -rate, slip, d_nn, d_nt, d_tt, row)
+        p_n, p_t, _ = bound.kernels[2](-rate, slip, -rate, slip, d_nn, d_nt, d_tt, row)
         return p_n, p_t
 
     speeds = np.linspace(0.0, 2.0 * APPROACH, 201)[1:]
@@ -192,7 +193,7 @@ def _impacts(law: MultiplierLaw) -> Curves:
         numbers=words,
         time=np.empty(0),
     )
-    return _with_stick_slip(curves, law) if law.remembered else curves
+    return _with_stick_slip(curves, law) if law.internal_variables else curves
 
 
 def _with_stick_slip(curves: Curves, law: ContactLaw) -> Curves:

@@ -6,15 +6,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from numba.core import event
 from support.command_line import Command, left_behind
 
 from contactlab import compilation
-from contactlab.cli.warm_up import LAWS
 from contactlab.compilation import Compiled
-from contactlab.compiled import is_compiled
-from contactlab.engine import impact, loop
-from contactlab.laws import HertzPenalty
+from contactlab.engine import loop
 
 
 @pytest.fixture
@@ -30,38 +26,14 @@ def made(name: str) -> Any:
     return SimpleNamespace(data={"dispatcher": SimpleNamespace(__name__=name)})
 
 
-def test_every_loop_is_warmed_up_by_a_law_of_its_own() -> None:
-    assert {f"{what}_{kind}" for what in ("advance", "strike") for kind in LAWS} == loop.KINDS.keys()
-    assert all(hasattr(loop, name) or hasattr(impact, name) for name in loop.KINDS)
-
-
 @pytest.mark.long
-def test_what_is_compiled_already_is_loaded_without_a_word_of_the_compiler(command: Command) -> None:
-    if not all(map(is_compiled, loop.KINDS)):
-        command("warm-up")
+def test_every_kind_of_law_is_warmed_up_and_then_there(command: Command) -> None:
+    command("warm-up")
     status, out, err = command("warm-up")
     assert (status, err) == (0, "")
-    *loops, last = out.splitlines()
-    assert {line.partition("  ")[0] for line in loops} == {words for words, _ in loop.KINDS.values()}
-    assert all("was there, loaded in " in line for line in loops)
-    assert last.startswith("The engine is ready after ")
+    *kinds, _ = out.splitlines()
+    assert {line.partition("  ")[0] for line in kinds} == loop.SECONDS.keys()
     assert left_behind() == []
-
-
-def test_a_loop_that_is_not_there_is_told_as_compiled(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def build(overrides: list[str]) -> Any:
-        def run(**_: float) -> None:
-            if overrides == LAWS["rigid"]:
-                event.end_event("numba:compile", made("advance_rigid").data)
-
-        return SimpleNamespace(run=run, law=HertzPenalty())
-
-    monkeypatch.setattr("contactlab.config.build", build)
-    _, out, _ = command("warm-up")
-    told = [line.partition("  ")[0] for line in out.splitlines() if "compiled in" in line]
-    assert told == [loop.KINDS["advance_rigid"][0]]
 
 
 def test_the_first_function_announces_what_is_compiled_and_the_end_tells_how_long_it_took(
@@ -98,18 +70,6 @@ def test_a_terminal_shows_how_far_it_is_at_the_pace_of_a_shared_processor(
     compiled.close()
     assert " 25 %|" in (err := capsys.readouterr().err)
     assert "10 of about 40 s, step_flight" in err
-
-
-def test_the_time_that_is_told_is_that_of_what_is_not_there_yet(monkeypatch: pytest.MonkeyPatch) -> None:
-    there: set[str] = set()
-    monkeypatch.setattr(loop, "is_compiled", there.__contains__)
-    alone = {name: loop._usual_time(name) for name in loop.KINDS}
-    there.add("advance_compliant")
-    assert loop._usual_time("advance_rigid") == alone["advance_rigid"] - loop.SHARED
-    with_memory = "advance_rigid_with_memory"
-    assert loop._usual_time(with_memory) == alone[with_memory] - loop.SHARED
-    there.add("advance_compliant_with_memory")
-    assert loop._usual_time(with_memory) == loop.KINDS[with_memory][1]
 
 
 def test_garbage_is_collected_again_when_the_compiler_has_ended() -> None:

@@ -13,12 +13,13 @@ from support.stribeck_belt import Belt, Stribeck, number
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws.base import FREE, RATE_DEPENDENT, FrictionKernel, PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import FREE, RATE_DEPENDENT, Kernel, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised
 from contactlab.laws.memory import InternalVariable
 from contactlab.laws.normal import HertzPoint, Linear
+from contactlab.testing.asking import Asked
 from contactlab.testing.plants import block, way_of
 from contactlab.trajectory import Trajectory
 
@@ -99,7 +100,8 @@ def test_no_contact_ends_while_it_approaches_at_any_tolerance(seed: int) -> None
 def test_a_start_that_is_pressed_in_and_opens_keeps_its_first_force(law: Composed) -> None:
     motor = block(1e-3, height=-1e-6, gap_rate=0.02)
     trajectory = simulate(motor, law, duration=1e-4, record_interval=1e-6)
-    first = law.force(-1e-6, 0.02, 0.0, 0.0, law.parameters())[0]
+    asked = Asked(law)
+    first = asked.force(-1e-6, 0.02, 0.0, 0.0, asked.initial)[0]
     assert first > 0.0
     assert trajectory.contacts["peak_normal_force"][0] == pytest.approx(first, rel=1e-12)
     assert trajectory.contacts["max_penetration"][0] == pytest.approx(1e-6, rel=1e-12)
@@ -173,30 +175,30 @@ class RateAndState(PenaltyLaw):
         return 1.0
 
     @property
-    def force(self) -> PenaltyKernel:
+    def force(self) -> Kernel:
         return rate_and_state_force
 
     @property
-    def friction_force(self) -> FrictionKernel:
+    def friction_force(self) -> Kernel:
         return rate_and_state_friction
 
 
 @kernel
 def rate_and_state_force(
-    gap: float, gap_rate: float, slip: float, approach: float, p: Array
+    gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
 ) -> tuple[float, float, float, float]:
-    normal = p[1] * -gap * sqrt(-gap)
+    normal = parameters[1] * -gap * sqrt(-gap)
     return normal, normal, -0.4 * normal * gap, 0.0
 
 
 @kernel
 def rate_and_state_friction(
-    gap: float, gap_rate: float, slip: float, normal: float, memory: float, p: Array
+    slip: float, normal: float, age: float, parameters: Array
 ) -> tuple[float, float, float, float]:
     # A contact begins as old as steady slip at 0.1 m/s makes it, over 1 um at 1 um/s.
-    age = max(memory, -0.99e-5) + 1e-5
-    steep = exp((0.3 + 0.015 * log(age)) / p[0])
-    return -p[0] * normal * asinh(slip / 2e-6 * steep), 1.0 - abs(slip) * age / 1e-6, 0.0, 0.0
+    older = max(age, -0.99e-5) + 1e-5
+    steep = exp((0.3 + 0.015 * log(older)) / parameters[0])
+    return -parameters[0] * normal * asinh(slip / 2e-6 * steep), 1.0 - abs(slip) * older / 1e-6, 0.0, 0.0
 
 
 @pytest.mark.parametrize("direct_effect", [0.1, 0.01])

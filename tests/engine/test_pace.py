@@ -61,13 +61,11 @@ def test_a_contact_that_never_comes_to_rest_chatters(
     assert trajectory.statistics["touchdowns"] < 20 * EVENT_LIMIT
 
 
-def test_friction_that_jumps_with_the_slip_stalls_and_the_sentence_says_where() -> None:
+def test_friction_that_jumps_with_the_slip_stalls() -> None:
     trajectory = ran(case_a(), SignOfSlip(), 1e-3)
     assert trajectory.ending is Ending.STALLED
     assert not trajectory.complete
     assert "stalls" in trajectory.message
-    assert "friction goes from" in trajectory.message
-    assert "slip goes from" in trajectory.message
 
 
 def test_a_stall_where_a_slow_tone_takes_the_gaps_digits_is_not_blamed_on_the_law() -> None:
@@ -86,7 +84,6 @@ def test_a_stall_where_a_slow_tone_takes_the_gaps_digits_is_not_blamed_on_the_la
     trajectory = ran(Motor(modes, drive, still.geometry, still.rotor), SignOfSlip(), 1e-3)
     assert trajectory.ending is Ending.STALLED
     assert "moves the tip by 2.53 m" in trajectory.message
-    assert "friction goes from" not in trajectory.message
 
 
 @pytest.mark.parametrize("steps", [50_000, 1_009])
@@ -99,7 +96,6 @@ def test_a_law_that_crawls_stalls_after_as_many_steps_however_they_are_cut(
     assert trajectory.ending is Ending.STALLED
     limit = 5_000 + 2 * int(np.ceil(1.0 / 6420.0 / 4e-6))
     assert f"more than {limit} steps in contact" in trajectory.message
-    assert "friction goes from" in trajectory.message
     taken = sum(trajectory.statistics[name] for name in ("contact_steps", "rejected_steps"))
     # Those of the last step are many, as it is tried shorter and shorter.
     assert limit < taken < 1.2 * limit

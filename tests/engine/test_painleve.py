@@ -11,7 +11,7 @@ from contactlab.compiled import kernel
 from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.laws import LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
-from contactlab.laws.base import SLIP, MultiplierKernel
+from contactlab.laws.base import SLIP, Kernel
 from contactlab.motor import NormalModes
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
@@ -45,7 +45,7 @@ class Silent(MultiplierLaw):
     default_contact_step: ClassVar[float] = 5e-8
 
     @property
-    def solve(self) -> MultiplierKernel:
+    def solve(self) -> Kernel:
         return no_impulse
 
 

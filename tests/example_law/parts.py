@@ -19,19 +19,14 @@ class Stiffening(NormalForce):
     source: ClassVar[str] = "Duffing (1918)"
 
     stiffness: Annotated[float, Parameter("k", "N m-1", "stiffness at first touch", above=0.0)] = 5e6
-    depth: Annotated[float, Parameter("d_0", "m", "depth of four times the stiffness", above=0.0)] = 1e-6
+    unit_depth: Annotated[float, Parameter("d_0", "m", "depth of four times the stiffness", above=0.0)] = 1e-6
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        stiffness, square = parameters[at], (depth / parameters[at + 1]) ** 2
+    def elastic(depth, stiffness, unit_depth):
+        square = (depth / unit_depth) ** 2
         force, energy = stiffness * depth * (1.0 + square), 0.5 * stiffness * depth**2 * (1.0 + 0.5 * square)
-        return (
-            force,
-            energy,
-            stiffness * (1.0 + 3.0 * square),
-            6.0 * stiffness * depth / parameters[at + 1] ** 2,
-        )
+        return force, energy, stiffness * (1.0 + 3.0 * square), 6.0 * stiffness * depth / unit_depth**2
 
 
 @dataclass(frozen=True)
@@ -58,7 +53,7 @@ class Ageing(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        older = 1.0 + parameters[at + 2] * z / (z + parameters[at + 3])
-        share = slip / sqrt(slip**2 + parameters[at + 5] ** 2)
-        return -parameters[at] * normal * older * share, 1.0 - abs(slip) * z / parameters[at + 4], 0.0, 0.0
+    def state(normal, slip, age, friction_coefficient, strengthening, half_age, distance, velocity):
+        older = 1.0 + strengthening * age / (age + half_age)
+        share = slip / sqrt(slip**2 + velocity**2)
+        return -friction_coefficient * normal * older * share, 1.0 - abs(slip) * age / distance, 0.0, 0.0

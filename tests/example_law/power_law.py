@@ -19,17 +19,12 @@ class PowerLaw(PenaltyLaw):
     default_contact_step: ClassVar[float] = 4e-6
 
     load: Annotated[float, Parameter("P", "N", "load at d_0", above=0.0)] = 10.0
-    depth: Annotated[float, Parameter("d_0", "m", "penetration at P", above=0.0)] = 1e-6
+    unit_depth: Annotated[float, Parameter("d_0", "m", "penetration at P", above=0.0)] = 1e-6
     exponent: Annotated[float, Parameter("p", "1", "exponent", at_least=1.0, at_most=4.0)] = 1.5
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
-    @property
-    def force(self):
-        return power_force
-
-
-@kernel
-def power_force(gap, gap_rate, slip, approach, parameters):
-    load, depth, exponent, mu = parameters[0], parameters[1], parameters[2], parameters[3]
-    normal = load * (max(-gap, 0.0) / depth) ** exponent
-    return normal, mu * normal, -normal * gap / (exponent + 1.0), 0.0
+    @staticmethod
+    @kernel
+    def force(depth, load, unit_depth, exponent, friction_coefficient):
+        normal = load * (depth / unit_depth) ** exponent
+        return normal, friction_coefficient * normal, normal * depth / (exponent + 1.0), 0.0

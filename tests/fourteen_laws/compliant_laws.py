@@ -21,14 +21,14 @@ class Power(NormalForce):
     source = "Galin (1946); Johnson, Contact Mechanics (1985), sec. 5.3"
 
     load: Annotated[float, positive("P", "N", "load at d_0")] = 10.0
-    depth: Annotated[float, positive("d_0", "m", "depth at P")] = 1e-6
+    unit_depth: Annotated[float, positive("d_0", "m", "depth at P")] = 1e-6
     exponent: Annotated[float, Parameter("n", "1", "exponent", at_least=1.0, at_most=4.0)] = 2.0
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        load, unit, n = parameters[at], parameters[at + 1], parameters[at + 2]
-        stiffness = n * load / unit * (depth / unit) ** (n - 1.0)
+    def elastic(depth, load, unit_depth, exponent):
+        n = exponent
+        stiffness = n * load / unit_depth * (depth / unit_depth) ** (n - 1.0)
         slope = (n - 1.0) * stiffness / depth if depth > 0.0 else 0.0
         return stiffness * depth / n, stiffness * depth**2 / (n * (n + 1.0)), stiffness, slope
 
@@ -52,10 +52,10 @@ class KelvinVoigt(PenaltyLaw):
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, parameters):
-        k, c, mu = parameters[0], parameters[1], parameters[2]
-        normal = -k * gap - c * gap_rate
-        return normal, mu * max(normal, 0.0), 0.5 * k * gap * gap, c * gap_rate * gap_rate
+    def force(depth, depth_rate, stiffness, damping, friction_coefficient):
+        normal = stiffness * depth + damping * depth_rate
+        bound, stored = friction_coefficient * max(normal, 0.0), 0.5 * stiffness * depth * depth
+        return normal, bound, stored, damping * depth_rate * depth_rate
 
 
 @dataclass(frozen=True)
@@ -76,16 +76,20 @@ class Tsuji(PenaltyLaw):
     restitution: Annotated[float, RESTITUTION] = 0.8
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
-    def parameters(self):
+    def coefficients(self):
         lost = -log(self.restitution)
         alpha = sqrt(5.0) * lost / sqrt(lost * lost + pi * pi)
         damping = alpha * sqrt(self.effective_mass * self.stiffness)
-        return self.stiffness, damping, self.friction_coefficient
+        return {
+            "stiffness": self.stiffness,
+            "damping": damping,
+            "friction_coefficient": self.friction_coefficient,
+        }
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, parameters):
-        depth = max(-gap, 0.0)
-        spring, dashpot = parameters[0] * depth * sqrt(depth), parameters[1] * sqrt(sqrt(depth))
-        normal = spring - dashpot * gap_rate
-        return normal, parameters[2] * max(normal, 0.0), 0.4 * spring * depth, dashpot * gap_rate * gap_rate
+    def force(depth, depth_rate, stiffness, damping, friction_coefficient):
+        spring, dashpot = stiffness * depth * sqrt(depth), damping * sqrt(sqrt(depth))
+        normal = spring + dashpot * depth_rate
+        bound, loss = friction_coefficient * max(normal, 0.0), dashpot * depth_rate * depth_rate
+        return normal, bound, 0.4 * spring * depth, loss

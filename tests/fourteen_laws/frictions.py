@@ -25,9 +25,9 @@ class Tustin(Friction):
 
     @staticmethod
     @kernel
-    def bound(normal, slip, parameters, at):
-        more = (parameters[at + 1] - 1.0) * exp(-abs(slip) / parameters[at + 2])
-        return parameters[at] * (1.0 + more) * max(normal, 0.0)
+    def bound(normal, slip, friction_coefficient, static_ratio, stribeck_velocity):
+        more = (static_ratio - 1.0) * exp(-abs(slip) / stribeck_velocity)
+        return friction_coefficient * (1.0 + more) * max(normal, 0.0)
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,12 @@ class SolidFriction(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        pressed, sigma = max(normal, 0.0), parameters[at + 2]
-        left = (
-            1.0 - sigma * z * (1.0 if slip > 0.0 else -1.0) / parameters[at] if parameters[at] > 0.0 else 0.0
-        )
-        return -pressed * sigma * z, slip * left * abs(left), 0.5 * pressed * sigma * z * z, 0.0
+    def state(normal, slip, bend, friction_coefficient, stiffness_ratio):
+        pressed, left = max(normal, 0.0), 0.0
+        if friction_coefficient > 0.0:
+            left = 1.0 - stiffness_ratio * bend * (1.0 if slip > 0.0 else -1.0) / friction_coefficient
+        stored = 0.5 * pressed * stiffness_ratio * bend * bend
+        return -pressed * stiffness_ratio * bend, slip * left * abs(left), stored, 0.0
 
 
 @dataclass(frozen=True)
@@ -71,5 +71,5 @@ class SmoothCone(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        return -parameters[at] * max(normal, 0.0) * tanh(slip / parameters[at + 2]), 0.0, 0.0, 0.0
+    def state(normal, slip, friction_coefficient, creep_velocity):
+        return -friction_coefficient * max(normal, 0.0) * tanh(slip / creep_velocity), 0.0, 0.0, 0.0

@@ -21,7 +21,6 @@ class TurningImpact(MultiplierLaw):
     equation = "gdot+ = -e gdot-, v+ = -beta v- or |p_t| = mu p_n"
     source = "Walton and Braun (1986), J. Rheol. 30, 949; Foerster et al. (1994), Phys. Fluids 6, 1108"
     default_contact_step = 5e-8
-    told = True
     violations = MappingProxyType({"friction_opposes_slip": "it gives back slip that it has turned."})
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
@@ -30,10 +29,22 @@ class TurningImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters):
-        e, beta = (parameters[1], parameters[2]) if impact else (0.0, 0.0)
+    def solve(
+        normal_rate,
+        tangential_rate,
+        gap_rate,
+        slip,
+        d_nn,
+        d_nt,
+        d_tt,
+        impact,
+        friction_coefficient,
+        restitution,
+        turned,
+    ):
+        e, beta = (restitution, turned) if impact else (0.0, 0.0)
         rate, along = normal_rate + e * min(gap_rate, 0.0), tangential_rate + beta * slip
-        p_n, p_t, mode = stick_or_slip_impulse(rate, along, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+        p_n, p_t, mode = stick_or_slip_impulse(rate, along, slip, d_nn, d_nt, d_tt, friction_coefficient)
         return p_n, p_t, SLIP if beta > 0.0 else mode
 
 
@@ -52,7 +63,7 @@ class ViscoelasticImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, loss):
         approach = min(gap_rate, 0.0)
-        rate = normal_rate + max(1.0 - parameters[1] * (-approach) ** 0.2, 0.0) * approach
-        return stick_or_slip_impulse(rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+        rate = normal_rate + max(1.0 - loss * (-approach) ** 0.2, 0.0) * approach
+        return stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)

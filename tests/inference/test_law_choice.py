@@ -7,7 +7,7 @@ from contactlab.inference.law_choice import LawChoice, law_predictors
 
 
 @pytest.mark.parametrize(
-    ("words", "named"),
+    ("overrides", "named"),
     [
         (["law=newtn"], "newton"),
         (["law=newton", "law.restitutio=0.5"], "law.restitutio"),

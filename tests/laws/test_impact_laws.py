@@ -5,6 +5,7 @@ from math import sqrt
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings, strategies as st
+from support.kernels import solve_of
 
 from contactlab.laws import LagrangeStick, MoreauJean, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.laws.base import STICK
@@ -41,7 +42,7 @@ def impact(draw: st.DrawFn, jams: bool = False) -> tuple[float, Delassus]:
 
 def answer_of(law: MultiplierLaw, normal: float, tangential: float, d: Delassus) -> Answer:
     """Answer to an impact in which nothing else acts."""
-    return law.solve(normal, tangential, normal, tangential, *d, law.parameters())
+    return solve_of(law, normal, tangential, normal, tangential, *d)
 
 
 def after(normal: float, tangential: float, d: Delassus, answer: Answer) -> tuple[float, float]:
@@ -214,10 +215,10 @@ def test_without_restitution_an_impact_is_the_plastic_one(
     mu, d = drawn
     # No slip can reverse where friction can hold what the normal impulse drives.
     assume(abs(d[1]) < mu * d[2])
-    plastic = LagrangeStick(mu).solve(normal, tangential, normal, tangential, *d, np.array([mu]))
+    plastic = solve_of(LagrangeStick(mu), normal, tangential, normal, tangential, *d)
     chosen = law(mu, 0.0)
     # Whatever part of the approach is there at the start of the step.
-    found = chosen.solve(normal, tangential, begun * normal, tangential, *d, chosen.parameters())
+    found = solve_of(chosen, normal, tangential, begun * normal, tangential, *d)
     error = round_off(normal, tangential, d, plastic)
     assert found[0] == pytest.approx(plastic[0], abs=error / (d[0] - d[1] ** 2 / d[2]))
     assert after(normal, tangential, d, found) == pytest.approx(
@@ -232,8 +233,8 @@ def test_contact_that_lasts_has_no_restitution(law: Law, gap_rate: float, d: Del
     chosen, plastic = law(0.6, 0.8), LagrangeStick(0.6)
     for slip in (-1e-3, 0.0, 1e-3):
         asked = (-1e-3, slip, gap_rate, slip, *d)
-        found = chosen.solve(*asked, chosen.parameters())
-        expected = plastic.solve(*asked, plastic.parameters())
+        found = solve_of(chosen, *asked)
+        expected = solve_of(plastic, *asked)
         assert found[2] == expected[2]
         assert found[:2] == pytest.approx(expected[:2], rel=1e-12, abs=1e-20)
 
@@ -243,7 +244,7 @@ def test_contact_that_lasts_has_no_restitution(law: Law, gap_rate: float, d: Del
 def test_forces_within_the_step_are_not_given_back(law: Law, gained: float) -> None:
     d, e = (1000.0, 0.0, 1000.0), 0.5
     chosen = law(0.3, e)
-    p_n, _, _ = chosen.solve(-0.1 + gained, 0.0, -0.1, 0.0, *d, chosen.parameters())
+    p_n, _, _ = solve_of(chosen, -0.1 + gained, 0.0, -0.1, 0.0, *d)
     end = -0.1 + gained + d[0] * p_n
     # Newton's rate at the end of the step, or that of the process before the forces act on it, of an
     # approach that they have not taken away themselves.
@@ -257,5 +258,5 @@ def test_parting_bodies_are_released_not_pulled(law: type[Poisson] | type[Strong
     # The pull that would be needed tells the engine when the force ended.
     d = (900.0, 20.0, 2000.0)
     chosen = law(0.3, 0.5)
-    assert chosen.solve(0.1, 0.4, 0.0, 0.4, *d, chosen.parameters())[0] < 0.0
-    assert chosen.solve(0.1, 0.4, -0.1, 0.4, *d, chosen.parameters())[0] < 0.0
+    assert solve_of(chosen, 0.1, 0.4, 0.0, 0.4, *d)[0] < 0.0
+    assert solve_of(chosen, 0.1, 0.4, -0.1, 0.4, *d)[0] < 0.0

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import assume, given, settings, strategies as st
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
+from support.kernels import solve_of
 
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick, hertz_stiffness
@@ -34,12 +35,12 @@ def delassus(draw: st.DrawFn) -> Delassus:
 
 def stick_law(mu: float, normal: float, tangential: float, d: Delassus) -> Answer:
     law = LagrangeStick(mu)
-    return law.solve(normal, tangential, normal, tangential, *d, law.parameters())
+    return solve_of(law, normal, tangential, normal, tangential, *d)
 
 
 def slip_law(mu: float, normal: float, tangential: float, slip: float, d: Delassus) -> Answer:
     law = LagrangeSlip(mu)
-    return law.solve(normal, tangential, normal, slip, *d, law.parameters())
+    return solve_of(law, normal, tangential, normal, slip, *d)
 
 
 def after(normal: float, tangential: float, d: Delassus, answer: Answer) -> tuple[float, float]:
@@ -70,7 +71,7 @@ def test_every_law_is_listed_by_its_own_name() -> None:
 @given(st.floats(0.0, 1e-3), rate, rate)
 def test_hertz_never_pulls(gap, gap_rate, slip):
     law = HertzPenalty(STIFFNESS, 0.3)
-    assert law.force(gap, gap_rate, slip, 0.1, law.parameters()) == (0.0, 0.0, 0.0, 0.0)
+    assert law.evaluate("force", depth=-(gap), slip=slip) == (0.0, 0.0, 0.0, 0.0)
 
 
 @settings(deadline=None)
@@ -79,13 +80,13 @@ def test_hertz_presses_with_the_power_three_halves_and_bounds_friction_by_the_co
     depth: float, gap_rate: float, slip: float, mu: float
 ) -> None:
     law = HertzPenalty(STIFFNESS, mu)
-    normal, bound, stored, loss = law.force(-depth, gap_rate, slip, 0.1, law.parameters())
+    normal, bound, stored, loss = law.evaluate("force", depth=depth, slip=slip)
     assert normal == pytest.approx(STIFFNESS * depth**1.5, rel=1e-14)
     assert bound == pytest.approx(mu * normal, rel=1e-15)
     assert stored == pytest.approx(0.4 * STIFFNESS * depth**2.5, rel=1e-14)
     # Elastic: neither the gap rate nor the slip enters, and nothing is lost.
     assert loss == 0.0
-    assert law.force(-depth, 0.0, 0.0, 0.0, law.parameters())[0] == normal
+    assert law.evaluate("force", depth=depth, slip=0.0)[0] == normal
 
 
 @settings(deadline=None)
@@ -93,8 +94,8 @@ def test_hertz_presses_with_the_power_three_halves_and_bounds_friction_by_the_co
 def test_hertz_force_is_minus_the_slope_of_the_stored_energy(depth: float) -> None:
     law = HertzPenalty(STIFFNESS, 0.3)
     h = 1e-4 * depth
-    ahead, behind = (law.force(-depth + k * h, 0.0, 0.0, 0.0, law.parameters())[2] for k in (1, -1))
-    normal = law.force(-depth, 0.0, 0.0, 0.0, law.parameters())[0]
+    ahead, behind = (law.evaluate("force", depth=depth - k * h, slip=0.0)[2] for k in (1, -1))
+    normal = law.evaluate("force", depth=depth, slip=0.0)[0]
     # Central differences of d^2.5: truncation (h/d)^2 / 8.
     assert -(ahead - behind) / (2.0 * h) == pytest.approx(normal, rel=1e-8)
 

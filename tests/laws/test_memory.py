@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
+from support.kernels import state_of
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
@@ -87,11 +88,10 @@ def bounces_on_its_dent(normal: WaltonBraun, friction: Any, end: float) -> list[
     while it is apart.
     """
     soft, stiff = normal.loading_stiffness, normal.unloading_stiffness
-    coefficients = np.array(friction.coefficients())
 
     def motion(t: float, y: np.ndarray, stiffness: float, dent: float) -> list[float]:
         pressed = stiffness * max(y[0] - dent, 0.0)
-        push, rate, _, _ = friction.state(pressed, stiffness, 0.0, y[2], y[3], coefficients, 0)
+        push, rate, _, _ = state_of(friction, pressed, y[2], y[3], stiffness)
         return [y[1], (BOUNCING_WEIGHT - pressed) / BOUNCING, push / BOUNCING, rate if pressed > 0.0 else 0.0]
 
     def stops(t: float, y: np.ndarray, *_: float) -> float:
@@ -155,11 +155,9 @@ def test_friction_begins_anew_once_the_gap_is_clear_of_the_dent(friction: Fricti
 
 
 @kernel
-def hiding_state(normal, stiffness, stiffness_rate, slip, memory, parameters, at):
+def hiding_state(normal_stiffness, normal_stiffness_rate, slip, stretch):
     """Mindlin's spring without its energy."""
-    force, rate, _, tangential = mindlin_state(
-        normal, stiffness, stiffness_rate, slip, memory, parameters, at
-    )
+    force, rate, _, tangential = mindlin_state(normal_stiffness, normal_stiffness_rate, slip, stretch, 0.82)
     return force, rate, 0.0, tangential
 
 
@@ -175,9 +173,6 @@ class Hiding(Friction):
     internal_variables = (InternalVariable("stretch", "z", "m", "stretch of the spring", parity=ODD),)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
-
-    def coefficients(self) -> tuple[float, ...]:
-        return self.friction_coefficient, 1.0, 0.82
 
     state = staticmethod(hiding_state)
 

@@ -220,7 +220,6 @@ class Told(MultiplierLaw):
     equation = "g = 0"
     source = "this test"
     default_contact_step = 5e-8
-    told = True
 
     power: Annotated[float, Parameter("n", "1", "power")]
 
@@ -266,7 +265,6 @@ class Turned(PenaltyLaw):
                 "in a mirror",
             },
         ),
-        (Told, {"told": "how long a step is, and whether it is that of an impact"}),
         (Turned, {"moment": "a patch of some extent turns the tip"}),
     ],
     ids=lambda value: getattr(value, "name", ""),

@@ -21,7 +21,7 @@ from contactlab.testing.plants import Bench, block, paper_motor
 
 
 @kernel
-def thin_layer(gap, gap_rate, slip, impact_speed, p):
+def thin_layer(gap):
     # N = -P log(1 - d/h): no number from the depth h on.
     load, thickness = 1e2, 1e-5
     left = 1.0 + gap / thickness
@@ -30,7 +30,7 @@ def thin_layer(gap, gap_rate, slip, impact_speed, p):
     return normal, 0.3 * normal, energy, 0.0
 
 
-def interpreted_layer(gap, gap_rate, slip, impact_speed, p):
+def interpreted_layer(gap):
     # It raises from the depth h on, as Python does.
     left = 1.0 + gap / 1e-5
     state: dict[str, Any] = {"log": log(left), "text": [f"{gap}"]}
@@ -62,11 +62,11 @@ def test_every_law_of_the_package_is_taken(law: Any) -> None:
 
 
 @kernel
-def ageing(gap, gap_rate, slip, normal, z, p):
+def ageing(slip, normal, age):
     """The longer contact lasts without slip, the more it drags; its age [s] is the same in a mirror."""
     share = slip / np.sqrt(slip * slip + 1e-6)
-    strength = 1.0 + 0.2 * z / (z + 1e-5)
-    return -0.3 * normal * share * strength, 1.0 - 1e4 * abs(slip) * z, 0.0, 0.0
+    strength = 1.0 + 0.2 * age / (age + 1e-5)
+    return -0.3 * normal * share * strength, 1.0 - 1e4 * abs(slip) * age, 0.0, 0.0
 
 
 @pytest.mark.parametrize("parity", [EVEN, -EVEN])

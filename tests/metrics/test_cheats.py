@@ -107,7 +107,7 @@ class Drifting(MultiplierLaw):
     def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
         # What sticks gives way in proportion to its friction, and calls it stick all the same.
         return stick_or_slip_impulse(
-            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt + CREEP, parameters
+            normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt + CREEP, parameters[0]
         )
 
 

@@ -207,7 +207,6 @@ class Told(MultiplierLaw):
     equation = "|F| <= mu (N + C), gdot+ = -e gdot- in impacts"
     source = "this test"
     default_contact_step = 1e-6
-    told = True
     internal_variables = (
         InternalVariable("age", "t", "s", "time of stick"),
         InternalVariable("warmth", "z", "1", "what is left", initial=1.0, life="run"),
@@ -227,9 +226,7 @@ class Told(MultiplierLaw):
     @kernel
     def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters):
         rate = normal_rate + (parameters[2] * gap_rate if impact else 0.0)
-        p_n, p_t, mode = stick_or_slip_impulse(
-            rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-        )
+        p_n, p_t, mode = stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0])
         if mode == SLIP and p_n > 0.0 and not impact:
             p_t *= (p_n + parameters[1] * step) / p_n
         return p_n, p_t, mode

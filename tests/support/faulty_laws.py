@@ -7,15 +7,7 @@ from typing import Annotated, Any, ClassVar, final
 import numpy as np
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import (
-    RATE_DEPENDENT,
-    SLIP,
-    FrictionKernel,
-    MultiplierKernel,
-    MultiplierLaw,
-    PenaltyKernel,
-    PenaltyLaw,
-)
+from contactlab.laws.base import RATE_DEPENDENT, SLIP, Kernel, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 STIFFNESS = 1e7
@@ -34,48 +26,48 @@ class Spring(PenaltyLaw):
 
 
 @kernel
-def spring(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
-    return -STIFFNESS * gap, -p[0] * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, 0.0
+def spring(gap: float, gap_rate: float, slip: float, parameters: np.ndarray) -> Any:
+    return -STIFFNESS * gap, -parameters[0] * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, 0.0
 
 
 @kernel
-def no_number(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
+def no_number(gap: float, gap_rate: float, slip: float, parameters: np.ndarray) -> Any:
     force = -STIFFNESS * gap if gap > -DEPTH else nan
-    return force, p[0] * force, 0.5 * STIFFNESS * gap * gap, 0.0
+    return force, parameters[0] * force, 0.5 * STIFFNESS * gap * gap, 0.0
 
 
 @kernel
-def negative_bound(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
-    bound = p[0] if gap > -DEPTH else -p[0]
+def negative_bound(gap: float, gap_rate: float, slip: float, parameters: np.ndarray) -> Any:
+    bound = parameters[0] if gap > -DEPTH else -parameters[0]
     return -STIFFNESS * gap, -bound * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, 0.0
 
 
 @kernel
-def no_loss(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
+def no_loss(gap: float, gap_rate: float, slip: float, parameters: np.ndarray) -> Any:
     loss = 0.0 if gap > -DEPTH else nan
-    return -STIFFNESS * gap, -p[0] * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, loss
+    return -STIFFNESS * gap, -parameters[0] * STIFFNESS * gap, 0.5 * STIFFNESS * gap * gap, loss
 
 
 @kernel
-def dashpot(gap: float, rate: float, slip: float, approach: float, p: np.ndarray) -> Any:
+def dashpot(gap: float, gap_rate: float, slip: float, parameters: np.ndarray) -> Any:
     # What the dashpot takes is kept from the ledger; it acts at rates that are not tried before a run.
-    drag = 60.0 * rate if abs(rate) > 0.02 else 0.0
+    drag = 60.0 * gap_rate if abs(gap_rate) > 0.02 else 0.0
     force = max(-STIFFNESS * gap - drag, 0.0)
-    return force, p[0] * force, 0.5 * STIFFNESS * gap * gap, 0.0
+    return force, parameters[0] * force, 0.5 * STIFFNESS * gap * gap, 0.0
 
 
 @kernel
-def sign_of_slip(gap: float, rate: float, slip: float, normal: float, memory: float, p: np.ndarray) -> Any:
-    friction = -p[0] * normal * copysign(1.0, slip) if slip != 0.0 else 0.0
+def sign_of_slip(slip: float, normal: float, parameters: np.ndarray) -> Any:
+    friction = -parameters[0] * normal * copysign(1.0, slip) if slip != 0.0 else 0.0
     return friction, 0.0, 0.0, 0.0
 
 
 @kernel
-def rate_and_state(gap: float, rate: float, slip: float, normal: float, memory: float, p: np.ndarray) -> Any:
-    # The ageing law with theta = (D / v_0) exp(memory), a = 0.01, b = 0.015, v_0 = 1 um/s, D = 1 um.
-    grip = exp(p[0] / 0.01 + 1.5 * memory)
+def rate_and_state(slip: float, normal: float, parameters: np.ndarray) -> Any:
+    # a = 0.01, v_0 = 1 um/s.
+    grip = exp(parameters[0] / 0.01)
     friction = -0.01 * asinh(0.5e6 * slip * grip) * normal
-    return friction, exp(-memory) - abs(slip) / 1e-6, 0.0, 0.0
+    return friction, 0.0, 0.0, 0.0
 
 
 @kernel
@@ -87,7 +79,7 @@ def no_impulse(
     d_nn: float,
     d_nt: float,
     d_tt: float,
-    p: np.ndarray,
+    parameters: np.ndarray,
 ) -> Any:
     # What a law is asked before it runs is slower than the motor's first approach.
     return -normal_rate / d_nn, nan if gap_rate < -0.011 else 0.0, SLIP
@@ -102,13 +94,13 @@ def rebound(
     d_nn: float,
     d_nt: float,
     d_tt: float,
-    p: np.ndarray,
+    parameters: np.ndarray,
 ) -> Any:
     # Whatever arrives leaves at 60 um/s, and so arrives again.
     return (6e-5 - normal_rate) / d_nn if gap_rate < 0.0 else 0.0, 0.0, SLIP
 
 
-def _penalty(title: str, normal: PenaltyKernel, friction: FrictionKernel | None = None) -> type[PenaltyLaw]:
+def _penalty(title: str, normal: Kernel, friction: Kernel | None = None) -> type[PenaltyLaw]:
     """A law of these kernels."""
 
     @final
@@ -119,17 +111,17 @@ def _penalty(title: str, normal: PenaltyKernel, friction: FrictionKernel | None 
         friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
         @property
-        def force(self) -> PenaltyKernel:
+        def force(self) -> Kernel:
             return normal
 
         @property
-        def friction_force(self) -> FrictionKernel | None:
+        def friction_force(self) -> Kernel | None:
             return friction
 
     return Law
 
 
-def _multiplier(title: str, impulse: MultiplierKernel) -> type[MultiplierLaw]:
+def _multiplier(title: str, impulse: Kernel) -> type[MultiplierLaw]:
     """A law of this kernel."""
 
     @final
@@ -141,7 +133,7 @@ def _multiplier(title: str, impulse: MultiplierKernel) -> type[MultiplierLaw]:
         default_contact_step: ClassVar[float] = 5e-8
 
         @property
-        def solve(self) -> MultiplierKernel:
+        def solve(self) -> Kernel:
             return impulse
 
     return Law

@@ -29,12 +29,8 @@ class Made(PenaltyLaw):
     default_contact_step = 4e-6
     function: ClassVar[Callable[..., Any]]
     friction: ClassVar[Callable[..., Any] | None] = None
-    length = 1
 
     stiffness: Annotated[float, STIFFNESS] = 1e10
-
-    def parameters(self) -> Array:
-        return np.full(self.length, self.stiffness)
 
     @property
     def force(self) -> Any:
@@ -59,13 +55,13 @@ def short_run(law: Any) -> Any:
 
 
 @kernel
-def honest(gap, gap_rate, slip, impact_speed, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, 0.3 * normal, -0.4 * normal * gap, 0.0
+def honest(depth, stiffness):
+    normal = stiffness * max(depth, 0.0) ** 1.5
+    return normal, 0.3 * normal, 0.4 * normal * depth, 0.0
 
 
 @kernel
-def flowing(which, gap, gap_rate, slip, normal, z, p):
+def flowing():
     return 1.0
 
 

@@ -1,4 +1,4 @@
-"""The ledger of a normal force, dV/dt = N dd/dt - loss, asked of its kernels at one state."""
+"""The ledger of a normal force, dV/dt = N dd/dt - loss, by its kernels at one state."""
 
 from typing import Any
 
@@ -7,19 +7,32 @@ import numpy as np
 from contactlab.laws.base import NormalForce
 
 
+def evaluate(normal: NormalForce, kernel: str, depth: float, rate: float, z: Any, **more: Any) -> Any:
+    """A kernel of a normal force at a depth, its rate and internal variables."""
+    names = [one.name for one in normal.internal_variables]
+    values = np.array(z, dtype=float)
+    known = {
+        "depth": depth,
+        "depth_rate": rate,
+        "z": values,
+        **dict(zip(names, values.tolist(), strict=True)),
+    }
+    return normal.evaluate(kernel, **known, **more)
+
+
 def answer(normal: NormalForce, depth: float, rate: float = 0.0, z: Any = ()) -> tuple[float, ...]:
-    """Give force, stored energy, stiffness, its slope and loss."""
-    row = np.array(normal.coefficients())
+    """Force, stored energy, stiffness, its slope and loss."""
     if normal.force is None:
-        return *normal.elastic(depth, row, 0), 0.0
-    return tuple(normal.force(depth, rate, np.array(z, dtype=float), row, 0))
+        return *normal.evaluate("elastic", depth=depth), 0.0
+    return tuple(evaluate(normal, "force", depth, rate, z))
 
 
 def imbalance(normal: NormalForce, depth: float, rate: float, z: Any = ()) -> float:
-    """Give dV/dt less N dd/dt - loss along the flow, over the size of its terms [1]."""
-    row, now = np.array(normal.coefficients()), np.array(z, dtype=float)
-    flow: Any = normal.rate or (lambda *_: 0.0)
-    rates = np.array([flow(k, depth, rate, now, row, 0) for k in range(now.size)])
+    """dV/dt less N dd/dt - loss along the flow, over the size of its terms [1]."""
+    now = np.array(z, dtype=float)
+    rates = np.zeros(now.size)
+    if normal.rate is not None:
+        rates[:] = [evaluate(normal, "rate", depth, rate, now, which=k) for k in range(now.size)]
     h = 1e-5 * depth / max(abs(rate), *np.abs(rates), 1e-300)
     ends = [answer(normal, depth + s * h * rate, rate, now + s * h * rates)[1] for s in (1.0, -1.0)]
     force, _, _, _, loss = answer(normal, depth, rate, now)
@@ -28,8 +41,8 @@ def imbalance(normal: NormalForce, depth: float, rate: float, z: Any = ()) -> fl
 
 
 def lost_by(normal: NormalForce, event: int, depth: float, rate: float, z: Any) -> float:
-    """Give what a jump does to the stored energy, over it [1]."""
-    row, now = np.array(normal.coefficients()), np.array(z, dtype=float)
-    after = [normal.jump(k, event, depth, rate, now, row, 0) for k in range(now.size)]
+    """What a jump does to the stored energy, over it [1]."""
+    now = np.array(z, dtype=float)
+    after = [evaluate(normal, "jump", depth, rate, now, which=k, event=event) for k in range(now.size)]
     stored = answer(normal, depth, rate, now)[1]
     return abs(answer(normal, depth, rate, after)[1] - stored) / stored

@@ -241,16 +241,7 @@ class Counting(Friction):
 
     @staticmethod
     @kernel
-    def rate(
-        which: int,
-        normal: float,
-        stiffness: float,
-        stiffness_rate: float,
-        slip: float,
-        z: Array,
-        parameters: Array,
-        at: int,
-    ) -> Any:
+    def rate(slip: float) -> Any:
         return slip
 
 

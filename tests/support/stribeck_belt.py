@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from contactlab.compiled import kernel
-from contactlab.laws.base import PenaltyKernel, PenaltyLaw
+from contactlab.laws.base import Kernel, PenaltyLaw
 from contactlab.motor.motor import Motor
 from contactlab.parameter import Parameter
 from contactlab.testing.plants import block
@@ -47,7 +47,7 @@ class Stribeck(PenaltyLaw):
         return self.static_friction
 
     @property
-    def force(self) -> PenaltyKernel:
+    def force(self) -> Kernel:
         return stribeck_force
 
     def bound(self, normal: float, slip: float) -> float:
@@ -59,11 +59,13 @@ class Stribeck(PenaltyLaw):
 
 @kernel
 def stribeck_force(
-    gap: float, gap_rate: float, slip: float, approach: float, p: Array
+    gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
 ) -> tuple[float, float, float, float]:
-    normal = -p[0] * gap
-    mu = p[2] + (p[1] - p[2]) * exp(-((abs(slip) / p[3]) ** p[4]))
-    return normal, mu * max(normal - p[5], 0.0), -0.5 * normal * gap, 0.0
+    normal = -parameters[0] * gap
+    mu = parameters[2] + (parameters[1] - parameters[2]) * exp(
+        -((abs(slip) / parameters[3]) ** parameters[4])
+    )
+    return normal, mu * max(normal - parameters[5], 0.0), -0.5 * normal * gap, 0.0
 
 
 @final

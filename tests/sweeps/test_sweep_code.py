@@ -46,7 +46,7 @@ class Fragile(PenaltyLaw):
     default_contact_step: ClassVar[float] = 4e-6
 
     @staticmethod
-    def force(gap, gap_rate, slip, approach, parameters):
+    def force(gap):
         # Between the depths at which it is asked before it runs.
         if -5e-7 < gap < -2e-7:
             return {"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0

@@ -10,7 +10,7 @@ import pytest
 
 from contactlab.compiled import fleeting_kernel
 from contactlab.laws import LAWS, ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP, STICK, MultiplierKernel, PenaltyKernel
+from contactlab.laws.base import SLIP, STICK, Kernel
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
 from contactlab.parameter import Parameter
@@ -40,50 +40,49 @@ class Cheat(PenaltyLaw):
     def __post_init__(self) -> None:
         """A kernel has no range."""
 
-    def parameters(self) -> np.ndarray:
-        # What lies behind the row would carry any weight.
-        return np.array([STIFFNESS, self.friction_coefficient, *[1e3] * 8])[:2]
+    def coefficients(self) -> dict[str, float]:
+        return {"stiffness": STIFFNESS, "friction_coefficient": self.friction_coefficient}
 
     @property
-    def force(self) -> PenaltyKernel:
+    def force(self) -> Kernel:
         return self.kernel
 
 
-def honest(gap, gap_rate, slip, approach, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, p[1] * normal, -0.4 * normal * gap, 0.0
+def honest(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, parameters[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def pulls(gap, gap_rate, slip, approach, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5 - 0.3
-    return normal, p[1] * max(normal, 0.0), -0.4 * (normal + 0.3) * gap + 0.3 * gap, 0.0
+def pulls(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5 - 0.3
+    return normal, parameters[1] * max(normal, 0.0), -0.4 * (normal + 0.3) * gap + 0.3 * gap, 0.0
 
 
-def leaves_the_cone(gap, gap_rate, slip, approach, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, 1.1 * p[1] * normal, -0.4 * normal * gap, 0.0
+def leaves_the_cone(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, 1.1 * parameters[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def forgets_energy(gap, gap_rate, slip, approach, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, p[1] * normal, -0.39 * normal * gap, 0.0
+def forgets_energy(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, parameters[1] * normal, -0.39 * normal * gap, 0.0
 
 
-def makes_energy(gap, gap_rate, slip, approach, p):
-    elastic = p[0] * max(-gap, 0.0) ** 1.5
+def makes_energy(gap, gap_rate, slip, impact_speed, parameters):
+    elastic = parameters[0] * max(-gap, 0.0) ** 1.5
     normal = elastic * max(1.0 + 0.3 * gap_rate, 0.0)
-    return normal, p[1] * normal, -0.4 * elastic * gap, (elastic - normal) * gap_rate
+    return normal, parameters[1] * normal, -0.4 * elastic * gap, (elastic - normal) * gap_rate
 
 
-def remembers_every_call(gap, gap_rate, slip, approach, p):
-    p[1] = p[1] * (1.0 - 1e-6)
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    return normal, p[1] * normal, -0.4 * normal * gap, 0.0
+def remembers_every_call(gap, gap_rate, slip, impact_speed, parameters):
+    parameters[1] = parameters[1] * (1.0 - 1e-6)
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, parameters[1] * normal, -0.4 * normal * gap, 0.0
 
 
-def knows_left_from_right(gap, gap_rate, slip, approach, p):
-    normal = p[0] * max(-gap, 0.0) ** 1.5
-    mu = p[1] if slip >= 0.0 else 0.9 * p[1]
+def knows_left_from_right(gap, gap_rate, slip, impact_speed, parameters):
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    mu = parameters[1] if slip >= 0.0 else 0.9 * parameters[1]
     return normal, mu * normal, -0.4 * normal * gap, 0.0
 
 
@@ -115,8 +114,8 @@ def test_a_law_that_cheats_fails_where_it_cheats(kernel: Callable[..., Forces]) 
 
 
 def test_a_law_that_is_refused_fails_with_the_sentence_and_stops_nothing() -> None:
-    def endless(gap, gap_rate, slip, approach, p):
-        return p[7], p[1], 0.0, 0.0
+    def endless(gap, gap_rate, slip, impact_speed, parameters):
+        return parameters[7], parameters[1], 0.0, 0.0
 
     bench = Bench(Cheat(0.3, fleeting_kernel(endless)))
     for name in ("ledger_closes", "stick_is_exact", "converges", "mirrors"):
@@ -147,7 +146,7 @@ def test_a_run_that_does_not_end_fails_with_its_sentence_and_is_made_once(
 
 
 def test_a_law_that_carries_nothing_fails_with_a_sentence() -> None:
-    def nothing(gap, gap_rate, slip, approach, p):
+    def nothing(gap, gap_rate, slip, impact_speed, parameters):
         return 0.0, 0.0, 0.0, 0.0
 
     (claim,) = check(Bench(Cheat(0.0, fleeting_kernel(nothing))), "stick_is_exact")
@@ -164,11 +163,11 @@ def test_a_law_that_writes_to_its_parameters_is_refused() -> None:
 def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
     asked = [0.0]
 
-    def remembers_the_last_call(gap, gap_rate, slip, approach, p):
+    def remembers_the_last_call(gap, gap_rate, slip, impact_speed, parameters):
         # No run asks twice of a gap and its half; who asks more often does.
-        mu = 0.9 * p[1] if asked[0] == 0.5 * gap else p[1]
+        mu = 0.9 * parameters[1] if asked[0] == 0.5 * gap else parameters[1]
         asked[0] = gap
-        normal = p[0] * max(-gap, 0.0) ** 1.5
+        normal = parameters[0] * max(-gap, 0.0) ** 1.5
         return normal, mu * normal, -0.4 * normal * gap, 0.0
 
     bench = Bench(Cheat(0.3, remembers_the_last_call))
@@ -176,14 +175,16 @@ def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
     assert not all(claim.holds for claim in check(bench, "calls_leave_no_trace"))
 
 
-def reverses(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
-    _, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
+def reverses(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    _, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0])
     # The approach is stopped none the less.
     return max(-(normal_rate - 0.5 * d_nt * p_t) / d_nn, 0.0), -0.5 * p_t, mode
 
 
-def sinks(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
-    p_n, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
+def sinks(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    p_n, p_t, mode = stick_or_slip_impulse(
+        normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0]
+    )
     return 0.9 * p_n, 0.9 * p_t, mode
 
 
@@ -203,11 +204,11 @@ class RigidCheat(MultiplierLaw):
     def friction_limit(self) -> float:
         return 0.3
 
-    def parameters(self) -> np.ndarray:
-        return np.array([0.3])
+    def coefficients(self) -> dict[str, float]:
+        return {"friction_coefficient": 0.3}
 
     @property
-    def solve(self) -> MultiplierKernel:
+    def solve(self) -> Kernel:
         return self.kernel
 
 
@@ -222,20 +223,20 @@ def test_an_approach_that_is_left_is_found() -> None:
     assert not all(claim.holds for claim in check(bench, "kernel_is_consistent"))
 
 
-def pushes_in_a_skid(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+def pushes_in_a_skid(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     """Sound for every approach, and holds what opens beyond the critical friction by friction that pushes."""
     p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
-    if p_n >= 0.0 and abs(p_t) <= p[0] * p_n:
+    if p_n >= 0.0 and abs(p_t) <= parameters[0] * p_n:
         return p_n, p_t, STICK
     s = 1.0 if tangential_rate - d_nt * normal_rate / d_nn >= 0.0 else -1.0
     for _ in range(2):
-        p_n = -normal_rate / (d_nn - s * p[0] * d_nt)
-        p_t = -s * p[0] * p_n
+        p_n = -normal_rate / (d_nn - s * parameters[0] * d_nt)
+        p_t = -s * parameters[0] * p_n
         if s * (tangential_rate + d_nt * p_n + d_tt * p_t) >= 0.0:
             return p_n, p_t, SLIP
         s = -s
-    p_n = -normal_rate / (d_nn - s * p[0] * d_nt)
-    return p_n, -s * p[0] * p_n, SLIP
+    p_n = -normal_rate / (d_nn - s * parameters[0] * d_nt)
+    return p_n, -s * parameters[0] * p_n, SLIP
 
 
 def test_friction_that_pushes_beyond_the_critical_one_is_found() -> None:
@@ -244,12 +245,16 @@ def test_friction_that_pushes_beyond_the_critical_one_is_found() -> None:
     assert not check(bench, "dissipates")[0].holds
 
 
-def holds_what_opens(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+def holds_what_opens(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     return abs(normal_rate) / d_nn, 0.0, SLIP
 
 
-def answers_opening_with_no_number(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
-    p_n, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
+def answers_opening_with_no_number(
+    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
+):
+    p_n, p_t, mode = stick_or_slip_impulse(
+        normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0]
+    )
     return p_n, p_t if normal_rate < 0.0 else np.nan, mode
 
 
@@ -292,7 +297,7 @@ class Declaring(MultiplierLaw):
     friction_coefficient: float = 0.3
 
     @property
-    def solve(self) -> MultiplierKernel:
+    def solve(self) -> Kernel:
         return LagrangeStick(self.friction_coefficient).solve
 
 

@@ -57,72 +57,72 @@ def law_of(kernel: Kernel, units: str = "N m-1.5", idle: bool = False) -> cl.Pen
 def hertz(stored: float = 1.0, fast: float = 1.0, bound: float = 1.0, pull: float = 0.0) -> Kernel:
     """A Hertzian force whose energy, bound or pull are off by factors, everywhere or where it is FAST."""
 
-    def force(gap, gap_rate, slip, approach, p):
+    def force(gap, gap_rate, slip, impact_speed, parameters):
         depth = max(-gap, 0.0)
-        normal = p[0] * depth * np.sqrt(depth)
+        normal = parameters[0] * depth * np.sqrt(depth)
         energy = 0.4 * normal * depth * stored
         if abs(gap_rate) > FAST:
             energy *= fast
-        return normal - pull, bound * p[1] * normal, energy - pull * depth, 0.0
+        return normal - pull, bound * parameters[1] * normal, energy - pull * depth, 0.0
 
     return fleeting_kernel(force)
 
 
 @fleeting_kernel
-def beyond_the_row(gap, gap_rate, slip, approach, p):
+def beyond_the_row(gap, gap_rate, slip, impact_speed, parameters):
     depth = max(-gap, 0.0)
-    normal = p[0] * depth * np.sqrt(depth)
-    return normal, p[1] * normal * (1.0 + 1e-3 * p[2]), 0.4 * normal * depth, 0.0
+    normal = parameters[0] * depth * np.sqrt(depth)
+    return normal, parameters[1] * normal * (1.0 + 1e-3 * parameters[2]), 0.4 * normal * depth, 0.0
 
 
 @fleeting_kernel
-def no_number(gap, gap_rate, slip, approach, p):
+def no_number(gap, gap_rate, slip, impact_speed, parameters):
     depth = max(-gap, 0.0)
-    normal = p[0] * depth * np.sqrt(depth)
-    return normal if abs(gap_rate) <= FAST else np.nan, p[1] * normal, 0.4 * normal * depth, 0.0
+    normal = parameters[0] * depth * np.sqrt(depth)
+    return normal if abs(gap_rate) <= FAST else np.nan, parameters[1] * normal, 0.4 * normal * depth, 0.0
 
 
 @fleeting_kernel
-def undeclared_dashpot(gap, gap_rate, slip, approach, p):
+def undeclared_dashpot(gap, gap_rate, slip, impact_speed, parameters):
     depth = max(-gap, 0.0)
-    elastic = p[0] * depth * np.sqrt(depth)
+    elastic = parameters[0] * depth * np.sqrt(depth)
     normal = elastic * max(1.0 - gap_rate, 0.0)
-    return normal, p[1] * normal, 0.4 * elastic * depth, 0.0
+    return normal, parameters[1] * normal, 0.4 * elastic * depth, 0.0
 
 
 @fleeting_kernel
-def active(gap, gap_rate, slip, approach, p):
+def active(gap, gap_rate, slip, impact_speed, parameters):
     depth = max(-gap, 0.0)
-    elastic = p[0] * depth * np.sqrt(depth)
+    elastic = parameters[0] * depth * np.sqrt(depth)
     normal = elastic * max(1.0 + 0.3 * gap_rate, 0.0)
-    return normal, p[1] * normal, 0.4 * elastic * depth, (elastic - normal) * gap_rate
+    return normal, parameters[1] * normal, 0.4 * elastic * depth, (elastic - normal) * gap_rate
 
 
 @fleeting_kernel
-def one_sided(gap, gap_rate, slip, approach, p):
+def one_sided(gap, gap_rate, slip, impact_speed, parameters):
     depth = max(-gap, 0.0)
-    normal = p[0] * depth * np.sqrt(depth)
-    return normal, (p[1] if slip >= 0.0 else 0.9 * p[1]) * normal, 0.4 * normal * depth, 0.0
+    normal = parameters[0] * depth * np.sqrt(depth)
+    return normal, (parameters[1] if slip >= 0.0 else 0.9 * parameters[1]) * normal, 0.4 * normal * depth, 0.0
 
 
 CALLS: list[float] = []
 
 
-def counts_its_calls(gap, gap_rate, slip, approach, p):
+def counts_its_calls(gap, gap_rate, slip, impact_speed, parameters):
     CALLS.append(gap)
     depth = max(-gap, 0.0)
-    normal = p[0] * depth * np.sqrt(depth) * (1.0 + 1e-9 * len(CALLS))
-    return normal, p[1] * normal, 0.4 * normal * depth, 0.0
+    normal = parameters[0] * depth * np.sqrt(depth) * (1.0 + 1e-9 * len(CALLS))
+    return normal, parameters[1] * normal, 0.4 * normal * depth, 0.0
 
 
 def normal_of(stiffness: float = 1.0, slope: float = 1.0, stored: float = 1.0) -> cl.Composed:
     """A Hertzian normal force whose stiffness, slope or energy is off by a factor, with Mindlin's spring."""
 
     @fleeting_kernel
-    def pressed(depth, parameters, at):
+    def pressed(depth, parameters):
         root = np.sqrt(depth)
-        force = parameters[at] * depth * root
-        steep = 1.5 * parameters[at] * root
+        force = parameters[0] * depth * root
+        steep = 1.5 * parameters[0] * root
         bend = 0.5 * steep / depth if depth > 0.0 else 0.0
         return force, 0.4 * force * depth * stored, stiffness * steep, slope * bend
 
@@ -143,10 +143,10 @@ def friction_of(stored: float = 1.0, push: float = 1.0) -> cl.Composed:
     """A bristle in proportion to the normal force, whose energy or sign is off."""
 
     @fleeting_kernel
-    def bent(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        mu, sigma = parameters[at], parameters[at + 2]
-        force = -push * sigma * max(normal, 0.0) * z
-        return force, slip - abs(slip) * sigma * z / mu, stored * 0.5 * sigma * max(normal, 0.0) * z * z, 0.0
+    def bent(normal, slip, bend, friction_coefficient, bristle_stiffness):
+        rate = slip - abs(slip) * bristle_stiffness * bend / friction_coefficient
+        force = -push * bristle_stiffness * max(normal, 0.0) * bend
+        return force, rate, stored * 0.5 * bristle_stiffness * max(normal, 0.0) * bend * bend, 0.0
 
     @dataclass(frozen=True)
     class Bristle(cl.Friction):
@@ -180,20 +180,22 @@ def rigid_of(solve_with: Kernel) -> cl.MultiplierLaw:
 
 
 @fleeting_kernel
-def half_an_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+def half_an_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     if normal_rate >= 0.0:
         return 0.0, 0.0, SLIP
     return -0.5 * normal_rate / d_nn, 0.0, SLIP
 
 
 @fleeting_kernel
-def bounces_too_high(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
-    p_n, p_t, mode = stick_or_slip_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p)
+def bounces_too_high(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    p_n, p_t, mode = stick_or_slip_impulse(
+        normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0]
+    )
     return (2.2 * p_n if gap_rate < 0.0 else p_n), p_t, mode
 
 
 @fleeting_kernel
-def sticks_always(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, p):
+def sticks_always(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
     return p_n, p_t, STICK
 

@@ -5,7 +5,7 @@ from contactlab.laws.friction.ageing import AgeingStick
 from contactlab.laws.friction.bouc_wen import BoucWen
 from contactlab.laws.friction.bristles import ElastoPlastic, LuGre
 from contactlab.laws.friction.cohesive import Cohesive
-from contactlab.laws.friction.coulomb import Coulomb, cone_bound
+from contactlab.laws.friction.coulomb import Coulomb
 from contactlab.laws.friction.dahl import Dahl
 from contactlab.laws.friction.iwan import Iwan
 from contactlab.laws.friction.mindlin import Mindlin

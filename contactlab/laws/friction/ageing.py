@@ -43,21 +43,16 @@ class AgeingStick(Friction):
 
     @staticmethod
     @kernel
-    def bound(normal, slip, z, parameters, at):
-        """See `Friction.bound`; z is the age [s]."""
-        grown = 0.0
-        if slip == 0.0:
-            grown = parameters[at + 2] * log1p(min(z[0], parameters[at + 4]) / parameters[at + 3])
-        return (parameters[at] + grown) * max(normal, 0.0)
+    def bound(normal, slip, age, friction_coefficient, strengthening, ageing_time, longest_age):
+        grown = strengthening * log1p(min(age, longest_age) / ageing_time) if slip == 0.0 else 0.0
+        return (friction_coefficient + grown) * max(normal, 0.0)
 
     @staticmethod
     @kernel
-    def rate(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `contactlab.laws.memory`."""
+    def rate(slip):
         return 1.0 if slip == 0.0 else 0.0
 
     @staticmethod
     @kernel
-    def jump(which, event, normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `contactlab.laws.memory`."""
-        return 0.0 if event in (AT_SLIP, AT_TOUCH) else z[which]
+    def jump(event, age):
+        return 0.0 if event in (AT_SLIP, AT_TOUCH) else age

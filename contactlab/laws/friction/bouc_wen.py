@@ -65,11 +65,10 @@ class BoucWen(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; z is the deflection [m]."""
-        share, beta = z / parameters[at + 2], parameters[at + 3]
+    def state(normal, slip, deflection, friction_coefficient, yield_displacement, shape, exponent):
+        share = deflection / yield_displacement
         # Steps may overshoot by their tolerance; the force stays in the cone.
-        force = -parameters[at] * max(normal, 0.0) * min(max(share, -1.0), 1.0)
-        bent = abs(share) ** parameters[at + 4]
-        signed = beta if slip * z > 0.0 else -beta
-        return force, slip * (1.0 - bent * (signed + 1.0 - beta)), -0.5 * force * z, 0.0
+        force = -friction_coefficient * max(normal, 0.0) * min(max(share, -1.0), 1.0)
+        bent = abs(share) ** exponent
+        signed = shape if slip * deflection > 0.0 else -shape
+        return force, slip * (1.0 - bent * (signed + 1.0 - shape)), -0.5 * force * deflection, 0.0

@@ -40,20 +40,18 @@ class Bristles(Friction):
 
 
 @kernel
-def stribeck(slip, parameters, at):
-    """Give the coefficient g(v) of steady slip [1]."""
-    mu = parameters[at]
-    lifted = parameters[at + 1] - 1.0
-    return float(mu * (1.0 + lifted * exp(-((slip / parameters[at + 4]) ** 2))))
+def stribeck(slip, friction_coefficient, static_ratio, stribeck_velocity):
+    """Return the coefficient g(v) of steady slip [1]."""
+    lifted = static_ratio - 1.0
+    return float(friction_coefficient * (1.0 + lifted * exp(-((slip / stribeck_velocity) ** 2))))
 
 
 @kernel
-def bristle_force(normal, z, rate, parameters, at):
-    """Give the friction [N], the rate of z [m/s], the stored energy [J] and no stiffness."""
+def bristle_force(normal, deflection, rate, bristle_stiffness, bristle_damping):
+    """Return the friction [N], the rate of the deflection [m/s], the stored energy [J] and no stiffness."""
     pressed = max(normal, 0.0)
-    sigma = parameters[at + 2]
-    force = -pressed * (sigma * z + parameters[at + 3] * rate)
-    return force, rate, 0.5 * pressed * sigma * z * z, 0.0
+    force = -pressed * (bristle_stiffness * deflection + bristle_damping * rate)
+    return force, rate, 0.5 * pressed * bristle_stiffness * deflection * deflection, 0.0
 
 
 @final
@@ -70,11 +68,19 @@ class LuGre(Bristles):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; z is the deflection [m]."""
-        drag = stribeck(slip, parameters, at)
-        rate = slip - parameters[at + 2] * abs(slip) * z / drag if drag > 0.0 else 0.0
-        return bristle_force(normal, z, rate, parameters, at)
+    def state(
+        normal,
+        slip,
+        deflection,
+        friction_coefficient,
+        static_ratio,
+        bristle_stiffness,
+        bristle_damping,
+        stribeck_velocity,
+    ):
+        drag = stribeck(slip, friction_coefficient, static_ratio, stribeck_velocity)
+        rate = slip - bristle_stiffness * abs(slip) * deflection / drag if drag > 0.0 else 0.0
+        return bristle_force(normal, deflection, rate, bristle_stiffness, bristle_damping)
 
 
 @final
@@ -94,13 +100,22 @@ class ElastoPlastic(Bristles):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; z is the deflection [m]."""
-        drag, away = stribeck(slip, parameters, at), parameters[at + 5]
-        bent = parameters[at + 2] * abs(z) / drag if drag > 0.0 else 1.0
+    def state(
+        normal,
+        slip,
+        deflection,
+        friction_coefficient,
+        static_ratio,
+        bristle_stiffness,
+        bristle_damping,
+        stribeck_velocity,
+        breakaway_ratio,
+    ):
+        drag = stribeck(slip, friction_coefficient, static_ratio, stribeck_velocity)
+        bent = bristle_stiffness * abs(deflection) / drag if drag > 0.0 else 1.0
         alpha = 0.0
-        if slip * z > 0.0 and bent > away:
-            passage = pi * ((bent - away) / (1.0 - away) - 0.5)
+        if slip * deflection > 0.0 and bent > breakaway_ratio:
+            passage = pi * ((bent - breakaway_ratio) / (1.0 - breakaway_ratio) - 0.5)
             alpha = 1.0 if bent >= 1.0 else 0.5 + 0.5 * sin(passage)
         rate = slip * (1.0 - alpha * bent) if drag > 0.0 else 0.0
-        return bristle_force(normal, z, rate, parameters, at)
+        return bristle_force(normal, deflection, rate, bristle_stiffness, bristle_damping)

@@ -40,7 +40,6 @@ class Cohesive(Friction):
 
     @staticmethod
     @kernel
-    def bound(normal, slip, parameters, at):
-        """See `Friction.bound`."""
-        ratio = parameters[at + 1] if slip == 0.0 else 1.0
-        return parameters[at] * ratio * max(normal + parameters[at + 2], 0.0)
+    def bound(normal, slip, friction_coefficient, static_ratio, cohesion):
+        ratio = static_ratio if slip == 0.0 else 1.0
+        return friction_coefficient * ratio * max(normal + cohesion, 0.0)

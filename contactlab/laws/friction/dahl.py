@@ -49,14 +49,12 @@ class Dahl(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; z is the deflection [m]."""
-        mu, sigma = parameters[at], parameters[at + 2]
-        if mu == 0.0:
+    def state(normal, slip, deflection, friction_coefficient, rest_stiffness, exponent):
+        if friction_coefficient == 0.0:
             return 0.0, 0.0, 0.0, 0.0
-        share = sigma * z / mu
+        share = rest_stiffness * deflection / friction_coefficient
         # Steps may overshoot by their tolerance; the force stays in the cone.
-        force = -mu * max(normal, 0.0) * min(max(share, -1.0), 1.0)
+        force = -friction_coefficient * max(normal, 0.0) * min(max(share, -1.0), 1.0)
         left = 1.0 - share * (1.0 if slip > 0.0 else -1.0)
-        pace = abs(left) ** parameters[at + 3]
-        return force, slip * (pace if left > 0.0 else -pace), -0.5 * force * z, 0.0
+        pace = abs(left) ** exponent
+        return force, slip * (pace if left > 0.0 else -pace), -0.5 * force * deflection, 0.0

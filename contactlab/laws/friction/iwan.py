@@ -1,5 +1,6 @@
 """Springs with sliders in parallel, which begin to slide one after the other."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import copysign, cos, pi
@@ -8,6 +9,7 @@ from typing import Annotated, final
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
+from contactlab.laws.declaration import Coefficient
 from contactlab.laws.memory import ODD, InternalVariable, dependent
 from contactlab.parameter import Parameter, positive
 
@@ -70,61 +72,59 @@ class Iwan(Friction):
         )
         return *stretches, sliding
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give mu, 1, n, x_s, then limits x_j [m] and stiffnesses over N, s_j [m-1]."""
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return mu, x_s, the limits x_j [m] and the stiffnesses over N, s_j [m-1]."""
         n, mu, whole = self.elements, self.friction_coefficient, self.full_slip
         shares = [cos(0.5 * pi * j / n) if j < n else 0.0 for j in range(n + 1)]
         pairs = [*pairwise(shares)]
-        limits = [whole * (1.0 - (a * a + a * b + b * b) / 3.0) for a, b in pairs]
-        stiffnesses = [1.5 * mu / whole * (a - b) for a, b in pairs]
-        return mu, 1.0, float(n), whole, *limits, *stiffnesses
+        return {
+            "friction_coefficient": mu,
+            "static_ratio": 1.0,
+            "full_slip": whole,
+            "limit": tuple(whole * (1.0 - (a * a + a * b + b * b) / 3.0) for a, b in pairs),
+            "stiffness": tuple(1.5 * mu / whole * (a - b) for a, b in pairs),
+        }
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`."""
-        n, force, stored = int(parameters[at + 2]), 0.0, 0.0
-        for j in range(n):
-            part = max(normal, 0.0) * parameters[at + 4 + n + j] * z[j]
+    def state(normal, z, stiffness):
+        force, stored = 0.0, 0.0
+        for j in range(len(stiffness)):
+            part = max(normal, 0.0) * stiffness[j] * z[j]
             force -= part
             stored += 0.5 * part * z[j]
         return force, stored, 0.0
 
     @staticmethod
     @kernel
-    def rate(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `contactlab.laws.memory`: what slides keeps its stretch."""
-        n = int(parameters[at + 2])
-        return slip if abs(z[n]) <= which < n else 0.0
+    def rate(which, slip, sliding, limit):
+        # An element that slides keeps its stretch.
+        return slip if abs(sliding) <= which < len(limit) else 0.0
 
     @staticmethod
     @kernel
-    def guard(which, normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `contactlab.laws.memory`: the way to the next limit [m], or the slip."""
-        n = int(parameters[at + 2])
-        sliding = z[n]
+    def guard(which, slip, z, sliding, limit, full_slip):
+        # The way to the next limit [m], or the slip.
         if which == REVERSE:
             return copysign(1.0, sliding) * slip if sliding != 0.0 else 1.0
         held = int(abs(sliding))
-        if held == n:
+        if held == len(limit):
             return 1.0
         stretch = z[held] if sliding > 0.0 else -z[held] if sliding < 0.0 else abs(z[held])
-        return parameters[at + 4 + held] + TOGETHER * parameters[at + 3] - stretch
+        return limit[held] + TOGETHER * full_slip - stretch
 
     @staticmethod
     @kernel
-    def jump(which, event, normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `contactlab.laws.memory`: how many slide, with the sign of their slip."""
-        n = int(parameters[at + 2])
+    def jump(which, event, z, sliding, limit, full_slip):
+        # How many slide, with the sign of their slip.
+        n = len(limit)
         if which < n or event < 0:
             return z[which]
         if event == REVERSE:
             return 0.0
-        begun = int(abs(z[n]))
-        direction = copysign(1.0, z[n] if begun > 0 else z[0])
+        begun = int(abs(sliding))
+        direction = copysign(1.0, sliding if begun > 0 else z[0])
         begun = min(begun + 1, n)
-        while (
-            begun < n and parameters[at + 4 + begun] - direction * z[begun] <= TOGETHER * parameters[at + 3]
-        ):
+        while begun < n and limit[begun] - direction * z[begun] <= TOGETHER * full_slip:
             begun += 1
         return direction * begun

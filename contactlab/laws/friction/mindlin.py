@@ -36,9 +36,8 @@ class Mindlin(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; z is the stretch [m]."""
-        tangential = parameters[at + 2] * stiffness
-        growth = max(stiffness_rate, 0.0) / stiffness if stiffness > 0.0 else 0.0
-        force = -tangential * z
-        return force, slip - growth * z, -0.5 * force * z, tangential
+    def state(normal_stiffness, normal_stiffness_rate, slip, stretch, stiffness_ratio):
+        tangential = stiffness_ratio * normal_stiffness
+        growth = max(normal_stiffness_rate, 0.0) / normal_stiffness if normal_stiffness > 0.0 else 0.0
+        force = -tangential * stretch
+        return force, slip - growth * stretch, -0.5 * force * stretch, tangential

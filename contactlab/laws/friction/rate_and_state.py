@@ -70,11 +70,21 @@ class RateAndState(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; z = ln(v_0 theta/D)."""
-        a, b, distance = parameters[at + 2], parameters[at + 3], parameters[at + 4]
-        reference, least = parameters[at + 5], parameters[at + 7]
-        exponent = (parameters[at] + b * z) / a - log(2.0 * reference)
-        slower = max(exponent + log(least), 0.0)
-        risen = asinh_of(slip, exponent - slower) + slower * slip / sqrt(slip * slip + least * least)
-        return -max(normal, 0.0) * a * risen, (reference * exp(-z) - abs(slip)) / distance, 0.0, 0.0
+    def state(
+        normal,
+        slip,
+        age,
+        friction_coefficient,
+        direct_effect,
+        evolution_effect,
+        renewal_distance,
+        reference_velocity,
+        creep_velocity,
+    ):
+        exponent = (friction_coefficient + evolution_effect * age) / direct_effect
+        exponent -= log(2.0 * reference_velocity)
+        slower = max(exponent + log(creep_velocity), 0.0)
+        risen = asinh_of(slip, exponent - slower)
+        risen += slower * slip / sqrt(slip * slip + creep_velocity * creep_velocity)
+        ageing = (reference_velocity * exp(-age) - abs(slip)) / renewal_distance
+        return -max(normal, 0.0) * direct_effect * risen, ageing, 0.0, 0.0

@@ -28,7 +28,6 @@ class Regularised(Friction):
 
     @staticmethod
     @kernel
-    def state(normal, stiffness, stiffness_rate, slip, z, parameters, at):
-        """See `Friction.state`; there is no internal variable, and nothing is stored."""
-        bound = parameters[at] * max(normal, 0.0)
-        return -bound * slip / sqrt(slip * slip + parameters[at + 2] ** 2), 0.0, 0.0, 0.0
+    def state(normal, slip, friction_coefficient, creep_velocity):
+        bound = friction_coefficient * max(normal, 0.0)
+        return -bound * slip / sqrt(slip * slip + creep_velocity**2), 0.0, 0.0, 0.0

@@ -34,8 +34,7 @@ class Stribeck(Friction):
 
     @staticmethod
     @kernel
-    def bound(normal, slip, parameters, at):
-        """See `Friction.bound`."""
-        fall = exp(-((abs(slip) / parameters[at + 2]) ** parameters[at + 3]))
-        lifted = 1.0 + (parameters[at + 1] - 1.0) * fall
-        return parameters[at] * lifted * max(normal, 0.0)
+    def bound(normal, slip, friction_coefficient, static_ratio, stribeck_velocity, stribeck_exponent):
+        fall = exp(-((abs(slip) / stribeck_velocity) ** stribeck_exponent))
+        lifted = 1.0 + (static_ratio - 1.0) * fall
+        return friction_coefficient * lifted * max(normal, 0.0)

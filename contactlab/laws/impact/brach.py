@@ -60,16 +60,16 @@ class Brach(ImpactLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        mu, e = parameters[0], parameters[1]
+    def solve(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
+    ):
+        mu, e = friction_coefficient, restitution
         approach = approach_of(normal_rate, gap_rate)
         if approach == 0.0:
-            return stick_or_slip_impulse(
-                normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-            )
+            return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
         ratio, mode = impulse_ratio(approach, tangential_rate, d_nn, d_nt, d_tt, mu, e)
         p_n = -(1.0 + e) * approach / (d_nn + ratio * d_nt)
         p_t = ratio * p_n
         # Round-off is no slip.
         left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-        return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, parameters)
+        return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu)

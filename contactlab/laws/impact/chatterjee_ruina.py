@@ -44,13 +44,22 @@ class ChatterjeeRuina(ImpactLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        mu, e, e_t = parameters[0], parameters[1], parameters[2]
+    def solve(
+        normal_rate,
+        tangential_rate,
+        gap_rate,
+        slip,
+        d_nn,
+        d_nt,
+        d_tt,
+        friction_coefficient,
+        restitution,
+        tangential_restitution,
+    ):
+        mu, e, e_t = friction_coefficient, restitution, tangential_restitution
         approach = approach_of(normal_rate, gap_rate)
         if approach == 0.0:
-            return stick_or_slip_impulse(
-                normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-            )
+            return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
         _, stuck = stick_impulse(approach, tangential_rate, d_nn, d_nt, d_tt)
         bounce = -(1.0 + e) * approach / d_nn
         # What stick adds to the normal impulse keeps the gap rate.
@@ -61,5 +70,5 @@ class ChatterjeeRuina(ImpactLaw):
             k, mode = mu * bounce / (abs(stuck) - mu * added), SLIP
             left = tangential_rate + d_nt * (bounce + k * added) + d_tt * k * stuck
         return with_forces(
-            normal_rate, approach, left, bounce + k * added, k * stuck, mode, d_nn, d_nt, d_tt, parameters
+            normal_rate, approach, left, bounce + k * added, k * stuck, mode, d_nn, d_nt, d_tt, mu
         )

@@ -1,15 +1,13 @@
 """Rigid impacts of a ball that yields: the restitution falls with the speed of each."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import Annotated, final
 
-import numpy as np
-
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.laws.base import MultiplierLaw
-from contactlab.laws.declaration import FRICTION_COEFFICIENT
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient
 from contactlab.laws.impact.newton import OF_THE_GAP_RATE
 from contactlab.laws.lagrange import stick_or_slip_impulse
 from contactlab.parameter import positive
@@ -44,11 +42,12 @@ class Johnson(MultiplierLaw):
     yield_strength: Annotated[float, positive("Y", "Pa", "yield strength of the softer body")] = 1e8
     radius: Annotated[float, positive("R", "m", "effective radius, 1/(1/R1 + 1/R2)")] = 4.5e-3
 
-    def parameters(self) -> Array:
-        """Give mu, and the energy m V^2 below which e is one [J]: e = (that / (m V^2))^(1/8)."""
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return mu, and the energy m V^2 below which e is one [J]: e = (that / (m V^2))^(1/8)."""
         pressure = HARDNESS * self.yield_strength
         square = 0.3 * pi**1.25 * 4.0**0.75 * pressure / self.modulus
-        return np.array([self.friction_coefficient, 2.0 * pressure * self.radius**3 * square**4])
+        energy = 2.0 * pressure * self.radius**3 * square**4
+        return {"friction_coefficient": self.friction_coefficient, "elastic_energy": energy}
 
     def first_yield(self, mass: float) -> float:
         """Give the speed at which a mass [kg] begins to dent [m/s]: p_0 = 1.6 Y of Hertz.
@@ -61,10 +60,12 @@ class Johnson(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
+    def solve(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, elastic_energy
+    ):
         approach = min(gap_rate, 0.0)
-        share = parameters[1] * d_nn
+        share = elastic_energy * d_nn
         square = approach * approach
         e = 1.0 if square <= share else (share / square) ** 0.125
         missing = normal_rate + e * approach
-        return stick_or_slip_impulse(missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+        return stick_or_slip_impulse(missing, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)

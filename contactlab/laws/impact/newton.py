@@ -29,11 +29,13 @@ class ImpactLaw(MultiplierLaw):
 
 
 @kernel
-def newton_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-    """Give impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
+def newton_impulse(
+    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
+):
+    """Return impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
     # The plastic law to the rate that is asked for in place of zero.
-    missing = normal_rate + parameters[1] * min(gap_rate, 0.0)
-    return stick_or_slip_impulse(missing, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters)
+    missing = normal_rate + restitution * min(gap_rate, 0.0)
+    return stick_or_slip_impulse(missing, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
 
 
 @final

@@ -72,26 +72,21 @@ def restituted(approach, end, first, second, p_c, e):
 
 
 @inner_kernel
-def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, of_energy):
-    """Give impulses [N s] and mode; the restitution is of the work of compression, or else of its impulse."""
+def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, of_energy):
+    """Return impulses [N s] and mode; the restitution is of the work of compression, or of its impulse."""
     approach = approach_of(normal_rate, gap_rate)
     if approach == 0.0:
-        return stick_or_slip_impulse(
-            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-        )
-    end, before, after, mode = stages_of(tangential_rate, d_nt, d_tt, parameters[0])
+        return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
+    end, before, after, mode = stages_of(tangential_rate, d_nt, d_tt, mu)
     first, second = d_nn + d_nt * before, d_nn + d_nt * after
     p_n = compression(approach, end, first, second)
-    if of_energy:
-        p_n = restituted(approach, end, first, second, p_n, parameters[1])
-    else:
-        p_n = (1.0 + parameters[1]) * p_n
+    p_n = restituted(approach, end, first, second, p_n, e) if of_energy else (1.0 + e) * p_n
     p_t = before * min(p_n, end) + after * max(p_n - end, 0.0)
     if p_n < end:
         mode = SLIP
     # Round-off is no slip.
     left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-    return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, parameters)
+    return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu)
 
 
 @dataclass(frozen=True)
@@ -124,10 +119,11 @@ class Poisson(ImpactProcess):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        return process_impulse(
-            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, False
-        )
+    def solve(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
+    ):
+        mu, e = friction_coefficient, restitution
+        return process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, False)
 
 
 @final
@@ -145,7 +141,8 @@ class Stronge(ImpactProcess):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
-        return process_impulse(
-            normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters, True
-        )
+    def solve(
+        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
+    ):
+        mu, e = friction_coefficient, restitution
+        return process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, True)

@@ -16,10 +16,10 @@ def approach_of(normal_rate, gap_rate):
 
 
 @inner_kernel
-def with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, parameters):
+def with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu):
     """Give impulses [N s] and mode of the step from those of its impact, and the slip it leaves [m/s]."""
     rebound = normal_rate + d_nn * p_n + d_nt * p_t
     if normal_rate == approach or rebound >= 0.0:
         return p_n, p_t, mode
-    more_n, more_t, mode = stick_or_slip_impulse(rebound, left, 0.0, left, d_nn, d_nt, d_tt, parameters)
+    more_n, more_t, mode = stick_or_slip_impulse(rebound, left, left, d_nn, d_nt, d_tt, mu)
     return p_n + more_n, p_t + more_t, mode

@@ -1,11 +1,13 @@
 """Adhesion of hard, small spheres: Hertz, and a pull of the surfaces around the contact."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, final
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import NormalForce
+from contactlab.laws.declaration import Coefficient
 from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL, hertz_elastic
 from contactlab.laws.normal.jkr import ADHESION, RADIUS
 
@@ -29,14 +31,15 @@ class Dmt(NormalForce):
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
     work_of_adhesion: Annotated[float, ADHESION] = 0.1
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give the stiffness K of N = K d^1.5 [N m^-1.5] and the pull [N]."""
-        pull = 2.0 * pi * self.work_of_adhesion * self.radius
-        return 4.0 / 3.0 * self.effective_modulus * sqrt(self.radius), pull
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the stiffness K of N = K d^1.5 [N m^-1.5] and the pull [N]."""
+        return {
+            "stiffness": 4.0 / 3.0 * self.effective_modulus * sqrt(self.radius),
+            "pull": 2.0 * pi * self.work_of_adhesion * self.radius,
+        }
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        force, energy, stiffness, slope = hertz_elastic(depth, parameters, at)
-        pull = parameters[at + 1]
-        return force - pull, energy - pull * depth, stiffness, slope
+    def elastic(depth, stiffness, pull):
+        force, energy, tangent, slope = hertz_elastic(depth, stiffness)
+        return force - pull, energy - pull * depth, tangent, slope

@@ -1,5 +1,6 @@
 """Elastic normal forces of a composed law: smooth bodies after Hertz, and springs."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from math import exp, log, pi, sqrt
@@ -10,6 +11,7 @@ from scipy.special import ellipe, ellipkm1
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import NormalForce
+from contactlab.laws.declaration import Coefficient
 from contactlab.parameter import positive
 
 STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
@@ -25,13 +27,13 @@ ROUND = 1e-5
 
 
 @kernel
-def hertz_elastic(depth, parameters, at):
-    """Give force [N], energy [J], stiffness [N/m], its slope [N/m^2] of N = K d^(3/2)."""
+def hertz_elastic(depth, stiffness):
+    """Return force [N], energy [J], stiffness [N/m], its slope [N/m^2] of N = K d^(3/2)."""
     root = sqrt(depth)
-    force = parameters[at] * depth * root
-    stiffness = 1.5 * parameters[at] * root
-    slope = 0.5 * stiffness / depth if depth > 0.0 else 0.0
-    return force, 0.4 * force * depth, stiffness, slope
+    force = stiffness * depth * root
+    tangent = 1.5 * stiffness * root
+    slope = 0.5 * tangent / depth if depth > 0.0 else 0.0
+    return force, 0.4 * force * depth, tangent, slope
 
 
 @final
@@ -81,11 +83,11 @@ class HertzElliptic(NormalForce):
     def _radii(self) -> tuple[float, float]:
         return self.radius_along, self.radius_across
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give the stiffness K of N = K d^1.5."""
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the stiffness K of N = K d^1.5."""
         mean = sqrt(self.radius_along * self.radius_across)
         shape = approach_factor(max(self._radii) / min(self._radii))
-        return (4.0 / 3.0 * self.effective_modulus * sqrt(mean) * shape**-1.5,)
+        return {"stiffness": 4.0 / 3.0 * self.effective_modulus * sqrt(mean) * shape**-1.5}
 
 
 @cache
@@ -130,17 +132,17 @@ class Line(NormalForce):
     length: Annotated[float, positive("L", "m", "length of the line")] = 16e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give the stiffness K of N = K d^(10/9)."""
-        return (self.effective_modulus * (self.length**0.8 / 1.36) ** (10.0 / 9.0),)
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the stiffness K of N = K d^(10/9)."""
+        return {"stiffness": self.effective_modulus * (self.length**0.8 / 1.36) ** (10.0 / 9.0)}
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        force = parameters[at] * depth ** (10.0 / 9.0)
-        stiffness = 10.0 / 9.0 * force / depth if depth > 0.0 else 0.0
-        slope = stiffness / (9.0 * depth) if depth > 0.0 else 0.0
-        return force, 9.0 / 19.0 * force * depth, stiffness, slope
+    def elastic(depth, stiffness):
+        force = stiffness * depth ** (10.0 / 9.0)
+        tangent = 10.0 / 9.0 * force / depth if depth > 0.0 else 0.0
+        slope = tangent / (9.0 * depth) if depth > 0.0 else 0.0
+        return force, 9.0 / 19.0 * force * depth, tangent, slope
 
 
 @final
@@ -156,9 +158,9 @@ class Linear(NormalForce):
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        force = parameters[at] * depth
-        return force, 0.5 * force * depth, parameters[at], 0.0
+    def elastic(depth, stiffness):
+        force = stiffness * depth
+        return force, 0.5 * force * depth, stiffness, 0.0
 
 
 @final
@@ -181,18 +183,17 @@ class Lining(NormalForce):
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        soft, width = parameters[at], parameters[at + 3]
-        more = parameters[at + 1] - soft
-        force, energy = soft * depth, 0.5 * soft * depth * depth
-        beyond = depth - parameters[at + 2]
+    def elastic(depth, soft_stiffness, hard_stiffness, lining_depth, passage):
+        more = hard_stiffness - soft_stiffness
+        force, energy = soft_stiffness * depth, 0.5 * soft_stiffness * depth * depth
+        beyond = depth - lining_depth
         if beyond <= 0.0:
-            return force, energy, soft, 0.0
-        inside = min(beyond, width)
-        slope = more / width
+            return force, energy, soft_stiffness, 0.0
+        inside = min(beyond, passage)
+        slope = more / passage
         through = beyond - inside
         force += 0.5 * slope * inside * inside + more * through
-        energy += slope * inside**3 / 6.0 + 0.5 * more * through * (width + through)
+        energy += slope * inside**3 / 6.0 + 0.5 * more * through * (passage + through)
         if through > 0.0:
-            return force, energy, soft + more, 0.0
-        return force, energy, soft + slope * inside, slope
+            return force, energy, soft_stiffness + more, 0.0
+        return force, energy, soft_stiffness + slope * inside, slope

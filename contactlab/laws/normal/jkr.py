@@ -1,11 +1,13 @@
 """Adhesion of soft, large spheres: a contact that begins at a touch and has to be pulled off."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
+from contactlab.laws.declaration import Coefficient
 from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL
 from contactlab.parameter import positive
 
@@ -56,26 +58,27 @@ class Jkr(NormalForce):
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
     work_of_adhesion: Annotated[float, ADHESION] = 0.1
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give the units of force, 2 pi w R [N], and of depth, a_0^2/R [m]."""
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the units of force, 2 pi w R [N], and of depth, a_0^2/R [m]."""
         force = 2.0 * pi * self.work_of_adhesion * self.radius
-        return force, (force * self.radius / self.effective_modulus) ** (2.0 / 3.0) / self.radius
+        depth = (force * self.radius / self.effective_modulus) ** (2.0 / 3.0) / self.radius
+        return {"force_unit": force, "depth_unit": depth}
 
     @staticmethod
     @kernel
-    def elastic(depth, parameters, at):
-        force, unit = parameters[at], parameters[at + 1]
+    def elastic(depth, force_unit, depth_unit):
         # a = a_0 q^2.
-        q = root_of_radius(depth / unit)
+        q = root_of_radius(depth / depth_unit)
         cube = q**3
         way = max(4.0 * cube - 1.0, STEEPEST)
         ratio = q * q * (8.0 * cube - 6.0) / way
         bend = (q * (40.0 * cube - 12.0) - 12.0 * q * q * ratio) / (way * way)
         energy = q**4 * (cube * (8.0 / 15.0 * cube - 4.0 / 3.0) + 0.5) + 0.3
         pressed = cube * (4.0 / 3.0 * cube - 2.0)
-        return force * pressed, force * unit * energy, force / unit * ratio, force / unit**2 * bend
+        stiffness, slope = force_unit / depth_unit * ratio, force_unit / depth_unit**2 * bend
+        return force_unit * pressed, force_unit * depth_unit * energy, stiffness, slope
 
     @staticmethod
     @kernel
-    def limits(parameters, at):
-        return 0.0, -BREAK * parameters[at + 1]
+    def limits(depth_unit):
+        return 0.0, -BREAK * depth_unit

@@ -1,10 +1,12 @@
 """A viscoelastic foundation: a spring and up to three Maxwell arms, a Prony series in time."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
+from contactlab.laws.declaration import Coefficient
 from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.parameter import not_negative, positive
 
@@ -13,14 +15,13 @@ MOST = 3
 
 
 @inner_kernel
-def surface(z, parameters, at):
-    """Give the depth of a surface that nothing presses [m], and the stiffness of all springs [N/m]."""
-    whole, held = parameters[at], 0.0
-    for i in range(int(parameters[at + 1])):
-        arm = parameters[at + 2 + 2 * i]
-        whole += arm
-        held += arm * z[i]
-    return held / whole, whole
+def free_depth(z, relaxed_stiffness, arm_stiffness):
+    """Return the depth of a surface that nothing presses [m]."""
+    whole, held = relaxed_stiffness, 0.0
+    for i in range(len(arm_stiffness)):
+        whole += arm_stiffness[i]
+        held += arm_stiffness[i] * z[i]
+    return held / whole
 
 
 @final
@@ -63,32 +64,32 @@ class Prony(NormalForce):
             for i in range(1, len(self.arms) + 1)
         )
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give k_inf, the number of arms, and stiffness and relaxation time of each."""
-        return self.relaxed_stiffness, len(self.arms), *(number for arm in self.arms for number in arm)
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return k_inf, and stiffness and relaxation time of each arm."""
+        stiffnesses, times = zip(*self.arms, strict=True)
+        return {"relaxed_stiffness": self.relaxed_stiffness, "arm_stiffness": stiffnesses, "arm_time": times}
 
     @staticmethod
     @kernel
-    def force(depth, depth_rate, z, parameters, at):
-        force, stiffness = parameters[at] * depth, parameters[at]
+    def force(depth, z, relaxed_stiffness, arm_stiffness, arm_time):
+        force, stiffness = relaxed_stiffness * depth, relaxed_stiffness
         energy, loss = 0.5 * force * depth, 0.0
-        for i in range(int(parameters[at + 1])):
-            arm, time = parameters[at + 2 + 2 * i], parameters[at + 3 + 2 * i]
-            stretch = depth - z[i]
+        for i in range(len(arm_stiffness)):
+            arm, stretch = arm_stiffness[i], depth - z[i]
             force += arm * stretch
             stiffness += arm
             energy += 0.5 * arm * stretch * stretch
-            loss += arm * stretch * stretch / time
+            loss += arm * stretch * stretch / arm_time[i]
         return force, energy, stiffness, 0.0, loss
 
     @staticmethod
     @kernel
-    def rate(which, depth, depth_rate, z, parameters, at):
-        free, _ = surface(z, parameters, at)
-        return (max(depth, free) - z[which]) / parameters[at + 3 + 2 * which]
+    def rate(which, depth, z, relaxed_stiffness, arm_stiffness, arm_time):
+        free = free_depth(z, relaxed_stiffness, arm_stiffness)
+        return (max(depth, free) - z[which]) / arm_time[which]
 
     @staticmethod
     @kernel
-    def limits(z, parameters, at):
-        free, _ = surface(z, parameters, at)
+    def limits(z, relaxed_stiffness, arm_stiffness):
+        free = free_depth(z, relaxed_stiffness, arm_stiffness)
         return -free, -free

@@ -1,34 +1,35 @@
 """The elastic, perfectly plastic sphere: Hertz until it yields, a straight line, Hertz of a flatter one."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, final
 
 from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
+from contactlab.laws.declaration import Coefficient
 from contactlab.laws.memory import AT_TOUCH, InternalVariable, dependent
 from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL
 from contactlab.parameter import positive
 
-YIELDS, PEAK = 0, 1
-"""Places in z."""
+YIELDS = 0
+"""Place of `yields` among the internal variables."""
 
 BEGINS, STOPS = 0, 1
 """Guards: it yields where the depth is again its largest, and no longer where it does not grow."""
 
 
 @inner_kernel
-def flattened(peak, parameters, at):
-    """Give dent d_p [m], force [N] and elastic part of the depth [m] at the largest depth.
+def flattened(largest_depth, stiffness, yield_depth):
+    """Return dent d_p [m], force [N] and elastic part of the depth [m] at the largest depth.
 
     With r = sqrt(d*/d_y) the contact radius is a_y r, N* = N_y (3 r^2 - 1)/2 and d* - d_p = 3 N*/(4 E* a).
     """
-    depth = parameters[at + 1]
-    ratio = sqrt(peak / depth)
-    force = 0.5 * parameters[at] * depth * sqrt(depth) * (3.0 * ratio * ratio - 1.0)
+    ratio = sqrt(largest_depth / yield_depth)
+    force = 0.5 * stiffness * yield_depth * sqrt(yield_depth) * (3.0 * ratio * ratio - 1.0)
     # The difference d* - 3 N*/(4 E* a) without its cancellation: nothing is left of what has not yielded.
-    dent = 0.5 * depth * (ratio - 1.0) ** 2 * (2.0 * ratio + 1.0) / ratio
-    return dent, force, peak - dent
+    dent = 0.5 * yield_depth * (ratio - 1.0) ** 2 * (2.0 * ratio + 1.0) / ratio
+    return dent, force, largest_depth - dent
 
 
 @final
@@ -67,48 +68,48 @@ class Thornton(NormalForce):
             InternalVariable("largest_depth", "d*", "m", "depth to which it is elastic", self.yield_depth),
         )
 
-    def coefficients(self) -> tuple[float, ...]:
-        """Give the stiffness K of N = K d^1.5 [N m^-1.5] and the depth of yield [m]."""
-        return 4.0 / 3.0 * self.effective_modulus * sqrt(self.radius), self.yield_depth
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return the stiffness K of N = K d^1.5 [N m^-1.5] and the depth of yield [m]."""
+        stiffness = 4.0 / 3.0 * self.effective_modulus * sqrt(self.radius)
+        return {"stiffness": stiffness, "yield_depth": self.yield_depth}
 
     @staticmethod
     @kernel
-    def force(depth, depth_rate, z, parameters, at):
-        if z[YIELDS] == 0.0:
-            dent, force, elastic = flattened(z[PEAK], parameters, at)
+    def force(depth, depth_rate, yields, largest_depth, stiffness, yield_depth):
+        if yields == 0.0:
+            dent, force, elastic = flattened(largest_depth, stiffness, yield_depth)
             left = max(depth - dent, 0.0)
             root = sqrt(left / elastic)
             force *= root**3
-            stiffness = 1.5 * force / left if left > 0.0 else 0.0
-            slope = 0.5 * stiffness / left if left > 0.0 else 0.0
-            return force, 0.4 * force * left, stiffness, slope, 0.0
-        yielding = parameters[at + 1]
-        stiffness = 1.5 * parameters[at] * sqrt(yielding)
-        _, force, elastic = flattened(max(depth, yielding), parameters, at)
+            tangent = 1.5 * force / left if left > 0.0 else 0.0
+            slope = 0.5 * tangent / left if left > 0.0 else 0.0
+            return force, 0.4 * force * left, tangent, slope, 0.0
+        tangent = 1.5 * stiffness * sqrt(yield_depth)
+        _, force, elastic = flattened(max(depth, yield_depth), stiffness, yield_depth)
         # The elastic part of the depth grows as N*/sqrt(d*).
-        growth = stiffness / force - 0.5 / max(depth, yielding)
-        released = 0.4 * elastic * (stiffness + force * growth)
-        return force, 0.4 * force * elastic, stiffness, 0.0, (force - released) * depth_rate
+        growth = tangent / force - 0.5 / max(depth, yield_depth)
+        released = 0.4 * elastic * (tangent + force * growth)
+        return force, 0.4 * force * elastic, tangent, 0.0, (force - released) * depth_rate
 
     @staticmethod
     @kernel
-    def guard(which, depth, depth_rate, z, parameters, at):
+    def guard(which, depth, depth_rate, yields, largest_depth):
         if which == BEGINS:
-            return z[PEAK] - depth if z[YIELDS] == 0.0 else 1.0
-        return depth_rate if z[YIELDS] != 0.0 else 1.0
+            return largest_depth - depth if yields == 0.0 else 1.0
+        return depth_rate if yields != 0.0 else 1.0
 
     @staticmethod
     @kernel
-    def jump(which, event, depth, depth_rate, z, parameters, at):
+    def jump(which, event, depth, yields, largest_depth):
         if event == BEGINS:
-            return 1.0 if which == YIELDS else z[PEAK]
+            return 1.0 if which == YIELDS else largest_depth
         if event in (STOPS, AT_TOUCH):
             # A contact that begins under load has been loaded.
-            return 0.0 if which == YIELDS else max(depth, z[PEAK])
-        return z[which]
+            return 0.0 if which == YIELDS else max(depth, largest_depth)
+        return yields if which == YIELDS else largest_depth
 
     @staticmethod
     @kernel
-    def limits(z, parameters, at):
-        dent, _, _ = flattened(z[PEAK], parameters, at)
+    def limits(largest_depth, stiffness, yield_depth):
+        dent, _, _ = flattened(largest_depth, stiffness, yield_depth)
         return -dent, -dent

@@ -8,19 +8,18 @@ from contactlab.laws.base import NormalForce
 from contactlab.laws.memory import AT_TOUCH, InternalVariable
 from contactlab.parameter import not_negative, positive
 
-LOADS, PEAK = 0, 1
-"""Places in z."""
+LOADS = 0
+"""Place of `loads` among the internal variables."""
 
 BEGINS, STOPS = 0, 1
 """Guards: it loads on where the depth is again its largest, and no longer where it does not grow."""
 
 
 @inner_kernel
-def steeper(peak, parameters, at):
-    """Give the stiffness k_2 of unloading [N/m] from a largest depth, and the dent that this leaves [m]."""
-    loading = parameters[at]
-    stiffness = parameters[at + 1] + parameters[at + 2] * loading * peak
-    return stiffness, peak * (stiffness - loading) / stiffness
+def steeper(largest_depth, loading_stiffness, unloading_stiffness, hardening):
+    """Return the stiffness k_2 of unloading [N/m] from a largest depth, and the dent that this leaves [m]."""
+    stiffness = unloading_stiffness + hardening * loading_stiffness * largest_depth
+    return stiffness, largest_depth * (stiffness - loading_stiffness) / stiffness
 
 
 @final
@@ -58,42 +57,41 @@ class WaltonBraun(NormalForce):
 
     @staticmethod
     @kernel
-    def force(depth, depth_rate, z, parameters, at):
-        if z[LOADS] == 0.0:
-            stiffness, dent = steeper(z[PEAK], parameters, at)
+    def force(depth, depth_rate, loads, largest_depth, loading_stiffness, unloading_stiffness, hardening):
+        if loads == 0.0:
+            stiffness, dent = steeper(largest_depth, loading_stiffness, unloading_stiffness, hardening)
             left = max(depth - dent, 0.0)
             force = stiffness * left
             return force, 0.5 * force * left, stiffness, 0.0, 0.0
-        loading = parameters[at]
-        force = loading * depth
-        stiffness, _ = steeper(depth, parameters, at)
+        force = loading_stiffness * depth
+        stiffness, _ = steeper(depth, loading_stiffness, unloading_stiffness, hardening)
         elastic = force / stiffness
         # d(N^2/2 k_2)/dd, of which k_2 takes a part as it grows.
-        released = loading * elastic * (1.0 - 0.5 * parameters[at + 2] * elastic)
-        return force, 0.5 * force * elastic, loading, 0.0, (force - released) * depth_rate
+        released = loading_stiffness * elastic * (1.0 - 0.5 * hardening * elastic)
+        return force, 0.5 * force * elastic, loading_stiffness, 0.0, (force - released) * depth_rate
 
     @staticmethod
     @kernel
-    def guard(which, depth, depth_rate, z, parameters, at):
+    def guard(which, depth, depth_rate, loads, largest_depth):
         if which == BEGINS:
-            return z[PEAK] - depth if z[LOADS] == 0.0 else 1.0
-        return depth_rate if z[LOADS] != 0.0 else 1.0
+            return largest_depth - depth if loads == 0.0 else 1.0
+        return depth_rate if loads != 0.0 else 1.0
 
     @staticmethod
     @kernel
-    def jump(which, event, depth, depth_rate, z, parameters, at):
+    def jump(which, event, depth, depth_rate, loads, largest_depth):
         if event == BEGINS:
-            return 1.0 if which == LOADS else z[PEAK]
+            return 1.0 if which == LOADS else largest_depth
         # A contact that begins under load, at rest or opening, has been loaded.
-        pressed = event == AT_TOUCH and z[LOADS] != 0.0 and depth_rate <= 0.0
+        pressed = event == AT_TOUCH and loads != 0.0 and depth_rate <= 0.0
         if event == STOPS or pressed:
-            return 0.0 if which == LOADS else max(depth, z[PEAK])
-        return z[which]
+            return 0.0 if which == LOADS else max(depth, largest_depth)
+        return loads if which == LOADS else largest_depth
 
     @staticmethod
     @kernel
-    def limits(z, parameters, at):
-        if z[LOADS] != 0.0:
+    def limits(loads, largest_depth, loading_stiffness, unloading_stiffness, hardening):
+        if loads != 0.0:
             return 0.0, 0.0
-        _, dent = steeper(z[PEAK], parameters, at)
+        _, dent = steeper(largest_depth, loading_stiffness, unloading_stiffness, hardening)
         return -dent, -dent

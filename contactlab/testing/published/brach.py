@@ -2,6 +2,7 @@
 
 from contactlab.laws import Brach
 from contactlab.testing.claim import Claims, close
+from contactlab.testing.plants import impulses_of
 
 
 def critical_ratio(mass: float = 0.1, e: float = 0.6, speed: float = 0.2, slip: float = 0.15) -> Claims:
@@ -10,7 +11,7 @@ def critical_ratio(mass: float = 0.1, e: float = 0.6, speed: float = 0.2, slip: 
     ratio = slip / speed / (share * (1.0 + e))
     law = Brach(3.0 * ratio, e)
     d = (1.0 / mass, 0.0, share / mass)
-    p_n, p_t, _ = law.solve(-speed, slip, -speed, slip, *d, law.parameters())
+    p_n, p_t, _ = impulses_of(law, -speed, slip, d)
     yield close("critical ratio of the impulses", -p_t / p_n, ratio, 1e-12)
     r = slip / speed
     lost = 0.5 * mass * speed**2 * (1 + e) * (1 - e + 2 * ratio * r - (1 + e) * share * ratio**2)

@@ -4,6 +4,7 @@ import numpy as np
 
 from contactlab.laws import ChatterjeeRuina
 from contactlab.testing.claim import Claims, close
+from contactlab.testing.plants import impulses_of
 
 
 def impulse(mu: float = 0.3, e: float = 0.6, e_t: float = 0.4) -> Claims:
@@ -16,6 +17,6 @@ def impulse(mu: float = 0.3, e: float = 0.6, e_t: float = 0.4) -> Claims:
         if abs(expected[1]) > mu * expected[0]:
             down = abs(stuck[1]) - mu * (n @ (stuck - free))
             expected = (1.0 + e) * free + mu * (1.0 + e) * (n @ free) / down * (stuck - free)
-        found = law.solve(-0.1, slip, -0.1, slip, 600.0, 150.0, 800.0, law.parameters())
+        found = impulses_of(law, -0.1, slip, (600.0, 150.0, 800.0))
         yield close(f"friction impulse {words}", found[1], float(expected[1]), 1e-9, "N s")
         yield close(f"normal impulse {words}", found[0], float(expected[0]), 1e-9, "N s")

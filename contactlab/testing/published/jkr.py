@@ -13,10 +13,9 @@ from contactlab.testing.plants import block, first, run
 def pull_off(work: float = 0.1, radius: float = 4.2e-3, modulus: float = 115e9) -> Claims:
     """The largest pull is 3/2 pi w R, whatever the modulus (Johnson, Kendall and Roberts 1971)."""
     normal = Jkr(radius, modulus, work)
-    parameters = np.array(normal.coefficients())
-    _, ends = normal.limits(parameters, 0)
+    _, ends = normal.evaluate("limits")
     depths = np.linspace(-ends, ends, 4001)
-    found = -min(normal.elastic(float(d), parameters, 0)[0] for d in depths)
+    found = -min(normal.evaluate("elastic", depth=float(d))[0] for d in depths)
     yield close("pull-off force", found, 1.5 * pi * work * radius, 1e-6, "N")
 
 

@@ -12,7 +12,7 @@ from contactlab.testing.plants import block, run
 def rebound(mass: float = 2e-3, ratio: float = 4.0) -> Claims:
     """e^2 = 6 sqrt(3)/5 (1 - s^2/6) [s/(s + 2 sqrt(6/5 - s^2/5))]^(1/2), s = V_y/V (1997, eq. 35)."""
     normal = Thornton(yield_pressure=5e8)
-    stiffness, depth = normal.coefficients()
+    stiffness, depth = normal.parameters()
     first_yield = sqrt(0.8 * stiffness * depth**2.5 / mass)
     speed, s = ratio * first_yield, 1.0 / ratio
     square = 1.2 * sqrt(3.0) * (1.0 - s * s / 6.0) * sqrt(s / (s + 2.0 * sqrt(1.2 - 0.2 * s * s)))

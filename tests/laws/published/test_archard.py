@@ -20,20 +20,19 @@ def softness(law: Archard) -> float:
 def test_kernels_say_one_thing_of_force_energy_and_wear() -> None:
     """dV/dt = -N gdot - loss along a flow of gap and wear, and where the wear is the contact ends."""
     law = Archard(wear_coefficient=0.5)
-    row, wear = law.parameters(), 3e-7
-    gap, gap_rate, slip, step = -1.2e-6, 0.07, -0.4, 1e-11
-    normal, bound, _, loss = law.force(gap, gap_rate, slip, 0.1, np.array([wear]), row)
+    wear, gap, gap_rate, slip, step = 3e-7, -1.2e-6, 0.07, -0.4, 1e-11
+    normal, bound, _, loss = law.evaluate("force", depth=-gap, slip=slip, wear=wear)
     assert normal == pytest.approx(STIFFNESS * 0.9e-6**1.5)
     assert bound == pytest.approx(MU * normal)
-    worn = law.rate(0, gap, gap_rate, slip, normal, np.array([wear]), row)
+    worn = law.evaluate("rate", normal=normal, slip=slip)
     assert worn == pytest.approx(softness(law) * normal * abs(slip))
     ahead, behind = (
-        law.force(gap + t * gap_rate, gap_rate, slip, 0.1, np.array([wear + t * worn]), row)[2]
+        law.evaluate("force", depth=-gap - t * gap_rate, slip=slip, wear=wear + t * worn)[2]
         for t in (step, -step)
     )
     assert (ahead - behind) / (2.0 * step) == pytest.approx(-normal * gap_rate - loss, rel=1e-6)
     assert loss == pytest.approx(normal * worn)
-    assert law.limits(np.array([wear]), row) == (-wear, -wear)
+    assert law.limits(wear) == (-wear, -wear)
 
 
 def test_a_block_with_a_constant_weight_wears_linearly_in_the_way() -> None:

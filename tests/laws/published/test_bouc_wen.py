@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from scipy.special import lambertw
+from support.kernels import state_of
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import BoucWen, Dahl
@@ -28,22 +28,6 @@ def test_the_first_loading_is_exponential_for_n_1_and_a_hyperbolic_tangent_for_n
     way = 0.5 * np.arange(11)
     work = [s + exp(-s) if exponent == 1.0 else log(cosh(s)) for s in way]
     assert_allclose(-series["friction_force"][1:] / LIMIT, np.diff(work) / 0.5, atol=1e-9)
-
-
-@pytest.mark.parametrize("swing", [1.0, 5.0])
-def test_a_cycle_loses_the_area_of_the_loop(swing: float) -> None:
-    """For n = 1 and beta = gamma: straight from -Z to 0, then exponential up to Z = 1 - W(e^(1 - 2 X/Y)).
-
-    The area is 2 mu N (2 X - 2 Y Z - Y Z^2/2).
-    """
-    top = 1.0 - lambertw(exp(1.0 - 2.0 * swing)).real
-    expected = 2.0 * LIMIT * YIELD * (2.0 * swing - 2.0 * top - 0.5 * top**2)
-    law, frequency = Composed(Linear(SPRING), friction=BoucWen(MU, YIELD, 0.5, 1.0)), 50.0
-    rate = 2.0 * pi * frequency
-    heavy = resting(HEAVY, velocity=rate * swing * YIELD, stiffness=HEAVY * rate**2)
-    made = run(heavy, law, 10.0 / frequency, 1e-4, 1.0 / frequency, tolerance=1e-10)
-    loss = made.series["friction_loss"]
-    assert_allclose(loss[10] - loss[9], expected, rtol=1e-6)
 
 
 WEN = [(1.0, 0.5, 0.5, 1.0), (2.0, 4e5, 1e5, 1.0), (1.5, 3e11, -1e11, 2.0), (1.0, 1e17, 1e17, 3.0)]
@@ -74,42 +58,17 @@ def test_a_run_follows_wens_equation_of_four_constants(a: float, beta: float, ga
 def test_the_ultimate_value_of_wen_is_mu_n(a: float, beta: float, gamma: float, n: float) -> None:
     """z_u = (A/(beta + gamma))^(1/n): there dz/dt vanishes, and friction is mu N."""
     friction = BoucWen.of_wen(MU, a, beta, gamma, n)
-    parameters = np.array(friction.coefficients())
-    force, rate, _, _ = friction.state(WEIGHT, 1.0, 0.0, 0.2, friction.yield_displacement, parameters, 0)
+    force, rate, _, _ = state_of(friction, WEIGHT, 0.2, friction.yield_displacement)
     assert_allclose(force, -LIMIT, rtol=1e-14)
     assert abs(rate) < 1e-14
     assert_allclose(a * friction.yield_displacement, (a / (beta + gamma)) ** (1.0 / n), rtol=1e-14)
 
 
-@pytest.mark.parametrize("shape", [0.5, 0.8, 1.5])
-@pytest.mark.parametrize("exponent", [1.0, 2.0, 7.0])
-def test_friction_stays_in_the_cone_loses_energy_and_is_odd_at_any_state(
-    shape: float, exponent: float
-) -> None:
-    friction, rng = BoucWen(MU, YIELD, shape, exponent), np.random.default_rng(0)
-    parameters = np.array(friction.coefficients())
-    for _ in range(300):
-        normal, slip, z = rng.uniform(0.0, 10.0), rng.normal(), rng.uniform(-1.0, 1.0) * YIELD
-        force, rate, stored, _ = friction.state(normal, 1.0, 0.0, slip, z, parameters, 0)
-        assert abs(force) <= MU * normal
-        # At constant load dV/dt = mu N z dz/dt / Y; what friction takes and does not store is lost.
-        power = -force * slip
-        assert power - MU * normal * z / YIELD * rate >= -1e-14 * abs(power)
-        assert stored == pytest.approx(0.5 * MU * normal * z**2 / YIELD, rel=1e-12)
-        mirrored = friction.state(normal, 1.0, 0.0, -slip, -z, parameters, 0)
-        assert mirrored == (-force, -rate, stored, 0.0)
-        if shape == 0.5 and slip * z < 0.0:
-            # It unloads along a straight line.
-            assert rate == slip
-
-
 def test_one_of_its_shapes_is_dahls() -> None:
     wen, dahl = BoucWen(MU, YIELD, 1.0, 1.0), Dahl(MU, MU / YIELD, 1.0)
-    rows = [np.array(each.coefficients()) for each in (wen, dahl)]
     for slip in (-0.3, 0.1):
         for z in (-2e-6, 0.0, 1e-6):
-            state = WEIGHT, 1.0, 0.0, slip, z
-            assert_allclose(wen.state(*state, rows[0], 0), dahl.state(*state, rows[1], 0), rtol=1e-14)
+            assert_allclose(state_of(wen, WEIGHT, slip, z), state_of(dahl, WEIGHT, slip, z), rtol=1e-14)
 
 
 @pytest.mark.parametrize(

@@ -20,9 +20,9 @@ MU, RATIO, C = 0.3, 1.4, 4.0
 
 
 @kernel
-def attracted_force(depth, parameters, at):
-    k, pull = parameters[at], parameters[at + 1]
-    return k * depth - pull, (0.5 * k * depth - pull) * depth, k, 0.0
+def attracted_force(depth, stiffness, attraction):
+    stored = (0.5 * stiffness * depth - attraction) * depth
+    return stiffness * depth - attraction, stored, stiffness, 0.0
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,6 @@ class Attracted(NormalForce):
 
 def test_the_bound_is_a_cone_with_its_apex_at_the_cohesion() -> None:
     friction = Cohesive(MU, RATIO, C)
-    parameters = np.array(friction.coefficients())
     assert friction.friction_offset == C
     assert friction.friction_limit == MU * RATIO
     for normal, slip, expected in (
@@ -54,19 +53,10 @@ def test_the_bound_is_a_cone_with_its_apex_at_the_cohesion() -> None:
         (-3.0, 1.0, MU * (C - 3.0)),
         (-5.0, 0.0, 0.0),
     ):
-        assert friction.bound(normal, slip, parameters, 0) == pytest.approx(expected, rel=1e-15)
-        assert friction.bound(normal, -slip, parameters, 0) == friction.bound(normal, slip, parameters, 0)
-
-
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_a_sliding_block_slows_by_mu_g_and_mu_c_over_m_and_stops(way: float) -> None:
-    """v = v_0 - mu (g + C/m) t, of a block of 1 kg."""
-    start, slowing = 0.2, MU * (WEIGHT + C)
-    law, time = Composed(Linear(SPRING), friction=Cohesive(MU, RATIO, C)), 0.2 / (MU * (WEIGHT + C))
-    series = run(resting(velocity=way * start), law, 1.25 * time, 1e-3, time / 8.0).series
-    expected = start - slowing * time / 8.0 * np.arange(8)
-    assert_allclose(way * series["slip_velocity"][:8], expected, atol=1e-9)
-    assert np.abs(series["slip_velocity"][9:]).max() < 1e-15 * start
+        assert friction.evaluate("bound", normal=normal, slip=slip) == pytest.approx(expected, rel=1e-15)
+        assert friction.evaluate("bound", normal=normal, slip=-slip) == friction.evaluate(
+            "bound", normal=normal, slip=slip
+        )
 
 
 @pytest.mark.parametrize(("share", "moves"), [(0.999, False), (1.001, True)])

@@ -1,10 +1,11 @@
 """Dahl's friction: its curve, its loops, and what it does under a load that varies."""
 
-from math import exp, log, pi, tanh
+from math import exp, log
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.kernels import state_of
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Dahl
@@ -37,51 +38,21 @@ def test_the_curve_from_rest_is_dahls(exponent: float, way: float) -> None:
     assert_allclose(-way * series["friction_force"][1:] / LIMIT, expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("swing", [1.0, 4.0])
-def test_a_cycle_loses_the_area_of_dahls_loop(swing: float) -> None:
-    """4 F_c (X - (F_c/sigma) tanh(sigma X/F_c)), at any frequency."""
-    law = Composed(Linear(SPRING), friction=Dahl(MU, SIGMA))
-    for frequency in (5.0, 500.0):
-        rate = 2.0 * pi * frequency
-        heavy = resting(HEAVY, velocity=rate * swing * YIELD, stiffness=HEAVY * rate**2)
-        made = run(heavy, law, 6.0 / frequency, 5e-3 / frequency, 1.0 / frequency, tolerance=1e-10)
-        loss = made.series["friction_loss"]
-        assert_allclose(loss[6] - loss[5], 4.0 * LIMIT * YIELD * (swing - tanh(swing)), rtol=1e-6)
-
-
 def test_dahls_loop_of_a_small_swing_grows_with_its_cube() -> None:
     """4/3 sigma^2 X^3/F_c, where viscous damping has X^2 and Coulomb's X; by quadrature of the kernel."""
     friction = Dahl(MU, SIGMA)
-    parameters, swing, steps = np.array(friction.coefficients()), 0.03 * YIELD, 4000
+    swing, steps = 0.03 * YIELD, 4000
     x = swing * np.sin(2.0 * np.pi * np.arange(40 * steps + 1) / steps)
     z, force = 0.0, np.zeros(x.size)
     for k, dx in enumerate(np.diff(x)):
         # The midpoint rule with the way in the place of time.
-        half = z + 0.5 * friction.state(WEIGHT, 1.0, 0.0, dx, z, parameters, 0)[1]
-        z += friction.state(WEIGHT, 1.0, 0.0, dx, half, parameters, 0)[1]
-        force[k + 1] = -friction.state(WEIGHT, 1.0, 0.0, dx, z, parameters, 0)[0]
+        half = z + 0.5 * state_of(friction, WEIGHT, dx, z)[1]
+        z += state_of(friction, WEIGHT, dx, half)[1]
+        force[k + 1] = -state_of(friction, WEIGHT, dx, z)[0]
     area = np.trapezoid(force[-steps - 1 :], x[-steps - 1 :])
     assert_allclose(area, 4.0 / 3.0 * LIMIT * swing**3 / YIELD**2, rtol=2e-3)
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.5, 3.0])
-def test_friction_stays_in_the_cone_loses_energy_and_is_odd_at_any_state(exponent: float) -> None:
-    friction, rng = Dahl(MU, SIGMA, exponent), np.random.default_rng(0)
-    parameters = np.array(friction.coefficients())
-    for _ in range(300):
-        normal, slip, z = rng.uniform(0.0, 10.0), rng.normal(), rng.uniform(-1.0, 1.0) * YIELD
-        force, rate, stored, _ = friction.state(normal, 1.0, 0.0, slip, z, parameters, 0)
-        assert abs(force) <= MU * normal
-        # At constant load dV/dt = N sigma z dz/dt; what friction takes and does not store is lost.
-        power = -force * slip
-        assert power - normal * SIGMA * z * rate >= -1e-14 * abs(power)
-        assert stored == pytest.approx(0.5 * normal * SIGMA * z**2, rel=1e-12)
-        mirrored = friction.state(normal, 1.0, 0.0, -slip, -z, parameters, 0)
-        assert mirrored == (-force, -rate, stored, 0.0)
-    # Beyond its limit, which a step may overshoot, it comes back.
-    assert friction.state(1.0, 1.0, 0.0, 1.0, 1.01 * YIELD, parameters, 0)[1] < 0.0
-
-
 def test_a_contact_without_friction_has_none() -> None:
     friction = Dahl(0.0)
-    assert friction.state(5.0, 1.0, 0.0, 1.0, 0.0, np.array(friction.coefficients()), 0) == (0.0,) * 4
+    assert state_of(friction, 5.0, 1.0, 0.0) == (0.0,) * 4

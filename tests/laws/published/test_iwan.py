@@ -1,6 +1,5 @@
 """Iwan's elements: the microslip of Mindlin and Deresiewicz, loops after Masing, and what they lose."""
 
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -8,10 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 
-from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Iwan
-from contactlab.laws.normal import Linear
-from contactlab.testing.plants import HEAVY, block, run
 
 Array = np.ndarray
 
@@ -39,33 +35,33 @@ class Driven:
     """Elements that are moved along a path under a constant normal force, by guards and jumps alone."""
 
     def __init__(self, friction: Iwan) -> None:
-        self.friction, self.parameters = friction, np.array(friction.coefficients())
-        self.z = np.zeros(len(friction.remembered))
+        self.friction, self.limits = friction, np.array(friction.coefficients()["limit"])
+        self.z = np.zeros(len(friction.internal_variables))
         self.work, self.events = 0.0, 0
 
     def force(self) -> float:
         """The force against the slip [N]."""
-        return -float(self.friction.state(NORMAL, 1e7, 0.0, 0.0, self.z, self.parameters, 0)[0])
+        return -float(self.friction.evaluate("state", normal=NORMAL, z=self.z)[0])
+
+    def ask(self, kernel: str, z: Array, which: int, **more: float) -> float:
+        """A kernel at internal variables z."""
+        return float(self.friction.evaluate(kernel, which=which, z=z, sliding=z[-1], **more))
 
     def move(self, way: float) -> float:
         """Move by a way [m] at 1 m/s; gives the force at its end."""
         slip, left = float(np.copysign(1.0, way)), abs(way)
-        state = NORMAL, 1e7, 0.0, slip
         while True:
-            rates = np.array(
-                [self.friction.rate(k, *state, self.z, self.parameters, 0) for k in range(self.z.size)]
-            )
-            fallen = [self.friction.guard(k, *state, self.z, self.parameters, 0) < 0.0 for k in (0, 1)]
-            if fallen[1]:
-                self.jump(1, state)
+            rates = np.array([self.ask("rate", self.z, k, slip=slip) for k in range(self.z.size)])
+            if self.ask("guard", self.z, 1, slip=slip) < 0.0:
+                self.jump(1)
                 continue
             # The guard of the next limit is that of a stretch that moves evenly: a way [m].
-            ahead = self.friction.guard(0, *state, self.z + left * rates, self.parameters, 0)
+            ahead = self.ask("guard", self.z + left * rates, 0, slip=slip)
             step = left
             if ahead < 0.0:
                 low, high = 0.0, left
                 while high - low > 1e-16 * left and (middle := 0.5 * (low + high)) not in (low, high):
-                    there = self.friction.guard(0, *state, self.z + middle * rates, self.parameters, 0)
+                    there = self.ask("guard", self.z + middle * rates, 0, slip=slip)
                     low, high = (middle, high) if there > 0.0 else (low, middle)
                 step = high
             before = self.force()
@@ -74,11 +70,10 @@ class Driven:
             left -= step
             if ahead >= 0.0:
                 return self.force()
-            self.jump(0, state)
+            self.jump(0)
 
-    def jump(self, event: int, state: tuple[float, ...]) -> None:
-        jump = self.friction.jump
-        self.z = np.array([jump(k, event, *state, self.z, self.parameters, 0) for k in range(self.z.size)])
+    def jump(self, event: int) -> None:
+        self.z = np.array([self.ask("jump", self.z, k, event=event) for k in range(self.z.size)])
         self.events += 1
 
 
@@ -107,8 +102,8 @@ def test_stiffness_of_a_small_slip_is_mindlins_for_any_number_of_elements() -> N
 
 def elements_loss(friction: Iwan, amplitude: float) -> float:
     """Loss [J] of a cycle of all elements, each of 4 f (A - f/k) as it begins to slide."""
-    n, given = friction.elements, np.array(friction.coefficients())
-    limits, stiffnesses = given[4 : 4 + n], NORMAL * given[4 + n :]
+    given = friction.coefficients()
+    limits, stiffnesses = np.array(given["limit"]), NORMAL * np.array(given["stiffness"])
     return float(4.0 * np.sum(stiffnesses * limits * np.maximum(amplitude - limits, 0.0)))
 
 
@@ -176,27 +171,9 @@ def test_an_inner_loop_closes_and_the_outer_one_goes_on_as_if_there_had_been_non
 )
 def test_guards_and_jumps_are_the_return_map_of_every_element(path: list[float], n: int) -> None:
     driven = Driven(Iwan(MU, n, WHOLE))
-    limits, stretches = driven.parameters[4 : 4 + n], np.zeros(n)
+    limits, stretches = driven.limits, np.zeros(n)
     for way in path:
         force = driven.move(way * WHOLE)
         stretches = np.clip(stretches + way * WHOLE, -limits, limits)
         assert_allclose(driven.z[:n], stretches, atol=1e-9 * WHOLE)
         assert abs(force) <= LIMIT * (1.0 + 1e-9)
-
-
-@pytest.mark.long
-def test_a_run_loses_in_a_cycle_what_spheres_do() -> None:
-    """A body so heavy that the contact does not disturb it, swinging within the full slip and beyond."""
-    spring, frequency = 1e7, 50.0
-    resting = partial(block, HEAVY, height=-NORMAL / spring, weight=NORMAL)
-    rate = 2.0 * np.pi * frequency
-    for share in (0.5, 1.5):
-        swing = share * WHOLE
-        driven, friction = resting(velocity=rate * swing, stiffness=HEAVY * rate**2), Iwan(MU, 24, WHOLE)
-        made = run(
-            driven, Composed(Linear(spring), friction=friction), 2.0 / frequency, 1e-4, 1.0 / frequency
-        )
-        loss = np.diff(made.series["friction_loss"])[-1]
-        assert loss == pytest.approx(elements_loss(friction, swing), rel=1e-6)
-        closed = cycle_loss(min(share, 1.0) * WHOLE) + 4.0 * LIMIT * max(share - 1.0, 0.0) * WHOLE
-        assert loss == pytest.approx(closed, rel=7e-3)

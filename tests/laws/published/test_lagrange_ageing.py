@@ -6,6 +6,7 @@ from math import atan, log1p, pi, sqrt
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from support.kernels import solve_of
 
 from contactlab.laws import LagrangeAgeing, LagrangeStick
 from contactlab.laws.base import SLIP, STICK
@@ -62,14 +63,14 @@ def test_ageing_holds_the_first_stick_and_the_next_for_as_long_as_it_grows() -> 
 
 
 def asked(law: LagrangeAgeing, age: float, *state: float) -> tuple[float, float, int]:
-    return law.solve(*state, 1e-6, 0.0, np.array([age]), law.parameters())
+    return solve_of(law, *state, age=age)  # type: ignore[no-any-return]
 
 
 def test_without_ageing_and_with_one_coefficient_it_is_lagrange_stick() -> None:
     law, plain = LagrangeAgeing(MU, 1.0, 0.0), LagrangeStick(MU)
     for step in drawn_steps(MU):
         for age in (0.0, 1.0):
-            assert asked(law, age, *step) == plain.solve(*step, plain.parameters())
+            assert asked(law, age, *step) == solve_of(plain, *step)
 
 
 def test_the_kernel_is_inside_of_its_cone_dissipates_and_has_a_mirror() -> None:
@@ -109,13 +110,9 @@ def test_static_friction_holds_what_rests_and_catches_what_would_turn_back_but_b
 
 
 def test_age_runs_in_stick_and_ends_with_it() -> None:
-    law, z = LagrangeAgeing(), np.array([0.2])
-    row = law.parameters()
-    assert law.rate(0, 0.0, 0.0, 0.0, 5.0, z, row) == 1.0
-    assert law.rate(0, 0.0, 0.0, 1e-300, 5.0, z, row) == 0.0
-    ages = [
-        law.jump(0, event, 0.0, 0.0, 0.0, 5.0, z, row) for event in (AT_TOUCH, AT_SLIP, AT_STICK, AT_RELEASE)
-    ]
+    law = LagrangeAgeing()
+    assert (law.rate(0.0), law.rate(1e-300)) == (1.0, 0.0)
+    ages = [law.jump(event, 0.2) for event in (AT_TOUCH, AT_SLIP, AT_STICK, AT_RELEASE)]
     assert ages == [0.0, 0.0, 0.2, 0.2]
 
 

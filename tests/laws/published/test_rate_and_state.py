@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
+from support.kernels import state_of
 
 from contactlab.engine import simulate
 from contactlab.laws.composed import Composed
@@ -24,18 +25,9 @@ SLOW = RateAndState(MU, A, B, D, V0, creep_velocity=1e-14)
 
 def answer(friction: RateAndState, slip: float, z: float) -> tuple[float, float]:
     """F/N against the slip, and the rate of z [1/s]."""
-    force, rate, stored, _ = friction.state(NORMAL, 1e7, 0.0, slip, z, np.array(friction.coefficients()), 0)
+    force, rate, stored, _ = state_of(friction, NORMAL, slip, z)
     assert stored == 0.0
     return -force / NORMAL, rate
-
-
-@pytest.mark.parametrize("speed", [1e-8, 1e-6, 1e-3, 1.0])
-def test_steady_slip_has_the_logarithm_of_its_speed(speed: float) -> None:
-    found, rate = answer(SLOW, speed, log(V0 / speed))
-    assert found == pytest.approx(MU + (A - B) * log(speed / V0), rel=1e-9)
-    assert abs(rate) < 1e-12 * speed / D
-    mirrored, _ = answer(SLOW, -speed, log(V0 / speed))
-    assert mirrored == -found
 
 
 def aged(slip: float, z: float, duration: float) -> float:

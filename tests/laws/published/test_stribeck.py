@@ -1,6 +1,6 @@
 """The Stribeck curve in a set-valued cone: its numbers, stopping, growth on a belt, stick-slip."""
 
-from math import atan, exp, log, pi, sqrt
+from math import atan, exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -24,31 +24,13 @@ def law_of(velocity: float, exponent: float = 1.0) -> Composed:
 @pytest.mark.parametrize("exponent", [0.5, 1.0, 2.0])
 def test_the_bound_is_the_published_curve_and_the_same_in_the_mirror(exponent: float) -> None:
     friction = Stribeck(MU, RATIO, 1e-2, exponent)
-    parameters = np.array(friction.coefficients())
-    assert friction.bound(2.0, 0.0, parameters, 0) == MU * RATIO * 2.0
-    assert friction.bound(-2.0, 0.0, parameters, 0) == 0.0
+    assert friction.evaluate("bound", normal=2.0, slip=0.0) == MU * RATIO * 2.0
+    assert friction.evaluate("bound", normal=-2.0, slip=0.0) == 0.0
     for slip in (1e-9, 3e-3, 1e-2, 0.2):
-        found = friction.bound(2.0, slip, parameters, 0)
+        found = friction.evaluate("bound", normal=2.0, slip=slip)
         expected = 2.0 * (MU + DROP * exp(-((slip / 1e-2) ** exponent)))
         assert_allclose(found, expected, rtol=1e-14)
-        assert found == friction.bound(2.0, -slip, parameters, 0)
-
-
-@pytest.mark.parametrize("way", [1.0, -1.0])
-def test_a_sliding_block_stops_in_the_time_of_the_closed_form(way: float) -> None:
-    """T = (v_s/(mu g)) ln[(mu e^(v_0/v_s) + dmu)/(mu + dmu)] for p = 1, of a block of 1 kg."""
-    slow, start = 0.05, 0.12
-
-    def time(speed: float) -> float:
-        terms = [MU * exp(v / slow) + DROP for v in (start, speed)]
-        return slow / (MU * WEIGHT) * log(terms[0] / terms[1])
-
-    interval = time(0.0) / 7.0
-    motor = resting(velocity=way * start)
-    series = run(motor, law_of(slow), 9.0 * interval, 1e-3, interval).series
-    slip = way * series["slip_velocity"]
-    assert_allclose([time(v) for v in slip[:7]], interval * np.arange(7), atol=1e-7 * interval)
-    assert np.abs(slip[8:]).max() < 1e-15 * start
+        assert found == friction.evaluate("bound", normal=2.0, slip=-slip)
 
 
 @pytest.mark.parametrize(("exponent", "slow"), [(1.0, 0.08), (2.0, 0.1)])

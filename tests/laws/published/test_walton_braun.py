@@ -4,37 +4,12 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
-from support.normal_balance import answer, imbalance, lost_by
 
 from contactlab.laws import Composed, WaltonBraun
-from contactlab.laws.normal.walton_braun import BEGINS, STOPS
-from contactlab.testing.closed_forms import restitution
-from contactlab.testing.plants import block, first, last, run
+from contactlab.testing.plants import block, last, run
 
 MASS, SOFT, STIFF = 2e-3, 1e7, 1.25e7
-LOADS = (1.0, 0.0)
-
-
-@pytest.mark.parametrize("speed", [1e-3, 0.1, 10.0])
-def test_restitution_is_the_root_of_the_stiffnesses_at_every_speed(speed: float) -> None:
-    ball = block(MASS, height=1e-6, gap_rate=-speed)
-    made = run(ball, Composed(WaltonBraun(SOFT, 2.5 * SOFT)), 1e-6 / speed + 2e-4)
-    assert_allclose(restitution(made), sqrt(0.4), rtol=1e-7)
-    # Both ways are quarters of a swing.
-    quarter = 0.5 * pi * sqrt(MASS / SOFT)
-    assert_allclose(first(made, "duration"), quarter * (1.0 + sqrt(0.4)), rtol=1e-6)
-
-
-@pytest.mark.parametrize("speed", [0.01, 0.3])
-def test_restitution_of_a_stiffness_that_grows_with_the_force_falls_with_the_speed(speed: float) -> None:
-    """k_2 = k_1 + S N*: e = sqrt(w/(S v + w)), w = sqrt(k_1/m)."""
-    rate = sqrt(SOFT / MASS)
-    grows = 3.0 * rate
-    ball = block(MASS, height=1e-6, gap_rate=-speed)
-    made = run(ball, Composed(WaltonBraun(SOFT, SOFT, grows)), 1e-6 / speed + 2e-4)
-    assert_allclose(restitution(made), sqrt(rate / (grows * speed + rate)), rtol=1e-7)
 
 
 def test_a_swing_within_the_largest_force_has_one_loop_and_then_none() -> None:
@@ -77,25 +52,6 @@ def test_a_dent_is_met_again_where_it_is_and_a_clear_gap_forgets_it() -> None:
     assert made.contacts["start_time"].size == 3
     assert_allclose(made.contacts["energy_loss"][1:], 0.0, atol=1e-9 * loss)
     assert_allclose(made.contacts["internal_largest_depth"], top, rtol=1e-6)
-
-
-@settings(max_examples=60)
-@given(
-    peak=st.floats(1e-8, 1e-5),
-    share=st.floats(0.01, 0.99),
-    rate=st.floats(1e-4, 3.0),
-    grows=st.floats(0.0, 1e6),
-)
-def test_what_is_not_stored_is_lost_and_no_jump_changes_what_is_stored(
-    peak: float, share: float, rate: float, grows: float
-) -> None:
-    normal = WaltonBraun(SOFT, STIFF, grows)
-    assert imbalance(normal, peak, rate, LOADS) < 1e-6
-    assert answer(normal, peak, rate, LOADS)[4] > 0.0
-    dent = -normal.limits(np.array([0.0, peak]), np.array(normal.coefficients()), 0)[0]
-    assert imbalance(normal, dent + share * (peak - dent), -rate, (0.0, peak)) < 1e-6
-    assert lost_by(normal, STOPS, peak, 0.0, LOADS) < 1e-12
-    assert lost_by(normal, BEGINS, peak, rate, (0.0, peak)) < 1e-12
 
 
 def test_an_unloading_that_would_give_energy_is_refused() -> None:

@@ -1,0 +1,524 @@
+"""A law bound to the engine: one function of one signature for each kernel, whatever the kernel names.
+
+The engine evaluates every law by eight functions of fixed signatures. Here each is written from the names of
+the law's own kernel, as a dataclass writes its methods, for example
+
+    def force(gap, gap_rate, slip, impact_speed, row):
+        normal, bound, stored, loss = law_force(-gap, row[6], row[7])
+        return normal, -bound, bound, stored, loss
+
+so that one compiled loop serves all laws. `row` holds, in this order,
+
+    step [s], 1 in an impact, tilt [rad], spin [rad/s], impact speed [m/s], internal variables, NaN,
+    coefficients
+
+with NaN between the coefficients of the parts of a composed law. A law without a kernel has one that does
+nothing.
+
+What is written for the package's own laws is kept as a source file beside its machine code, in the folder of
+exactly these sources, and found again by later processes. Code for other laws is compiled in the session.
+"""
+
+import re
+import sys
+import warnings
+from collections.abc import Callable, Mapping
+from functools import cache, lru_cache
+from typing import Any, Final, NamedTuple, final
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from numba import types
+
+from contactlab.arrays import Array
+from contactlab.checks import shown
+from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, keep_code, remade
+from contactlab.engine.callback import Callback, law_errors, stand_in
+from contactlab.engine.context import HEAD, IMPACT, SPEED, SPIN, STEP, TILT
+from contactlab.fingerprint import Fingerprint, is_own
+from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.composed import Composed
+from contactlab.laws.declaration import LawError, names_of
+
+_real, _whole = types.float64, types.int64
+_row = types.Array(types.float64, 1, "C", readonly=True)
+_state = (_real,) * 4
+
+SIGNATURES: Final = {
+    "force": types.UniTuple(_real, 5)(*_state, _row),
+    "friction_force": types.UniTuple(_real, 4)(*_state, _row),
+    "solve": types.Tuple((_real, _real, _whole))(*[_real] * 7, _row),
+    "rate": _real(_whole, *_state, _row),
+    "guard": _real(_whole, *_state, _row),
+    "jump": _real(_whole, _whole, *_state, _row),
+    "limits": types.UniTuple(_real, 2)(_real, _row),
+    "moment": types.UniTuple(_real, 3)(_real, _real, _row),
+}
+"""Signatures of the bound kernels by name, in the order in which the loop takes them."""
+
+LIMITS, FORCE = list(SIGNATURES).index("limits"), list(SIGNATURES).index("force")
+
+_STATE: Final = "gap, gap_rate, slip, normal"
+_ARGUMENTS: Final = {
+    "force": "gap, gap_rate, slip, impact_speed, row",
+    "friction_force": f"{_STATE}, row",
+    "solve": "normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, row",
+    "rate": f"which, {_STATE}, row",
+    "guard": f"which, {_STATE}, row",
+    "jump": f"which, event, {_STATE}, row",
+    "limits": "gap_rate, row",
+    "moment": "gap, normal, row",
+}
+_IDLE: Final = {
+    "force": "0.0, 0.0, 0.0, 0.0, 0.0",
+    "friction_force": "0.0, 0.0, 0.0, 0.0",
+    "solve": "0.0, 0.0, 0",
+    "rate": "0.0",
+    "guard": "1.0",
+    "jump": f"row[{HEAD} + which]",
+    "limits": "0.0, 0.0",
+    "moment": "0.0, 0.0, 0.0",
+}
+"""What a kernel returns that a law lacks: nothing acts, and internal variables keep their values."""
+
+_OF_FEW: Final = ("rate", "guard", "jump", "limits", "moment")
+"""Kernels that few laws have: without any of them a law is plain."""
+
+_FROM_ROW: Final = {
+    "step": f"row[{STEP}]",
+    "impact": f"(row[{IMPACT}] != 0.0)",
+    "tilt": f"row[{TILT}]",
+    "spin": f"row[{SPIN}]",
+    "impact_speed": f"row[{SPEED}]",
+}
+_TYPES: Final = {"which": _whole, "event": _whole, "impact": types.boolean}
+"""Types of arguments that are no real numbers."""
+
+
+@final
+class Bound(NamedTuple):
+    """A law's bound kernels.
+
+    Args:
+        kernels: in the order of `SIGNATURES`; None for `solve` of a compliant law, and of a plain law for all
+            kernels that few laws have.
+        callbacks: functions that the Python interpreter runs in place of some of them.
+        seen: quantities that kernels read from the head of the row.
+        plain: whether it has no rates, guards, jumps, limits and moments.
+    """
+
+    kernels: tuple[Any, ...]
+    callbacks: tuple[Callback, ...]
+    seen: frozenset[str]
+    plain: bool
+
+
+def row_of(law: ContactLaw) -> Array:
+    """Return the row of a law before any contact: the step is its default, as in an impact."""
+    head = [law.default_contact_step, 1.0, 0.0, 0.0, 0.0, *(v.initial for v in law.internal_variables)]
+    values = [np.array(head, np.float64)]
+    for part in _parts(law):
+        given = np.asarray(_coefficients(law, part)[1])
+        if given.dtype.kind not in "biuf":
+            raise LawError(
+                f"{law.name}: coefficients() returns {shown(given.tolist())}; it must return numbers."
+            )
+        values += [np.array([np.nan]), given.astype(np.float64)]
+    return np.concatenate(values)
+
+
+def bind(law: ContactLaw) -> Bound:
+    """Return the bound kernels of a law, compiled where that can be done.
+
+    Raises:
+        LawError: a kernel is missing, is no function or names what there is not.
+    """
+    with law_errors(law.name):
+        parts = _parts(law)
+        if all(is_own(type(part)) for part in parts):
+            return _bound_own(_Shape(law))
+        return _bound(_Shape(law))
+
+
+class _Shape:
+    """A law up to the values of its coefficients: equal shapes have the same kernels."""
+
+    def __init__(self, law: ContactLaw) -> None:
+        self.law = law
+        parts = [
+            (type(p), _coefficients(law, p)[0], getattr(p, "internal_variables", ())) for p in _parts(law)
+        ]
+        self.key = type(law), *parts
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Shape) and other.key == self.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+
+def _parts(law: ContactLaw) -> tuple[Any, ...]:
+    return law.parts if isinstance(law, Composed) else (law,)
+
+
+def _coefficients(law: ContactLaw, part: Any) -> tuple[tuple[tuple[str, int], ...], list[Any]]:
+    """Return names and lengths of the coefficients, zero for a number, and the numbers."""
+    given: Any = part.coefficients()
+    if isinstance(law, Composed) and part is law.damping:
+        given = part.solved(law.normal)
+    if not isinstance(given, Mapping):
+        raise LawError(f"{part.name}: coefficients() returns {shown(given)}; it must return numbers by name.")
+    shape = tuple((name, np.size(value) if np.ndim(value) else 0) for name, value in given.items())
+    return shape, [x for value in given.values() for x in np.atleast_1d(value).tolist()]
+
+
+class _Part:
+    """A law, or a part of one, with the expressions that its kernels' arguments stand for."""
+
+    def __init__(self, word: str, owner: Any, shape: Any, at: int, first: int) -> None:
+        self.word, self.owner = word, owner
+        self.functions: dict[str, Any] = {}
+        self.kinds: dict[str, tuple[Any, ...]] = {}
+        self.seen: set[str] = set()
+        variables = getattr(owner, "internal_variables", ())
+        self.count, self.coupled = len(variables), getattr(owner, "coupled", 0)
+        self._known = {v.name: f"row[{HEAD + first + i}]" for i, v in enumerate(variables)}
+        self._known["z"] = f"row[{HEAD + first}:{HEAD + first + self.count}]"
+        begin = at
+        for name, size in shape:
+            if name in self._known:
+                raise LawError(f"{owner.name}: {name} is a coefficient and an internal variable.")
+            self._known[name] = f"row[{at}:{at + size}]" if size else f"row[{at}]"
+            at += size or 1
+        self._known["parameters"] = f"row[{begin}:{at}]"
+        self.end = at
+        self._coefficients = {name for name, _ in shape}
+
+    def has(self, kernel: str) -> bool:
+        """Return whether there is such a kernel."""
+        return getattr(self.owner, kernel, None) is not None
+
+    def names(self, kernel: str, *wanted: str) -> bool:
+        """Return whether a kernel names one of some quantities."""
+        return self.has(kernel) and not {*names_of(self._function(kernel))}.isdisjoint(wanted)
+
+    def _function(self, kernel: str) -> Any:
+        function = getattr(self.owner, kernel)
+        if not callable(function):
+            raise LawError(f"{self.owner.name}: its {kernel} is {shown(function)}; it must be a function.")
+        return function
+
+    def call(self, kernel: str, quantities: Mapping[str, str]) -> str:
+        """Return the expression that evaluates a kernel, its quantities being expressions."""
+        function, given, kinds = self._function(kernel), [], []
+        known = {**_FROM_ROW, **quantities, **self._known}
+        for name in names_of(function):
+            if name not in known:
+                raise LawError(
+                    f"{self.owner.name}: its kernel {kernel} names {name!r}; there are "
+                    f"{', '.join(sorted(known))}."
+                )
+            if name in quantities and name in self._coefficients:
+                raise LawError(
+                    f"{self.owner.name}: its kernel {kernel} names {name!r}, a quantity of the contact and a "
+                    "parameter; derive another name for the parameter in coefficients()."
+                )
+            given.append(known[name])
+            kinds.append(_row if ":" in known[name] else _TYPES.get(name, _real))
+            if known[name] == _FROM_ROW.get(name):
+                self.seen.add(name)
+        word = f"{self.word}_{kernel}"
+        self.functions[word], self.kinds[word] = function, tuple(kinds)
+        return f"{word}({', '.join(given)})"
+
+
+_CONTACT: Final = {
+    "gap": "gap",
+    "depth": "-gap",
+    "gap_rate": "gap_rate",
+    "depth_rate": "-gap_rate",
+    "slip": "slip",
+}
+_IN_CONTACT: Final = {**_CONTACT, "normal": "normal"}
+_OF_FORCE: Final = {**_CONTACT, "impact_speed": "impact_speed"}
+_WHICH, _EVENT = {"which": "which"}, {"which": "which", "event": "event"}
+_RIGID: Final = {name: name for name in _ARGUMENTS["solve"].split(", ")[:-1]}
+_MOMENT: Final = {"gap": "gap", "depth": "-gap", "normal": "normal"}
+_LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
+
+
+def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
+    """Return the lines of every bound kernel that a law has, and its parts."""
+    words, first, at, parts = ("normal", "damping", "friction"), 0, HEAD + len(law.internal_variables) + 1, []
+    owners = _parts(law)
+    # The friction's internal variables come first.
+    offsets = (len(law.friction.internal_variables), 0, 0) if isinstance(law, Composed) else (0,)
+    for word, owner, first in zip(words if len(owners) > 1 else ("law",), owners, offsets, strict=True):
+        part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
+        parts.append(part)
+        at = part.end + 1
+    return (_of_composed(*parts) if isinstance(law, Composed) else _of_law(law, *parts)), parts
+
+
+def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
+    if isinstance(law, MultiplierLaw):
+        made = {"solve": [f"return {part.call('solve', _RIGID)}"]}
+    else:
+        made = {"force": [f"normal, bound, stored, loss = {part.call('force', _OF_FORCE)}", *_bounds(part)]}
+    of_three = part.count > part.coupled
+    if isinstance(law, PenaltyLaw) and part.has("friction_force"):
+        made["friction_force"] = _four(part.call("friction_force", _IN_CONTACT), of_three)
+    for name, more in (("rate", _WHICH), ("guard", _WHICH), ("jump", _EVENT)):
+        if part.has(name):
+            made[name] = [f"return {part.call(name, {**_IN_CONTACT, **more})}"]
+    if part.has("limits"):
+        made["limits"] = [f"return {part.call('limits', _LIMITS)}"]
+    if isinstance(law, PenaltyLaw) and part.has("moment"):
+        made["moment"] = [f"return {part.call('moment', _MOMENT)}"]
+    return made
+
+
+def _four(call: str, of_three: bool) -> list[str]:
+    """Return friction, rate of its own variable, stored energy and stiffness; some kernels have no rate."""
+    if not of_three:
+        return [f"return {call}"]
+    return [f"force, stored, stiffness = {call}", "return force, 0.0, stored, stiffness"]
+
+
+def _bounds(part: _Part) -> list[str]:
+    if not part.has("bounds"):
+        return ["return normal, -bound, bound, stored, loss"]
+    call = part.call("bounds", {**_OF_FORCE, **_IN_CONTACT})
+    return [f"least, largest = {call}", "return normal, least, largest, stored, loss"]
+
+
+def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, list[str]]:
+    pressed = {**_OF_FORCE}
+    if not normal.has("limits"):
+        # Evaluated at the instant of a release too, where the gap may be open by round-off.
+        pressed["depth"] = "max(-gap, 0.0)"
+    flowing = {**_CONTACT, "depth": pressed["depth"]}
+
+    def spring(quantities: Mapping[str, str]) -> str:
+        if normal.has("force"):
+            return f"alone, alone_stored, stiffness, slope, lost = {normal.call('force', quantities)}"
+        return f"alone, alone_stored, stiffness, slope = {normal.call('elastic', quantities)}"
+
+    loss = "(alone - normal) * gap_rate"
+    bound = [f"bound = {friction.call('bound', {**_OF_FORCE, **_IN_CONTACT})}"]
+    made = {
+        "force": [
+            spring(pressed),
+            "stored = alone_stored",
+            f"normal = {damping.call('damped', {**pressed, 'elastic_force': 'alone'})}",
+            f"loss = lost + {loss}" if normal.has("force") else f"loss = {loss}",
+            *([] if friction.has("bounds") else bound),
+            *_bounds(friction),
+        ]
+    }
+    swept = {**_IN_CONTACT, "normal_stiffness": "stiffness", "normal_stiffness_rate": "(-slope * gap_rate)"}
+
+    def over(kernel: str) -> list[str]:
+        return (
+            [spring(flowing)] if friction.names(kernel, "normal_stiffness", "normal_stiffness_rate") else []
+        )
+
+    if friction.has("state"):
+        made["friction_force"] = [
+            *over("state"),
+            *_four(friction.call("state", swept), friction.count > friction.coupled),
+        ]
+    counts = {"rate": friction.count, "guard": getattr(friction.owner, "guards", 0)}
+    for name, count in counts.items():
+        if not (friction.has(name) or normal.has(name)):
+            continue
+        theirs = (
+            normal.call(name, {**flowing, "which": f"which - {count}"}) if normal.has(name) else _IDLE[name]
+        )
+        ours = friction.call(name, {**swept, **_WHICH}) if friction.has(name) else _IDLE[name]
+        made[name] = [f"if which >= {count}:", f"    return {theirs}", *over(name), f"return {ours}"]
+    if friction.has("jump") or normal.has("jump"):
+        guards, of_normal = (
+            counts["guard"],
+            {**flowing, "which": f"which - {friction.count}", "event": "mine"},
+        )
+        theirs = normal.call("jump", of_normal) if normal.has("jump") else _IDLE["jump"]
+        ours = friction.call("jump", {**swept, **_EVENT}) if friction.has("jump") else _IDLE["jump"]
+        made["jump"] = [
+            # A guard of one part is no event of the other's.
+            f"if event >= 0 and (event < {guards}) != (which < {friction.count}):",
+            f"    return {_IDLE['jump']}",
+            f"if which >= {friction.count}:",
+            f"    mine = event if event < 0 else event - {guards}",
+            f"    return {theirs}",
+            *over("jump"),
+            f"return {ours}",
+        ]
+    if normal.has("limits"):
+        made["limits"] = [f"return {normal.call('limits', _LIMITS)}"]
+    return made
+
+
+def _written(law: ContactLaw) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[_Part]]:
+    """Return the source of every bound kernel and the functions that it calls, and the law's parts."""
+    bodies, parts = _bodies(law)
+    functions = {word: function for part in parts for word, function in part.functions.items()}
+    sources = {}
+    for name, arguments in _ARGUMENTS.items():
+        lines = bodies.get(name, [f"return {_IDLE[name]}"])
+        source = "".join([f"def {name}({arguments}):\n", *(f"    {line}\n" for line in lines)])
+        sources[name] = source, {word: each for word, each in functions.items() if f"{word}(" in source}
+    return sources, parts
+
+
+def functions_of(law: ContactLaw) -> dict[str, Callable[..., Any]]:
+    """Return the bound kernels of a law as Python functions, by name."""
+    return {name: _executed(name, *each) for name, each in _written(law)[0].items()}
+
+
+def _bound(shape: _Shape) -> Bound:
+    law = shape.law
+    sources, parts = _written(law)
+    kinds = {word: kind for part in parts for word, kind in part.kinds.items()}
+    owners = {word: part.owner for part in parts for word in part.functions}
+    seen = frozenset[str]().union(*(part.seen for part in parts))
+    plain = all(getattr(law, name, None) is None for name in _OF_FEW)
+    kernels: list[Any] = []
+    callbacks: list[Callback] = []
+    for name, signature in SIGNATURES.items():
+        if (name == "solve" and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
+            kernels.append(None)
+            continue
+        found, callback = _compiled(name, *sources[name], kinds, owners, signature)
+        kernels.append(found)
+        callbacks += [callback] if callback else []
+    return Bound(tuple(kernels), tuple(callbacks), seen, plain)
+
+
+_bound_own = lru_cache(maxsize=256)(_bound)
+
+
+def _compiled(
+    name: str,
+    source: str,
+    used: dict[str, Any],
+    kinds: dict[str, tuple[Any, ...]],
+    owners: dict[str, Any],
+    signature: Any,
+) -> tuple[Any, Callback | None]:
+    """Return a bound kernel as the loop takes it, and the callback behind it if that is interpreted."""
+    if INTERPRETED:
+        return _executed(name, source, used), None
+    imports = []
+    for word, function in used.items():
+        owner, kernel = type(owners[word]), word.partition("_")[2]
+        if (
+            not is_own(owner)
+            or not is_own(getattr(function, "py_func", function))
+            or "." in owner.__qualname__
+        ):
+            break
+        imports.append(f"from {owner.__module__} import {owner.__qualname__} as {word}_owner\n")
+        imports.append(f"{word} = {word}_owner.{kernel}\n")
+    else:
+        return _kept(name, "".join(imports) + "\n\n" + source, signature), None
+    made = {word: _own_compiled(function, kinds[word]) for word, function in used.items()}
+    obstacles = [(word, kernel) for word, kernel in made.items() if isinstance(kernel, str)]
+    if not obstacles:
+        found = _session(name, source, tuple(made.items()), signature)
+        if not isinstance(found, str):
+            return found, None
+        obstacles = [(word, found) for word in used]
+    plain = getattr(used[obstacles[0][0]], "py_func", used[obstacles[0][0]])
+    _say_once(
+        f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({obstacles[0][1]}), "
+        "so the Python interpreter runs it: a call takes microseconds, that of a compiled kernel some ns."
+    )
+    in_python = {word: getattr(function, "py_func", function) for word, function in used.items()}
+    return stand_in(name, signature), (name, _executed(name, source, in_python))
+
+
+@cache
+def _kept(name: str, source: str, signature: Any) -> Any:
+    kernel = generated_kernel(name, source)
+    _compile(kernel, signature)
+    return kernel
+
+
+@lru_cache(maxsize=512)
+def _session(name: str, source: str, used: tuple[tuple[str, Any], ...], signature: Any) -> Any:
+    made = fleeting_kernel(_executed(name, source, dict(used)))
+    try:
+        _compile(made, signature)
+    # The compiler lets errors of every kind through, the function's own language among them.
+    except Exception as error:
+        return _reason(error)
+    return made
+
+
+_NOISE: Final = re.compile(r"Failed in |During: |>>> |File \"|- |\* |\s*$|\^|raised from ", re.IGNORECASE)
+
+
+def _reason(error: Exception) -> str:
+    """Return the line in which the compiler says why it failed."""
+    lines = [line.strip() for line in str(error).splitlines() if not _NOISE.match(line.strip())]
+    return lines[0] if lines else type(error).__name__
+
+
+def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any]:
+    known = dict(used)
+    exec(source, known)
+    made: Callable[..., Any] = known[name]
+    return made
+
+
+_made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
+"""Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
+
+
+def _own_compiled(function: Any, kinds: tuple[Any, ...]) -> Any:
+    """Return a law's own kernel, compiled; where there is an obstacle, that in words."""
+    plain = getattr(function, "py_func", function)
+    if plain is not function and is_own(plain) and not plain.__closure__:
+        return function
+    return _made(Fingerprint(function), kinds)
+
+
+@lru_cache(maxsize=256)
+def _made(found: Fingerprint, kinds: tuple[Any, ...]) -> Any:
+    function: Any = found.subject
+    try:
+        # A user's own kernel may have code of other values.
+        kernel = remade(function) if hasattr(function, "py_func") else fleeting_kernel(function)
+        _renew_callees(kernel)
+        keep_code(kernel, found.digest)
+        _compile(kernel, kinds)
+    # The compiler lets errors of every kind through, the function's own language among them.
+    except Exception as error:
+        return _reason(error)
+    return kernel
+
+
+def _renew_callees(kernel: Any) -> None:
+    """Compile what a kernel calls again where its sources or values have changed since its code was made."""
+    callees = [(each, Fingerprint(each)) for each in Fingerprint(kernel).kernels]
+    # What another one calls comes before it.
+    for each, found in sorted(callees, key=lambda pair: len(pair[1].kernels)):
+        if _made_from.get(each) != found.digest:
+            # Of code that is kept by the compiler's own rules, this does away with the index.
+            if each.overloads or each.stats.cache_path is not None:
+                each.recompile()
+            _made_from[each] = found.digest
+
+
+def _compile(kernel: Any, signature: Any) -> None:
+    arguments = signature if isinstance(signature, tuple) else tuple(signature.args)
+    if arguments not in kernel.overloads:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            kernel.compile(signature)
+
+
+@cache
+def _say_once(sentence: str) -> None:
+    print(f"contactlab: {sentence}", file=sys.stderr, flush=True)
