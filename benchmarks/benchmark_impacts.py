@@ -5,7 +5,7 @@
 The bodies are drawn: D_nn and D_tt between 500 and 5000 / kg, coupled by up to half of what keeps D positive
 definite; approaches of 0.01 to 0.5 m/s, slips of some 0.3 m/s. Each time is the least of some calls. The
 dataset is the whole of `cl.impact`, checks and xarray included; the arrays are those of prepared
-`contactlab.impact.Impacts`, asked with parameters that it was not asked with before.
+`contactlab.impacts.Impacts`, asked with parameters that it was not asked with before.
 """
 
 import sys
@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 import contactlab as cl
-from contactlab.impact import Impacts
+from contactlab.impacts import Impacts
 from contactlab.laws import LAWS, MultiplierLaw
 
 CALLS = 3

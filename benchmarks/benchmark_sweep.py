@@ -14,7 +14,8 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib.metadata import distributions
 from multiprocessing import get_context
 from pathlib import Path
@@ -23,9 +24,9 @@ from time import perf_counter
 import numpy as np
 
 from contactlab.config import Setup
-from contactlab.sweeps.batch import Batch, Outputs
-from contactlab.sweeps.plan import Plan, planned
-from contactlab.sweeps.sweep import ScriptComposer
+from contactlab.studies.runner import run
+from contactlab.studies.sweep import ScriptComposer, Sweep
+from contactlab.studies.sweep_plan import Outputs, Plan, planned
 
 SETUPS: list[Setup] = []
 """What the bare engine runs; processes that are forked later have it too."""
@@ -67,15 +68,16 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
     """
     SETUPS[:] = [plan.setup_at(cell) for cell in range(plan.cells)]
     blocks = [range(i, min(i + BLOCK, plan.cells)) for i in range(0, plan.cells, BLOCK)]
-    with (
-        Batch(plan.setup_at, plan.outputs, 1) as item,
-        Batch(plan.setup_at, plan.outputs, 2) as two,
-        get_context("fork").Pool(2) as independent,
-    ):
+
+    def swept(workers: int, cells: range) -> None:
+        run(Sweep(plan=replace(plan.rows(cells), chunk=plan.chunk), workers=workers), {})
+
+    Sweep.delay = 0.0
+    with get_context("fork").Pool(2) as independent:
         ways: dict[str, Callable[[range], object]] = {
             "bare engine": bare,
-            "batch, one process": item.answers,
-            "batch, two processes": two.answers,
+            "batch, one process": partial(swept, 1),
+            "batch, two processes": partial(swept, 2),
             "bare engine, two independent processes": lambda cells: independent.map(
                 bare, [cells[0::2], cells[1::2]]
             ),

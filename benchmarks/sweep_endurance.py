@@ -19,8 +19,8 @@ from time import perf_counter, sleep
 
 import numpy as np
 
-from contactlab.sweeps.dataset import DATASET
-from contactlab.sweeps.store import CHUNKS
+from contactlab.studies.runner import TASKS
+from contactlab.studies.sweep_dataset import DATASET
 
 DURATION = 2e-3
 LOOK = 0.2
@@ -47,7 +47,7 @@ def undisturbed(runs: int, workers: int, folder: Path) -> tuple[float, list[floa
     with subprocess.Popen(command(runs, workers, folder), stdout=subprocess.DEVNULL) as running:
         while running.poll() is None:
             # Only while chunks are at work, not while it starts or ends.
-            if (folder / CHUNKS).is_dir():
+            if (folder / TASKS).is_dir():
                 memory.append(sum(resident(process) for process in family(running.pid)))
             sleep(LOOK)
     if running.returncode:
@@ -72,8 +72,8 @@ def killed(runs: int, kills: int, workers: int, folder: Path, seconds: float) ->
 
 
 def finished(folder: Path) -> int:
-    """Count the chunks in the folder of a sweep."""
-    return len(list((folder / CHUNKS).glob("*.npz")))
+    """Count the finished tasks in the folder of a sweep."""
+    return len(list((folder / TASKS).glob("*-*.nc")))
 
 
 def family(process: int) -> Iterator[int]:

@@ -129,7 +129,7 @@ def of_series(seed: int) -> dict[str, bool]:
 
 def covered(problem: Any, truth: dict[str, float], seed: int) -> dict[str, bool]:
     """Return which of the intervals of a posterior hold the truth."""
-    ends = sample(problem, points=COVERING, seed=seed, workers=1, one_mode=True).quantiles(ENDS)
+    ends = sample(problem, points=COVERING, seed=seed, workers=1, single_mode=True).quantiles(ENDS)
     return {
         item.name: bool(low <= truth[item.name] <= high)
         for item, (low, high) in zip(problem.free, ends, strict=True)
@@ -155,7 +155,7 @@ def contest(count: int, case: int) -> dict[str, Any]:
     for name in sorted(names, key=lambda each: -most[each]):
         largest = max((z for z, _ in evidences.values()), default=-np.inf)
         if most[name] > largest - MARGIN:
-            result = sample(models[name], points=POINTS, seed=case, workers=1, one_mode=True)
+            result = sample(models[name], points=POINTS, seed=case, workers=1, single_mode=True)
             evidences[name] = result.log_evidence, result.error
     first, *others = sorted(evidences, key=lambda name: -evidences[name][0])
     lead, error = np.inf, 0.0

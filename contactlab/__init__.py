@@ -10,10 +10,9 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 `simulate` runs it with a law, and `compare` judges laws side by side.
 """
 
-from contactlab.comparison import ComparisonError as ComparisonError, compare as compare
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
 from contactlab.estimate import Estimate as Estimate
-from contactlab.impact import impact as impact
+from contactlab.impacts import impact as impact
 from contactlab.laws import (
     AgeingStick as AgeingStick,
     Archard as Archard,
@@ -84,6 +83,7 @@ from contactlab.motor import (
     oscillator as oscillator,
 )
 from contactlab.parameter import Parameter as Parameter
+from contactlab.processes import WorkerError as WorkerError
 from contactlab.results.provenance import versions
 from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
 from contactlab.steady_state import (
@@ -99,17 +99,19 @@ from contactlab.steady_state import (
 from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
+from contactlab.studies.collection import collect as collect
+from contactlab.studies.compare import (
+    Compare as Compare,
+    ComparisonError as ComparisonError,
+    compare as compare,
+)
 from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
+from contactlab.studies.sweep import sweep as sweep
+from contactlab.studies.sweep_values import SweepError as SweepError
 from contactlab.studies.synthetic import Synthetic as Synthetic
 from contactlab.studies.validate import Validate as Validate, validate as validate
-from contactlab.sweeps import (
-    SweepError as SweepError,
-    WorkerError as WorkerError,
-    collect as collect,
-    sweep as sweep,
-)
 from contactlab.trajectory import Ending as Ending
 
 __version__ = versions()["contactlab_version"]

@@ -1,4 +1,4 @@
-"""What a class is given from Python, checked against its annotations and told in sentences."""
+"""Checks of arguments from Python against the annotations of a class."""
 
 from functools import cache, partial
 from math import isfinite
@@ -30,14 +30,16 @@ def check_fields(owner: Any, title: str = "") -> None:
     kinds, ranges = [], []
     for name, field in _checked(owner_class).items():
         value = getattr(owner, name)
-        said, is_number = field.parameter, isinstance(value, Real)
+        parameter, is_number = field.parameter, isinstance(value, Real)
         if not any(is_kind(value, kind) for kind in field.kinds):
             kinds.append(_other_kind(f"{title}: {name}", value, field.kinds))
         elif is_number and not isfinite(value):
             ranges.append(f"{title}: {name} is {value}; it must be finite.")
-        elif is_number and said and not said.admits(value):
-            words = f"{title}: {name} is {value}{said.label}; it must be {said.range}. {field.hint}"
-            ranges.append(words.rstrip())
+        elif is_number and parameter and not parameter.admits(value):
+            message = (
+                f"{title}: {name} is {value}{parameter.label}; it must be {parameter.range}. {field.hint}"
+            )
+            ranges.append(message.rstrip())
     if kinds:
         raise TypeError(" ".join(kinds))
     if ranges:
@@ -51,32 +53,32 @@ class Checked:
         check_fields(self)
 
 
-def check_kind(words: str, value: object, kind: type) -> None:
+def check_kind(name: str, value: object, kind: type) -> None:
     """Refuse what is of another kind by a TypeError: `check_kind("The duration", duration, float)`.
 
     float and int stand for every number and whole number.
     """
     if not is_kind(value, kind):
-        raise TypeError(_other_kind(words, value, (kind,)))
+        raise TypeError(_other_kind(name, value, (kind,)))
 
 
 check_number = partial(check_kind, kind=float)
 
 
-def check_shape(words: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf") -> None:
+def check_shape(name: str, values: Any, shape: tuple[int, ...], meaning: str, kinds: str = "iuf") -> None:
     """Refuse what is no array of numbers (TypeError), or not finite or of another shape (ValueError).
 
     In the shape, -1 stands for any number; the kinds are those of NumPy's `dtype.kind`.
     """
     if not (isinstance(values, np.ndarray) and values.dtype.kind in kinds):
-        raise TypeError(f"{words} is {shown(values)}; it must be a NumPy array of numbers.")
+        raise TypeError(f"{name} is {shown(values)}; it must be a NumPy array of numbers.")
     sizes = zip(values.shape, shape, strict=False)
     if len(values.shape) != len(shape) or any(n != m for n, m in sizes if m >= 0):
         expected = str(shape).replace("-1", "any")
-        raise ValueError(f"{words} has shape {values.shape}; it must have shape {expected}, {meaning}.")
+        raise ValueError(f"{name} has shape {values.shape}; it must have shape {expected}, {meaning}.")
     if not np.isfinite(values).all():
         odd = values[~np.isfinite(values)][0]
-        raise ValueError(f"{words} has {odd} among its numbers; all must be finite.")
+        raise ValueError(f"{name} has {odd} among its numbers; all must be finite.")
 
 
 def shown(value: object) -> str:
@@ -90,13 +92,13 @@ def shown(value: object) -> str:
 
 
 def is_kind(value: object, kind: Any) -> bool:
-    """Tell whether a value is of an annotated kind: a class, a number, a `Literal`, a `list[...]`."""
+    """Return whether a value is of an annotated kind: a class, a number, a `Literal`, a `list[...]`."""
     if type(value) is kind:
         return True
     if get_origin(kind) is Literal:
         return value in get_args(kind)
     if get_origin(kind) is list:
-        return isinstance(value, list) and all(is_kind(one, *get_args(kind)) for one in value)
+        return isinstance(value, list) and all(is_kind(each, *get_args(kind)) for each in value)
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)
@@ -113,10 +115,10 @@ def _checked(owner: type) -> dict[str, DeclaredField]:
     }
 
 
-def _other_kind(words: str, value: object, kinds: tuple[type, ...]) -> str:
+def _other_kind(name: str, value: object, kinds: tuple[type, ...]) -> str:
     expected = " or ".join(
         _NUMBERS.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
         for kind in kinds
     )
     way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
-    return f"{words} is {shown(value)}; it must be {expected}.{way_out}"
+    return f"{name} is {shown(value)}; it must be {expected}.{way_out}"

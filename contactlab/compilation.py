@@ -55,7 +55,7 @@ class Compiled(event.Listener):
         self._bar.set_postfix_str(self.functions[-1])
 
     def close(self) -> None:
-        """Say how long it took."""
+        """Print how long it took."""
         if self._bar is not None:
             self._bar.close()
             _say(f"compiled {len(self.functions)} functions in {self._elapsed:.0f} s.")
@@ -67,7 +67,7 @@ class Compiled(event.Listener):
 
 @contextmanager
 def telling(what: str = "", usual: float = 0.0) -> Iterator[Compiled]:
-    """Tell on standard error what the compiler makes meanwhile, and collect no garbage until it has ended.
+    """Report on standard error what the compiler makes meanwhile, and collect no garbage until it has ended.
 
     Arguments are those of `Compiled`.
     """

@@ -2,8 +2,8 @@
 
 Numba decides by a kernel's own file whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
-sources of kernels, in the package or else in the user's cache; that of others' kernels below it, by a
-fingerprint of all that it was made from. Nothing stale is ever run.
+sources of kernels, in the package or else in the user's cache. Kernels of other packages, which may call
+anything, are compiled in every session: about 0.1 s a law.
 """
 
 import os
@@ -12,7 +12,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -21,7 +20,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from contactlab.fingerprint import is_own
+from contactlab.foreign import is_own
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -32,14 +31,14 @@ PACKAGE = Path(__file__).parent
 SOURCES = ("compiled.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
 
-PREFIX, OTHERS = "kernels-", "others-"
+PREFIX = "kernels-"
 OLD = 30 * 86400.0
 """Age in seconds at which the code of other sources is given up."""
 
 
 @cache
 def code_folder() -> Path:
-    """Give the folder of the compiled code of exactly these sources."""
+    """Return the folder of the compiled code of exactly these sources."""
     digest = sha256()
     for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
         digest.update(source.relative_to(PACKAGE).as_posix().encode())
@@ -53,7 +52,7 @@ def code_folder() -> Path:
         try:
             (parent / name).mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=parent / name):
-                _remove_old(parent, PREFIX, name)
+                _remove_old(parent, name)
                 return parent / name
         except OSError:
             continue
@@ -61,34 +60,21 @@ def code_folder() -> Path:
     return Path(tempfile.mkdtemp(prefix="contactlab-"))
 
 
-def keep_code(kernel: Any, digest: str) -> None:
-    """Let a new kernel of another package keep its code, by a digest of all that it is made from."""
-    function = kernel.py_func
-    folder = code_folder() / f"{OTHERS}{digest[:16]}"
-    # Of a closure the compiler would write down what it captures, which may be anything.
-    if function.__closure__ is None and Path(function.__code__.co_filename).is_file():
-        with suppress(OSError):
-            folder.mkdir(exist_ok=True)
-            _keep_in(folder, kernel)
-            _remove_old(code_folder(), OTHERS, folder.name)
-
-
-def _remove_old(parent: Path, prefix: str, name: str) -> None:
+def _remove_old(parent: Path, name: str) -> None:
     """Remove the code of other sources that has not been added to for a month."""
-    for folder in parent.glob(f"{prefix}*"):
+    for folder in parent.glob(f"{PREFIX}*"):
         if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
             shutil.rmtree(folder, ignore_errors=True)
 
 
 def kernel(function: Function, **options: Any) -> Function:
-    """Compile a scalar or array function on first use and keep the code; another package's by `keep_code`.
+    """Compile a scalar or array function on first use and keep the code of this package's.
 
     Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
     made: Any = fleeting_kernel(function, **options)
-    # What others' kernels refer to is not whole yet.
     if not INTERPRETED and is_own(function):
         _keep_in(code_folder(), made)
     return cast(Function, made)
@@ -137,7 +123,7 @@ def generated_kernel(name: str, source: str) -> Any:
 
 
 def remade(kernel: Any) -> Any:
-    """Make a kernel with another's function and options, but none of its code."""
+    """Return a kernel with another's function and options, but none of its code."""
     jit: Any = numba.jit
     return jit(**kernel.targetoptions)(kernel.py_func)
 

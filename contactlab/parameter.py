@@ -49,7 +49,7 @@ class Parameter:
             )
 
     def admits(self, value: float) -> bool:
-        """Tell whether a value is finite and in the range."""
+        """Return whether a value is finite and in the range."""
         return self.above < value < self.below and self.at_least <= value <= self.at_most
 
     @property
@@ -65,8 +65,8 @@ class Parameter:
     @property
     def range(self) -> str:
         """The range in words, each bound with its unit; empty where every finite number will do."""
-        words = ("greater than", "at least", "less than", "at most")
-        bounds = zip(words, (self.above, self.at_least, self.below, self.at_most), strict=True)
+        phrases = ("greater than", "at least", "less than", "at most")
+        bounds = zip(phrases, (self.above, self.at_least, self.below, self.at_most), strict=True)
         return " and ".join(f"{word} {b:g}{self.label}" for word, b in bounds if isfinite(b))
 
 
@@ -106,19 +106,19 @@ class DeclaredField:
 
 @cache
 def declared_fields(owner: type) -> dict[str, DeclaredField]:
-    """Give the fields of a dataclass by name, in their order."""
-    found, hints = {}, get_type_hints(owner, include_extras=True)
+    """Return the fields of a dataclass by name, in their order."""
+    declared, hints = {}, get_type_hints(owner, include_extras=True)
     for field in fields(owner):
         hint, made = hints[field.name], field.default_factory
         kind, *extras = get_args(hint) if get_origin(hint) is Annotated else (hint,)
-        said = next((extra for extra in extras if isinstance(extra, Parameter)), None)
-        found[field.name] = DeclaredField(kind, field.default if made is MISSING else made(), said)
-    return found
+        parameter = next((extra for extra in extras if isinstance(extra, Parameter)), None)
+        declared[field.name] = DeclaredField(kind, field.default if made is MISSING else made(), parameter)
+    return declared
 
 
 @cache
 def parameters_of(owner: type) -> dict[str, Parameter]:
-    """Give the declared parameters of a dataclass by name; a field without declaration is not among them."""
+    """Return the declared parameters of a dataclass by name; fields without one are left out."""
     return {name: f.parameter for name, f in declared_fields(owner).items() if f.parameter}
 
 

@@ -10,6 +10,10 @@ from typing import Final
 START_METHOD: Final = "fork" if "fork" in multiprocessing.get_all_start_methods() else None
 
 
+class WorkerError(RuntimeError):
+    """A worker process died."""
+
+
 def processors() -> int:
     """Count the processors that this process may use."""
     if hasattr(os, "sched_getaffinity"):

@@ -11,7 +11,7 @@ import xarray
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.quantity import UnitError, number_of
-from contactlab.engine.arguments import check_kinds, default_contact_step
+from contactlab.engine.preparation import check_kinds, default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RECORD_INTERVAL: Final = 1e-6
-"""Time between records where none is asked for [s]."""
+"""Default time between records [s]."""
 
 KEYS: Final = {
     "duration": ("solver", "duration"),
@@ -68,7 +68,7 @@ class Solution:
     setup: Setup | None = None
 
     def __getitem__(self, name: str) -> xarray.DataArray:
-        """Give a quantity at the root of the tree by its name.
+        """Return a quantity at the root of the tree by its name.
 
         Raises:
             KeyError: there is none; a sentence with those that are.
@@ -104,7 +104,7 @@ class Solution:
         return bool(self.tree.attrs["complete"])
 
     def to_xarray(self) -> xarray.DataTree:
-        """Give the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`."""
+        """Return the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`."""
         return self.tree
 
     def save(self, path: str | Path) -> None:
@@ -185,11 +185,11 @@ def simulate(
         LawError: the law contradicts itself, or its code raised an exception.
     """
     numbers = (duration, record_interval, contact_step, tolerance)
-    given: dict[str, Any] = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
-    for name, value in given.items():
+    settings: dict[str, Any] = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
+    for name, value in settings.items():
         check_number(f"The {name.replace('_', ' ')}", value)
-        given[name] = float(value)
-    given |= _ending(until, precision)
+        settings[name] = float(value)
+    settings |= _ending(until, precision)
     if start is not None:
         check_kind("The start", start, Solution)
         if not start.state:
@@ -205,31 +205,31 @@ def simulate(
                 "from; give motor and law to simulate too."
             )
     longest = {"duration": LONGEST} if until == STEADY and not isinstance(motor, Setup) else {}
-    setup = setup_of(motor, law, longest | given)
+    setup = setup_of(motor, law, longest | settings)
     trajectory = setup.run(progress=progress, start=None if start is None else start.state)
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 
 
 def _ending(until: Until | None, precision: float | None) -> dict[str, Any]:
     """Check what says how a run ends, and return it by name."""
-    given: dict[str, Any] = {}
+    settings: dict[str, Any] = {}
     if until is not None:
         if until not in get_args(Until):
             raise ValueError(f"until is {until!r}; it must be {' or '.join(map(repr, get_args(Until)))}.")
         # A run that lasts its duration has no precision.
-        given = {"until": until} | ({"precision": PRECISION} if until != STEADY else {})
+        settings = {"until": until} | ({"precision": PRECISION} if until != STEADY else {})
     if precision is not None:
         check_number("The precision", precision)
         if not 0.0 < precision <= SHARE:
             raise ValueError(f"The precision is {precision}; it must be greater than 0 and at most {SHARE}.")
         if until != STEADY:
             raise ValueError("A precision is given; it must come with until='steady', whose runs it ends.")
-        given["precision"] = float(precision)
-    return given
+        settings["precision"] = float(precision)
+    return settings
 
 
 def load(path: str | Path) -> Solution:
-    """Give the solution that a run.nc holds, checked to be as its run left it.
+    """Return the solution that a run.nc holds, checked to be as its run left it.
 
         >>> import contactlab as cl
         >>> cl.simulate(cl.build(), duration=5e-4).save("run.nc")
@@ -256,7 +256,7 @@ def load(path: str | Path) -> Solution:
         return Solution(tree)
 
 
-def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
+def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
     """Return the setup of a motor and a law made in Python, or a setup with other numbers of `KEYS`.
 
     The configuration of the former has the numbers of motor, law and solver.
@@ -271,29 +271,29 @@ def setup_of(motor: Any, law: Any, given: dict[str, Any]) -> Setup:
                 "A setup has a law of its own, and another one is given; give a motor and a law, or choose "
                 'the law of the setup: contactlab.build(["law=NAME"]).'
             )
-        return changed(motor, given)
+        return changed(motor, settings)
     check_kinds(motor, law)
-    if "duration" not in given:
+    if "duration" not in settings:
         raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
     usual = Setup(
         motor=motor,
         law=law,
-        duration=given["duration"],
-        record_interval=min(RECORD_INTERVAL, given["duration"]),
+        duration=settings["duration"],
+        record_interval=min(RECORD_INTERVAL, settings["duration"]),
         contact_step=default_contact_step(motor.modes, law),
         tolerance=None,
         configuration=settings_of(motor, law),
     )
-    return changed(usual, {name: getattr(usual, name) for name in KEYS} | given)
+    return changed(usual, {name: getattr(usual, name) for name in KEYS} | settings)
 
 
-def changed(setup: Setup, given: dict[str, Any]) -> Setup:
-    """Give a setup with other numbers, which its configuration tells too."""
+def changed(setup: Setup, settings: dict[str, Any]) -> Setup:
+    """Return a setup with other numbers, which its configuration tells too."""
     configuration = {name: dict(section) for name, section in setup.configuration.items()}
-    for name, value in given.items():
+    for name, value in settings.items():
         section, key = PLACES[name]
         configuration.setdefault(section, {})[key] = value
-    return replace(setup, **given, configuration=configuration)
+    return replace(setup, **settings, configuration=configuration)
 
 
 def variable_numbers(setup: Setup) -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
@@ -303,7 +303,7 @@ def variable_numbers(setup: Setup) -> dict[str, tuple[tuple[str, ...], DeclaredF
     beam or its drive's voltages, is not among them: the motor has modes and phasors alone.
     """
     owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
-    found = {}
+    numbers = {}
     while owners:
         group, path = owners.pop(0)
         owner = _at(setup, path)
@@ -312,13 +312,13 @@ def variable_numbers(setup: Setup) -> dict[str, tuple[tuple[str, ...], DeclaredF
             if is_dataclass(getattr(owner, name)):
                 owners.append((f"{group}.{name}", (*path, name)))
             elif field.is_number:
-                found[f"{group}.{name}"] = (*path, name), field
-    found["rotor.radius"] = found.pop("contact.rotor_radius")
+                numbers[f"{group}.{name}"] = (*path, name), field
+    numbers["rotor.radius"] = numbers.pop("contact.rotor_radius")
     # The coefficient that laws share, of a composed law that of its friction.
     for key in ("law.friction.friction_coefficient", "law.friction_coefficient"):
-        if key in found:
-            found["contact.friction_coefficient"] = found[key]
-    return found
+        if key in numbers:
+            numbers["contact.friction_coefficient"] = numbers[key]
+    return numbers
 
 
 def with_number(setup: Setup, key: str, value: object) -> Setup:
@@ -340,10 +340,10 @@ def with_number(setup: Setup, key: str, value: object) -> Setup:
         setup = _replaced(setup, path, number_of(field, value))
     # What binds several numbers of one class is checked by the class.
     except ValueError as fault:
-        words = f"{key} {fault}" if isinstance(fault, UnitError) else str(fault)
-        raise ConfigurationError([words]) from None
-    given = {name: getattr(setup, name) for name in KEYS}
-    return changed(replace(setup, configuration=settings_of(setup.motor, setup.law)), given)
+        message = f"{key} {fault}" if isinstance(fault, UnitError) else str(fault)
+        raise ConfigurationError([message]) from None
+    settings = {name: getattr(setup, name) for name in KEYS}
+    return changed(replace(setup, configuration=settings_of(setup.motor, setup.law)), settings)
 
 
 def _at(owner: Any, path: tuple[str, ...]) -> Any:

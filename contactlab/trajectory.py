@@ -20,7 +20,7 @@ SCALE: Final = "max(|W_d|, |W_L|, E_0)"
 
 
 def openness(residual: float, drive_work: float, load_work: float, start: float) -> float:
-    """Give the share of the energy turned over that a ledger cannot account for [1].
+    """Return the share of the energy turned over that a ledger cannot account for [1].
 
         max|r| / max(max|W_d|, max|W_L|, E_0)
 

@@ -59,7 +59,7 @@ CONTACT_MODE: Final = Variable(
 )
 
 INTERNAL: Final = "internal_"
-"""What the name of an internal variable of a law begins with, and no other; see `results.internal`."""
+"""What the name of an internal variable of a law begins with, and no other; see `results.netcdf`."""
 
 RESONATOR: Final = (
     Variable(

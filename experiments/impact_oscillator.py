@@ -19,6 +19,7 @@ from experiment import Experiment, main
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.style import context
+from oscillator_with_stop import ImpactOscillator, doubling_between
 
 import contactlab as cl
 from contactlab.plot.orbits import LINES
@@ -27,7 +28,6 @@ from contactlab.steady_state.continuation import Followed, follow
 from contactlab.steady_state.curve import Mark
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.shooting import orbit_from
-from contactlab.testing.impact_oscillator import ImpactOscillator, doubling_between
 
 AGREE = 1e-6
 """Relative difference up to which a bifurcation counts as the published one."""

@@ -19,13 +19,13 @@ from matplotlib.figure import Figure
 from variations import changed, laws_of
 
 import contactlab as cl
-from contactlab.comparison.reruns import on_other_basis
-from contactlab.comparison.settled import means_of, motion_of, settled
 from contactlab.config import compose
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
-from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps
+from contactlab.metrics import FAIL, METRICS, STEP_METRICS, Run, assess, assess_steps
 from contactlab.metrics.convergence import FINER, richardson
 from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.steady_state.means import means_of, motion_of, settled
+from contactlab.studies.compare_draws import on_other_basis
 from contactlab.studies.study import Part, Setups, Task, option
 
 PAPER = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
@@ -90,7 +90,8 @@ def measured(setup: cl.Setup, law: cl.ContactLaw) -> tuple[float, float, float, 
     try:
         for divisor in FINER[control]:
             state = settled(replace(plain, **{control: coarsest / divisor}))
-            steps.append((coarsest / divisor, motion_of(state)))
+            run = Run.of_trajectory(motion_of(state), state.setup.configuration)
+            steps.append((coarsest / divisor, run))
             means.append(means_of(state))
         there = replace(plain, motor=cl.build(on_other_basis(setup)[0]).motor)
         elsewhere = means_of(settled(there)).values[0]

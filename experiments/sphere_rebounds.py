@@ -20,7 +20,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from contactlab.arrays import Array
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import ContactLaw
 from contactlab.laws.damping import loss_number
 

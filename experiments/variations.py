@@ -16,8 +16,8 @@ import contactlab as cl
 from contactlab.config.nesting import flat, nested
 from contactlab.metrics import Run, assess
 from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.studies.run_state import Status
 from contactlab.studies.study import Part, Setups, Task
-from contactlab.sweeps import Status
 
 STIFFNESS = 1e10
 """Stiffness of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""

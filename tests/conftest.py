@@ -16,7 +16,7 @@ from threadpoolctl import threadpool_limits
 
 from contactlab.cli import main as cli
 
-# Somebody else's project; it runs in its own environment, by tests/laws/test_outside.py.
+# Somebody else's project; it runs in its own environment, by tests/laws/test_other_packages.py.
 collect_ignore = ["example_law", "example_study"]
 
 # The same examples in every run: a failure is one that everybody can repeat.
@@ -32,7 +32,7 @@ COMPILATIONS = (["archard"], ["hertz_penalty", "lagrange_stick", "lagrange_agein
 COMPILATION = """
 import sys
 from contactlab.engine import simulate
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import LAWS
 from contactlab.testing.plants import block
 

@@ -1,24 +1,19 @@
 """The public functions of `import contactlab`, and the result of a run."""
 
-import ast
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
-from matplotlib.figure import Figure
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 import contactlab as cl
 from contactlab.laws import LAWS, PARTS
 from contactlab.results.netcdf import to_datatree
 from contactlab.trajectory import Ending
-
-PACKAGE = Path(cl.__file__).parent
 
 
 def motor() -> cl.Motor:
@@ -42,25 +37,9 @@ def test_every_name_is_there() -> None:
     assert {part for family in PARTS.values() for part in family.values()} <= laws
 
 
-def test_the_version_is_that_of_the_package() -> None:
-    assert cl.__version__ == version("contactlab")
-    assert (PACKAGE / "py.typed").is_file()
-
-
 def test_the_plotting_is_not_imported_before_a_picture_is_asked_for() -> None:
     code = "import sys, contactlab; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_no_module_imports_from_the_packages_root() -> None:
-    """The package's root imports all others: one that imported from it would go in a circle."""
-    modules = {path.stem for path in PACKAGE.iterdir()}
-    for file in PACKAGE.rglob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.module == "contactlab" and not node.level:
-                assert {name.name for name in node.names} <= modules, file
-            if isinstance(node, ast.Import):
-                assert "contactlab" not in {name.name for name in node.names}, file
 
 
 def test_quantities_have_their_names_and_units(solution: cl.Solution) -> None:
@@ -87,18 +66,6 @@ def test_a_solution_has_its_ending(solution: cl.Solution) -> None:
     assert "The gap is &lt;no&gt; number." in result._repr_html_()
 
 
-def test_a_solution_has_a_text_and_an_html_form(solution: cl.Solution) -> None:
-    lines = repr(solution).splitlines()
-    assert "hertz_penalty" in lines[0]
-    assert solution._repr_html_().count("<tr>") == len(lines)
-
-
-def test_a_solution_is_drawn(solution: cl.Solution) -> None:
-    figure = solution.plot()
-    assert isinstance(figure, Figure)
-    assert len(figure.axes) == 4
-
-
 def test_what_is_saved_is_loaded(solution: cl.Solution, tmp_path: Path) -> None:
     solution.save(tmp_path / "run.nc")
     result = cl.load(tmp_path / "run.nc")
@@ -122,17 +89,6 @@ def test_a_run_from_python_records_the_numbers_of_its_motor_and_law(solution: cl
     assert configuration["drive"] == {"frequency": 3210.0}
     assert configuration["record"] == {"interval": 1e-6}
     assert configuration["solver"]["duration"] == 5e-4
-
-
-def test_numbers_of_any_kind_and_a_motor_without_a_drive_are_recorded() -> None:
-    quiet = cl.Drive(np.empty(0), np.empty((2, 0), dtype=np.complex128))
-    rotor = cl.Rotor(initial_velocity=np.float64(0.5))
-    still = cl.Motor(cl.RitzResonator().modes, quiet, rotor=rotor)
-    result = cl.simulate(still, law(), duration=np.float64(1e-4))
-    assert result.complete
-    assert result.contacts.sizes["contact"] == 0
-    assert result["rotor_velocity"][-1] == 0.5
-    assert isinstance(result.plot(), Figure)
 
 
 LENGTHS = [1e-6 * records for records in (137, 250, 613)]

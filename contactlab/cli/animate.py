@@ -4,41 +4,41 @@ import sys
 from argparse import Namespace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from tqdm import tqdm
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import Parser, number_in
+from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
+from contactlab.config.quantity import UnitError, to_si
 from contactlab.metrics import read_run
-from contactlab.results.files import told
+from contactlab.results.files import error_text
 
 if TYPE_CHECKING:
     from contactlab.plot.recording import Recording
 
 FILM_TIME = 10.0
-"""How long an animation lasts [s], whatever it shows."""
+"""Duration of an animation, whatever it shows [s]."""
 
-PERIODS = 2
-"""Drive periods that are shown unless a duration is given."""
+PERIODS: Final = 2
+"""Drive periods that are shown by default."""
 
 SLOWEST, FASTEST = 1.0, 50.0
-"""Frames a second; viewers of GIF show none that last less than 1/50 s."""
+"""Frame rates [1/s]; viewers of GIF show no frame that lasts less than 1/50 s."""
 
-FEWEST = 10
+FEWEST: Final = 10
 """Frames of a drive period below which the picture no longer shows the motion."""
 
 
 def main(arguments: list[str]) -> int:
-    """Write the animation and give the exit status; nothing is left behind where it cannot be made."""
+    """Write the animation and return the exit status; nothing is left behind where it cannot be made."""
     parser = Parser(
         "animate",
-        ". Tip and rotor have their true shape, "
-        "their motion is magnified by a factor that the picture tells. "
-        f"It lasts {FILM_TIME:g} s, whatever it shows.",
+        ". Tip and rotor have their true shape, their motion is magnified by a factor that the picture "
+        f"states. It lasts {FILM_TIME:g} s, whatever it shows.",
     )
-    parser.add_argument("run", metavar="RUN.nc", help="a dataset, or a folder with run.nc")
+    parser.add_argument("run", metavar="RUN.nc", type=Path, help="a dataset, or a folder with run.nc")
     for option, metavar, default, text in (
         ("output", "FILE", None, "ends in .gif or .mp4; the default is RUN.gif beside RUN.nc"),
         ("start", "T", None, "time in the run, '4 ms'; the default ends with the run"),
@@ -46,34 +46,25 @@ def main(arguments: list[str]) -> int:
         ("fps", "N", "25", "frames a second, 1 to 50; the default is %(default)s"),
     ):
         parser.add_argument(f"--{option}", metavar=metavar, default=default, help=text)
-    wanted = parser.read(arguments)
     try:
-        _animate(wanted)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("Interrupted before the animation was written.") from None
+        _animate(parser.read(arguments))
     except OSError as error:
-        raise RefusalError(f"The animation could not be written: {told(error)}", INCOMPLETE) from error
+        raise RefusalError(f"The animation could not be written: {error_text(error)}", INCOMPLETE) from error
     return COMPLETE
 
 
-def _animate(wanted: Namespace) -> None:
-    source = Path(wanted.run)
-    if source.is_dir():
-        source = source / "run.nc"
+def _animate(read: Namespace) -> None:
+    source: Path = read.run / "run.nc" if read.run.is_dir() else read.run
     if not source.is_file():
+        raise RefusalError(f"There is no file '{source}'; it must be a run.nc, or a folder with one.")
+    output = Path(read.output or source.with_suffix(".gif"))
+    is_film = output.suffix.lower() == ".mp4"
+    fits = is_film or output.suffix.lower() == ".gif"
+    if not fits or output.is_dir() or not output.parent.is_dir() or output.absolute() == source.absolute():
         raise RefusalError(
-            f"There is no file '{source}'; it must be a run.nc that contactlab wrote, or a folder with one. "
-            "`contactlab` without a verb makes a run."
+            f"--output is '{output}'; it must be a file that ends in .gif or .mp4, in a folder that exists."
         )
-    output = source.with_suffix(".gif") if wanted.output is None else Path(wanted.output)
-    if fault := _fault_of(output, source):
-        raise RefusalError(f"--output is '{output}', {fault}.")
-    fps = number_in("1", wanted.fps, "--fps")
-    if not SLOWEST <= fps <= FASTEST:
-        raise RefusalError(
-            f"--fps is {wanted.fps}, it must be between {SLOWEST:g} and {FASTEST:g} frames a second; "
-            "25 is usual."
-        )
+    fps = _number(read.fps, "1", "--fps", SLOWEST, FASTEST)
     # Imported here: they bring the plotting, which --help does not need.
     from contactlab.plot.animation import Animation
     from contactlab.plot.animation_files import NoEncoderError, encoder, write_gif, write_mp4
@@ -81,21 +72,17 @@ def _animate(wanted: Namespace) -> None:
     from contactlab.plot.recording import UnfitRunError, recording_of
 
     frames = round(FILM_TIME * fps)
-    is_film = output.suffix.lower() == ".mp4"
     try:
         if is_film:
             encoder()
         run = recording_of(read_run(source))
-        start, end = _window(run, wanted.start, wanted.duration)
+        start, end = _window(run, read.start, read.duration)
         film = film_of(run, start, end, frames)
     except UnfitRunError as error:
-        raise RefusalError(
-            f"'{source}' {error}; it must be a run.nc that contactlab wrote. Choose another one, or another "
-            "part of it with --start and --duration."
-        ) from error
+        raise RefusalError(f"'{source}' {error}; see --start and --duration for another part.") from error
     except (NoEncoderError, ValueError) as error:
         raise RefusalError(str(error)) from error
-    _advise(run, end - start, frames)
+    _warn(run, end - start, frames)
     with terminal.raising():
         bar = partial(tqdm, unit="frame", leave=False, disable=None)
         (write_mp4 if is_film else write_gif)(Animation(film, FILM_TIME), fps, output, bar)
@@ -105,46 +92,32 @@ def _animate(wanted: Namespace) -> None:
     )
 
 
-def _fault_of(output: Path, source: Path) -> str:
-    """Say why the animation cannot go there, if so."""
-    if output.suffix.lower() not in (".gif", ".mp4"):
-        return "it must end in .gif or .mp4; choose such a name"
-    if output.is_dir():
-        return "which is a folder; choose the name of a file"
-    if output.absolute() == source.absolute():
-        return "the run itself; choose another name"
-    if not output.parent.is_dir():
-        return f"but there is no folder '{output.parent}'; create it first"
-    return ""
+def _number(text: str, unit: str, name: str, least: float, most: float) -> float:
+    """Return a number in an SI unit, within its bounds but for round-off."""
+    try:
+        number = to_si(text.strip(), unit)
+    except UnitError as error:
+        raise RefusalError(f"{name} is '{text}', {error}; it must be a number in {unit}.") from error
+    if not least * (1.0 - 1e-9) <= number <= most * (1.0 + 1e-9):
+        raise RefusalError(f"{name} is {text}; it must be at least {least:g} and at most {most:g} {unit}.")
+    return number
 
 
 def _window(run: "Recording", start_text: str | None, duration_text: str | None) -> tuple[float, float]:
-    """Start and end of what is shown [s]."""
+    """Return start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
-    start = None if start_text is None else number_in("s", start_text, "--start")
-    if start is not None and not first <= start <= last - shortest * (1.0 - 1e-9):
-        raise RefusalError(
-            f"--start is {start_text}, but the run lasts from {first:g} to {last:g} s; it must be at least "
-            f"{first:g} s and at most {last - shortest:g} s, a record before the end. Choose a time within, "
-            "or leave --start out."
-        )
+    start = None if start_text is None else _number(start_text, "s", "--start", first, last - shortest)
     longest = last - (first if start is None else start)
     duration = min(PERIODS * run.period, longest)
     if duration_text is not None:
-        duration = number_in("s", duration_text, "--duration")
-        if not shortest * (1.0 - 1e-9) <= duration <= longest * (1.0 + 1e-9):
-            raise RefusalError(
-                f"--duration is {duration_text}, it must be at least {shortest:g} s, a record interval, "
-                f"and at most {longest:g} s, what the run lasts{'' if start is None else ' after --start'}. "
-                f"Two drive periods are {2.0 * run.period:.4g} s."
-            )
+        duration = _number(duration_text, "s", "--duration", shortest, longest)
     begin = max(last - duration, first) if start is None else start
     return begin, min(begin + duration, last)
 
 
-def _advise(run: "Recording", duration: float, frames: int) -> None:
-    """Say so if the picture will not show the vibration."""
+def _warn(run: "Recording", duration: float, frames: int) -> None:
+    """Print why the picture will not show the vibration, if so."""
     if run.coarse:
         print(
             f"The records are {run.time[1] - run.time[0]:.3g} s apart, the drive period is {run.period:.3g} "
@@ -154,7 +127,7 @@ def _advise(run: "Recording", duration: float, frames: int) -> None:
     per_period = frames * run.period / duration
     if per_period < FEWEST:
         print(
-            f"Only {per_period:.2g} frames show a drive period, so the vibration is not seen as it is: "
-            f"choose a --duration below {frames * run.period / FEWEST:.2g} s, or more --fps.",
+            f"Only {per_period:.2g} frames show a drive period; choose a --duration below "
+            f"{frames * run.period / FEWEST:.2g} s, or more --fps.",
             file=sys.stderr,
         )

@@ -1,46 +1,64 @@
-"""The command as a Hydra application: its task, and what of ours Hydra is told of.
+"""The command as a Hydra application: its task, the checks before a run, and the names of folders.
 
-Hydra makes the folder of a run before it calls the task. Therefore single runs are checked by a callback of
-ours, `contactlab.cli.checking`, and sweeps by our sweeper: a faulty one leaves nothing behind.
+Hydra makes the folder of a run before it calls the task. Therefore single runs are checked by a callback,
+and sweeps by our sweeper: a faulty one leaves nothing behind.
 """
 
 import os
 import re
 import sys
 import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from hashlib import sha256
 from pathlib import Path
+from typing import Any, Final, final
 
 import hydra
 from hydra.conf import HydraConf
 from hydra.core.hydra_config import HydraConfig
+from hydra.experimental.callback import Callback
 from hydra.types import RunMode
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig, OmegaConf, read_write
+from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import for_hydra
-from contactlab.cli.checking import typed
-from contactlab.cli.jobs import perform
-from contactlab.cli.next_step import after_a_run
-from contactlab.cli.study import perform_study, setups_of
-from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, refuse
-from contactlab.config import ConfigurationError, build, validate
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, resolved, sentences, without_environment
+from contactlab.cli.arguments import for_hydra, quoted
+from contactlab.cli.collect import collect_swept
+from contactlab.cli.jobs import perform, refusals
+from contactlab.cli.study import perform_study, setups_of, without_effect
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
+from contactlab.config import ConfigurationError, Setup, build, validate
+from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, faults_of, refuse_lines, resolved
+from contactlab.config.faults import one_line
 from contactlab.config.options import conf_directory
+from contactlab.config.schema import FRICTION
 from contactlab.config.studies import RUN, study_of
+from contactlab.laws.registry import takes_shared
+from contactlab.results.files import STATE
 from contactlab.results.provenance import versions
-from contactlab.sweeps.state import REFUSED, Job, State, is_done, key_of, write_state
+from contactlab.studies import run_state
+from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
 
-MOST_CHARACTERS = 120
+MOST_CHARACTERS: Final = 120
 """Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
 
-_DIGITS = 8
-"""Of the digest that keeps a name apart where its text cannot."""
+DIGITS: Final = 8
+"""Length of the digest that distinguishes names that were shortened or simplified."""
+
+RECORD_ON_DISK: Final = 60
+"""Size of a record in run.nc [bytes], measured over all laws and intervals: 52 to 80."""
+
+LARGE: Final = 100e6
+"""Size on disk from which it is announced [bytes]."""
+
+_checked: dict[str, Setup] = {}
+"""The setup of a single run, built by its check."""
 
 
-def main() -> int:
-    """Run or sweep what the command line says, and give the exit status."""
-    if "--version" in sys.argv[1:]:
+def main(arguments: list[str]) -> int:
+    """Run or sweep what the arguments say, and return the exit status."""
+    if "--version" in arguments:
         print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
         return COMPLETE
     # So Hydra raises what it would print and end on.
@@ -48,60 +66,146 @@ def main() -> int:
     command = hydra.main(
         config_path=str(conf_directory()), config_name=CONFIG_NAME, version_base=VERSION_BASE
     )
+    sys.argv[1:] = for_hydra(arguments)
     try:
-        sys.argv[1:] = for_hydra(sys.argv[1:])
-        with warnings.catch_warnings(), without_environment(hydra=True):
-            # Hydra warns of a folder of options that there is not, and goes on without.
+        refuse_lines(line for line in arguments if not line.startswith("-"))
+        with warnings.catch_warnings():
+            # Hydra warns of a folder of options that does not exist, and goes on without.
             warnings.filterwarnings("error", ".* is not available", UserWarning)
             command(run)()
-    except (BrokenPipeError, UnicodeEncodeError, RefusalError):
+    except (BrokenPipeError, RefusalError):
         raise
-    # Whatever a job raises is told by the job: this is of Hydra, whose exceptions have many kinds.
+    # Jobs catch their own: this is from Hydra, whose exceptions have many kinds.
     except Exception as error:
-        return refuse(sentences(error, sys.argv[1:]))
+        return refuse(faults_of(error, sys.argv[1:]))
     return COMPLETE
 
 
 def run(settings: DictConfig) -> int:
-    """Perform one job and give its exit status; launchers import it from here.
+    """Perform one job and return its exit status; launchers import it from here.
 
-    A job of a sweep that is complete already is left as it is: whoever starts it may not know.
+    A job of a sweep that is complete already is left as it is.
 
     Raises:
-        SystemExit: with the status, where the job is a run of its own, since Hydra gives back none.
+        SystemExit: with the status, where the job is a run of its own, since Hydra returns none.
     """
     hydra_config = HydraConfig.get()
     directory = Path(hydra_config.runtime.output_dir)
     swept = hydra_config.mode == RunMode.MULTIRUN
     job = Job(overrides=tuple(typed(hydra_config.overrides.task)), choices=choices_of(hydra_config))
     try:
-        configuration = resolved(settings)
-        setup = build(configuration)
+        setup = None if swept else _checked.pop("setup", None)
+        setup = setup or build(resolved(settings))
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
-        write_state(directory, State(REFUSED, job, " ".join(error.faults)))
-        status = refuse(error.faults)
-    else:
-        if configuration.get("study", {}).get("name", RUN) != RUN:
-            checked = validate(configuration)
-            over = checked["sweep"]["over"] or []
-            setups = setups_of(job.overrides, over) if over else {"": setup}
-            sys.exit(perform_study(study_of(checked["study"]), setups, directory))
-        job = Job(key_of(setup), job.overrides, job.choices, setup.configuration)
-        if swept and is_done(directory, job.key):
-            return COMPLETE
-        with terminal.ending_at_once():
-            status = COMPLETE if perform(setup, directory, job) else INCOMPLETE
-        if status == COMPLETE and not swept:
-            here = Path(hydra_config.runtime.cwd)
-            terminal.tell(after_a_run(directory, job.overrides, here), sys.stdout)
+        write_state(directory, State(run_state.REFUSED, job, " ".join(error.faults)))
+        return refuse(error.faults)
+    if not swept and settings.study.name != RUN:
+        section = validate(resolved(settings))
+        over = section["sweep"]["over"]
+        setups = setups_of(job.overrides, over) if over else {"": setup}
+        sys.exit(perform_study(study_of(section["study"]), setups, directory))
+    job = Job(key_of(setup), job.overrides, job.choices, setup.configuration)
+    if swept and is_done(directory, job.key):
+        return COMPLETE
+    with terminal.ending_at_once():
+        status = COMPLETE if perform(setup, directory, job) else INCOMPLETE
     if status and not swept:
         sys.exit(status)
     return status
 
 
+@final
+class Check(Callback):
+    """Checks a single run before Hydra makes its folder, and collects the runs of a sweeper of others."""
+
+    def on_run_start(self, config: DictConfig, **_: Any) -> None:
+        """Refuse a faulty run and announce a large one.
+
+        Raises:
+            SystemExit: a fault in the arguments. Hydra makes warnings of other exceptions here.
+        """
+        lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
+        faults = [*without_effect(str(config.study.name), lines)]
+        try:
+            setup = _checked["setup"] = build(resolved(config))
+            faults += idle_friction(lines, [setup.configuration["law"]])
+            if config.sweep.over:
+                setups_of(lines, list(config.sweep.over))
+            faults = faults or list(_folder_faults(config))
+        except ConfigurationError as error:
+            faults += error.faults
+        if faults:
+            sys.exit(refuse(faults))
+        announce([setup.configuration])
+
+    def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
+        """Fix the folder of a sweep for all its jobs, which else name it by their own overrides."""
+        if not _is_ours(config):
+            # A reference may not have its value yet; each job then refuses it.
+            with suppress(OmegaConfBaseException), read_write(config.hydra):
+                folder = config.hydra.sweep.dir = str(config.hydra.sweep.dir)
+                config.hydra.overrides.hydra.append(f"hydra.sweep.dir={quoted(folder)}")
+
+    def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
+        """Collect what the sweeper of another package left.
+
+        Raises:
+            SystemExit: a run is not complete.
+        """
+        if _is_ours(config):
+            return
+        folder = Path(str(config.hydra.sweep.dir))
+        collect_swept(folder)
+        states = {each.state for path in folder.rglob(STATE) if (each := run_state.read_state(path.parent))}
+        if states != {run_state.COMPLETE}:
+            sys.exit(REFUSED if run_state.REFUSED in states else INCOMPLETE)
+
+
+def _is_ours(config: DictConfig) -> bool:
+    """Return whether the sweeper is ours, which does all this itself."""
+    return "contactlab" in str(config.hydra.sweeper.get("_target_"))
+
+
+def typed(overrides: Any) -> list[str]:
+    """Return arguments as they were typed, references in them unresolved."""
+    return [str(line) for line in OmegaConf.to_container(overrides, resolve=False) or ()]
+
+
+def idle_friction(lines: Iterable[str], laws: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the fault of setting the shared friction coefficient for laws none of which has it."""
+    is_set = any(line.lstrip("+").startswith(f"{FRICTION}=") for line in lines)
+    if not is_set or any(map(takes_shared, laws := [*laws])):
+        return []
+    names = ", ".join(dict.fromkeys(str(law["name"]) for law in laws))
+    return [f"{FRICTION} has no effect on law={names}; it must be left out."]
+
+
+def announce(configurations: Iterable[Mapping[str, Any]]) -> None:
+    """Print the size of what runs will leave, if it is large."""
+    size = sum(RECORD_ON_DISK * c["solver"]["duration"] / c["record"]["interval"] for c in configurations)
+    if size >= LARGE:
+        tell(f"About {size / 1e6:.0f} MB will be left; a larger record.interval makes it less.", sys.stderr)
+
+
+def _folder_faults(config: DictConfig) -> Iterator[str]:
+    """Yield why the run cannot be written where it is to go."""
+    below = Path(config.hydra.output_subdir or "")
+    if below.is_absolute() or ".." in below.parts:
+        yield f"hydra.output_subdir is '{below}'; it must be a folder below that of the run. Leave it out."
+        return
+    try:
+        # For ${hydra:...} in its name.
+        HydraConfig.instance().set_config(config)
+        folder = str(OmegaConf.select(config, "hydra.run.dir"))
+    except OmegaConfBaseException as error:
+        yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
+        return
+    yield from refusals(Path(folder), "hydra.run.dir")
+
+
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
-    """Give the options chosen from groups that are not Hydra's."""
+    """Return the options chosen from groups that are not Hydra's."""
     return {
         str(group): None if option is None else str(option)
         for group, option in sorted(hydra_config.runtime.choices.items())
@@ -110,10 +214,10 @@ def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
 
 
 def folder_name(overrides: str) -> str:
-    """Name the folder of a job, or of a sweep, by its overrides, separated by commas; empty for none.
+    """Return the name of the folder of a job, or of a sweep, by its overrides, separated by commas.
 
-    Kept to characters that every file system and the netCDF library take, and to a length. A digest at
-    the end keeps apart what differs elsewhere only.
+    The characters are those that every file system and the netCDF library take, and the length is limited;
+    a digest at the end distinguishes what differs elsewhere only.
     """
     spelled = re.sub(r"\s+", "_", re.sub(r"[\\'\"]", "", overrides).strip())
     # A micro sign or a mu, and the slashes of a group.
@@ -121,8 +225,8 @@ def folder_name(overrides: str) -> str:
     text = re.sub(r"[^-+\w.,=@~%]", "-", plain, flags=re.ASCII)
     if text == plain and len(text) <= MOST_CHARACTERS:
         return text or "default"
-    digest = sha256(overrides.encode()).hexdigest()[:_DIGITS]
-    return f"{text[: MOST_CHARACTERS - _DIGITS - 1].rstrip('_-,')}-{digest}"
+    digest = sha256(overrides.encode()).hexdigest()[:DIGITS]
+    return f"{text[: MOST_CHARACTERS - DIGITS - 1].rstrip('_-,')}-{digest}"
 
 
 # Workers of a launcher compose configurations too: whatever they import brings this with it.

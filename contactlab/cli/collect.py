@@ -10,7 +10,7 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError, tell
 
 
 def main(arguments: list[str]) -> int:
-    """Collect, write the file and print what became of the runs; one that failed is a result.
+    """Collect, write the file and print the status of the runs; one that failed is a result.
 
     Raises:
         RefusalError: a folder without runs, or a file that cannot be written.
@@ -24,23 +24,15 @@ def main(arguments: list[str]) -> int:
         metavar="NAME[,NAME]",
         help="time series that go into the group 'series'; the runs must be recorded at the same times",
     )
-    given = parser.read(arguments)
-    if given.output is not None and given.output.suffix != ".nc" and not given.output.is_dir():
-        parser.error(
-            f"--output is '{given.output}'; it must end in .nc",
-            "The dataset is netCDF-4: choose such a name.",
-        )
-    if given.output and not given.output.parent.is_dir():
-        parser.error(f"--output is '{given.output}'; its folder does not exist", "Create it first.")
-    try:
-        _collect(Path(given.directory), given.output, given.series)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt("Interrupted before the runs were collected; nothing was written.") from None
+    read = parser.read(arguments)
+    if read.output and (read.output.suffix != ".nc" or not read.output.parent.is_dir()):
+        parser.error(f"--output is '{read.output}'; it must end in .nc and lie in a folder that exists")
+    _collect(Path(read.directory), read.output, read.series)
     return COMPLETE
 
 
 def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[str] = ()) -> None:
-    """Collect what a sweep left; a failure of that is told and is none of the sweep."""
+    """Collect what a sweep left; its failure is printed and is none of the sweep."""
     try:
         _collect(folder, None, series, metrics)
     except RefusalError as error:
@@ -49,10 +41,11 @@ def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[st
 
 def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
+    from contactlab import SweepError
     from contactlab.config import ConfigurationError
-    from contactlab.results.files import told
-    from contactlab.sweeps import SweepError, collect
-    from contactlab.sweeps.dataset import summary
+    from contactlab.results.files import error_text
+    from contactlab.studies.collection import collect
+    from contactlab.studies.sweep_dataset import summary
 
     try:
         with terminal.raising():
@@ -60,5 +53,5 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        raise RefusalError(f"The runs could not be collected: {told(error)}", INCOMPLETE) from error
+        raise RefusalError(f"The runs could not be collected: {error_text(error)}", INCOMPLETE) from error
     print(summary(dataset, dataset.encoding["source"]))

@@ -5,9 +5,8 @@ import re
 import shutil
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
@@ -20,17 +19,8 @@ PACKAGE: Final = Path("tests/example_law")
 _ORDER: Final = re.compile(r"^plot_(?:\d+_)?")
 
 
-@dataclass(frozen=True)
-class Example:
-    """Something to copy.
-
-    Args:
-        name: by which it is asked for.
-        title: what it is, in a line.
-        source: the file, or the folder of files.
-        copy: what the copy is called.
-        onward: what to do with the copy, in sentences.
-    """
+class Example(NamedTuple):
+    """Something to copy: name, title, file or folder, name of the copy, and what to do with it."""
 
     name: str
     title: str
@@ -40,63 +30,55 @@ class Example:
 
 
 def main(arguments: list[str]) -> int:
-    """Print the list, or copy the example that is named into the current folder, and give the exit status.
+    """Print the list, or copy the named example into the current folder, and return the exit status.
 
     Raises:
         RefusalError: there is no such example, its copy would overwrite something or cannot be written.
     """
-    parser = Parser(
-        "example", ". Without a name they are listed. What is copied is yours; nothing is overwritten."
-    )
+    parser = Parser("example", ". Without a name they are listed; nothing is overwritten.")
     parser.add_argument("name", nargs="?", metavar="NAME", help="of the example to copy")
     wanted = parser.read(arguments).name
-    found = {one.name: one for one in examples()}
+    known = {each.name: each for each in examples()}
     if wanted is None:
-        width = max(map(len, found))
-        print(*(f"{one.name:<{width}}  {one.title}" for one in found.values()), sep="\n")
+        width = max(map(len, known))
+        print(*(f"{each.name:<{width}}  {each.title}" for each in known.values()), sep="\n")
         print("\ncontactlab example NAME copies one into the folder where you are.")
         return COMPLETE
-    if wanted not in found:
-        hint = suggestion(wanted, found, "contactlab example lists them.")
-        raise RefusalError(f"There is no example '{wanted}'; it must be one of {', '.join(found)}. {hint}")
-    chosen = found[wanted]
+    if wanted not in known:
+        hint = suggestion(wanted, known)
+        raise RefusalError(f"There is no example '{wanted}'; it must be one of {', '.join(known)}. {hint}")
+    chosen = known[wanted]
     _copy(chosen.source, Path(chosen.copy))
     print(f"{chosen.copy} is here: {chosen.title}.\n{chosen.onward}")
     return COMPLETE
 
 
 def examples() -> Iterator[Example]:
-    """Give the examples: scripts and data of the gallery by their files, and the package of a law."""
-    root = _root()
+    """Yield the examples: scripts and data of the gallery by their files, and the package of a law."""
+    package = Path(__file__).resolve().parents[1]
+    inside = package / "examples"
+    root = inside if inside.is_dir() else package.parent
     for path in sorted((root / GALLERY).glob("*.py")):
-        words = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        title = (ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or "").partition("\n")[0]
         name = _ORDER.sub("", path.stem)
-        onward = f"python {name}.py runs it."
-        yield Example(name, words.partition("\n")[0], path, f"{name}.py", onward)
+        yield Example(name, title, path, f"{name}.py", f"python {name}.py runs it.")
     for path in sorted((root / GALLERY).glob("*.csv")):
-        title = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
-        onward = f"contactlab validate {path.name} law=newton,poisson holds laws to it."
-        yield Example(path.stem, title[1] if title else "", path, path.name, onward)
+        match = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        onward = f"contactlab validate {path.name} law=newton,poisson compares laws with it."
+        yield Example(path.stem, match[1] if match else "", path, path.name, onward)
     project = tomllib.loads((root / PACKAGE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     law = next(iter(project["entry-points"]["contactlab.laws"]))
     onward = (
         f"pip install -e own_law makes its law one of the command's: contactlab laws {law} describes it, "
-        f"contactlab law={law} runs it, and pytest own_law puts it to the contract of every law."
+        f"contactlab law={law} runs it, and pytest own_law tests it against the contract of every law."
     )
     yield Example("own_law", project["description"], root / PACKAGE, "own_law", onward)
-
-
-def _root() -> Path:
-    """Give the folder below which the examples are: inside the package in a wheel, else the checkout."""
-    package = Path(__file__).resolve().parents[1]
-    inside = package / "examples"
-    return inside if inside.is_dir() else package.parent
 
 
 def _copy(source: Path, target: Path) -> None:
     """Copy a file, or the files of a folder; all of it or nothing."""
     # Imported here: listing needs none of it.
-    from contactlab.results.files import told, whole_file
+    from contactlab.results.files import error_text, whole_file
 
     try:
         if source.is_file():
@@ -112,9 +94,6 @@ def _copy(source: Path, target: Path) -> None:
             shutil.rmtree(target)
             raise
     except FileExistsError as error:
-        raise RefusalError(
-            f"'{target}' is here already; the copy of an example must have a new name. "
-            "Move yours away, or go to another folder."
-        ) from error
+        raise RefusalError(f"'{target}' exists; the copy of an example must have a new name.") from error
     except OSError as error:
-        raise RefusalError(f"The example could not be copied: {told(error)}", INCOMPLETE) from error
+        raise RefusalError(f"The example could not be copied: {error_text(error)}", INCOMPLETE) from error

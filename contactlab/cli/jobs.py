@@ -1,4 +1,4 @@
-"""One job: from its setup to run.nc, run.png and a summary, a state and a sentence where it fails."""
+"""One job: from its setup to run.nc, run.png and a summary, its state, and a message where it fails."""
 
 import os
 import sys
@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
+from typing import Final
 
 from contactlab.cli import terminal
 from contactlab.cli.terminal import tell
@@ -15,25 +16,21 @@ from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
 from contactlab.results import netcdf
-from contactlab.results.files import DATASET, LOG, told, whole_file
+from contactlab.results.files import DATASET, LOG, error_text, whole_file
 from contactlab.results.summary import summarise
-from contactlab.sweeps.state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
+from contactlab.studies.run_state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
-PICTURE = "run.png"
+PICTURE: Final = "run.png"
 
-SET_ANOTHER = (
-    "Set another one with hydra.run.dir=DIR, or with hydra.sweep.dir=DIR and hydra.sweep.subdir=NAME for -m."
-)
-
-_MOST_CHARACTERS = 500
-"""Of a reason; a compiler says more than anybody reads in a table, and the log has it all."""
+MOST_CHARACTERS: Final = 500
+"""Length of a reason in state.json; the log has all of it."""
 
 
 def perform(setup: Setup, directory: Path, job: Job) -> bool:
-    """Run a job, leave its dataset and its state in a directory, and tell whether it is complete.
+    """Run a job, leave its dataset and its state in a directory, and return whether it is complete.
 
-    What an earlier run left there is removed first. Where it is not complete, a sentence has said why; where
-    it raised an exception of whatever kind, the traceback is in `run.log`.
+    What an earlier run left there is removed first. A run that is not complete has printed why; where it
+    raised an exception of whatever kind, the traceback is in `run.log`.
 
     Raises:
         KeyboardInterrupt: with a sentence, after what there was has been written.
@@ -43,12 +40,11 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
         for name in (LOG, DATASET, PICTURE):
             (directory / name).unlink(missing_ok=True)
         write_state(directory, State(RUNNING, job))
-        left, summary = _execute(setup, directory, job)
+        left, summary = _simulated(setup, directory, job)
         write_state(directory, left)
     except KeyboardInterrupt as interrupt:
-        reason = str(interrupt) or terminal.MESSAGE
         with suppress(OSError):
-            write_state(directory, State(INTERRUPTED, job, reason))
+            write_state(directory, State(INTERRUPTED, job, str(interrupt) or terminal.MESSAGE))
         raise
     # A law of another package may end in any way, and the other jobs of a sweep go on.
     except (Exception, SystemExit) as error:
@@ -58,7 +54,6 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
             write_state(directory, State(FAILED, job, reason))
         write_log(directory / LOG, error)
         return False
-    # Only now: what cannot be printed is no fault of the run.
     tell(summary, sys.stdout)
     if left.state == INTERRUPTED:
         raise KeyboardInterrupt(left.reason)
@@ -67,17 +62,17 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
     return left.state == COMPLETE
 
 
-def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
-    """Simulate and write the files; give the state of the run and its summary for the terminal."""
+def _simulated(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
+    """Simulate and write the files; return the state of the run and its summary."""
     started = perf_counter()
-    with terminal.progress(setup.duration, "s", "The run") as show, terminal.waiting() as look:
+    with terminal.progress(setup.duration, "s") as show, terminal.waiting() as check:
 
         def report(time: float) -> None:
             nonlocal started
-            # The engine reports 0 once it is compiled; a compiler's time says nothing of a run's.
+            # The engine reports 0 once it is compiled; the compiler's time is not the run's.
             started = perf_counter() if time == 0.0 else started
             show(time)
-            look()
+            check()
 
         trajectory = setup.run(progress=report)
     wall_time = perf_counter() - started
@@ -96,7 +91,7 @@ def _execute(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
 
 
 def write_log(path: Path, error: BaseException) -> None:
-    """Write a traceback to a file and say where it is; a folder that takes none goes without."""
+    """Write a traceback to a file and print where it is; a folder that cannot be written goes without."""
     with suppress(OSError):
         with whole_file(path) as partial:
             partial.write_text("".join(traceback.format_exception(error)), encoding="utf-8")
@@ -106,16 +101,16 @@ def write_log(path: Path, error: BaseException) -> None:
 def _reason(error: BaseException) -> str:
     match error:
         case LawError():
-            said = one_line(LawError(*error.args))
+            reason = one_line(LawError(*error.args))
         case OSError():
-            said = f"The run could not be written: {told(error)}"
+            reason = f"The run could not be written: {error_text(error)}"
         case _:
-            said = f"The run raised {type(error).__name__}: {one_line(error)}"
-    return said if len(said) <= _MOST_CHARACTERS else f"{said[:_MOST_CHARACTERS]} ..."
+            reason = f"The run raised {type(error).__name__}: {one_line(error)}"
+    return reason if len(reason) <= MOST_CHARACTERS else f"{reason[:MOST_CHARACTERS]} ..."
 
 
-def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:
-    """Say why nothing can be written into a directory, if so; everything is left as it was."""
+def refusals(directory: Path, key: str = "--output") -> Iterator[str]:
+    """Yield why nothing can be written into a directory, if so; everything is left as it was."""
     created: list[Path] = []
     try:
         created = [path for path in (directory, *directory.parents) if not path.exists()]
@@ -127,11 +122,8 @@ def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:
             raise OSError(None, "netCDF files cannot lie in a path with a backslash")
     # A ValueError: a null character, or one that the locale cannot spell.
     except (OSError, ValueError) as error:
-        yield (
-            f"The output directory is '{directory}' and cannot be written to "
-            f"({getattr(error, 'strerror', None) or error}); it must be a directory, or a place for one, "
-            f"with write permission. {way_out}"
-        )
+        reason = getattr(error, "strerror", None) or error
+        yield f"{key} is '{directory}' and cannot be written to ({reason}); it must be a writable directory."
     finally:
         for path in created:
             with suppress(OSError):
@@ -139,12 +131,13 @@ def refusals(directory: Path, way_out: str = SET_ANOTHER) -> Iterator[str]:
 
 
 def check_output(folder: Path) -> None:
-    """Refuse the folder of a verb where nothing can be written into it, by a RefusalError."""
-    for fault in refusals(folder, "Choose another one by --output DIR."):
+    """Raise a RefusalError if nothing can be written into the folder of a verb."""
+    for fault in refusals(folder):
         raise terminal.RefusalError(fault)
 
 
 def unwritable(folder: Path, error: OSError) -> terminal.RefusalError:
-    """Give the failure of a folder that took no more, as of a run whose files cannot be written."""
-    words = f"Nothing more can be written to '{folder}': {told(error)}"
-    return terminal.RefusalError(words, terminal.INCOMPLETE)
+    """Return the failure of a folder that could not be written to the end, as on a full disk."""
+    return terminal.RefusalError(
+        f"Nothing more can be written to '{folder}': {error_text(error)}", terminal.INCOMPLETE
+    )

@@ -1,6 +1,6 @@
 """`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, replace
 from functools import partial
 from itertools import groupby
@@ -26,10 +26,15 @@ KERNELS = {
 }
 """What kernels that most have not say of a law or part."""
 
-FAMILIES = {"normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"}
-
-Sections = dict[str, list[tuple[str, partial[str]]]]
-"""Names and what prints their paragraphs, by heading."""
+HEADINGS = {
+    "": "Laws: choose one by law=NAME",
+    **{
+        family: f"{title} of a composed law: law=composed law/{family}=NAME"
+        for family, title in {
+            "normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"
+        }.items()
+    },
+}  # fmt: skip
 
 _wrapped = partial(
     fill,
@@ -42,48 +47,38 @@ _wrapped = partial(
 
 
 def main(arguments: list[str]) -> int:
-    """Print the listing, of everything or of one name, and give the exit status.
+    """Print the listing, of everything or of one name, and return the exit status.
 
     Raises:
         RefusalError: no law or part has the name.
     """
     parser = Parser(
         "laws",
-        ": equation, parameters with symbol, unit, default and range, what it declares of itself, source "
-        "and the package it comes from. A law that cannot be loaded is listed with the reason.",
+        ": equation, parameters with symbol, unit, default and range, its declarations, source and package. "
+        "A law that cannot be loaded is listed with the reason.",
     )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
-    headings = {"": "Laws: choose one by law=NAME"} | {
-        family: f"{words} of a composed law: law=composed law/{family}=NAME"
-        for family, words in FAMILIES.items()
-    }
     # Two packages may bring a law of one name.
-    sections: Sections = {
-        heading: [(_title(one, family), partial(_paragraph, one, family)) for one in origins(family)]
-        for family, heading in headings.items()
-    }
-    print("\n\n".join(_chosen(sections, wanted)))
+    listing = {family: [(_title(each, family), each) for each in origins(family)] for family in HEADINGS}
+    titles = [title for entries in listing.values() for title, _ in entries]
+    known = {name for title in titles for name in (title, title.rpartition("/")[2])}
+    if wanted is not None and wanted not in known:
+        hint = suggestion(wanted, known, f"It must be one of {', '.join(titles)}.")
+        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
+    blocks = []
+    for family, entries in listing.items():
+        if wanted is None:
+            blocks.append(HEADINGS[family])
+        for title, origin in entries:
+            if wanted in (None, title, title.rpartition("/")[2]):
+                blocks.append(_paragraph(origin, family))
+    print("\n\n".join(blocks))
     return COMPLETE
 
 
 def _title(origin: Origin, family: str) -> str:
     return f"{family}/{origin.name}" if family else origin.name
-
-
-def _chosen(sections: Sections, wanted: str | None) -> Iterator[str]:
-    """Give the paragraphs; a part goes by its own name and by that with its family."""
-    names = [name for entries in sections.values() for name, _ in entries]
-    known = dict.fromkeys(each for name in names for each in (name.rpartition("/")[2], name))
-    if wanted is not None and wanted not in known:
-        hint = suggestion(wanted, known, f"It must be one of {', '.join(known)}.")
-        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
-    for heading, entries in sections.items():
-        if wanted is None:
-            yield heading
-        for name, paragraph in entries:
-            if wanted in (None, name, name.rpartition("/")[2]):
-                yield paragraph()
 
 
 def _paragraph(origin: Origin, family: str) -> str:
@@ -93,12 +88,9 @@ def _paragraph(origin: Origin, family: str) -> str:
             return _described(class_of(origin.name, family), title, f"{origin} ({origin.entry})")
     except ValueError as error:
         fault = str(error)
-    # What a law of another package declares may be anything.
+    # Declarations of another package may fail in any way.
     except Exception as error:
-        fault = (
-            f"What {origin.entry} of {origin} declares cannot be read ({type(error).__name__}: {error}). "
-            "Mend that package."
-        )
+        fault = f"The declarations of {origin.entry} of {origin} raise {type(error).__name__}: {error}."
     return f"{title}: not usable\n{_wrapped(fault)}"
 
 
@@ -122,106 +114,91 @@ def _described(owner: type[Declared], title: str, origin: str) -> str:
 
 
 def described_parameter(name: str, member: DeclaredField, own: bool = False) -> str:
-    """Symbol, unit, meaning, default and range of a number; the options of a part, or our `own` alone."""
-    said, given = member.parameter, member.default
-    if said is None:
+    """Return symbol, unit, meaning, default and range of a number, or the options of a part."""
+    declared, default = member.parameter, member.default
+    if declared is None:
         family = family_of(member)
         options = dict.fromkeys([*PARTS[family], *([] if own else law_names(family))])
-        default = "" if given is MISSING else f", default {given.name}"
-        return f"a part, law/{family}={', '.join(options)}{default}"
-    unit = "" if said.units == "1" else f" [{said.units}]"
-    default = "must be given"
-    if name == SHARED:
-        default = "contact.friction_coefficient"
-    elif given is not MISSING:
-        default = "default none" if given is None else f"default {given:g}"
-    return f"{said.symbol}{unit}, {said.meaning}, {default}, {said.range or 'finite'}"
+        shown = "" if default is MISSING else f", default {default.name}"
+        return f"a part, law/{family}={', '.join(options)}{shown}"
+    unit = "" if declared.units == "1" else f" [{declared.units}]"
+    shown = "must be given" if default is MISSING else "default none" if default is None else ""
+    shown = "contact.friction_coefficient" if name == SHARED else shown or f"default {default:g}"
+    return f"{declared.symbol}{unit}, {declared.meaning}, {shown}, {declared.range or 'finite'}"
 
 
 def declared_rows(owner: type[Declared]) -> dict[str, str]:
-    """What a law or part claims of itself where it says anything: a composed law leaves it to its parts.
-
-    What hangs on parameters is told as it is with their defaults.
-    """
-    open_ones = [one for one in members_of(owner).values() if one.default is MISSING]
-    said: Any = owner if owner is Composed or open_ones else owner()
+    """Return the declarations of a law or part by name, with the defaults of its parameters."""
+    is_open = any(member.default is MISSING for member in members_of(owner).values())
+    law: Any = owner if owner is Composed or is_open else owner()
     rows: dict[str, str] = {}
     if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
-    if issubclass(owner, ContactLaw) or getattr(said, "allows_tension", False):
-        rows["tension"] = _in_words(said, "allows_tension", {True: "allowed", False: "none"})
+    if issubclass(owner, ContactLaw) or getattr(law, "allows_tension", False):
+        rows["tension"] = _shown(law, "allows_tension", {True: "allowed", False: "none"})
     if issubclass(owner, ContactLaw):
-        rows["convergence order"] = _in_words(said, "convergence_order")
+        rows["convergence order"] = _shown(law, "convergence_order")
         at_most = "at most " if getattr(owner, "projects", False) else ""
         rows["default contact step"] = f"{at_most}{owner.default_contact_step:g} s"
-    if issubclass(owner, ContactLaw | Friction):
-        rows["stick"] = _in_words(said, "exact_stick", STICK)
-        offset = said.friction_offset
-        rows["cone"] = f"widened by an offset C = {offset:g} N" if not _hangs(offset) and offset else ""
-    rows |= _memory_rows(said)
-    if issubclass(owner, ContactLaw | Friction):
-        if _hangs(said.violations):
-            rows["breaks"] = _in_words(said, "violations")
-        else:
-            rows |= {f"breaks {name}": reason for name, reason in said.violations.items()}
+    has_friction = issubclass(owner, ContactLaw | Friction)
+    if has_friction:
+        rows["stick"] = _shown(law, "exact_stick", STICK)
+        offset = law.friction_offset
+        rows["cone"] = f"widened by an offset C = {offset:g} N" if not _is_open(offset) and offset else ""
+    rows |= _contact_rows(law)
+    if has_friction and _is_open(law.violations):
+        rows["breaks"] = _shown(law, "violations")
+    elif has_friction:
+        rows |= {f"breaks {name}": reason for name, reason in law.violations.items()}
     return rows
 
 
-def _memory_rows(said: Any) -> dict[str, str]:
-    """What a law or part remembers, and what it has a hand in: limits, guards, a moment, the step."""
-    rows: dict[str, str] = {}
-    variables = getattr(said, "internal_variables", ())
-    if _hangs(variables):
-        rows["internal variables"] = _in_words(said, "internal_variables")
+def _contact_rows(law: Any) -> dict[str, str]:
+    """Return internal variables, kernels that most laws have not, and guards."""
+    variables, guards = getattr(law, "internal_variables", ()), getattr(law, "guards", 0)
+    if _is_open(variables):
+        rows = {"internal variables": _shown(law, "internal_variables")}
     else:
-        for alike in _alike(variables):
-            names, words = described_variables(alike)
-            rows[f"internal variable{'s' * (len(alike) > 1)} {names}"] = words
-    kernels = {name: getattr(said, name, None) for name in ("limits", "moment")}
-    for name, words in KERNELS.items():
-        if not _hangs(kernels[name]) and kernels[name] is not None:
-            rows[name] = words
-    guards = getattr(said, "guards", 0)
-    if not _hangs(guards) and guards:
-        rows["guards"] = f"{guards}: where one falls through zero, a step ends and what it remembers jumps"
+        rows = dict(_variables(variables))
+    for name, text in KERNELS.items():
+        if not _is_open(kernel := getattr(law, name, None)) and kernel is not None:
+            rows[name] = text
+    if not _is_open(guards) and guards:
+        rows["guards"] = f"{guards}: where one falls through zero, a step ends and the reset map is applied"
     return rows
 
 
-def _alike(variables: Iterable[InternalVariable]) -> Iterator[list[InternalVariable]]:
-    """Give internal variables together that differ by a number alone, one after the other."""
+def _variables(variables: Iterable[InternalVariable]) -> Iterator[tuple[str, str]]:
+    """Yield title and text of internal variables; those that differ by a number alone have one row."""
     digits = str.maketrans("", "", "0123456789")
 
-    def plain(one: InternalVariable) -> InternalVariable:
-        words = {name: getattr(one, name).translate(digits) for name in ("name", "symbol", "meaning")}
-        return replace(one, **words)
+    def plain(variable: InternalVariable) -> InternalVariable:
+        texts = {key: getattr(variable, key).translate(digits) for key in ("name", "symbol", "meaning")}
+        return replace(variable, **texts)
 
-    for _, alike in groupby(variables, plain):
-        yield list(alike)
-
-
-def described_variables(alike: Sequence[InternalVariable]) -> tuple[str, str]:
-    """Names, and symbols, unit, meaning, how life begins and parity, of variables that are alike."""
-    one = alike[0]
-    names, symbols, meanings = (
-        " to ".join(dict.fromkeys(getattr(each, word) for each in (one, alike[-1])))
-        for word in ("name", "symbol", "meaning")
-    )
-    unit = f" [{one.units}]" if one.units != "1" else ""
-    symbol = f"{symbols}{unit}, " if symbols or unit else ""
-    begins = "begin" if len(alike) > 1 else "begins"
-    life = {"contact": "with every contact", "run": "with the run and not with a contact"}[one.life]
-    parity = ", odd in a mirror" if one.parity == ODD else ""
-    return names, f"{symbol.lstrip()}{meanings}, {begins} at {one.initial:g} {life}{parity}"
+    for _, group in groupby(variables, plain):
+        first, *rest = group
+        last = rest[-1] if rest else first
+        names, symbols, meanings = (
+            " to ".join(dict.fromkeys((getattr(first, key), getattr(last, key))))
+            for key in ("name", "symbol", "meaning")
+        )
+        unit = f" [{first.units}]" if first.units != "1" else ""
+        symbol = f"{symbols}{unit}, ".lstrip() if symbols or unit else ""
+        life = {"contact": "with every contact", "run": "with the run and not with a contact"}[first.life]
+        text = f"{symbol}{meanings}, {'begin' if rest else 'begins'} at {first.initial:g} {life}"
+        title = f"internal variable{'s' if rest else ''} {names}"
+        yield title, f"{text}{', odd in a mirror' if first.parity == ODD else ''}"
 
 
-def _hangs(value: Any) -> bool:
-    """Tell whether a declaration hangs on parts or parameters that are not given."""
+def _is_open(value: Any) -> bool:
+    """Return whether a declaration depends on parts or parameters that have no value."""
     return isinstance(value, property)
 
 
-def _in_words(said: Any, name: str, words: Mapping[Any, str] = MappingProxyType({})) -> str:
-    """A declaration in words; one that follows from the parts says so."""
-    value = getattr(said, name)
-    if _hangs(value):
-        return "that of its parts" if said is Composed else "as its parameters are"
-    return words.get(value) or f"{value:g}"
+def _shown(law: Any, name: str, texts: Mapping[Any, str] = MappingProxyType({})) -> str:
+    """Return a declaration as text; one that follows from the parts says so."""
+    value = getattr(law, name)
+    if _is_open(value):
+        return "that of its parts" if law is Composed else "as its parameters are"
+    return texts.get(value) or f"{value:g}"

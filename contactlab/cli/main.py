@@ -6,22 +6,33 @@ from importlib import import_module
 from io import TextIOWrapper
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import NO_TEXT, VERBS
+from contactlab.cli.arguments import VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.config.studies import RUN, question_of, studies
 from contactlab.suggestion import suggestion
 
 
 def main() -> int:
-    """Run the command and give its exit status."""
+    """Run the command and return its exit status."""
     terminal.open_closed()
-    # As UTF-8, whatever the locale takes them for.
+    # As UTF-8 in every locale.
     sys.argv[1:] = [os.fsencode(text).decode("utf-8", "surrogateescape") for text in sys.argv[1:]]
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             # A terminal that cannot show a character shows its code.
             stream.reconfigure(errors="backslashreplace")
-    status = _status(*sys.argv[1:])
+    try:
+        with terminal.ending_at_once():
+            status = _perform(*sys.argv[1:])
+    except SystemExit as stop:
+        status = int(stop.code or 0)
+    except RefusalError as refusal:
+        status = refuse([str(refusal)], refusal.status)
+    except KeyboardInterrupt as interrupt:
+        status = refuse([str(interrupt) or MESSAGE], INTERRUPTED)
+    except BrokenPipeError:
+        terminal.silence(sys.stdout)
+        status = INCOMPLETE
     try:
         sys.stdout.flush()
     except OSError:
@@ -30,61 +41,37 @@ def main() -> int:
     return status
 
 
-def _status(verb: str = "", *arguments: str) -> int:
-    """Do what is asked for, and give its exit status however it ends."""
-    try:
-        with terminal.ending_at_once():
-            return _perform(verb, *arguments)
-    except SystemExit as stop:
-        return int(stop.code or 0)
-    except RefusalError as refusal:
-        return refuse([str(refusal)], refusal.status)
-    except KeyboardInterrupt as interrupt:
-        print(str(interrupt) or MESSAGE, file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        # Whoever read the output has had enough of it.
-        terminal.silence(sys.stdout)
-        return INCOMPLETE
-    except UnicodeEncodeError as error:
-        return refuse(
-            [
-                f"'{error.object}' cannot be spelled in {error.encoding}, the encoding of this locale; it "
-                "must be without special characters here. Set LC_ALL=C.UTF-8 or leave them out."
-            ]
-        )
-
-
-def _perform(verb: str, *arguments: str) -> int:
+def _perform(*words: str) -> int:
     """Do the work of a verb, of a study, or of a run, which has no verb."""
-    if verb in ("-m", "--multirun") and arguments:
-        (verb, *rest), flag = arguments, verb
-        arguments = (*rest, flag)
+    if words[:1] in (("-m",), ("--multirun",)):
+        words = (*words[1:], words[0])
+    verb, arguments = words[0] if words else "", words[1:]
     if verb == "help":
         if not arguments:
             print(*_verbs(), sep="\n")
             return 0
         verb, arguments = arguments[0], ("--help",)
-        sys.argv[1:] = [verb, *arguments]
-    if verb == RUN:
-        sys.argv[1:] = arguments
-    elif verb in studies():
+    if verb in VERBS:
+        module = verb.replace("-", "_")
+        return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
+    if verb in studies() and verb != RUN:
         # Imported here: it brings the engine.
         from contactlab.cli.study import as_overrides, help_on
 
         if {"--help", "-h"} & {*arguments}:
             print(help_on(verb))
             return 0
-        sys.argv[1:] = as_overrides(verb, arguments)
-    elif verb in VERBS:
-        module = verb.replace("-", "_")
-        return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
-    else:
-        _refuse_what_is_no_verb(verb)
+        arguments = tuple(as_overrides(verb, arguments))
+    elif verb.isidentifier() and verb != RUN:
+        known = sorted({*VERBS, *studies()})
+        hint = suggestion(verb, known, f"It must be one of {', '.join(known)}.")
+        raise RefusalError(f"There is no verb '{verb}'. {hint}")
+    elif verb != RUN:
+        arguments = words
     # Imported here: it brings Hydra, which other verbs do not need.
     from contactlab.cli import app
 
-    return app.main()
+    return app.main(list(arguments))
 
 
 def _verbs() -> list[str]:
@@ -94,16 +81,6 @@ def _verbs() -> list[str]:
     return [
         "contactlab [KEY=VALUE ...] simulates a motor; contactlab -m KEY=A,B ... simulates all combinations.",
         "contactlab VERB ...:",
-        *(f"  {verb:{width}}  {words}" for verb, words in every.items()),
+        *(f"  {verb:{width}}  {text}" for verb, text in every.items()),
         "contactlab help VERB lists the options of a verb, contactlab --help all groups and keys of a run.",
     ]
-
-
-def _refuse_what_is_no_verb(word: str) -> None:
-    """Refuse a first word that is neither a verb nor an argument of a run."""
-    if not word or "=" in word or word.startswith(("-", "~")) or NO_TEXT.search(word):
-        return
-    known = sorted({*VERBS, *studies()})
-    raise RefusalError(
-        f"There is no verb '{word}'; it must be one of {', '.join(known)}. {suggestion(word, known)}".rstrip()
-    )

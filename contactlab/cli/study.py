@@ -6,7 +6,7 @@ contactlab steady law=newton brake="2 mN m"     is     contactlab study=steady l
 import re
 import sys
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING
 from itertools import product
@@ -15,19 +15,22 @@ from types import NoneType
 from typing import Final
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import FLAGS, quoted
+from contactlab.cli.arguments import quoted
 from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
 from contactlab.config import Setup, build
 from contactlab.config.studies import study_class
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.study import Setups, Study
-from contactlab.sweeps.values import listed
+from contactlab.studies.sweep_values import listed
 
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
 
-FOLDER = "hydra.run.dir", "hydra.sweep.dir"
+PLAIN: Final = re.compile(r"(?!-)[^=]+")
+"""A word that is neither an option nor an override."""
+
+FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
 
 
@@ -35,7 +38,7 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     """Return the arguments of a verb as Hydra reads them.
 
     An option of the study may be written NAME=VALUE, --NAME VALUE or --NAME=VALUE, one that is true or
-    false --NAME or --no-NAME, and the folder of the files --output DIR.
+    false --NAME or --no-NAME, and the folder of the files output=DIR.
 
     Raises:
         RefusalError: an option lacks its value.
@@ -43,56 +46,65 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     study = study_class(verb)
     options = declared_fields(study)
     sweeps = not {"-m", "--multirun"}.isdisjoint(words)
-    lines, rest, several = [f"study={verb}"], list(words), list[str]()
-    given: dict[str, list[str]] = defaultdict(list)
     place = FOLDER[sweeps]
-    while rest:
-        word = rest.pop(0)
-        name, sign, _ = word.partition("=")
-        if word.startswith("--") and name not in FLAGS:
-            lines.append(_option(word, rest, options, place))
-        elif name == "output":
-            lines.append(f"{place}={quoted(word.removeprefix('output='))}")
-        elif study.several and not sweeps and LISTED.match(word):
-            several.append(word)
-        elif sign and name in options:
-            lines.append(f"study.{name}={_value(options[name], word.partition('=')[2])}")
+    lines, several = [f"study={verb}"], list[str]()
+    matched: dict[str, list[str]] = defaultdict(list)
+    for word in _without_dashes(words, options):
+        name, sign, value = word.partition("=")
+        if name == "output" and sign:
+            lines.append(f"{place}={quoted(value)}")
+        elif name in options and sign:
+            matched[name] += _values(options[name], value)
+        elif taken := next((key for key, form in study.words.items() if form.fullmatch(word)), ""):
+            matched[taken].append(word)
         else:
-            taken = next((key for key, form in study.words.items() if form.fullmatch(word)), None)
-            (lines if taken is None else given[taken]).append(word)
-    for name, values in given.items():
-        several_values = list[str] in options[name].kinds
-        if len(values) > 1 and not several_values:
-            raise RefusalError(f"{', '.join(values)} are given; it must be one of them.")
-        text = ",".join(map(quoted, values))
-        lines.append(f"study.{name}=[{text}]" if several_values else f"study.{name}={text}")
+            (several if study.several and not sweeps and LISTED.match(word) else lines).append(word)
+    for name, values in matched.items():
+        kinds = options[name].kinds
+        if len(values) > 1 and name in study.words and list[str] not in kinds:
+            raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
+        texts = [quoted(value) if str in kinds and value != "null" else value for value in values]
+        if list[str] in kinds and not values[0].startswith("["):
+            texts = [f"[{','.join(map(quoted, values))}]"]
+        lines.append(f"study.{name}={texts[-1]}")
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
-    if sweeps:
-        return lines
     # What a user sets comes later and prevails.
-    return [f"{place}={verb}", "hydra.output_subdir=null", *lines]
+    return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
 
 
-def _option(word: str, rest: list[str], options: Mapping[str, DeclaredField], place: str) -> str:
-    """Return an option with dashes as an override; its value may be the first of the other words."""
-    key, sign, value = word.removeprefix("--").partition("=")
-    name = key.replace("-", "_")
-    if name.removeprefix("no_") in options and bool in options[name.removeprefix("no_")].kinds and not sign:
-        return f"study.{name.removeprefix('no_')}={str(not name.startswith('no_')).lower()}"
-    if name not in (*options, "output"):
-        raise RefusalError(f"{word} is no option; it must be one of {', '.join([*options, 'output'])}.")
-    if not sign and not rest:
-        raise RefusalError(f"{word} has no value; one must follow it.")
-    value = value if sign else rest.pop(0)
-    return f"{place}={quoted(value)}" if name == "output" else f"study.{name}={_value(options[name], value)}"
+def _without_dashes(words: Sequence[str], options: Mapping[str, DeclaredField]) -> Iterator[str]:
+    """Yield words with NAME=VALUE in place of --NAME VALUE, --NAME and --no-NAME; flags are left."""
+    rest = list(words)
+    while rest:
+        word = rest.pop(0)
+        key, sign, value = word.partition("=")
+        name = key.removeprefix("--").replace("-", "_")
+        switch = options.get(name.removeprefix("no_"))
+        if not word.startswith("--") or name not in (*options, "output", f"no_{name.removeprefix('no_')}"):
+            yield word
+        elif switch and bool in switch.kinds and not sign:
+            yield f"{name.removeprefix('no_')}={not name.startswith('no_')}".lower()
+        elif name not in (*options, "output"):
+            raise RefusalError(f"{word} is no option; it must be one of {', '.join([*options, 'output'])}.")
+        elif not sign and not rest:
+            raise RefusalError(f"{word} has no value; one must follow it.")
+        else:
+            value = value if sign else rest.pop(0)
+            yield f"{name}={value}"
+            # Several files may follow their option.
+            while (
+                name != "output" and list[str] in options[name].kinds and not sign and PLAIN.fullmatch(value)
+            ):
+                if not (rest and PLAIN.fullmatch(rest[0])):
+                    break
+                yield f"{name}={rest.pop(0)}"
 
 
-def _value(field: DeclaredField, value: str) -> str:
-    """Return the value of an option as Hydra reads it: a text in quotes, several texts as a list."""
-    if list[str] in field.kinds and not value.startswith("["):
-        return f"[{','.join(quoted(one.strip()) for one in value.split(','))}]"
-    return quoted(value) if str in field.kinds and value != "null" else value
+def _values(field: DeclaredField, value: str) -> list[str]:
+    """Return the values of an option, separated by commas if it takes several."""
+    several = list[str] in field.kinds and not value.startswith("[")
+    return [each.strip() for each in value.split(",")] if several else [value]
 
 
 def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:
@@ -108,17 +120,34 @@ def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:
     return {", ".join(chosen): build([*rest, *chosen]) for chosen in product(*axes)}
 
 
+def without_effect(verb: str, lines: Iterable[str]) -> Iterator[str]:
+    """Yield the fault of each override on which a study does not depend."""
+    study = study_class(verb)
+    effective = "sweep.over=" if study.several else "study="
+    for line in lines:
+        if not line.startswith(effective) and any(_sets(line, key) for key in study.ignored):
+            yield f"{line} has no effect on the study {verb}; it must be left out."
+
+
+def _sets(line: str, key: str) -> bool:
+    """Return whether an override sets a key or group, or one below it; a group may be {leaf: value}."""
+    name, _, value = line.lstrip("+~").partition("=")
+    name = name.split("@")[0].strip().replace("/", ".")
+    group, _, leaf = key.partition(".")
+    within = name == group and bool(leaf) and re.search(rf"\b{leaf}\s*:", value)
+    return f"{name}.".startswith(f"{key}.") or bool(within)
+
+
 def help_on(verb: str) -> str:
     """Return the help of a study's verb, made from its declaration."""
     study = study_class(verb)
-    about = re.sub(r"\n +", "\n", (study.__doc__ or "").strip())
     fields = declared_fields(study)
     width = max(map(len, fields)) + 2
     return "\n".join(
         [
             f"usage: contactlab {verb} [NAME=VALUE | KEY=VALUE | GROUP=OPTION ...] [output=DIR] [-m]",
             "",
-            about,
+            re.sub(r"\n +", "\n", (study.__doc__ or "").strip()),
             "",
             "Options:",
             *(f"  {name:<{width}}{_described(field)}" for name, field in fields.items()),
@@ -135,18 +164,8 @@ def _described(field: DeclaredField) -> str:
     assert field.parameter is not None
     label = f" [{field.parameter.unit}]" if field.parameter.label else ""
     default = field.default
-    given = "" if default in (None, MISSING, ()) or NoneType in field.kinds else f"; {default}".lower()
-    return f"{field.parameter.meaning}{label}{given}"
-
-
-def refusals_of(verb: str, lines: Sequence[str]) -> Iterator[str]:
-    """Yield what is wrong with arguments on which a study does not depend."""
-    from contactlab.cli.idle_words import idle
-
-    study = study_class(verb)
-    effective = "sweep.over=" if study.several else "study="
-    for line in idle((line for line in lines if not line.startswith(effective)), *study.ignored):
-        yield f"{line} has no effect on the study {verb}; it must be left out."
+    shown = "" if default in (None, MISSING, ()) or NoneType in field.kinds else f"; {default}".lower()
+    return f"{field.parameter.meaning}{label}{shown}"
 
 
 def perform_study(study: Study, setups: Setups, folder: Path) -> int:
@@ -154,12 +173,12 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
 
     Raises:
         KeyboardInterrupt: with a sentence; finished tasks are kept.
-        RefusalError: nothing can be written.
+        RefusalError: nothing can be written, or the result does not exist.
     """
     from contactlab.studies.runner import finish, run
 
     try:
-        with terminal.progress(1.0, "of the study", f"The study {study.name}") as show, terminal.raising():
+        with terminal.progress(1.0, "of the study") as show, terminal.raising():
             result = run(study, setups, folder, lambda done, total: show(done / max(total, 1)))
             files = finish(result, folder)
     except KeyboardInterrupt:

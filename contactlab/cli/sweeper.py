@@ -1,53 +1,214 @@
 """The sweep of a command line: every run checked before the first, what is complete skipped, all collected.
 
 Hydra's own sweeper hands every job to the launcher, so that a cluster would be asked for a node to find a run
-complete. Here the jobs are known and sound, and the launcher is given those that are to run: a job each where
-runs leave their folders, a job a chunk where they leave their metrics alone.
+complete. Here the launcher receives the jobs that are to run, where runs leave folders. A sweep that keeps
+numbers alone is the study `contactlab.studies.sweep.Sweep`.
 """
 
-import os
-import platform
+import random
+import re
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
+import pandas
+import xarray
+from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
 from hydra.core.plugins import Plugins
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf
+from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
+from contactlab.cli.app import announce, choices_of, idle_friction
 from contactlab.cli.arguments import quoted
-from contactlab.cli.checking import announce, announce_series, misplaced, sets_friction
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
-from contactlab.cli.next_step import tell_next
-from contactlab.cli.sweep_arguments import Arguments, table
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError, validate
-from contactlab.config.composition import sentences
+from contactlab.config import ConfigurationError, build, validate
+from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
-from contactlab.config.schema import idle_friction
+from contactlab.config.nesting import Value
 from contactlab.config.studies import RUN
-from contactlab.processes import processors
-from contactlab.results.files import LOG, STATE, told
-from contactlab.sweeps.batch import Outputs, WorkerError
-from contactlab.sweeps.dataset import summary
-from contactlab.sweeps.plan import NOTHING, full_keys, planned, raise_faults, setups_of
-from contactlab.sweeps.state import ABSENT, State, code_digest_of, resume, sentence, write_state
-from contactlab.sweeps.store import CHUNKS, Store
-from contactlab.sweeps.values import SweepError
+from contactlab.processes import WorkerError, processors
+from contactlab.results.files import LOG, STATE, error_text
+from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
+from contactlab.studies.sweep import Sweep as SweepStudy, begin, continued, runs_of
+from contactlab.studies.sweep_dataset import summary
+from contactlab.studies.sweep_plan import (
+    NOTHING,
+    Configuration,
+    Outputs,
+    Plan,
+    full_keys,
+    planned,
+    raise_faults,
+)
+from contactlab.studies.sweep_values import FORMS, SweepError, call_in, spread
+
+
+@final
+class Arguments:
+    """Arguments of a sweep: which keys are swept over which values, and the configurations they compose.
+
+    Args:
+        context, config: what Hydra hands a sweeper.
+        lines: the overrides.
+    """
+
+    def __init__(self, context: HydraContext, config: DictConfig, lines: Sequence[str]) -> None:
+        self._loader, self._config = context.config_loader, config
+        self.options = self._loader.get_group_options
+        self.columns: dict[str, list[Value]] = {}
+        self.faults: list[str] = []
+        self._lines: dict[str, str] = {}
+        try:
+            overrides = OverridesParser.create(config_loader=self._loader).parse_overrides(list(lines))
+            self.settings: dict[str, Any] = dict(OmegaConf.to_container(config.sweep, resolve=True))  # type: ignore[arg-type]
+        # Hydra lets the errors of what it calls through.
+        except Exception as error:
+            raise ConfigurationError(faults_of(error, lines)) from error
+        for override in overrides:
+            key, values = override.key_or_group, self._values(override)
+            if key.startswith("sweep."):
+                # A list of names is written as that of values is.
+                if override.is_sweep_override():
+                    self.settings[key.removeprefix("sweep.")] = values
+                continue
+            if key in self._lines:
+                self.faults.append(f"{key} occurs more than once; it must be either swept or set, and once.")
+            self._lines[key] = str(override.input_line)
+            if override.is_sweep_override() or any(map(call_in, values)):
+                self.columns[key] = values
+        if self.columns and self.settings["samples"] is not None:
+            keys = ", ".join(self.columns)
+            self.faults.append(f"{keys} and sweep.samples are swept at once; it must be one of them.")
+
+    @property
+    def fixed(self) -> list[str]:
+        """The overrides that all runs have."""
+        return [line for key, line in self._lines.items() if key not in self.columns]
+
+    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
+        """Return the configuration with these options of groups."""
+        return resolved(self.composed(chosen))
+
+    def composed(self, chosen: Mapping[str, Value]) -> DictConfig:
+        """Return the configuration as Hydra composes it, its own part and references included."""
+        return self._loaded([*self.fixed, *(f"{group}={option}" for group, option in chosen.items())])
+
+    def _loaded(self, lines: list[str]) -> DictConfig:
+        try:
+            return self._loader.load_sweep_config(self._config, lines)
+        # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
+        except Exception as error:
+            raise ConfigurationError(faults_of(error, lines)) from error
+
+    def job(self, plan: Plan, cell: int) -> tuple[str, Job]:
+        """Return the name of a run's folder, as Hydra makes it, and what the run was asked for.
+
+        Raises:
+            ConfigurationError: the run is faulty.
+        """
+        lines = dict(self._lines)
+        for axis, place in zip(plan.axes, plan.places(cell), strict=True):
+            column = self.columns.get(axis.key, axis.values)
+            # Values as typed where they are listed.
+            values = axis.values if any(map(call_in, column)) else column
+            before = lines.get(axis.key, axis.key).partition("=")[0]
+            lines[axis.key] = f"{before}={_text(values[place])}"
+        composed = self._loaded([*lines.values()])
+        composed.hydra.job.num, composed.hydra.job.id = cell, str(cell)
+        try:
+            # For ${hydra:...} in the name.
+            HydraConfig.instance().set_config(composed)
+            name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
+        except OmegaConfBaseException as error:
+            raise ConfigurationError([f"hydra.sweep.subdir cannot be resolved: {one_line(error)}"]) from error
+        finally:
+            HydraConfig.instance().set_config(self._config)
+        setup = build(resolved(composed))
+        job = Job(key_of(setup), tuple(lines.values()), choices_of(composed.hydra), setup.configuration)
+        return name, job
+
+    def _values(self, override: Override) -> list[Any]:
+        """Return the values of an override."""
+        if override.is_delete():
+            return []
+        value = override.value()
+        if not override.is_sweep_override():
+            return [_plain(value)]
+        if isinstance(value, RangeSweep):
+            values: list[Any] = [f"range({value.start},{value.stop},{value.step})"]
+            if value.shuffle:
+                values = spread(override.key_or_group, values[0])
+                random.shuffle(values)
+            return values
+        if not override.is_discrete_sweep():
+            self.faults.append(f"{override.input_line} cannot be swept; a swept parameter must have {FORMS}.")
+            return []
+        return [_plain(each) for each in override.sweep_iterator(Transformer.identity)]
+
+
+def table(path: str) -> dict[str, list[Value]]:
+    """Read a table of samples, CSV or netCDF: its values by the names of its columns.
+
+    Raises:
+        ConfigurationError: it cannot be read, or lacks a value.
+    """
+    try:
+        if path.endswith(".csv"):
+            # Without header: pandas would rename a column that is there twice, and shift too long a row.
+            cells = pandas.read_csv(path, header=None, skipinitialspace=True, dtype=str, encoding="utf-8-sig")
+            names = [str(name).strip() for name in cells.iloc[0]]
+            if len({*names}) < len(names):
+                raise ValueError("two columns have one name")
+            rows = pandas.read_csv(path, skipinitialspace=True, index_col=False, names=names, header=0)
+        else:
+            with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
+                # The dataset of a sweep says which of its variables are keys.
+                keys = {name: v.attrs["key"] for name, v in dataset.variables.items() if "key" in v.attrs}
+                rows = dataset.to_dataframe()
+                rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
+    # A file can be anything.
+    except Exception as error:
+        raise ConfigurationError(
+            [
+                f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, CSV "
+                "(NAME.csv) or netCDF, whose columns are keys and whose rows are runs."
+            ]
+        ) from error
+    raise_faults(
+        f"sweep.samples has {'no' if str(value) == 'nan' else 'a reference as'} {name} in row {row} of "
+        f"'{path}'; a cell must be a number or the name of an option."
+        for name in rows
+        for row, value in enumerate(rows[name], 1)
+        if str(value) == "nan" or "${" in str(value)
+    )
+    return {str(name): rows[name].tolist() for name in rows}
+
+
+def _plain(value: Any) -> Any:
+    return value.text if isinstance(value, QuotedString) else value
+
+
+def _text(value: Value) -> str:
+    """Return a value as an override has it."""
+    if isinstance(value, str):
+        return value if re.fullmatch(r"[\w.+-]+", value, re.ASCII) else quoted(value)
+    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 @final
 @dataclass(frozen=True)
 class Sweeping:
-    """Plans, checks, resumes and collects a sweep, by what Hydra gives a sweeper and its options."""
+    """Plans, checks, resumes and collects a sweep, by what Hydra hands a sweeper and its options."""
 
     context: HydraContext
     task: TaskFunction
@@ -55,197 +216,152 @@ class Sweeping:
     max_batch_size: int | None = None
     params: Mapping[str, str] | None = None
 
-    def sweep(self, arguments: list[str]) -> None:
-        """Run a sweep, or go on with it.
+    def sweep(self, lines: list[str]) -> None:
+        """Run a sweep, or continue it.
 
         Raises:
-            SystemExit: with the status of the worst run, or that of what was refused.
+            SystemExit: with the status of the worst run, or that of a refusal.
         """
         try:
-            given = (f"{key}={value}" for key, value in (self.params or {}).items())
-            status = self._swept([*given, *arguments])
+            status = self._swept([*(f"{k}={v}" for k, v in (self.params or {}).items()), *lines])
         except ConfigurationError as error:
-            status = refuse(dict.fromkeys(error.faults))
+            status = refuse(error.faults)
         except SweepError as error:
             status = refuse([str(error)])
         if status:
             raise SystemExit(status)
 
     def _swept(self, lines: Sequence[str]) -> int:
+        arguments = Arguments(self.context, self.config, lines)
+        faults, composed = arguments.faults, arguments.composed({})
         try:
-            parser = OverridesParser.create(config_loader=self.context.config_loader)
-            overrides = parser.parse_overrides(list(lines))
-            folder = Path(str(self.config.hydra.sweep.dir))
-            section: Any = OmegaConf.to_container(self.config.sweep, resolve=True)
-        # Hydra lets the errors of what it calls through.
-        except Exception as error:
-            raise ConfigurationError(sentences(error, lines)) from error
-        arguments = Arguments(self.context, self.config, overrides, section)
-        faults = [*misplaced(lines, swept=True), *arguments.faults]
-        try:
-            validate({**arguments.compose({}), "sweep": arguments.settings})
+            validate({**resolved(composed), "sweep": arguments.settings})
         except ConfigurationError as error:
-            # What else is wrong may be set right by what is swept.
+            # What else is faulty may be replaced by what is swept.
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]
         raise_faults(faults)
-        settings = Sweep(**arguments.settings)
-        study = str(self.config.study.name)
-        samples = settings.samples
+        settings, study = Sweep(**arguments.settings), str(self.config.study.name)
+        samples, is_run = settings.samples, study == RUN
+        keep = settings.keep if is_run else "metrics"
+        mine: Any = OmegaConf.to_container(composed, resolve=False)
+        if keep == "metrics" and "${" in str({key: mine[key] for key in mine if key != "hydra"}):
+            raise ConfigurationError(
+                ["A reference ${...} may depend on what is swept; write the value with sweep.keep=metrics."]
+            )
         plan = planned(
             arguments,
             full_keys(table(samples), arguments) if samples else arguments.columns,
-            Outputs.of_study(study)
-            if study != RUN
-            else Outputs.named(settings.metrics, settings.series or ()),
+            Outputs.named(settings.metrics, settings.series or ()) if is_run else Outputs.of_study(study),
             samples=samples is not None,
             # A cell of a study takes seconds: every one is kept as it ends.
-            chunk=settings.chunk or (1 if study != RUN else None),
-            keep="metrics" if study != RUN else settings.keep,
+            chunk=settings.chunk or (None if is_run else 1),
+            keep=keep,
         )
         set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
-        if sets_friction(set_keys) and (words := idle_friction(b["law"] for b in plan.bases)):
-            tell(f"contactlab: {words}", sys.stderr)
-        store = Store(folder, plan)
-        if plan.keep == "metrics":
-            return self._metrics(store, settings.workers)
-        status = self._folders(store, arguments)
+        raise_faults(idle_friction(set_keys, [base["law"] for base in plan.bases]))
+        folder = Path(str(self.config.hydra.sweep.dir))
+        if keep == "metrics":
+            section = self.config.study
+            workers = settings.workers or (None if is_run else section.get("workers", 1)) or processors()
+            return self._numbers(
+                SweepStudy(plan=plan, workers=workers, scheduler=section.get("scheduler")), folder
+            )
+        status = self._folders(plan, folder, arguments)
         collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
-        if status == COMPLETE and any(axis.key == "law" for axis in plan.axes):
-            tell_next("compare", [str(folder)], "sets the laws side by side")
         return status
 
-    def _folders(self, store: Store, arguments: Arguments) -> int:
-        """Run what leaves a folder each, but for what is complete; give the worst status."""
-        plan, folder = store.plan, store.path
-        jobs = []
-        with terminal.progress(plan.cells, "runs", "Checking the sweep") as show:
-            for cell, setup in enumerate(setups_of(plan, arguments)):
-                jobs.append(arguments.job(plan, cell, setup))
+    def _folders(self, plan: Plan, folder: Path, arguments: Arguments) -> int:
+        """Run what leaves a folder each, but for what is complete; return the worst status."""
+        jobs: list[tuple[str, Job]] = []
+        faults: list[str] = []
+        with terminal.progress(plan.cells, "runs checked") as show:
+            for cell in range(plan.cells):
+                try:
+                    jobs.append(arguments.job(plan, cell))
+                except ConfigurationError as error:
+                    faults += error.faults
                 show(cell)
-        names = Counter(name for name, _ in jobs)
+        raise_faults(faults)
+        counts = Counter(name for name, _ in jobs)
         faults = [
-            f"hydra.sweep.subdir gives '{folder / name}' to {count} jobs, which would overwrite each other; "
-            "it must differ from job to job. Leave it out, and give every value once."
-            for name, count in names.items()
+            f"hydra.sweep.subdir is '{name}' for {count} jobs; it must differ from job to job."
+            for name, count in counts.items()
             if count > 1
         ]
-        # Of folders that are not there yet the longest name tells.
-        tried = {*(folder / name for name in names if (folder / name).exists())}
-        faults += [f for path in {*tried, folder / max(names, key=len)} for f in refusals(path)]
+        # Of folders that do not exist yet the longest name is tried.
+        tried = {*(folder / name for name in counts if (folder / name).exists())}
+        for path in {*tried, folder / max(counts, key=len)}:
+            faults += refusals(path, "hydra.sweep.dir")
         raise_faults(faults)
-        store.begin()
-        runs, said = resume([(folder / name, job.key) for name, job in jobs])
-        print(said, flush=True)
-        pending = [job for job, is_to_run in zip(jobs, runs, strict=True) if is_to_run]
-        for place, job in ((folder / name, job) for name, job in pending):
-            # So that it is known what one was that never begins.
-            place.mkdir(parents=True, exist_ok=True)
-            if not (place / STATE).exists():
-                write_state(place, State(ABSENT, job))
+        begin(folder, plan)
+        is_pending, sentence = resume([(folder / name, job.key) for name, job in jobs])
+        print(sentence, flush=True)
+        pending = [job for job, is_to_run in zip(jobs, is_pending, strict=True) if is_to_run]
+        for name, job in pending:
+            (folder / name).mkdir(parents=True, exist_ok=True)
+            # A run that never begins is known by its state.
+            if not (folder / name / STATE).exists():
+                write_state(folder / name, State(ABSENT, job))
         announce(job.configuration for _, job in pending)
         if pending:
             OmegaConf.save(self.config, folder / "multirun.yaml")
         where = f"hydra.sweep.dir={quoted(str(folder))}"
         batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending]
-        return self._launched(self.task, batch, store)
+        return self._launched(batch, folder)
 
-    def _metrics(self, store: Store, workers: int | None) -> int:
-        """Run what leaves its metrics alone, but for the chunks that are there; give the exit status."""
-        plan = store.plan
-        faults = list(refusals(store.path, "Choose another one by hydra.sweep.dir=DIR."))
-        if not plan.axes:
-            faults.append(NOTHING)
-        if "${" in str(plan.bases):
-            faults.append(
-                "The configuration has references in ${...}; a sweep of metrics must have their values, "
-                "which may depend on what is swept. Write the values."
-            )
-        raise_faults(faults)
-        store.begin()
-        print(sentence(plan.cells, {ABSENT: store.missing_runs()}), flush=True)
-        if plan.outputs.series:
-            # A run that is refused is told of at its place.
-            with suppress(ConfigurationError):
-                first = plan.setup_at(0).configuration
-                announce_series(plan.cells, len(plan.outputs.series), first)
-        try:
-            with terminal.raising():
-                status = self._chunks(store, workers)
-                dataset = store.merge()
-        except (WorkerError, OSError) as error:
-            why = told(error) if isinstance(error, OSError) else str(error)
-            tell(f"The sweep stopped: {why}", sys.stderr)
-            return INCOMPLETE
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(
-                "Interrupted. The chunks that are finished are kept: the same command goes on there."
-            ) from None
-        print(summary(dataset, dataset.encoding["source"]))
-        # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
-        ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
-        return max(status, COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE)
-
-    def _chunks(self, store: Store, workers: int | None) -> int:
-        """Run the chunks that are missing, here or by a launcher."""
-        missing = store.missing()
-        if missing and self.config.hydra.runtime.choices["hydra/launcher"] == "basic":
-            with terminal.progress(store.missing_runs(), "runs", "The sweep") as show:
-                store.run_missing(workers, show)
-            return COMPLETE
-        below = self.config.hydra.sweep.dir = str((store.path / CHUNKS).absolute())
-        own = [
-            f"+chunk.folder={quoted(str(store.path.absolute()))}",
-            f"+chunk.workers={workers or 0}",
-            f"hydra.sweep.dir={quoted(below)}",
-            "hydra.sweep.subdir=log/${hydra.job.num}",
-            "hydra.output_subdir=null",
-        ]
-        return self._launched(run_chunk, [[f"+chunk.number={n}", *own] for n in missing], store)
-
-    def _launched(self, task: TaskFunction, batch: list[list[str]], store: Store) -> int:
-        """Have a launcher run jobs; give the status of the worst, and tell why they cannot be run."""
-        if not batch:
-            return COMPLETE
+    def _launched(self, batch: list[list[str]], folder: Path) -> int:
+        """Have a launcher run jobs; return the status of the worst, and print why they cannot be run."""
         status = COMPLETE
+        if not batch:
+            return status
         try:
             # Between the jobs an exception, at which a launcher ends the processes that it has begun.
             with terminal.raising():
                 launcher = Plugins.instance().instantiate_launcher(
-                    hydra_context=self.context, task_function=task, config=self.config
+                    hydra_context=self.context, task_function=self.task, config=self.config
                 )
                 size = self.max_batch_size or len(batch)
                 for at in range(0, len(batch), size):
                     for returned in launcher.launch(batch[at : at + size], initial_job_idx=at):
-                        # The exception of a job that failed is raised by looking at it.
+                        # The exception of a job that failed is raised by reading its value.
                         status = max(status, int(returned.return_value or 0))
-        # A worker that is killed, a cluster that takes no jobs: the launchers raise what they like.
+        # A worker that is killed, a cluster that takes no jobs: launchers raise exceptions of any kind.
         except Exception as error:
             tell(
-                f"The sweep stopped: {type(error).__name__}: {one_line(error)} What is complete stays, "
-                "and the same command goes on from there.",
+                f"The sweep stopped: {type(error).__name__}: {one_line(error)} Complete runs are kept; the "
+                "same command continues.",
                 sys.stderr,
             )
-            with suppress(OSError):
-                write_log(store.path / LOG, error)
+            write_log(folder / LOG, error)
             status = INCOMPLETE
         return status
 
-
-def run_chunk(settings: DictConfig) -> int:
-    """Run one chunk of a sweep that keeps metrics; launchers import it from here.
-
-    Raises:
-        SweepError: this machine has other code than the sweep was begun with.
-    """
-    asked = settings.chunk
-    store = Store.opened(Path(asked.folder))
-    if code_digest_of(store.plan.bases) != store.plan.code:
-        raise SweepError(
-            f"The sweep in '{store.path}' was begun by other code than {platform.node()} has; both must be "
-            "the same, laws of other packages included. Install one version everywhere."
-        )
-    # The processes of a launcher share a machine, unless a cluster gives each some processors.
-    workers = asked.workers or int(os.environ.get("SLURM_CPUS_PER_TASK", "1"))
-    with store.plan.batch(min(workers, processors())) as batch:
-        store.run(asked.number, batch)
-    return COMPLETE
+    def _numbers(self, sweep: SweepStudy, folder: Path) -> int:
+        """Do what is left of a sweep that keeps numbers alone; return the exit status."""
+        faults = list(refusals(folder, "hydra.sweep.dir"))
+        if not sweep.plan.axes:
+            faults.append(NOTHING)
+        if (launcher := self.config.hydra.runtime.choices["hydra/launcher"]) != "basic":
+            faults.append(
+                f"hydra/launcher is '{launcher}', for runs that leave folders; with sweep.keep=metrics it "
+                "must be left out. Take sweep.workers=N, or study.scheduler=ADDRESS of a Dask scheduler."
+            )
+        raise_faults(faults)
+        begin(folder, sweep.plan)
+        try:
+            with terminal.raising(), terminal.progress(sweep.plan.cells, "runs") as show:
+                dataset = continued(sweep, folder, runs_of(sweep.plan, show))
+        except (WorkerError, OSError) as error:
+            tell(
+                f"The sweep stopped: {error_text(error) if isinstance(error, OSError) else str(error)}",
+                sys.stderr,
+            )
+            return INCOMPLETE
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                "Interrupted. Finished tasks are kept: the same command continues there."
+            ) from None
+        print(summary(dataset, dataset.encoding["source"]))
+        # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
+        ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
+        return COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE

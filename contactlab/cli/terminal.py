@@ -1,9 +1,8 @@
-"""The command and whoever called it: closed streams, Ctrl-C, and how far something long has come.
+"""Exit statuses, output, Ctrl-C and the progress bar of the command.
 
-What was computed must not suffer from output that nobody can read. And imports and the compiler may
-swallow a KeyboardInterrupt, pass it on as another error or crash: so until a run has something to lose
-Ctrl-C ends the process at once, while it simulates Ctrl-C waits for the next look, and while files are
-written it is the usual exception, which cleans up.
+Imports and the compiler may swallow a KeyboardInterrupt or crash on it. Therefore Ctrl-C ends the process at
+once until a run has begun, waits for the next record while it is simulated, and is the usual exception, which
+cleans up, while files are written.
 """
 
 import os
@@ -13,33 +12,27 @@ import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
-from time import perf_counter
+from pathlib import Path
 from types import FrameType
-from typing import NoReturn, TextIO
+from typing import Final, NoReturn, TextIO
 
 from tqdm import tqdm
 
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
-"""Exit statuses of the command: done; not done, or not so as it should be; a fault of the user's; Ctrl-C."""
+"""Exit statuses of the command: complete, incomplete or failed, refused for a fault, ended by Ctrl-C."""
 
-MESSAGE = "Interrupted before the end; no result was written."
+MESSAGE: Final = "Interrupted before the end; no result was written."
 
-BAR_AFTER = 1.5
-"""Seconds before a bar appears; most runs are over by then."""
-
-LOOK_AFTER = 5.0
-"""Seconds of work from which the time that is left is estimated."""
-
-WORTH_SAYING = 60.0
-"""Seconds that must be left for a sentence."""
+BAR_AFTER: Final = 1.5
+"""Time after which a progress bar appears [s]."""
 
 
 class RefusalError(ValueError):
-    """What was asked for cannot be done; the message is a sentence.
+    """A command that cannot be carried out.
 
     Args:
-        message: the sentence.
-        status: of the command; INCOMPLETE where nothing was wrong with what was asked for, as on a full disk.
+        message: key or argument, its value and what is admitted.
+        status: exit status; INCOMPLETE where the arguments have no fault, as on a full disk.
     """
 
     def __init__(self, message: str, status: int = REFUSED) -> None:
@@ -48,32 +41,20 @@ class RefusalError(ValueError):
 
 
 def open_closed() -> None:
-    """Open what the caller has closed (`2>&-`), leading nowhere.
-
-    Else the next file that is opened takes its number, and what any library prints goes into that file.
-    """
-    for number, (name, mode) in enumerate((("stdin", "r"), ("stdout", "w"), ("stderr", "w"))):
-        if getattr(sys, name) is not None:
-            continue
-        nowhere = os.open(os.devnull, os.O_RDWR)
-        with suppress(OSError):
-            # Whatever has the number by now keeps it.
-            os.fstat(number)
-            number = nowhere
-        if number != nowhere:
-            os.dup2(nowhere, number)
-            os.close(nowhere)
-        setattr(sys, name, os.fdopen(number, mode))
+    """Open standard streams that the caller closed (`2>&-`): the next file would get their numbers."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open(mode, encoding="utf-8"))  # noqa: SIM115
 
 
 def silence(stream: TextIO) -> None:
-    """Lead a stream nowhere, so that Python's own last flush does not complain either."""
+    """Redirect a stream to nowhere, so that Python's own last flush does not fail either."""
     with suppress(OSError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def tell(text: str, stream: TextIO) -> None:
-    """Print a line at once; where that cannot be done, nothing is printed from then on."""
+    """Print a line at once; if that fails, nothing is printed from then on."""
     try:
         print(text, file=stream, flush=True)
     except OSError:
@@ -81,14 +62,14 @@ def tell(text: str, stream: TextIO) -> None:
 
 
 def refuse(faults: Iterable[str], status: int = REFUSED) -> int:
-    """Print the faults, a line each and each once, and give the exit status."""
+    """Print faults, a line each and each once, and return the exit status."""
     print(*dict.fromkeys(faults), sep="\n", file=sys.stderr)
     return status
 
 
 @contextmanager
 def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Handle Ctrl-C in this way, unless it is ignored, as in the background, or is not ours."""
+    """Handle Ctrl-C in this way, unless it is ignored, as in the background, or handled by a caller."""
     before = signal.getsignal(signal.SIGINT)
     main = threading.current_thread() is threading.main_thread()
     if not main or before is None or before is signal.SIG_IGN:
@@ -108,71 +89,41 @@ def _end(_number: int, _frame: FrameType | None) -> NoReturn:
 
 
 ending_at_once = partial(_handled, _end)
-"""Lets Ctrl-C end the process with its status and a sentence."""
+"""Context in which Ctrl-C ends the process with its status and a sentence."""
 
 raising = partial(_handled, signal.default_int_handler)
-"""Lets Ctrl-C raise KeyboardInterrupt where it comes, as Python does by itself."""
+"""Context in which Ctrl-C raises KeyboardInterrupt where it comes, as Python does by itself."""
 
 
 @contextmanager
 def waiting() -> Iterator[Callable[[], None]]:
-    """Let Ctrl-C wait for the next look; before the first, and twice, it ends the process at once.
+    """Let Ctrl-C wait for the next check; before the first, and twice, it ends the process at once.
 
-    Yields the look, which raises KeyboardInterrupt if Ctrl-C has come; the end of the context looks too.
+    Yields the check, which raises KeyboardInterrupt if Ctrl-C has come; the end of the context checks too.
     """
-    looked = pending = False
+    checked = pending = False
 
     def handle(number: int, frame: FrameType | None) -> None:
         nonlocal pending
-        if pending or not looked:
+        if pending or not checked:
             _end(number, frame)
         pending = True
 
-    def look() -> None:
-        nonlocal looked, pending
-        looked = True
+    def check() -> None:
+        nonlocal checked, pending
+        checked = True
         if pending:
             pending = False
             raise KeyboardInterrupt(MESSAGE)
 
     with _handled(handle):
-        yield look
-    look()
+        yield check
+    check()
 
 
 @contextmanager
-def progress(total: float, unit: str, what: str) -> Iterator[Callable[[float], None]]:
-    """Show how far something has come: a bar on a terminal, elsewhere a sentence where it takes long.
-
-    Args:
-        total: all of it.
-        unit: of the total.
-        what: is being done, the subject of a sentence.
-
-    Yields:
-        The function to tell what is done of the total so far.
-    """
-    if sys.stderr.isatty():
-        left = "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
-        with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=left) as bar:
-
-            def advance(done: float) -> None:
-                bar.update(done - bar.n)
-
-            yield advance
-        return
-    began, said = 0.0, False
-
-    def estimate(done: float) -> None:
-        nonlocal began, said
-        # What comes before the first of it, a compiler's time, says nothing of the rest.
-        began = began or perf_counter()
-        spent = perf_counter() - began
-        if said or spent < LOOK_AFTER or not 0.0 < done < total:
-            return
-        said = True
-        if (seconds := spent * (total - done) / done) > WORTH_SAYING:
-            share = f"{what}: {done / total:.2%} is done in {spent:.0f} s"
-            tell(f"{share}, {tqdm.format_interval(seconds)} is left.", sys.stderr)
-
-    yield estimate
+def progress(total: float, unit: str) -> Iterator[Callable[[float], object]]:
+    """Show a progress bar on a terminal; yields the function that receives what is done of the total."""
+    left = "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
+    with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=left, disable=None) as bar:
+        yield lambda done: bar.update(done - bar.n)

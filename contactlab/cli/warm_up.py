@@ -19,7 +19,7 @@ DURATION: Final = 2e-6
 
 
 def main(arguments: list[str]) -> int:
-    """Compile or load every loop, and say of each what was there and how long it took."""
+    """Compile or load every loop, and print for each which it was and how long it took."""
     parser = Parser(
         "warm-up",
         ". A run compiles what it needs by itself, once for an installation; this does it for all at once, "
@@ -31,8 +31,8 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiled import INTERPRETED, code_folder
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.loop import SECONDS, kind_of
-    from contactlab.impact import velocities_after
+    from contactlab.engine.preparation import SECONDS, kind_of
+    from contactlab.impacts import velocities_after
 
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")

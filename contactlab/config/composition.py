@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
 from typing import Any, Final, final
 
 import hydra
@@ -15,13 +14,19 @@ from hydra.core.object_type import ObjectType
 from hydra.core.plugins import Plugins
 from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.plugins.search_path_plugin import SearchPathPlugin
-from omegaconf import Container, DictConfig, OmegaConf
+from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
-from omegaconf.resolvers import oc
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
-from contactlab.config.options import conf_directory, content, groups, help_on_keys, known_keys
+from contactlab.config.options import (
+    conf_directory,
+    content,
+    group_selected_by,
+    groups,
+    help_on_keys,
+    known_keys,
+)
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
@@ -30,15 +35,8 @@ SCHEME: Final = "contactlab"
 EXPERIMENT: Final = "experiment"
 """The group whose options are files alone: named sets of changes to the default run."""
 
-_ENVIRONMENT: Final = ContextVar("_ENVIRONMENT", default="all")
-"""Section of a configuration that may refer to variables of the environment; 'all', 'hydra' or 'nothing'."""
-
-SEVERAL: Final = (
-    "{} gives several values; a single run takes one. Add -m to run every combination; "
-    "in Python, contactlab.sweep does."
-)
-"""What is wrong with an override that is swept."""
-
+ENVIRONMENT: Final = "${oc.env"
+"""A reference to a variable of the environment."""
 
 _BEYOND: Final = re.compile(r"(?<=[=,])\s*([-+]?[\d.][^,='\"]*[°µμ²³·^][^,='\"]*)(?=,|$)")
 """A number with a unit that has characters beyond those of Hydra's grammar."""
@@ -49,17 +47,18 @@ _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 
 def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
     """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
+    refuse_lines(overrides)
     try:
-        with started(), without_environment(hydra=False):
+        with started():
             composed = hydra.compose(CONFIG_NAME, overrides=[*map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
-        raise ConfigurationError(sentences(error, overrides)) from None
+        raise ConfigurationError(faults_of(error, overrides)) from None
     return resolved(composed)
 
 
 def readable(override: str) -> str:
-    """Give an override as Hydra reads it: a choice without plus, units with letters of their own in quotes.
+    """Return an override as Hydra reads it: a choice without plus, units with letters of their own in quotes.
 
     Every group has a choice already, so that `+experiment=case_a` can only mean `experiment=case_a`.
     """
@@ -73,96 +72,62 @@ def resolved(config: DictConfig) -> dict[str, Any]:
     """Return a composed configuration without Hydra's part, references replaced by the values they refer to.
 
     Raises:
-        ConfigurationError: a reference has no value, or is one to the environment, whose variables may be
-            secrets and are no part of what a run records.
+        ConfigurationError: a reference has no value, or is one to the environment.
     """
     mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+    written: Any = OmegaConf.to_container(mine, resolve=False)
+    refuse_lines(f"{key}={value}" for key, value in flat(written).items() if ENVIRONMENT in str(value))
     try:
-        with without_environment(hydra=False):
-            return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
+        return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
     except OmegaConfBaseException as error:
-        words = _reads_environment(error) or f"{one_line(error)} Correct the reference in ${{...}}."
-        raise ConfigurationError([words]) from None
+        fault = f"{one_line(error)} Correct the reference in ${{...}}."
+        raise ConfigurationError([fault]) from None
 
 
-class EnvironmentReadError(ValueError):
-    """A configuration that refers to a variable of the environment where it must not."""
+def refuse_lines(lines: Iterable[str]) -> None:
+    """Refuse overrides that Hydra composes to what nobody wants.
 
-
-@contextmanager
-def without_environment(*, hydra: bool) -> Iterator[None]:
-    """Refuse references to variables of the environment until the end of the context.
-
-    The variables may be secrets: a run's configuration is recorded, and messages show its values.
-
-    Args:
-        hydra: whether Hydra's own keys, which name folders and launchers, may refer to them.
+    Variables of the environment may be secrets: a run's configuration is recorded, and messages show its
+    values; Hydra's own keys may refer to them. A law, a part or a basis that is renamed by a key would
+    receive the parameters of another.
     """
-    before = _ENVIRONMENT.set("hydra" if hydra else "nothing")
-    try:
-        yield
-    finally:
-        _ENVIRONMENT.reset(before)
+    faults = []
+    for line in lines:
+        key, _, value = line.lstrip("+~").partition("=")
+        if not key.strip() or (key.startswith("hydra.") and not value):
+            faults.append(f"{line!r} is empty, as of a shell variable that is not set; it must be KEY=VALUE.")
+        if value.startswith("[") and key in groups():
+            faults.append(f"{line} chooses several options of a group; it must be one, or a sweep (-m).")
+        if ENVIRONMENT in line and not key.startswith("hydra."):
+            faults.append(f"{key} refers to a variable of the environment; it must be a value.")
+        below = re.findall(r"(\w+)\s*:", value) if value.startswith("{") else []
+        for group in filter(None, map(group_selected_by, [key, *(f"{key}.{leaf}" for leaf in below)])):
+            faults.append(f"{line} would rename a {group} and keep its parameters; choose by {group}=NAME.")
+    if faults:
+        raise ConfigurationError(faults)
 
 
-def _environment(name: str, *default: Any, _parent_: Container) -> Any:
-    """Return a variable of the environment, the resolver `oc.env`, to what may refer to it."""
-    readers = _ENVIRONMENT.get()
-    section = str(_parent_._get_full_key("")).partition(".")[0]
-    if readers not in ("all", section):
-        raise EnvironmentReadError(name)
-    return oc.env(name, *default)
-
-
-def _reads_environment(error: BaseException | None) -> str:
-    """Return the fault of a reference to the environment that an exception comes from; empty for others."""
-    key = ""
-    while error is not None:
-        if isinstance(error, EnvironmentReadError):
-            # Hydra resolves the choices of a defaults list in a container of its own.
-            subject = key if key and not key.startswith("_") else "The choice of an option"
-            return (
-                f"{subject} refers to the variable {error} of the environment; it must be a value or refer "
-                "to another key. Let the shell put the value in its place."
-            )
-        key = key or str(getattr(error, "full_key", None) or "")
-        error = error.__cause__ or error.__context__
-    return ""
-
-
-def sentences(error: Exception, lines: Sequence[str]) -> list[str]:
+def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
     """Return what ended a composition of these overrides, a sentence for each fault."""
-    text = str(error)
+    text = one_line(error)
     match error:
         case ConfigurationError():
             return error.faults
-        case errors.OverrideParseException():
-            words = (
-                f"{error.override} cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."
-            )
-            return [f"{words} Quote a value with spaces or special characters: \"KEY='a (b)'\"."]
         case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
             hint = suggestion(option, error.options)
             return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}".rstrip()]
         case RecursionError():
-            return ["An argument is nested too deeply to be read; it must be a value. Simplify it."]
+            return ["An argument is nested too deeply to be read; it must be a value."]
     if unknown := re.search(r"Could not override '([^']+)'", text):
         return [unknown_override(unknown[1], lines)]
-    if swept := re.search(r"(?:argument|parameters) '(.+?)'(?: requires --multirun)?$", text, re.M):
-        return [SEVERAL.format(swept[1])]
-    if environment := _reads_environment(error):
-        return [environment]
-    if text.startswith("Config group override must be"):
-        choices = [line for line in lines if re.fullmatch(r"[^.=-][^.=]*=(null|[-+.\d]*)", line)]
-        return [f"{' '.join(choices)} names no option; it must have the form GROUP=OPTION."]
-    if isinstance(error, errors.HydraException | OmegaConfBaseException | UserWarning):
-        return [one_line(error)]
-    return [f"{' '.join(lines)} cannot be composed: {one_line(error)}"]
+    if "requires --multirun" in text or "sweep parameters" in text.lower():
+        text = f"{text} Add -m to run every combination; in Python, contactlab.sweep does."
+    return [text if any(line.partition("=")[0] in text for line in lines) else f"{' '.join(lines)}: {text}"]
 
 
 def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
-    """Say that there is no such key, or none with what the overrides choose."""
+    """Return the fault of a key that does not exist, or not with what the overrides choose."""
     path = key.replace("/", ".")
     group = path.rpartition(".")[0].replace(".", "/")
     chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
@@ -171,7 +136,7 @@ def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
 
 
 def options_of(group: str) -> list[str]:
-    """Give the options of a group, those of files included; none for what is no group."""
+    """Return the options of a group, those of files included; none for what is no group."""
     with started():
         return list(GlobalHydra.instance().config_loader().get_group_options(group))
 
@@ -214,12 +179,12 @@ class _DeclaredSource(ConfigSource):
 
     def list(self, config_path: str, results_filter: ObjectType | None) -> list[str]:
         group = config_path.strip("/")
-        found: set[str] = set()
+        names: set[str] = set()
         if results_filter is not ObjectType.GROUP:
-            found.update(groups().get(group, ()))
+            names.update(groups().get(group, ()))
         if results_filter is not ObjectType.CONFIG:
-            found.update(leaf for parent, leaf in map(_split, groups()) if parent == group)
-        return sorted(found)
+            names.update(leaf for parent, leaf in map(_split, groups()) if parent == group)
+        return sorted(names)
 
 
 @final
@@ -232,7 +197,7 @@ class _DeclaredSearchPath(SearchPathPlugin):
 
 
 def _split(path: str) -> tuple[str, str]:
-    """Give group and option of a path."""
+    """Return group and option of a path."""
     group, _, option = path.strip("/").removesuffix(".yaml").rpartition("/")
     return group, option
 
@@ -241,4 +206,3 @@ def _split(path: str) -> tuple[str, str]:
 for plugin in (_DeclaredSource, _DeclaredSearchPath):
     Plugins.instance().register(plugin)
 OmegaConf.register_new_resolver("help_on_keys", help_on_keys, replace=True)
-OmegaConf.register_new_resolver("oc.env", _environment, replace=True)

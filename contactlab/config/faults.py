@@ -1,4 +1,4 @@
-"""Faults of a configuration, a sentence each with key, value and bound."""
+"""Faults of a configuration, each with key, value and bound."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from contactlab.suggestion import suggestion
 
 
 class ConfigurationError(ValueError):
-    """A configuration that cannot run, with a sentence for each of its faults."""
+    """A configuration that cannot run, with all its faults."""
 
     def __init__(self, faults: list[str]) -> None:
         super().__init__("\n".join(faults))
@@ -16,7 +16,7 @@ class ConfigurationError(ValueError):
 
 
 def one_line(error: BaseException) -> str:
-    """Tell what composing a configuration raised, its cause included, in a sentence on one line."""
+    """Return the message of an exception, its cause included, as a sentence on one line."""
     parts = [part for part in (error, error.__cause__) if part is not None]
     lines = [line.strip() for part in parts for line in str(part).splitlines()]
     inner = ("full_key:", "reference_type=", "object_type=")
@@ -25,7 +25,7 @@ def one_line(error: BaseException) -> str:
 
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
-    """Return the sentence that a key is unknown, or does not belong to the option chosen of its group."""
+    """Return the fault of a key that is unknown, or does not belong to the chosen option of its group."""
     group = key.rpartition(".")[0].replace(".", "/")
     if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
         return f"{key} does not belong to {kind}; it must be absent with this choice of {group}."

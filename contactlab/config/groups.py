@@ -23,7 +23,7 @@ DURATION: Final = 0.02
 """Duration of a run where none is asked for [s]."""
 
 _Names = list[str] | str | None
-_said = partial(Parameter, "", "1")
+_declared = partial(Parameter, "", "1")
 _DURATION = positive(
     "T",
     "s",
@@ -45,8 +45,8 @@ _TOLERANCE = Parameter(
     at_most=1e-2,
     hint="Leave it out for the solver's own default.",
 )
-_UNTIL = _said("end at the duration, or when the motor has settled, then at the latest")
-_SAMPLES = _said("table whose columns are keys and whose rows are runs")
+_UNTIL = _declared("end at the duration, or when the motor has settled, then at the latest")
+_SAMPLES = _declared("table whose columns are keys and whose rows are runs")
 _known = partial(
     Parameter,
     "",
@@ -55,7 +55,7 @@ _known = partial(
     below=1.0,
     hint="It is half of the range over the value; 0 is a value that is known exactly.",
 )
-_CHUNK = _said("runs kept together as they are finished", at_least=1)
+_CHUNK = _declared("runs of a task, whose numbers are kept together", at_least=1)
 
 
 @final
@@ -76,7 +76,7 @@ class Record(Checked):
     """What is kept; it does not change the motion."""
 
     interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
-    picture: Annotated[bool, _said("whether run.png is drawn; it takes long")] = True
+    picture: Annotated[bool, _declared("whether run.png is drawn; it takes long")] = True
 
 
 @final
@@ -84,13 +84,13 @@ class Record(Checked):
 class Sweep(Checked):
     """How the runs of a sweep are made, and what is kept of them: no part of a run's own configuration."""
 
-    keep: Annotated[Literal["runs", "metrics"], _said("a folder a run, or numbers alone")] = "runs"
-    metrics: Annotated[_Names, _said("names of metrics that are kept, or all")] = None
-    series: Annotated[_Names, _said("names of time series that are kept as well")] = None
+    keep: Annotated[Literal["runs", "metrics"], _declared("a folder a run, or numbers alone")] = "runs"
+    metrics: Annotated[_Names, _declared("names of metrics that are kept, or all")] = None
+    series: Annotated[_Names, _declared("names of time series that are kept as well")] = None
     samples: Annotated[str | None, _SAMPLES] = None
-    over: Annotated[_Names, _said("values by which the setups of one study differ, as law=A,B")] = None
+    over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
     chunk: Annotated[int | None, _CHUNK] = None
-    workers: Annotated[int | None, _said("processes at work", at_least=1)] = None
+    workers: Annotated[int | None, _declared("processes at work", at_least=1)] = None
 
 
 @final
@@ -125,22 +125,22 @@ class Section:
 
     Args:
         options: the keys of each option.
-        told_by: the key that tells an option from others.
-        words: the options by the words of that key, where those are not their names.
+        selector: the key that selects an option.
+        labels: the options by the values of that key, where those are not their names.
     """
 
     options: Mapping[str, Keys]
-    told_by: str = ""
-    words: Mapping[str, str] | None = None
+    selector: str = ""
+    labels: Mapping[str, str] | None = None
 
     @property
-    def told(self) -> Mapping[str, str]:
-        """The options by the words that tell them; none is looked into."""
-        return self.words or {option: option for option in self.options}
+    def labelled(self) -> Mapping[str, str]:
+        """The options by the values of the selector; none is imported."""
+        return self.labels or {option: option for option in self.options}
 
 
 def keys_of(owner: type, *without: str) -> Keys:
-    """Give the keys that a class declares, those of the objects that it holds included."""
+    """Return the keys that a class declares, those of objects in its fields included."""
     return {
         name: field if field.parameter else Section({name: keys_of(field.kind)})
         for name, field in declared_fields(owner).items()
@@ -149,12 +149,12 @@ def keys_of(owner: type, *without: str) -> Keys:
 
 
 def _named(key: str, name: str, keys: Keys) -> Keys:
-    """The keys of an option that is told by its name."""
+    """Return the keys of an option that is selected by its name."""
     return {key: DeclaredField(Literal[name], name, None), **keys}
 
 
 def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
-    """A field that the configuration declares more narrowly than its class does."""
+    """Return a field that the configuration declares more narrowly than its class."""
     assert field.parameter is not None
     return replace(field, parameter=replace(field.parameter, **changes))
 
@@ -240,7 +240,7 @@ NO_NUMBERS: Final = NOT_OF_A_RUN | {"uncertainty"}
 
 @cache
 def keys_of_law(owner: Any) -> Keys:
-    """Give the keys of a law or a part; a ValueError says which of its fields cannot be one."""
+    """Return the keys of a law or a part; a ValueError if a field cannot be one."""
     members = {name: field for name, field in members_of(owner).items() if name != SHARED}
     keys = {name: FAMILIES.get(family_of(field), field) for name, field in members.items()}
     return _named("name", owner.name, keys)

@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from typing import Any
 
 Value = float | int | bool | str
-"""Of a key."""
+"""Type of a value of a configuration."""
 
 
 def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
-    """The values of a nested configuration by full key."""
+    """Return the values of a nested configuration by full key."""
     values: dict[str, Any] = {}
     for key, value in configuration.items():
         full = f"{path}{key}"
@@ -17,7 +17,7 @@ def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
 
 
 def nested(values: Mapping[str, Any]) -> dict[str, Any]:
-    """A nested configuration from values by full key."""
+    """Return a nested configuration from values by full key."""
     configuration: dict[str, Any] = {}
     for key, value in values.items():
         *sections, last = key.split(".")

@@ -1,4 +1,4 @@
-"""What there is to choose and to set: the options of every group, every key in full, and help on them."""
+"""The options of every group, every full key, and help on them."""
 
 from collections.abc import Iterator
 from contextlib import suppress
@@ -17,19 +17,19 @@ from contactlab.parameter import DeclaredField
 
 
 def conf_directory() -> Path:
-    """Give the folder of the configuration files: inside the package in a wheel, beside it in a checkout."""
+    """Return the folder of the configuration files: in the package in a wheel, beside it in a checkout."""
     inside = Path(__file__).resolve().parents[1] / "conf"
     return inside if inside.is_dir() else inside.parents[1] / "conf"
 
 
 def groups() -> dict[str, list[str]]:
-    """Give the options that need no file, by group; nothing of another package is imported to list it."""
+    """Return the options that need no file, by group; nothing of another package is imported."""
     sections = {"law": LAW} | {f"law/{family}": section for family, section in FAMILIES.items()} | GROUPS
     return {group: sorted(section.options) for group, section in sections.items()}
 
 
 def content(group: str, option: str) -> dict[str, Any]:
-    """Give the keys of an option with their defaults, and a defaults list where a law has parts.
+    """Return the keys of an option with their defaults, and a defaults list where a law has parts.
 
     A law or part that cannot be loaded has its name alone; the check of the configuration says why.
     """
@@ -47,50 +47,50 @@ def content(group: str, option: str) -> dict[str, Any]:
     values = nested(
         {
             key: quantity.MISSING if field.default is MISSING else field.default
-            for key, field in full_keys(keys, told=False)
+            for key, field in full_keys(keys, selected=False)
         }
     )
     return {"defaults": [*entries, "_self_"], **values} if entries else values
 
 
-def full_keys(keys: Keys, before: str = "", *, told: bool = True) -> Iterator[tuple[str, DeclaredField]]:
-    """Give what is declared of every full key, without those of sections whose option is told, if asked.
+def full_keys(keys: Keys, before: str = "", *, selected: bool = True) -> Iterator[tuple[str, DeclaredField]]:
+    """Yield the declaration of every full key, those of sections with a selector only if `selected`.
 
     A law or part that cannot be loaded has none.
     """
     for name, below in keys.items():
         if isinstance(below, DeclaredField):
             yield f"{before}{name}", below
-        elif told or not below.told_by:
+        elif selected or not below.selector:
             for option in below.options:
                 with suppress(ValueError):
-                    yield from full_keys(below.options[option], f"{before}{name}.", told=told)
+                    yield from full_keys(below.options[option], f"{before}{name}.", selected=selected)
 
 
 @cache
 def known_keys(law: str = "") -> list[str]:
-    """Give every full key of every option, or of one law alone where it is named; a broken one has none."""
-    found = dict.fromkeys(["law.name"])
+    """Return every full key of every option, or of one law alone; a law that cannot be loaded has none."""
+    keys = dict.fromkeys(["law.name"])
     for name in LAW.options:
         if law in ("", name):
             with suppress(ValueError):
-                found |= dict.fromkeys(dict(full_keys(LAW.options[name], "law.")))
-    return [*found, *dict(full_keys({**GROUPS}))]
+                keys |= dict.fromkeys(dict(full_keys(LAW.options[name], "law.")))
+    return [*keys, *dict(full_keys({**GROUPS}))]
 
 
 def help_on_keys() -> str:
-    """Give a line for every key but those of laws: what it is, its unit, and what null stands for."""
+    """Return a line for every key but those of laws: meaning, unit, and what null stands for."""
     return "\n  ".join(
-        f"{key:<31} {said.meaning}{said.label and f' [{said.unit}]'}"
-        f"{'. ' + said.hint if NoneType in field.kinds else ''}"
+        f"{key:<31} {declared.meaning}{declared.label and f' [{declared.unit}]'}"
+        f"{'. ' + declared.hint if NoneType in field.kinds else ''}"
         for key, field in dict(full_keys({**GROUPS})).items()
-        if (said := field.parameter)
+        if (declared := field.parameter)
     )
 
 
-def group_told_by(key: str) -> str:
-    """Give the group whose choice a key tells, 'law/normal' for 'law.normal.name'; empty for other keys."""
+def group_selected_by(key: str) -> str:
+    """Return the group that a key selects an option of, 'law/normal' for 'law.normal.name'; else empty."""
     section, _, last = key.rpartition(".")
     is_law = section.partition(".")[0] == "law"
-    told_by = "name" if is_law else GROUPS[section].told_by if section in GROUPS else ""
-    return section.replace(".", "/") if last == told_by else ""
+    selector = "name" if is_law else GROUPS[section].selector if section in GROUPS else ""
+    return section.replace(".", "/") if last == selector else ""

@@ -1,6 +1,6 @@
-"""A declared number as the configuration takes it: a number in SI, or a text with a unit ('1 um').
+"""Numbers of a configuration: in SI, or a text with a unit ('1 um').
 
-Angles are told apart from pure numbers: taken as 2 Hz, '2 rad/s' would be wrong by 2 pi without a word.
+Angles are no pure numbers: taken as 2 Hz, '2 rad/s' would silently be wrong by 2 pi.
 """
 
 import re
@@ -30,50 +30,51 @@ _CF = re.compile(r"\s*[^\W\d_]+(-?\d+(\.\d+)?)?(\s+[^\W\d_]+(-?\d+(\.\d+)?)?)*\s
 """Units of the CF conventions: 'm2 s-2'."""
 
 _FORCE_TIMES = re.compile(r"(?<![^\W\d_])([npuµμmkM]?N)((?:[uµμmck]?m)?)(s?)(?![^\W\d_])")
-"""Newtons with metres or seconds as they are written on data sheets, 'mNm' and 'Ns': read letter by letter
-they are other units, or none."""
+"""Newtons with metres or seconds as on data sheets, 'mNm' and 'Ns', which pint reads as other units."""
 
 
 class UnitError(ValueError):
-    """What is wrong with a value, in a sentence that lacks its subject."""
+    """Fault of a value, without its subject."""
 
 
 def number_of(field: DeclaredField, value: object) -> float | None:
-    """Give the number in SI that a value stands for; a UnitError says what is wrong with it: "is ..."."""
+    """Return the number in SI that a value stands for; a UnitError with its fault, "is ..."."""
     if value is None and NoneType in field.kinds:
         return None
-    said, whole = field.parameter, int in field.kinds
-    assert said is not None
+    declared, whole = field.parameter, int in field.kinds
+    assert declared is not None
     # Nearly every value is a float that needs no closer look.
-    if type(value) is float and not whole and said.admits(value):
+    if type(value) is float and not whole and declared.admits(value):
         return value
     try:
         if isinstance(value, bool) or not isinstance(value, str | Real):
             raise UnitError("which is not a number")
-        number = to_si(value, said.unit) if isinstance(value, str) else float(value)
+        number = to_si(value, declared.unit) if isinstance(value, str) else float(value)
     except OverflowError:
         wrong = f"{describe(value)}, which is too large"
     except UnitError as error:
         wrong = "missing" if value == MISSING else f"{describe(value)}, {error}"
     else:
-        plain = f"{number:.12g}{said.label}"
+        plain = f"{number:.12g}{declared.label}"
         shown = f"'{value}' ({plain})" if isinstance(value, str) else plain
         if not isfinite(number):
             wrong = f"{number}, which is not finite"
         elif whole and number != int(number):
             wrong = f"{shown}, which is not a whole number"
-        elif said.admits(number):
+        elif declared.admits(number):
             return int(number) if whole else number
         else:
-            raise UnitError(f"is {shown}; it must be {said.range}. {field.hint}".rstrip())
-    bounds = f" that is {said.range}" if said.range else f" in {said.unit}" if said.label else ""
-    example = example_in(said.unit)
+            raise UnitError(f"is {shown}; it must be {declared.range}. {field.hint}".rstrip())
+    bounds = (
+        f" that is {declared.range}" if declared.range else f" in {declared.unit}" if declared.label else ""
+    )
+    example = example_in(declared.unit)
     expected = f"a{' whole' if whole else ''} number{bounds}{example and ', for example ' + example}"
     raise UnitError(f"is {wrong}; it must be {expected}. {field.hint}".rstrip())
 
 
 def example_in(unit: str) -> str:
-    """Give a text with a unit that converts to this one, in quotes; empty for a pure number."""
+    """Return a text with a unit that converts to this one, in quotes; empty for a pure number."""
     if unit[0] == "1":
         return ""
     # No prefix goes before a kilogram.
@@ -82,7 +83,7 @@ def example_in(unit: str) -> str:
 
 
 def describe(value: object) -> str:
-    """Write a value of a configuration as a sentence shows it."""
+    """Return a value of a configuration as messages show it."""
     if isinstance(value, list | tuple):
         return f"the list {list(value)}"
     if isinstance(value, dict):
@@ -93,7 +94,7 @@ def describe(value: object) -> str:
 
 
 def to_si(text: str, unit: str) -> float:
-    """Give the number of a text, '1e-6' or '1 um', in an SI unit as configurations write it, '1' for none.
+    """Return the number of a text, '1e-6' or '1 um', in an SI unit as configurations write it, '1' for none.
 
         >>> to_si("0.5 um", "m"), to_si("2 mN*m", "N m")
         (5e-07, 0.002)
@@ -114,12 +115,12 @@ def to_si(text: str, unit: str) -> float:
 
 @cache
 def factor(given: str, unit: str) -> Decimal:
-    """Give what a number in a given unit is multiplied by to be one in an SI unit, '1' for none.
+    """Return the factor that converts a number in a unit to an SI unit, '1' for none.
 
     Both may be written as configurations do, 'N/m^1.5', or as CF does, 'N m-1.5'.
 
     Raises:
-        UnitError: the given unit is unknown or has another dimension.
+        UnitError: the unit is unknown or has another dimension.
     """
     have, wanted = _root(given), _root(unit)
     if have is None:
@@ -142,13 +143,13 @@ def dimensions(unit: str) -> dict[str, float]:
 
 
 def is_unit(text: str) -> bool:
-    """Tell whether a text is a unit."""
+    """Return whether a text is a unit."""
     return bool(text.strip()) and _root(text.strip()) is not None
 
 
 @cache
 def _registry() -> "pint.UnitRegistry[Decimal]":
-    # Imported here: plain numbers, which most runs are given, need neither library nor registry.
+    # Imported here: plain numbers need neither library nor registry.
     import pint
 
     # Decimal keeps 0.3 ms the float that 3e-4 is.
@@ -157,9 +158,9 @@ def _registry() -> "pint.UnitRegistry[Decimal]":
 
 @cache
 def _root(unit: str) -> "tuple[Decimal, pint.Unit] | None":
-    """Factor and units in base units with angles kept, or None for an unknown unit."""
-    found = _parsed(unit)
-    return _parsed(from_cf(unit)) if found is None and _CF.fullmatch(unit) else found
+    """Return factor and units in base units with angles kept, or None for an unknown unit."""
+    root = _parsed(unit)
+    return _parsed(from_cf(unit)) if root is None and _CF.fullmatch(unit) else root
 
 
 def _as_pint(unit: str) -> str:

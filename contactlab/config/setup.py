@@ -1,7 +1,6 @@
-"""From a configuration to the objects that run.
+"""From a configuration to the objects that run; all its faults are reported at once.
 
-Everything a configuration may get wrong is found here, all at once, and told in a sentence each; see
-`contactlab.config.groups` for keys, units and ranges, and `contactlab.config.schema` for what binds keys.
+See `contactlab.config.groups` for keys, units and ranges, `contactlab.config.schema` for relations of keys.
 """
 
 from collections.abc import Mapping, Sequence
@@ -14,10 +13,9 @@ from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
-from contactlab.engine.arguments import default_contact_step
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, take_in
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
 from contactlab.engine.simulation import simulate
-from contactlab.fingerprint import is_own
+from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
@@ -74,8 +72,8 @@ class Setup:
         names = ["duration", "record_interval", "contact_step", "tolerance"]
         if self.until != STEADY:
             return simulate(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
-        given = {name: getattr(self, name) for name in (*names, "precision")} | others
-        return simulate_until_steady(self.motor, self.law, **given)
+        arguments = {name: getattr(self, name) for name in (*names, "precision")} | others
+        return simulate_until_steady(self.motor, self.law, **arguments)
 
 
 def build(configuration: Values | Sequence[str] = ()) -> Setup:
@@ -89,15 +87,14 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
             configuration: a mapping of groups of keys, with numbers in SI or texts with units.
 
     Raises:
-        ConfigurationError: with every fault that was found.
+        ConfigurationError: with every fault.
     """
     if isinstance(configuration, str):
-        words = f"The configuration is the text {configuration!r}; it must be a list or a mapping."
-        raise TypeError(f"{words} Write [{configuration!r}].")
+        raise TypeError(f"configuration is {configuration!r}; it must be a list of overrides or a mapping.")
     if not isinstance(configuration, Mapping):
         configuration = compose(configuration)
-    found, law = _checked(configuration)
-    resolved = {group: keys for group, keys in found.items() if group not in NOT_OF_A_RUN}
+    values, law = _checked(configuration)
+    resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
     drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
     rotor = dict(resolved["rotor"])
     geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
@@ -123,21 +120,21 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
 
 
 def validate(configuration: Values) -> dict[str, Any]:
-    """Check a configuration, building nothing but its law, and give it in SI; errors as of `build`."""
+    """Check a configuration, building nothing but its law, and return it in SI; errors as of `build`."""
     return _checked(configuration)[0]
 
 
 def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
-    found = Examination(configuration)
-    law, sound, faults = None, flat(found.values), found.faults
+    examined = Examination(configuration)
+    law, sound, faults = None, flat(examined.values), examined.faults
     if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
         try:
-            law = _law(found.values["law"], sound[FRICTION], sound["rotor.radius"])
+            law = _law(examined.values["law"], sound[FRICTION], sound["rotor.radius"])
         except ConfigurationError as error:
             faults += error.faults
     if faults or law is None:
         raise ConfigurationError(faults)
-    return found.values, law
+    return examined.values, law
 
 
 # A sweep over anything else asks for the same law, drive and resonator again and again.
@@ -147,7 +144,7 @@ _two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 
 @lru_cache(maxsize=256)
 def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
-    """Give the modes that the sections of the resonator, flat, describe."""
+    """Return the modes of a resonator by its sections, flat."""
     given, constants, placement = nested(dict(values)).values()
     if constants.pop("constants") == "bending":
         piezoceramic = Piezoceramic(**constants)
@@ -158,8 +155,7 @@ def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     try:
         modes: NormalModes = BASES[given.pop("basis")](**given).modes
     except ValueError as error:
-        words = "resonator, piezoceramic and placement make no resonator"
-        raise ConfigurationError([f"{words}: {error}"]) from error
+        raise ConfigurationError([f"resonator, piezoceramic or placement: {error}"]) from error
     return modes
 
 
@@ -188,15 +184,14 @@ def _refuse_unseen_periods(drive: Drive, interval: float) -> None:
         raise ConfigurationError([str(error)]) from error
 
 
-def _refuse_undamped_resonance(given: float | None, drive: Drive, modes: NormalModes) -> None:
+def _refuse_undamped_resonance(frequency: float | None, drive: Drive, modes: NormalModes) -> None:
     """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    null = " null, that is the first natural frequency," if given is None else ""
-    said = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
+    null = " null, that is the first natural frequency," if frequency is None else ""
+    keys = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
     faults = [
-        f"{words} {tone:.12g} Hz, where a resonator without damping responds without bound; it must "
-        f"differ from {natural:.12g} Hz by more than {RESONANCE:g} of it. "
-        "Shift it or give resonator.stiffness_damping a number greater than 0 s."
-        for words, tone in zip(said, drive.frequency.tolist(), strict=True)
+        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
+        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or resonator.stiffness_damping be positive."
+        for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
         for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
         if abs(tone - natural) <= RESONANCE * natural
     ]

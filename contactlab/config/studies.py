@@ -21,6 +21,7 @@ OWN: Final = {
     "basins": "contactlab.studies.basins:Basins",
     "branch": "contactlab.studies.branch:Branch",
     "characterise": "contactlab.studies.characterise:Characterise",
+    "compare": "contactlab.studies.compare:Compare",
     "fit": "contactlab.studies.fit:Fit",
     "steady": "contactlab.studies.steady:Steady",
     "synthetic": "contactlab.studies.synthetic:Synthetic",
@@ -56,11 +57,11 @@ def study_class(name: str) -> "type[Study]":
     if name not in studies():
         raise ValueError(f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}.")
     try:
-        found: type[Study] = studies()[name].load()
+        study: type[Study] = studies()[name].load()
     # A module of another package may fail in any way.
     except Exception as error:
         raise ValueError(f"The study {name} cannot be imported: {type(error).__name__}: {error}") from error
-    return found
+    return study
 
 
 def study_of(values: Mapping[str, Any]) -> "Study":

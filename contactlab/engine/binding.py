@@ -20,25 +20,112 @@ exactly these sources, and found again by later processes. Code for other laws i
 """
 
 import re
+import signal
 import sys
 import warnings
-from collections.abc import Callable, Mapping
-from functools import cache, lru_cache
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache, lru_cache, partial
+from traceback import extract_tb, walk_tb
 from typing import Any, Final, NamedTuple, final
-from weakref import WeakKeyDictionary
 
+import numba
 import numpy as np
 from numba import types
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
-from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, keep_code, remade
-from contactlab.engine.callback import Callback, law_errors, stand_in
-from contactlab.engine.context import HEAD, IMPACT, SPEED, SPIN, STEP, TILT
-from contactlab.fingerprint import Fingerprint, is_own
+from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, remade
+from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
+from contactlab.foreign import compiled_constants, is_own
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import LawError, names_of
+
+Callback = tuple[str, Callable[..., Any]]
+"""The name of a kernel, and the Python function that is in its place within `law_errors`."""
+
+_standing: ContextVar[tuple[dict[str, Callable[..., Any]], list[KeyboardInterrupt]]]
+_standing = ContextVar("_standing")
+"""The functions behind the stand-ins by name, and what waits until the loop has ended."""
+
+
+@contextmanager
+def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
+    """Run functions as a law's kernels, and raise exceptions of its code as a `LawError`."""
+    interrupts: list[KeyboardInterrupt] = []
+    token = _standing.set((dict(callbacks), interrupts))
+    try:
+        yield
+    # What a law raises passes through the loop, which raises nothing itself; a law that leaves the program
+    # is no run that ended well.
+    except (Exception, SystemExit) as error:
+        if isinstance(error, LawError) or is_of_a_signal(error):
+            raise
+        raise LawError(
+            f"The run ended because the law {name} raised {type(error).__name__}: {error}{_place(error)}. "
+            "A law must answer every state of a contact; mend the law."
+        ) from error
+    finally:
+        _standing.reset(token)
+    for interrupt in interrupts:
+        raise interrupt
+
+
+def _interpreted(name: str, signature: Any, arguments: tuple[Any, ...]) -> Any:
+    """Return the numbers that the function behind a name returns; Ctrl-C waits for the end of the loop."""
+    functions, interrupts = _standing.get()
+    try:
+        result = functions[name](*arguments)
+    except KeyboardInterrupt as error:
+        interrupts.append(error)
+        result = functions[name](*arguments)
+    if isinstance(signature.return_type, numba.types.Float):
+        return float(result)
+    result, count = tuple(result), len(signature.return_type)
+    if len(result) != count:
+        raise TypeError(f"it returned {len(result)} numbers, not {count}")
+    return tuple(map(float, result))
+
+
+@cache
+def stand_in(name: str, signature: Any) -> Any:
+    """Return the compiled kernel that calls the function behind a name."""
+    names = ", ".join(f"a{i}" for i in range(len(signature.args)))
+    source = (
+        f"def stand_in({names}):\n"
+        "    with objmode(result=kinds):\n"
+        f"        result = evaluate(({names}))\n"
+        "    return result\n"
+    )
+    known: dict[str, Any] = {
+        "objmode": numba.objmode,
+        "kinds": signature.return_type,
+        "evaluate": partial(_interpreted, name, signature),
+    }
+    exec(source, known)
+    # It allocates, as no other kernel does.
+    kernel: Any = numba.njit(error_model="numpy")(known["stand_in"])
+    kernel.compile(signature)
+    return kernel
+
+
+def is_of_a_signal(error: BaseException) -> bool:
+    """Return whether a signal's handler raised it: that time is up on a cluster is no fault of the law's."""
+    handlers = [signal.getsignal(number) for number in signal.valid_signals()]
+    codes = [getattr(getattr(h, "__func__", h), "__code__", None) for h in handlers]
+    return any(frame.f_code in codes for frame, _ in walk_tb(error.__traceback__))
+
+
+def _place(error: BaseException) -> str:
+    """Return where an exception was raised; nothing for one out of compiled code."""
+    frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename != __file__]
+    # The loop itself is called from here too.
+    if not frames or frames[-1].name == "simulate":
+        return ""
+    return f" ({frames[-1].filename}, line {frames[-1].lineno})"
+
 
 _real, _whole = types.float64, types.int64
 _row = types.Array(types.float64, 1, "C", readonly=True)
@@ -85,7 +172,7 @@ _OF_FEW: Final = ("rate", "guard", "jump", "limits", "moment")
 """Kernels that few laws have: without any of them a law is plain."""
 
 _FROM_ROW: Final = {
-    "step": f"row[{STEP}]",
+    "step": f"row[{STEP_LENGTH}]",
     "impact": f"(row[{IMPACT}] != 0.0)",
     "tilt": f"row[{TILT}]",
     "spin": f"row[{SPIN}]",
@@ -118,12 +205,12 @@ def row_of(law: ContactLaw) -> Array:
     head = [law.default_contact_step, 1.0, 0.0, 0.0, 0.0, *(v.initial for v in law.internal_variables)]
     values = [np.array(head, np.float64)]
     for part in _parts(law):
-        given = np.asarray(_coefficients(law, part)[1])
-        if given.dtype.kind not in "biuf":
+        coefficients = np.asarray(_coefficients(law, part)[1])
+        if coefficients.dtype.kind not in "biuf":
             raise LawError(
-                f"{law.name}: coefficients() returns {shown(given.tolist())}; it must return numbers."
+                f"{law.name}: coefficients() returns {shown(coefficients.tolist())}; it must return numbers."
             )
-        values += [np.array([np.nan]), given.astype(np.float64)]
+        values += [np.array([np.nan]), coefficients.astype(np.float64)]
     return np.concatenate(values)
 
 
@@ -163,13 +250,15 @@ def _parts(law: ContactLaw) -> tuple[Any, ...]:
 
 def _coefficients(law: ContactLaw, part: Any) -> tuple[tuple[tuple[str, int], ...], list[Any]]:
     """Return names and lengths of the coefficients, zero for a number, and the numbers."""
-    given: Any = part.coefficients()
+    coefficients: Any = part.coefficients()
     if isinstance(law, Composed) and part is law.damping:
-        given = part.solved(law.normal)
-    if not isinstance(given, Mapping):
-        raise LawError(f"{part.name}: coefficients() returns {shown(given)}; it must return numbers by name.")
-    shape = tuple((name, np.size(value) if np.ndim(value) else 0) for name, value in given.items())
-    return shape, [x for value in given.values() for x in np.atleast_1d(value).tolist()]
+        coefficients = part.solved(law.normal)
+    if not isinstance(coefficients, Mapping):
+        raise LawError(
+            f"{part.name}: coefficients() returns {shown(coefficients)}; it must return numbers by name."
+        )
+    shape = tuple((name, np.size(value) if np.ndim(value) else 0) for name, value in coefficients.items())
+    return shape, [x for value in coefficients.values() for x in np.atleast_1d(value).tolist()]
 
 
 class _Part:
@@ -210,7 +299,7 @@ class _Part:
 
     def call(self, kernel: str, quantities: Mapping[str, str]) -> str:
         """Return the expression that evaluates a kernel, its quantities being expressions."""
-        function, given, kinds = self._function(kernel), [], []
+        function, arguments, kinds = self._function(kernel), [], []
         known = {**_FROM_ROW, **quantities, **self._known}
         for name in names_of(function):
             if name not in known:
@@ -223,13 +312,13 @@ class _Part:
                     f"{self.owner.name}: its kernel {kernel} names {name!r}, a quantity of the contact and a "
                     "parameter; derive another name for the parameter in coefficients()."
                 )
-            given.append(known[name])
+            arguments.append(known[name])
             kinds.append(_row if ":" in known[name] else _TYPES.get(name, _real))
             if known[name] == _FROM_ROW.get(name):
                 self.seen.add(name)
         word = f"{self.word}_{kernel}"
         self.functions[word], self.kinds[word] = function, tuple(kinds)
-        return f"{word}({', '.join(given)})"
+        return f"{word}({', '.join(arguments)})"
 
 
 _CONTACT: Final = {
@@ -249,11 +338,12 @@ _LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
 def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
     """Return the lines of every bound kernel that a law has, and its parts."""
-    words, first, at, parts = ("normal", "damping", "friction"), 0, HEAD + len(law.internal_variables) + 1, []
+    names, parts = ("normal", "damping", "friction"), []
+    at = HEAD + len(law.internal_variables) + 1
     owners = _parts(law)
     # The friction's internal variables come first.
     offsets = (len(law.friction.internal_variables), 0, 0) if isinstance(law, Composed) else (0,)
-    for word, owner, first in zip(words if len(owners) > 1 else ("law",), owners, offsets, strict=True):
+    for word, owner, first in zip(names if len(owners) > 1 else ("law",), owners, offsets, strict=True):
         part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
         parts.append(part)
         at = part.end + 1
@@ -389,8 +479,8 @@ def _bound(shape: _Shape) -> Bound:
         if (name == "solve" and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
             kernels.append(None)
             continue
-        found, callback = _compiled(name, *sources[name], kinds, owners, signature)
-        kernels.append(found)
+        kernel, callback = _compiled(name, *sources[name], kinds, owners, signature)
+        kernels.append(kernel)
         callbacks += [callback] if callback else []
     return Bound(tuple(kernels), tuple(callbacks), seen, plain)
 
@@ -425,10 +515,10 @@ def _compiled(
     made = {word: _own_compiled(function, kinds[word]) for word, function in used.items()}
     obstacles = [(word, kernel) for word, kernel in made.items() if isinstance(kernel, str)]
     if not obstacles:
-        found = _session(name, source, tuple(made.items()), signature)
-        if not isinstance(found, str):
-            return found, None
-        obstacles = [(word, found) for word in used]
+        compiled = _session(name, source, tuple(made.items()), signature)
+        if not isinstance(compiled, str):
+            return compiled, None
+        obstacles = [(word, compiled) for word in used]
     plain = getattr(used[obstacles[0][0]], "py_func", used[obstacles[0][0]])
     _say_once(
         f"{getattr(plain, '__qualname__', type(plain).__qualname__)} cannot be compiled ({obstacles[0][1]}), "
@@ -472,43 +562,28 @@ def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any
     return made
 
 
-_made_from: WeakKeyDictionary[Any, str] = WeakKeyDictionary()
-"""Fingerprints of the compiled functions that a law's kernels call, when their code was made."""
-
-
 def _own_compiled(function: Any, kinds: tuple[Any, ...]) -> Any:
     """Return a law's own kernel, compiled; where there is an obstacle, that in words."""
-    plain = getattr(function, "py_func", function)
-    if plain is not function and is_own(plain) and not plain.__closure__:
-        return function
-    return _made(Fingerprint(function), kinds)
+    return _compiled_with(function, kinds, compiled_constants(function)[0])
 
 
 @lru_cache(maxsize=256)
-def _made(found: Fingerprint, kinds: tuple[Any, ...]) -> Any:
-    function: Any = found.subject
+def _compiled_with(function: Any, kinds: tuple[Any, ...], constants: tuple[bytes, ...]) -> Any:  # noqa: ARG001 - of the key
+    """Return a kernel compiled with the present values of the constants that it and its callees read."""
+    kernel = function
+    if not hasattr(function, "py_func"):
+        kernel = fleeting_kernel(function)
+    elif not is_own(function.py_func):
+        kernel = remade(function)
     try:
-        # A user's own kernel may have code of other values.
-        kernel = remade(function) if hasattr(function, "py_func") else fleeting_kernel(function)
-        _renew_callees(kernel)
-        keep_code(kernel, found.digest)
+        for callee in compiled_constants(function)[1]:
+            if callee.overloads:
+                callee.recompile()
         _compile(kernel, kinds)
     # The compiler lets errors of every kind through, the function's own language among them.
     except Exception as error:
         return _reason(error)
     return kernel
-
-
-def _renew_callees(kernel: Any) -> None:
-    """Compile what a kernel calls again where its sources or values have changed since its code was made."""
-    callees = [(each, Fingerprint(each)) for each in Fingerprint(kernel).kernels]
-    # What another one calls comes before it.
-    for each, found in sorted(callees, key=lambda pair: len(pair[1].kernels)):
-        if _made_from.get(each) != found.digest:
-            # Of code that is kept by the compiler's own rules, this does away with the index.
-            if each.overloads or each.stats.cache_path is not None:
-                each.recompile()
-            _made_from[each] = found.digest
 
 
 def _compile(kernel: Any, signature: Any) -> None:

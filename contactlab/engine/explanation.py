@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.engine.context import Run
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import contact_from
 from contactlab.engine.plant import modes_of
@@ -25,6 +24,7 @@ from contactlab.engine.state import (
     START,
     UNFOLLOWED,
     UNSOLVED,
+    Run,
 )
 from contactlab.laws.base import FREE, SET_VALUED, STICK
 from contactlab.trajectory import LEDGER_LIMIT, SCALE, Ending, openness
@@ -33,7 +33,7 @@ FARTHEST: Final = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
 
 STATES: Final = 9
-"""States at which a law is evaluated along the step that it did not answer."""
+"""States at which a law is evaluated along the step that it did not solve."""
 
 OF_FORCE: Final = ("normal force", "least friction", "friction bound", "stored energy", "normal loss")
 OF_FRICTION: Final = (
@@ -43,13 +43,13 @@ OF_FRICTION: Final = (
     "tangential stiffness",
 )
 Contact = tuple[float, float, float]
-"""What a law is asked about: gap [m], gap rate [m/s] and slip [m/s]."""
+"""Arguments of a law's kernels: gap [m], gap rate [m/s] and slip [m/s]."""
 
-Answers = Callable[[Contact], dict[str, float]]
+Forces = Callable[[Contact], dict[str, float]]
 
 
 def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float) -> tuple[Ending, str]:
-    """Give the ending of a run that stopped by itself, and a sentence on it; the kernels are its law's."""
+    """Return the ending of a run that stopped by itself, and a sentence on it; the kernels are its law's."""
     state, rule = run.state, run.propagator.rule
     time, pace = f"{state.time:.6g} s", f"within {state.window:.3g} s"
     friction, critical = state.friction_limit, state.critical_friction
@@ -84,21 +84,21 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     }
     if state.ending in endings:
         return endings[int(state.ending)]
-    answers = partial(_answers, run, kernels, parameters)
+    forces = partial(_forces_by_name, run, kernels, parameters)
     reach = rule.longest * 0.5**rule.contact_level
-    answer = _not_finite(run, answers, reach)
-    if answer or state.ending == NOT_FINITE:
-        answer = answer or f"a value that is not finite near {_told(_contact_after(run, 0.0))}"
+    fault = _not_finite(run, forces, reach)
+    if fault or state.ending == NOT_FINITE:
+        fault = fault or f"a value that is not finite near {_contact_text(_contact_after(run, 0.0))}"
         return Ending.DIVERGED, (
-            f"The run diverges at {time}: the law answers with {answer}. It must "
+            f"The run diverges at {time}: the law returns {fault}. It must "
             "answer every state of a contact with finite numbers and no negative friction bound; mend the "
             "law, or its parameters."
         )
-    words = f"more than {state.most_steps} steps in contact {pace}, where a few hundred are usual"
+    reason = f"more than {state.most_steps} steps in contact {pace}, where a few hundred are usual"
     if state.ending == UNSOLVED:
-        words = "no step in contact, however short, satisfies the law"
+        reason = "no step in contact, however short, satisfies the law"
     elif state.idle > IDLE_LIMIT:
-        words = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
+        reason = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
     why = (
         "A force that jumps with gap, gap rate or slip stalls the steps: check the law and its parameters, "
         "or choose a larger solver.tolerance. Friction that jumps with the slip is set-valued."
@@ -110,13 +110,13 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
             f"from it is good to {sway * np.finfo(np.float64).eps:.3g} m only. Leave out a tone that meets a "
             "mode without stiffness so slowly."
         )
-    return Ending.STALLED, f"The run stalls at {time}: {words}. {why}"
+    return Ending.STALLED, f"The run stalls at {time}: {reason}. {why}"
 
 
 def balanced(
     state: Any, series: dict[str, Array], modes: NDArray[np.int8], contact_step: float
 ) -> tuple[Ending, str]:
-    """Give the ending of a run that reached its end: complete, or with an open ledger and a sentence."""
+    """Return the ending of a run that reached its end: complete, or unbalanced with a sentence."""
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_open, state.most_open]) - start
@@ -170,7 +170,7 @@ def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8], turned
 
 
 def _runaway(run: Run) -> str:
-    """Say in what way the state is no motor's."""
+    """Return in what way the state is no motor's."""
     modes, radius = modes_of(run.plant), run.plant.geometry.radius
     q, v = modes["q"][:, START], modes["v"][:, START]
     if not (np.isfinite(q).all() and np.isfinite(v).all()):
@@ -184,41 +184,43 @@ def _runaway(run: Run) -> str:
     )
 
 
-def _not_finite(run: Run, answers: Answers, reach: float) -> str:
-    """Give the first answer on the way of the step that cannot be, in words; empty where all can."""
+def _not_finite(run: Run, forces: Forces, reach: float) -> str:
+    """Return the first inadmissible value along the step, in words; empty for none."""
     state = run.state
     if not state.compliant:
         impulses = {"normal": state.normal.node[0], "friction": state.friction.node[0]}
-        found = [f"{name} impulse {p}" for name, p in impulses.items() if not np.isfinite(p)]
-        return f"{' and '.join(found)} at {_told(_contact_after(run, 0.0))}" if found else ""
+        values = [f"{name} impulse {p}" for name, p in impulses.items() if not np.isfinite(p)]
+        return f"{' and '.join(values)} at {_contact_text(_contact_after(run, 0.0))}" if values else ""
     for time in np.linspace(0.0, reach, STATES):
         contact = _contact_after(run, time)
-        for name, value in answers(contact).items():
+        for name, value in forces(contact).items():
             if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
-                return f"{name} {value} at {_told(contact)}"
+                return f"{name} {value} at {_contact_text(contact)}"
     return ""
 
 
 def _contact_after(run: Run, time: float) -> Contact:
-    """Give the contact after a time of straight motion from where the run ended [s]."""
+    """Return the contact after a time of straight motion from where the run ended [s]."""
     modes = modes_of(run.plant)
     q, v = modes["q"][:, START] + time * modes["v"][:, START], modes["v"][:, START]
     gap, rate, slip = contact_from(run.plant, q, v)
     return gap, rate, 0.0 if run.state.mode == STICK else slip
 
 
-def _told(contact: Contact) -> str:
-    """Write a contact as a sentence shows it."""
+def _contact_text(contact: Contact) -> str:
+    """Return gap, gap rate and slip as text."""
     return "a gap of {:.6g} m, a gap rate of {:.6g} m/s and a slip of {:.6g} m/s".format(*contact)
 
 
-def _answers(run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact) -> dict[str, float]:
-    """Give what a penalty law says to a contact, by name; nothing where it is open."""
+def _forces_by_name(
+    run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact
+) -> dict[str, float]:
+    """Return the results of a penalty law's kernels by name; empty where the contact is open."""
     if not contact[0] < 0.0:
         return {}
-    found = kernels[0](*contact, run.state.impact_speed, parameters)
-    answers = dict(zip(OF_FORCE, found, strict=True))
+    values = kernels[0](*contact, run.state.impact_speed, parameters)
+    forces = dict(zip(OF_FORCE, values, strict=True))
     if run.state.friction_kind != SET_VALUED:
-        friction = kernels[1](*contact, found[0], parameters)
-        answers |= zip(OF_FRICTION, friction, strict=True)
-    return answers
+        friction = kernels[1](*contact, values[0], parameters)
+        forces |= zip(OF_FRICTION, friction, strict=True)
+    return forces

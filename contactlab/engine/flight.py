@@ -13,7 +13,6 @@ chord at the left end, the smaller one at the right end. The parabolas are then 
 from math import sqrt
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.context import Law, Run
 from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.propagator import build_level, step_length
@@ -29,6 +28,8 @@ from contactlab.engine.state import (
     START,
     TOUCH,
     UNFOLLOWED,
+    Law,
+    Run,
 )
 
 CLEAR = 1e-18
@@ -42,7 +43,7 @@ REACH = 1e-5
 """Way [m] of a tip up to which its gap has the digits below; further ones have fewer, see `coarseness`."""
 
 RESOLUTION = 1e-22
-"""Gap [m] below which open and touching cannot be told apart in float64."""
+"""Gap [m] below which float64 does not distinguish open from touching."""
 
 ROUND_OFF = 1e-19
 """Gap [m] that is open for certain, whatever float64 makes of it after a release."""
@@ -129,7 +130,7 @@ def step_flight(run: Run, law: Law) -> int:
 
 @part_kernel
 def _certain_opening(gap: float, rate: float, bound: float, h: float, coarse: float) -> float:
-    """Give the time up to which the gap only widens and at which it is open, in (0, h); zero where unknown.
+    """Return the time up to which the gap only widens and at which it is open, in (0, h); zero where unknown.
 
     The gap lies above gap + rate s - B s^2/2, whose highest point this is: a release whose own gap
     is lost in round-off is well clear there, before it could close again.
@@ -140,7 +141,7 @@ def _certain_opening(gap: float, rate: float, bound: float, h: float, coarse: fl
 
 @inner_kernel
 def curvature_bound(run: Run, tip: Tip, h: float) -> float:
-    """Give B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
+    """Return B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
 
     A free oscillator's acceleration a obeys the oscillator's own equation, so that
     |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes. The
@@ -180,7 +181,7 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
 
 @inner_kernel
 def coarseness(run: Run, slope: float) -> float:
-    """Give what the digits of the gap [m] grow by where the parts that it is summed from outgrow REACH.
+    """Return what the digits of the gap [m] grow by where the parts that it is summed from outgrow REACH.
 
     Round-off is that of the parts: clearance, free motion and steady state of every mode, and the slope's
     by its lever.

@@ -16,12 +16,10 @@ from typing import Final, cast
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.context import HEAD, Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at
-from contactlab.engine.linear import solve_linear
-from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start
+from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start, solve_linear
 from contactlab.engine.moments import push_moments
-from contactlab.engine.state import NODES, START, value_at
+from contactlab.engine.state import HEAD, NODES, START, Law, Memory, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
 
@@ -50,7 +48,7 @@ def push_node(run: Run, memory: Memory | None, i: int) -> None:
 
 @inner_kernel
 def mobility(run: Run, level: int, i: int, m: int) -> float:
-    """Give d slip_i / d friction_m [m/s/N]."""
+    """Return d slip_i / d friction_m [m/s/N]."""
     step, tip_v = run.step, run.propagator.levels[level].tip_v
     t_u, t_th = step.t_u[i], step.t_th[i]
     s_u, s_th = step.t_u[m], step.t_th[m]
@@ -80,7 +78,7 @@ def friction_at(
 def friction_and_steepness(
     law: Law, at: tuple[float, float, float], end: float, normal: float
 ) -> tuple[float, float]:
-    """Give friction [N], and how steeply it falls with the slip [N s/m], zero where it rises."""
+    """Return friction [N], and how steeply it falls with the slip [N s/m], zero where it rises."""
     gap, rate, slip = at
     friction = friction_at(law, at, end, normal)[0]
     dv = _nudge_of(slip, HELD_SLIP)
@@ -90,7 +88,7 @@ def friction_and_steepness(
 
 @part_kernel
 def _nudge_of(slip: float, least: float) -> float:
-    """Give the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
+    """Return the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""
     return (NUDGE if slip >= 0.0 else -NUDGE) * (abs(slip) + least)
 
 
@@ -228,7 +226,7 @@ def jump_at_guard(run: Run, law: Law) -> bool:
 
 @merged_kernel
 def missed_between(run: Run, law: Law, yielding: float) -> float:
-    """Give the largest error [N] of friction's polynomial half-way between nodes, from the law's answer.
+    """Return the largest error [N] of friction's polynomial half-way between nodes, from the law's answer.
 
     Rate-dependent friction has kinks where the slip changes its sign, which the nodes alone do not see.
     Of a difference counts what is left once the slip gives way to it, by its mobility `yielding` [m/s/N]:

@@ -1,13 +1,13 @@
 """Impacts by themselves: a contact between two bodies of which nothing but a Delassus matrix is known.
 
-A rigid law is asked once for each. Under a compliant law two bodies meet that this matrix joins: a free body
-of two coordinates q with unit masses, whose contact rows are the Cholesky factor of D,
+A rigid law is evaluated once for each. Under a compliant law two bodies meet that this matrix joins: a free
+body of two coordinates q with unit masses, whose contact rows are the Cholesky factor of D,
 
     gap rate = a qd_0,   slip = b qd_0 + c qd_1,   a = sqrt(D_nn),  b = D_nt / a,  c = sqrt(D_tt - b^2),
 
 over a plate, and the loop of the engine takes it from the touch-down to the release. Each impact has a ladder
 of steps of its own, in units of the time that the law's own force needs to stop the approach, so that its
-numbers hang neither on the units nor on what else is asked.
+numbers depend neither on the units nor on the other impacts.
 """
 
 from math import sqrt
@@ -17,9 +17,21 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.context import HEAD, Impacts, Law, Memory, Records, Run
-from contactlab.engine.hybrid import run_law
-from contactlab.engine.state import BETWEEN, INCONSISTENT, NOT_FINITE, RUNNING, TOUCHING, record
+from contactlab.engine.loop import run_law
+from contactlab.engine.state import (
+    BETWEEN,
+    HEAD,
+    INCONSISTENT,
+    NOT_FINITE,
+    RUNNING,
+    TOUCHING,
+    ImpactBatch,
+    Law,
+    Memory,
+    Records,
+    Run,
+    record,
+)
 from contactlab.laws.base import RATE_DEPENDENT, SLIP, STICK
 from contactlab.laws.memory import AT_TOUCH
 
@@ -50,14 +62,14 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 
 
 @inner_kernel
-def evaluate_impacts(run: Run, state: Any, impacts: Impacts, law: Law, solve: Any) -> None:
+def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law, solve: Any) -> None:
     """Evaluate `solve` of a rigid law for every impact."""
     for i in range(impacts.outcomes.size):
         contact = impacts.contacts[i]
         for k in range(state.variables):
             law.row[HEAD + k] = run.step.memory_first[k]
         _touch(run, state, law, law.memory, contact)
-        _evaluate_one(contact, impacts.outcomes[i], law.parameters, solve)
+        _evaluate_impact(contact, impacts.outcomes[i], law.parameters, solve)
 
 
 @part_kernel
@@ -74,7 +86,7 @@ def _touch(run: Run, state: Any, law: Law, memory: Memory | None, contact: Array
 
 
 @inner_kernel
-def _evaluate_one(contact: Array, outcome: Any, parameters: Array, solve: Any) -> None:
+def _evaluate_impact(contact: Array, outcome: Any, parameters: Array, solve: Any) -> None:
     rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
     p_n, p_t, mode = solve(rate, slip, rate, slip, nn, nt, tt, parameters)
     outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
@@ -103,7 +115,7 @@ def integrate_impacts(
     states: Any,
     motions: Array,
     records: Records,
-    impacts: Impacts,
+    impacts: ImpactBatch,
     law: Law,
     compliant: int,
     solve: Any,
@@ -137,7 +149,7 @@ def integrate_impacts(
 
 @merged_kernel
 def _set_body(run: Run, contact: Array) -> None:
-    """Give the body the rows of its Delassus matrix."""
+    """Return the body the rows of its Delassus matrix."""
     a, b, c = _rows(contact)
     first, second = run.plant.modes[0], run.plant.modes[1]
     # u falls with the gap, and the way is -WAY sin(theta).
@@ -146,7 +158,7 @@ def _set_body(run: Run, contact: Array) -> None:
 
 @inner_kernel
 def _rows(contact: Array) -> tuple[float, float, float]:
-    """Give a, b and c of the module."""
+    """Return a, b and c of the module."""
     a = sqrt(contact[2])
     b = contact[3] / a
     return a, b, sqrt(contact[4] - b * b)
@@ -154,7 +166,7 @@ def _rows(contact: Array) -> tuple[float, float, float]:
 
 @merged_kernel
 def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
-    """Give a unit of time for an impact [s], from the law's own force.
+    """Return a unit of time for an impact [s], from the law's own force.
 
     At the depth d the force at the speed of the approach, times d, is the energy u_n^2 / (2 D_nn) of the
     approach. The unit is sqrt(2 d / (D_nn N)), where N is the largest force down to there, be it a pull.

@@ -12,8 +12,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.context import Run
-from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
+from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import Plant, modes_of
 from contactlab.engine.state import (
     BETWEEN,
@@ -27,6 +26,7 @@ from contactlab.engine.state import (
     RUNNING,
     START,
     UNSOLVED,
+    Run,
 )
 from contactlab.motor.geometry import contact_frame
 
@@ -39,7 +39,7 @@ Contact = tuple[float, float, float, float, float, float, float]
 
 @part_kernel
 def tip_motion(plant: Plant, place: int) -> Tip:
-    """Give the tip's motion at a place of the step."""
+    """Return the tip's motion at a place of the step."""
     u, th, u_rate, th_rate, rotor = 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
@@ -54,7 +54,7 @@ def tip_motion(plant: Plant, place: int) -> Tip:
 
 @part_kernel
 def contact_of(plant: Plant, tip: Tip) -> Contact:
-    """Give the contact of a motion of the tip."""
+    """Return the contact of a motion of the tip."""
     u, th, u_rate, th_rate, rotor = tip
     lengths = plant.geometry
     gap, n_u, n_th, t_u, t_th = contact_frame(u, th, lengths.tip_length, lengths.radius, lengths.clearance)
@@ -64,38 +64,38 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
 
 @part_kernel
 def contact_at(plant: Plant, place: int) -> Contact:
-    """Give the contact at a place of the step."""
+    """Return the contact at a place of the step."""
     return contact_of(plant, tip_motion(plant, place))
 
 
 def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]:
-    """Give gap [m], gap rate and slip [m/s] of displacements and rates, for Python to ask."""
+    """Return gap [m], gap rate and slip [m/s] of displacements and rates."""
     return contacts_from(plant, q[None], v[None])[0]
 
 
 def contacts_from(plant: Plant, q: Array, v: Array) -> list[tuple[float, float, float]]:
-    """Give the contacts of many motions, shape (motion, coordinate), see `contact_from`."""
+    """Return the contacts of many motions, shape (motion, coordinate), see `contact_from`."""
     modes, lengths = modes_of(plant), plant["geometry"].item()
     rows = [modes[f"row_{row}"] for row in ("u", "th", "u", "th", "r")]
     # Of a row alone or among others, a sum over the last axis is the same to the bit.
     seen = [(row * of).sum(axis=-1).tolist() for row, of in zip(rows, (q, q, v, v, v), strict=True)]
-    found = []
+    contacts = []
     for u, th, u_rate, th_rate, rotor in zip(*seen, strict=True):
         gap, n_u, n_th, t_u, t_th = contact_frame(u, th, *lengths)
-        found.append((gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor))
-    return found
+        contacts.append((gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor))
+    return contacts
 
 
 @inner_kernel
 def contact_after(run: Run, s: float) -> Contact:
-    """Give the contact at time s after the start of the step, which `flow_to` leaves BETWEEN."""
+    """Return the contact at time s after the start of the step, which `flow_to` leaves BETWEEN."""
     flow_to(run, s)
     return contact_at(run.plant, BETWEEN)
 
 
 @part_kernel
 def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
-    """Give gap rate and slip [m/s] at a place in the directions that a HELD step keeps, of its first node."""
+    """Return gap rate and slip [m/s] at a place, in the directions of the step's first node."""
     step = run.step
     _, _, u_rate, th_rate, rotor = tip_motion(run.plant, place)
     rate = step.n_u[0] * u_rate + step.n_th[0] * th_rate
@@ -111,7 +111,7 @@ def _turn(tone: Any, place: int, cosine: float, sine: float) -> None:
 
 @part_kernel
 def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: float) -> tuple[float, float]:
-    """Give displacement and rate with a coordinate's steady state at a place, or, by sign -1, without."""
+    """Return displacement and rate with a coordinate's steady state at a place, or, by sign -1, without."""
     for k in range(plant.tone_count):
         tone, phasor = plant.tones[k], plant.phasors[j, k]
         cosine, sine = tone.cosine[place], tone.sine[place]
@@ -122,7 +122,7 @@ def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: floa
 
 @part_kernel
 def _modal_force(mode: Any, u: float, th: float, rotor: float) -> float:
-    """Give what generalised forces along u and th and the rotor's row do to a coordinate."""
+    """Return what generalised forces along u and th and the rotor's row do to a coordinate."""
     return float(mode.row_u * u + mode.row_th * th + mode.row_r * rotor)
 
 
@@ -144,14 +144,16 @@ def begin(run: Run) -> None:
 
 
 @inner_kernel
-def _add_driven(plant: Plant, j: int, k: int, place: int, answer: tuple[float, float, float, float]) -> None:
-    """Add what a tone did to a nearly resonant mode since the step's start, from `answer_from_rest`."""
+def _add_driven(
+    plant: Plant, j: int, k: int, place: int, response: tuple[float, float, float, float]
+) -> None:
+    """Add what a tone did to a nearly resonant mode since the step's start, from `response_from_rest`."""
     mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
     cosine, sine = tone.cosine[START], tone.sine[START]
     re = phasor.force_re * cosine - phasor.force_im * sine
     im = phasor.force_re * sine + phasor.force_im * cosine
-    mode.q[place] += re * answer[0] - im * answer[1]
-    mode.v[place] += re * answer[2] - im * answer[3]
+    mode.q[place] += re * response[0] - im * response[1]
+    mode.v[place] += re * response[2] - im * response[3]
 
 
 @inner_kernel
@@ -186,8 +188,8 @@ def flow_to(run: Run, s: float) -> None:
         if mode.near != 0:
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
-                    answer = answer_from_rest(stiffness, c, plant.tones[k].omega, s)
-                    _add_driven(plant, j, k, BETWEEN, answer)
+                    driven = response_from_rest(stiffness, c, plant.tones[k].omega, s)
+                    _add_driven(plant, j, k, BETWEEN, driven)
 
 
 @part_kernel
@@ -229,7 +231,7 @@ def add_collocated(run: Run, level: int) -> None:
 
 
 @part_kernel
-def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
+def add_constant(run: Run, level: int, displacement: bool, rates: bool) -> None:
     """Add the constant force's answer to the displacement at the end, the rates at all nodes, or both."""
     step = run.step
     u, th, rotor = step.push_u.node[0], step.push_th.node[0], step.push_r.node[0]
@@ -245,7 +247,7 @@ def add_held(run: Run, level: int, displacement: bool, rates: bool) -> None:
 
 @inner_kernel
 def checked(run: Run, event: int) -> int:
-    """Give the event of a step in contact; end the run, as it stands, where the law gave no numbers."""
+    """Return the event of a step in contact; end the run, as it stands, where the law gave no numbers."""
     state, step = run.state, run.step
     if state.ending == RUNNING:
         total = 0.0

@@ -1,110 +1,186 @@
-"""The entry to the compiled engine: one function for runs and impacts under laws of every kind.
+"""The hybrid loop: a phase proposes a step, it is committed, and its event opens or closes a contact."""
 
-It calls the law by address, as first-class functions of one type, and is so compiled once for all laws. What
-a kind of law does not need is None, and the code about it is compiled to nothing.
-"""
-
-from typing import Any, Final
-
-import numba
+from typing import Any
 
 from contactlab.arrays import Array
-from contactlab.compilation import telling
-from contactlab.compiled import INTERPRETED, inner_kernel, kernel
-from contactlab.engine.binding import SIGNATURES, Bound
-from contactlab.engine.context import Impacts, Law, Memory, Records, Run
-from contactlab.engine.hybrid import run_law
-from contactlab.engine.impact import evaluate_impacts, integrate_impacts
+from contactlab.compiled import inner_kernel, merged_kernel
+from contactlab.engine.compliant import count_event, step_compliant, switch_friction
+from contactlab.engine.flight import step_flight
+from contactlab.engine.friction import jump_at_guard
+from contactlab.engine.kinematics import begin, contact_at
+from contactlab.engine.memory import jump, leave, note_release
+from contactlab.engine.moments import press
+from contactlab.engine.propagator import step_length
+from contactlab.engine.recorder import CRAWL, commit
+from contactlab.engine.rigid import step_rigid
+from contactlab.engine.state import (
+    CONE,
+    GUARD,
+    NOTHING,
+    PRESSED,
+    RELEASE,
+    RELEASED,
+    REVERSAL,
+    RUNNING,
+    SPEED,
+    START,
+    TOUCH,
+    TOUCHING,
+    Law,
+    Records,
+    Run,
+)
+from contactlab.laws.base import FREE, RATE_DEPENDENT, SLIP, STICK
+from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 
-_compiled: set[object] = set()
-"""Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
-
-SECONDS: Final = {
-    "runs under compliant laws": 27.0,
-    "runs under rigid laws": 19.0,
-    "runs under compliant laws with internal variables": 58.0,
-    "runs under rigid laws with internal variables": 46.0,
-    "impacts under compliant laws": 13.0,
-    "impacts under rigid laws": 1.0,
-    "impacts under compliant laws with internal variables": 24.0,
-    "impacts under rigid laws with internal variables": 1.0,
-}
-"""What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""
-
-
-def kind_of(bound: Bound, impacts: bool) -> str:
-    """Return what the loop is compiled for."""
-    family = "compliant" if bound.kernels[2] is None else "rigid"
-    with_memory = "" if bound.plain else " with internal variables"
-    return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
-
-
-def prepare_loop(bound: Bound, *given: Any) -> None:
-    """Compile the loop for a kind of law, or load its code; `given` are its arguments up to the budget."""
-    run, impacts = given[0], given[4]
-    kind = kind_of(bound, impacts is not None)
-    room = kind, run.plant["phasors"].shape
-    if INTERPRETED or room in _compiled:
-        return
-    # Left to itself the compiler would take each law for a type of its own.
-    kernels = [
-        numba.types.none if each is None else numba.types.FunctionType(signature)
-        for each, signature in zip(bound.kernels, SIGNATURES.values(), strict=True)
-    ]
-    row = SIGNATURES["force"].args[-1]
-    rows = row, row.copy(readonly=False)
-    whole, none = numba.types.int64, numba.types.none
-    marks = whole if impacts is None else none, whole if bound.kernels[2] is None else none
-    loop: Any = advance
-    with telling(kind, SECONDS[kind]):
-        loop.disable_compile(False)
-        loop.compile((*map(numba.typeof, given), *rows, *marks, *kernels))
-        loop.disable_compile()
-    _compiled.add(room)
+TOUCH_REFINEMENT = 6
+"""Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
 
-@kernel
-def advance(
+@merged_kernel
+def run_law(
     run: Run,
     states: Any,
     motions: Array,
     records: Records,
-    impacts: Impacts | None,
-    parameters: Array,
-    row: Array,
-    budget: int | None,
+    law: Law,
     compliant: int | None,
-    force: Any,
-    friction: Any,
     solve: Any,
-    rate: Any,
-    guard: Any,
-    jumps: Any,
-    limits: Any,
-    moment: Any,
+    budget: int,
 ) -> None:
-    """Run a law, start after start, until the end, an ending, full contact storage or so many steps.
-
-    States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
-    Call it again to go on: they and the records hold all that there is, however often a run is cut. With
-    impacts these are integrated, see `contactlab.engine.impact`.
-
-    It is compiled once for each combination of arguments that are None: impacts or budget, `solve` of
-    compliant laws or `compliant` of rigid ones, and the last five kernels of laws that are plain.
-    """
-    law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
-    if impacts is None:
-        if budget is not None:
-            run_law(run, states, motions, records, law, compliant, solve, budget)
-    elif solve is None:
-        if compliant is not None:
-            integrate_impacts(run, states, motions, records, impacts, law, compliant, solve)
-    else:
-        evaluate_impacts(run, states[0], impacts, law, solve)
+    """Run a law from starts, see `contactlab.engine.preparation.advance`."""
+    for i in range(states.size):
+        each, left = Run(run.plant, run.propagator, states[i], run.step), budget
+        _begin_at(each, motions[i])
+        law.row[SPEED] = each.state.impact_speed
+        while left > 0 and _opens_step(each, law):
+            event = NOTHING
+            if each.state.phase != TOUCHING:
+                event = step_flight(each, law)
+            elif solve is None:
+                # The compiler leaves out what asks whether None is None, and nothing else.
+                if compliant is not None:
+                    event = step_compliant(each, law)
+            else:
+                event = step_rigid(each, law)
+            commit(each, law, records.series, records.traces)
+            _act(each, law, records.ends, event)
+            left -= 1
+        _leave_at(each, motions[i])
 
 
 @inner_kernel
-def _memory_of(rate: Any, guard: Any, jumps: Any, limits: Any, moment: Any) -> Memory | None:
-    if rate is None:
-        return None
-    return Memory(rate, guard, jumps, limits, moment)
+def _begin_at(run: Run, motion: Array) -> None:
+    """Set displacements and rates at the start of a step."""
+    for j in range(run.plant.mode_count):
+        mode = run.plant.modes[j]
+        mode.q[START], mode.v[START] = motion[0, j], motion[1, j]
+
+
+@inner_kernel
+def _leave_at(run: Run, motion: Array) -> None:
+    """Take displacements and rates from the start of a step."""
+    for j in range(run.plant.mode_count):
+        mode = run.plant.modes[j]
+        motion[0, j], motion[1, j] = mode.q[START], mode.v[START]
+
+
+@inner_kernel
+def _opens_step(run: Run, law: Law) -> bool:
+    """Make a step ready, and tell whether there is one to take."""
+    state, step = run.state, run.step
+    full = state.stored >= step.contacts.size - 1
+    if state.time >= state.end or state.ending != RUNNING or full:
+        return False
+    if state.end - state.time <= run.propagator.rule.longest:
+        # The end may cut this step: another run goes on from where it began.
+        step.saved[0] = state
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
+    if state.phase == PRESSED:
+        _open_contact(run, law)
+        if state.compliant != 0:
+            press(run, law, law.memory)
+    begin(run)
+    return True
+
+
+@inner_kernel
+def _act(run: Run, law: Law, ends: Array, event: int) -> None:
+    """Open, close or switch the contact after the event of a committed step."""
+    state = run.state
+    if event == TOUCH:
+        leave(run, law, law.memory)
+        _open_contact(run, law)
+    elif event in (REVERSAL, CONE):
+        switch_friction(state, event)
+        jump(run, law, law.memory, AT_STICK if event == REVERSAL else AT_SLIP)
+    elif event == GUARD:
+        if jump_at_guard(run, law):
+            switch_friction(state, REVERSAL)
+        # No polynomial goes on over a jump.
+        state.level_before = state.level + 1
+        count_event(state)
+    elif event == RELEASE:
+        _release(run, law, ends)
+    elif state.switched != 0:
+        jump(run, law, law.memory, state.switched)
+        state.switched = 0
+    elif state.mode == FREE:
+        leave(run, law, law.memory)
+
+
+@merged_kernel
+def _release(run: Run, law: Law, ends: Array) -> None:
+    """End the contact, and store it where it was one."""
+    state = run.state
+    for k in range(state.variables):
+        ends[state.stored, k] = state.memory[k]
+    note_release(run, law, law.memory)
+    jump(run, law, law.memory, AT_RELEASE)
+    state.contact.separation_velocity = contact_at(run.plant, START)[1]
+    if _is_contact(run):
+        run.step.contacts[state.stored] = state.contact
+        state.stored += 1
+    else:
+        # Round-off alone tells a graze from a miss.
+        state.touchdowns -= 1
+        if state.stored > 0:
+            run.step.contacts[state.stored - 1].energy_loss += state.contact.energy_loss
+    state.mode, state.phase = FREE, RELEASED
+    state.level = run.propagator.rule.fresh_level
+    leave(run, law, law.memory)
+
+
+@inner_kernel
+def _is_contact(run: Run) -> bool:
+    """Return whether what ends here was a contact: it took time, and more than none if it gave no impulse.
+
+    A tip that starts on the rotor at rest, or grazes it, may touch by round-off for a moment that is
+    shorter than any step is taken for: it leaves as it came, and nothing was exchanged.
+    """
+    contact, rule = run.state.contact, run.propagator.rule
+    if contact.normal_impulse != 0.0 or contact.friction_impulse != 0.0:
+        return bool(contact.duration > 0.0)
+    return bool(contact.duration >= CRAWL * step_length(run.propagator, rule.contact_level))
+
+
+@inner_kernel
+def _open_contact(run: Run, law: Law) -> None:
+    """Start a contact at the present state, some levels below that of the contact step."""
+    state, contact = run.state, run.state.contact
+    _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    contact.start_time, contact.approach_velocity, contact.separation_velocity = (state.time, rate, 0.0)
+    contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
+    contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
+    contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
+    state.normal_before, state.friction_before = 0.0, 0.0
+    state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
+    law.row[SPEED] = state.impact_speed
+    state.mode = SLIP if slip != 0.0 or state.friction_kind == RATE_DEPENDENT else STICK
+    state.sign = 1 if slip > 0.0 else -1
+    state.level = run.propagator.rule.contact_level + state.compliant * TOUCH_REFINEMENT
+    state.touchdowns += 1
+    count_event(state)
+    jump(run, law, law.memory, AT_TOUCH)

@@ -13,24 +13,53 @@ from math import asin
 
 import numpy as np
 
+from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.context import HEAD, IMPACT, SPIN, STEP, TILT, Law, Memory, Run
 from contactlab.engine.kinematics import contact_after, contact_at, tip_motion
-from contactlab.engine.linear import solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
     COLLOCATED,
     FLIGHT,
+    HEAD,
     HELD,
+    IMPACT,
     LAST,
     NODES,
+    SPIN,
     START,
+    STEP_LENGTH,
+    TILT,
+    Law,
+    Memory,
+    Run,
     internal_at,
     value_at,
 )
 from contactlab.laws.base import SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
+
+
+@inner_kernel
+def solve_linear(system: Array, n: int) -> None:
+    """Solve n linear equations in place, their right side in column n, with row pivots."""
+    for p in range(n):
+        best = p
+        for row in range(p + 1, n):
+            if abs(system[row, p]) > abs(system[best, p]):
+                best = row
+        for column in range(p, n + 1):
+            pivot = system[p, column]
+            system[p, column] = system[best, column]
+            system[best, column] = pivot
+        for row in range(n):
+            if row != p:
+                ratio = system[row, p] / system[p, p]
+                for column in range(p, n + 1):
+                    system[row, column] -= ratio * system[p, column]
+    for p in range(n):
+        system[p, n] /= system[p, p]
+
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
@@ -62,16 +91,11 @@ def note_turn(run: Run, place: int, th: float, t_u: float, th_rate: float, rotor
 
 
 @inner_kernel
-def _note_turn_at(run: Run, place: int) -> None:
-    _, th, _, th_rate, rotor = tip_motion(run.plant, place)
-    note_turn(run, place, th, contact_at(run.plant, place)[5], th_rate, rotor)
-
-
-@part_kernel
 def note_turn_at(run: Run, place: int) -> None:
     """Note tilt and spin at a place whose motion is known."""
     if run.state.turns != 0:
-        _note_turn_at(run, place)
+        _, th, _, th_rate, rotor = tip_motion(run.plant, place)
+        note_turn(run, place, th, contact_at(run.plant, place)[5], th_rate, rotor)
 
 
 @part_kernel
@@ -97,7 +121,7 @@ def pass_step(run: Run, law: Law) -> None:
     """Pass a rigid law its internal variables, the length of its step [s], and whether it is of an impact."""
     recall_start(run, law)
     if run.state.told != 0:
-        law.row[STEP] = run.state.length
+        law.row[STEP_LENGTH] = run.state.length
         law.row[IMPACT] = 1.0 if run.state.contact.duration == 0.0 else 0.0
 
 
@@ -159,7 +183,7 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
         for i in range(NODES):
             change = system[i, NODES]
             step.memory[i, k] += change
-            # What is no number fails every comparison, and is told so.
+            # NaN fails every comparison, and is passed on.
             most = abs(change) / size if not abs(change) <= most * size else most
     return float(most)
 
@@ -318,7 +342,7 @@ def limit_at(
     """
     if memory is None or run.step.limit_moves == 0:
         return run.state.begins, 0.0
-    return _limit_at(run, law, memory, place, s, contact)
+    return _moving_limit_at(run, law, memory, place, s, contact)
 
 
 @inner_kernel
@@ -330,41 +354,6 @@ def _turning(run: Run, law: Law, place: int, gap: float, slip: float) -> float:
     law.row[TILT], law.row[SPIN] = run.step.tilt[place], run.step.spin[place]
     _, _, _, th_rate, rotor = tip_motion(run.plant, place)
     return float(th_rate - (slip - rotor) / (run.plant.geometry.radius + gap))
-
-
-@inner_kernel
-def _limit_at(
-    run: Run, law: Law, memory: Memory, place: int, s: float, contact: tuple[float, float, float]
-) -> tuple[float, float]:
-    state, step = run.state, run.step
-    gap, rate, slip = contact
-    _relax(run, law, memory, s, gap, rate, slip)
-    recall(run, law, LAST)
-    turning = _turning(run, law, place, gap, slip)
-    begins = float(memory.limits(rate, law.parameters)[0])
-    # The time in which one variable at most changes by a part NUDGE of itself.
-    dt, moves = np.inf, turning != 0.0
-    if moves:
-        dt = NUDGE * max(abs(step.tilt[place] / turning), step_length(run.propagator, 0))
-    for k in range(state.coupled, state.variables):
-        step.memory_rate[k] = 0.0
-        if step.memory_lasts[k] != 0.0:
-            step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, law.parameters)
-        if step.memory_rate[k] != 0.0:
-            moves = True
-            if law.row[HEAD + k] != 0.0:
-                dt = min(dt, NUDGE * abs(law.row[HEAD + k] / step.memory_rate[k]))
-    if not moves:
-        return min(begins, state.left), 0.0
-    if dt == np.inf:
-        dt = NUDGE * step_length(run.propagator, 0)
-    for k in range(state.coupled, state.variables):
-        law.row[HEAD + k] += dt * step.memory_rate[k]
-    law.row[TILT] += dt * turning
-    after = memory.limits(rate, law.parameters)[0]
-    if state.left < begins:
-        return state.left, 0.0
-    return begins, float((after - begins) / dt)
 
 
 @part_kernel
@@ -420,7 +409,48 @@ def stored_apart(run: Run, law: Law, memory: Memory | None) -> float:
 
 
 @inner_kernel
-def _jump(run: Run, law: Law, memory: Memory, event: int) -> None:
+def _moving_limit_at(
+    run: Run, law: Law, memory: Memory, place: int, s: float, contact: tuple[float, float, float]
+) -> tuple[float, float]:
+    state, step = run.state, run.step
+    gap, rate, slip = contact
+    _relax(run, law, memory, s, gap, rate, slip)
+    recall(run, law, LAST)
+    turning = _turning(run, law, place, gap, slip)
+    begins = float(memory.limits(rate, law.parameters)[0])
+    # The time in which one variable at most changes by a part NUDGE of itself.
+    dt, moves = np.inf, turning != 0.0
+    if moves:
+        dt = NUDGE * max(abs(step.tilt[place] / turning), step_length(run.propagator, 0))
+    for k in range(state.coupled, state.variables):
+        step.memory_rate[k] = 0.0
+        if step.memory_lasts[k] != 0.0:
+            step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, law.parameters)
+        if step.memory_rate[k] != 0.0:
+            moves = True
+            if law.row[HEAD + k] != 0.0:
+                dt = min(dt, NUDGE * abs(law.row[HEAD + k] / step.memory_rate[k]))
+    if not moves:
+        return min(begins, state.left), 0.0
+    if dt == np.inf:
+        dt = NUDGE * step_length(run.propagator, 0)
+    for k in range(state.coupled, state.variables):
+        law.row[HEAD + k] += dt * step.memory_rate[k]
+    law.row[TILT] += dt * turning
+    after = memory.limits(rate, law.parameters)[0]
+    if state.left < begins:
+        return state.left, 0.0
+    return begins, float((after - begins) / dt)
+
+
+@inner_kernel
+def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
+    """Apply the law's reset map at an event where the step starts; stored energy that is gone is lost.
+
+    What stays stored while apart is that where the next contact would begin.
+    """
+    if memory is None:
+        return
     state = run.state
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     slip = 0.0 if state.mode == STICK else slip
@@ -440,16 +470,6 @@ def _jump(run: Run, law: Law, memory: Memory, event: int) -> None:
         stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
     state.total.contact_loss += stored
     state.contact.energy_loss += stored
-
-
-@part_kernel
-def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
-    """Apply the law's reset map at an event where the step starts; stored energy that is gone is lost.
-
-    What stays stored while apart is that where the next contact would begin.
-    """
-    if memory is not None:
-        _jump(run, law, memory, event)
 
 
 @part_kernel

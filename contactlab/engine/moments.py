@@ -6,10 +6,9 @@ against the spin thdot - Omega turns tip and rotor against each other.
 """
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.kinematics import contact_at, tip_motion
 from contactlab.engine.memory import recall_start
-from contactlab.engine.state import START, fit, value_at
+from contactlab.engine.state import START, Law, Memory, Run, fit, value_at
 
 
 @inner_kernel
@@ -70,7 +69,7 @@ def fit_moments(run: Run, memory: Memory | None) -> None:
 
 @part_kernel
 def missed_moments(run: Run, memory: Memory | None) -> float:
-    """Give what the moments' polynomials miss of them at the step's start, as a force on the rotor [N]."""
+    """Return what the moments' polynomials miss of them at the step's start, as a force on the rotor [N]."""
     if memory is None or run.state.moments == 0:
         return 0.0
     step = run.step

@@ -22,7 +22,7 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, kernel
 
 REACH = 0.25
-"""Largest (c + sqrt k) d that the power series is asked for; the rest is doubled."""
+"""Largest (c + sqrt k) d of the power series; longer times are doubled."""
 
 TERMS = 11
 """Terms of the series: the first that is left out is below 3e-14 of the sum."""
@@ -84,8 +84,8 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
 
 
 @kernel
-def answer_from_rest(k: float, c: float, omega: float, s: float) -> tuple[float, float, float, float]:
-    """Give Re R, Im R [s^2] and their rates [s] of an underdamped oscillator under exp(i omega s), from rest.
+def response_from_rest(k: float, c: float, omega: float, s: float) -> tuple[float, float, float, float]:
+    """Return Re R, Im R [s^2] and their rates [s]: an underdamped oscillator under exp(i omega s), from rest.
 
     Near resonance the steady state is what the tone builds up over a long time, up to a billion times what
     moves now: split off, it would leave its own round-off in every gap. The answer from rest is as small as
@@ -115,7 +115,7 @@ def answer_from_rest(k: float, c: float, omega: float, s: float) -> tuple[float,
 
 @inner_kernel
 def _faded(a: float, b: float, s: float) -> tuple[float, float]:
-    """Give Re and Im of (1 - exp(-z s)) / z for z = a + i b, not zero."""
+    """Return Re and Im of (1 - exp(-z s)) / z for z = a + i b, not zero."""
     left = exp(-a * s)
     half = sin(0.5 * b * s)
     real = 2.0 * left * half * half - expm1(-a * s)

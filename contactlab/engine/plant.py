@@ -19,7 +19,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.engine.state import EVENT_LIMIT, PLACES, one, record
+from contactlab.engine.state import EVENT_LIMIT, PLACES, new_record, record
 from contactlab.motor.motor import Motor
 
 RESONANCE_MARGIN = 1e-9
@@ -72,12 +72,12 @@ def plant_record(modes: int, tones: int) -> np.dtype[Any]:
 
 
 def room_for(count: int, least: int) -> int:
-    """Give the room for a number of things: `least`, doubled until they fit."""
+    """Return the room for a number of things: `least`, doubled until they fit."""
     return least if count <= least else room_for(count, 2 * least)
 
 
 def modes_of(plant: Plant) -> Any:
-    """Give the coordinates that a plant has, a structured array."""
+    """Return the coordinates that a plant has, a structured array."""
     return plant["modes"][: plant["mode_count"]]
 
 
@@ -91,7 +91,7 @@ def plant_of(motor: Motor) -> Plant:
     root = sqrt(rotor.inertia)
     omega = motor.drive.angular_frequency
     count = modes.stiffness.size + 1
-    plant = one(plant_record(room_for(count, MODES), room_for(omega.size, TONES)))
+    plant = new_record(plant_record(room_for(count, MODES), room_for(omega.size, TONES)))
     plant["mode_count"], plant["tone_count"] = count, omega.size
     plant["geometry"] = geometry.tip_length, geometry.rotor_radius, geometry.clearance
     made, tones = modes_of(plant), plant["tones"][: omega.size]
@@ -126,21 +126,21 @@ def plant_of(motor: Motor) -> Plant:
 
 
 def resolved_rate(plant: Plant) -> float:
-    """Give the fastest rate that persists [rad/s] of tones and modes; zero where nothing vibrates."""
+    """Return the fastest rate that persists [rad/s] of tones and modes; zero where nothing vibrates."""
     modes = modes_of(plant)[:-1]
     rates = persisting_rates(modes["stiffness"], modes["damping"])
     return float(max(rates.max(initial=0.0), plant["tones"]["omega"].max()))
 
 
 def persisting_rates(stiffness: Array, damping: Array) -> Array:
-    """Give the rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
+    """Return the rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
     slow = np.full(stiffness.shape, np.inf)
     np.divide(stiffness, damping, out=slow, where=damping > 0.0)
     return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
 
 
 def motion_rate(plant: Plant) -> float:
-    """Give the faster rate [rad/s] of fastest tone with an amplitude and slowest mode; else zero."""
+    """Return the faster rate [rad/s] of fastest tone with an amplitude and slowest mode; else zero."""
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
@@ -149,7 +149,7 @@ def motion_rate(plant: Plant) -> float:
 
 
 def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
-    """Give the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
+    """Return the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
 
     That is a period of what makes its contacts, but no longer than the run. A rigid contact lasts a step at
     least, and the flight after it longer: its window is long enough for an event every fifth step to be
@@ -165,14 +165,14 @@ def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> t
 
 
 def fastest_rate(plant: Plant) -> float:
-    """Give the fastest rate of any transient [1/s]."""
+    """Return the fastest rate of any transient [1/s]."""
     modes = modes_of(plant)
     return float((modes["damping"] + np.sqrt(modes["stiffness"])).max())
 
 
 @kernel
 def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> tuple[float, float, float]:
-    """Give D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
+    """Return D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]

@@ -4,32 +4,265 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
-from typing import Any, NamedTuple, final
+from math import inf
+from typing import Any, Final, NamedTuple, final
+from zlib import crc32
 
+import numba
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.engine.arguments import (
-    check_kinds,
-    check_numbers,
-    check_rates,
-    default_contact_step,
-    memory_mark,
-)
-from contactlab.engine.binding import FORCE, LIMITS, Bound, bind, row_of
-from contactlab.engine.callback import law_errors
-from contactlab.engine.context import HEAD, Impacts, Records, Run
+from contactlab.checks import SMALLEST_STEP, check_kind, check_number, shown
+from contactlab.compilation import telling
+from contactlab.compiled import INTERPRETED, inner_kernel, kernel
+from contactlab.engine.binding import FORCE, LIMITS, SIGNATURES, Bound, bind, law_errors, row_of
 from contactlab.engine.explanation import explain
-from contactlab.engine.hybrid import TOUCH_REFINEMENT
-from contactlab.engine.loop import advance, prepare_loop
-from contactlab.engine.plant import Plant, pace_of, plant_of
+from contactlab.engine.impact import evaluate_impacts, integrate_impacts
+from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
+from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace
-from contactlab.engine.state import OPEN, PRESSED, RELEASED, STATE, STEP, TOUCHING, one
-from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.laws.intake import CANARIES, check_answers, check_words, guarded
+from contactlab.engine.state import (
+    HEAD,
+    LEAVES,
+    OPEN,
+    PRESSED,
+    RELEASED,
+    RUNNING,
+    STATE,
+    STEP,
+    TOUCHING,
+    ImpactBatch,
+    Law,
+    Memory,
+    Records,
+    Run,
+    new_record,
+)
+from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
+from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
+from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Ending
+
+LARGEST_TURN: Final = 0.01
+"""Largest step in rigid contact, times the tip's rate [1]."""
+
+
+def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
+    """Return the step in contact [s] of a law on a resonator, at most the law's `default_contact_step`.
+
+    A rigid law that projects puts the tip back onto the closed gap after every step, after an impact at
+    speed v by about v h / 2. That bends the modes, which costs or gives energy of the order of rate h
+    times that of the impact and is in no term of the ledger, with
+
+        rate^2 = sum_j row_j^2 min(omega_j, k_j/c_j)^2 / sum_j row_j^2,
+
+    row_j being the tip's displacement in mode j; an overdamped mode counts by its slow root.
+    """
+    step = law.default_contact_step
+    if not isinstance(law, MultiplierLaw) or not law.projects:
+        return step
+    row = modes.tip_displacement
+    turning = float(np.linalg.norm(row * persisting_rates(modes.stiffness, modes.damping)))
+    return min(step, LARGEST_TURN * float(np.linalg.norm(row)) / turning) if turning > 0.0 else step
+
+
+def check_kinds(motor: Motor, law: ContactLaw) -> None:
+    """Refuse what is no motor, or no law of either family, by a TypeError."""
+    check_kind("The motor", motor, Motor)
+    check_law(law)
+
+
+def check_law(law: ContactLaw) -> None:
+    """Refuse what is no law of either family by a TypeError."""
+    if isinstance(law, str):
+        raise TypeError(
+            f"The law is the text {law!r}; it must be a law and not its name. "
+            f"Make it: contactlab.law({law!r})."
+        )
+    check_kind("The law", law, ContactLaw)
+    refuse_unsound(type(law))
+    if not isinstance(law, PenaltyLaw | MultiplierLaw):
+        raise TypeError(
+            f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."
+        )
+
+
+def check_numbers(
+    law: ContactLaw, duration: float, interval: float, step: float, tolerance: float | None
+) -> None:
+    """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
+    for name, value in (("duration", duration), ("contact step", step)):
+        check_number(f"The {name}", value)
+        if not 0.0 < value < inf:
+            raise ValueError(f"The {name} is {value} s; it must be positive and finite.")
+    check_number("The record interval", interval)
+    if not 0.0 < interval <= duration:
+        raise ValueError(
+            f"The record interval is {interval} s; it must be positive and at most the duration, "
+            f"{duration} s."
+        )
+    if step < SMALLEST_STEP * duration:
+        raise ValueError(
+            f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
+            f"{SMALLEST_STEP:g} of the duration: shorter steps do not move the clock. Leave it out for the "
+            "law's own default."
+        )
+    check_tolerance(law, tolerance)
+
+
+def check_tolerance(law: ContactLaw, tolerance: float | None) -> None:
+    """Refuse a tolerance that no step can have, and any of a rigid law; None is the default."""
+    if tolerance is None:
+        return
+    if isinstance(law, MultiplierLaw):
+        raise ValueError(
+            f"The tolerance is {tolerance}, but {law.name} has no error control: its contact step sets its "
+            "error. Leave the tolerance out."
+        )
+    check_number("The tolerance", tolerance)
+    if not 0.0 < tolerance < 1.0:
+        raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
+
+
+def check_rates(plant: Plant, duration: float) -> None:
+    """Refuse a motor that moves too fast for the clock of its run, by a ValueError."""
+    rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
+    if rate > most:
+        raise ValueError(
+            f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
+            f"{most:.3g} rad/s. Leave it out, or run shorter."
+        )
+
+
+def memory_mark(law: ContactLaw) -> int:
+    """Return a number that identifies the internal variables of a law; zero for none."""
+    names = ",".join(f"{each.name} {each.life}" for each in law.internal_variables)
+    return crc32(names.encode())
+
+
+def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
+    """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
+    if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
+        raise TypeError(
+            f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
+        )
+    count = np.size(start["q"])
+    if count != plant.mode_count:
+        raise ValueError(
+            f"The start is a state of {count - 1} modes, and the motor has {plant.mode_count - 1}; go on "
+            "with a motor of as many."
+        )
+    if start["ending"] != RUNNING:
+        raise ValueError(
+            f"The start is the state of a run that failed at {start['time']:.6g} s; it cannot go on. Take a "
+            "state of before."
+        )
+    friction = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
+    kind = isinstance(law, PenaltyLaw), friction, memory_mark(law)
+    state = start["compliant"], start["friction_kind"], start["memory_of"]
+    if start["phase"] == TOUCHING and state != kind:
+        raise ValueError(
+            f"The start is a state in contact under a law of another kind than {law.name}; cut the run in "
+            "flight to go on with another kind."
+        )
+
+
+_compiled: set[object] = set()
+"""Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
+
+SECONDS: Final = {
+    "runs under compliant laws": 27.0,
+    "runs under rigid laws": 19.0,
+    "runs under compliant laws with internal variables": 58.0,
+    "runs under rigid laws with internal variables": 46.0,
+    "impacts under compliant laws": 13.0,
+    "impacts under rigid laws": 1.0,
+    "impacts under compliant laws with internal variables": 24.0,
+    "impacts under rigid laws with internal variables": 1.0,
+}
+"""What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""
+
+
+def kind_of(bound: Bound, impacts: bool) -> str:
+    """Return what the loop is compiled for."""
+    family = "compliant" if bound.kernels[2] is None else "rigid"
+    with_memory = "" if bound.plain else " with internal variables"
+    return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
+
+
+def prepare_loop(bound: Bound, *arguments: Any) -> None:
+    """Compile the loop for a kind of law, or load its code; `arguments` are those before the parameters."""
+    run, impacts = arguments[0], arguments[4]
+    kind = kind_of(bound, impacts is not None)
+    room = kind, run.plant["phasors"].shape
+    if INTERPRETED or room in _compiled:
+        return
+    # Left to itself the compiler would take each law for a type of its own.
+    kernels = [
+        numba.types.none if each is None else numba.types.FunctionType(signature)
+        for each, signature in zip(bound.kernels, SIGNATURES.values(), strict=True)
+    ]
+    row = SIGNATURES["force"].args[-1]
+    rows = row, row.copy(readonly=False)
+    whole, none = numba.types.int64, numba.types.none
+    marks = whole if impacts is None else none, whole if bound.kernels[2] is None else none
+    loop: Any = advance
+    with telling(kind, SECONDS[kind]):
+        loop.disable_compile(False)
+        loop.compile((*map(numba.typeof, arguments), *rows, *marks, *kernels))
+        loop.disable_compile()
+    _compiled.add(room)
+
+
+@kernel
+def advance(
+    run: Run,
+    states: Any,
+    motions: Array,
+    records: Records,
+    impacts: ImpactBatch | None,
+    parameters: Array,
+    row: Array,
+    budget: int | None,
+    compliant: int | None,
+    force: Any,
+    friction: Any,
+    solve: Any,
+    rate: Any,
+    guard: Any,
+    jumps: Any,
+    limits: Any,
+    moment: Any,
+) -> None:
+    """Run a law, start after start, until the end, an ending, full contact storage or so many steps.
+
+    States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
+    Call it again to go on: they and the records hold all that there is, however often a run is cut. With
+    impacts these are integrated, see `contactlab.engine.impact`.
+
+    It is compiled once for each combination of arguments that are None: impacts or budget, `solve` of
+    compliant laws or `compliant` of rigid ones, and the last five kernels of laws that are plain.
+    """
+    law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
+    if impacts is None:
+        if budget is not None:
+            run_law(run, states, motions, records, law, compliant, solve, budget)
+    elif solve is None:
+        if compliant is not None:
+            integrate_impacts(run, states, motions, records, impacts, law, compliant, solve)
+    else:
+        evaluate_impacts(run, states[0], impacts, law, solve)
+
+
+@inner_kernel
+def _memory_of(rate: Any, guard: Any, jumps: Any, limits: Any, moment: Any) -> Memory | None:
+    if rate is None:
+        return None
+    return Memory(rate, guard, jumps, limits, moment)
+
 
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
@@ -39,7 +272,7 @@ ON_GRID = 1e-6
 """Part of a record interval that is round-off."""
 
 _sound: deque[object] = deque(maxlen=64)
-"""What the last laws that were taken in are made of: they answered as a law must."""
+"""Kernels and parameters of the last laws that passed the consistency check."""
 
 _workspace = Workspace()
 """Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
@@ -65,18 +298,18 @@ class Prepared(NamedTuple):
     errors: LawErrors
 
     def run_of(self, state: Any) -> Run:
-        """Give the context of a run in a state."""
-        run = Run(self.plant, self.propagator, state, one(STEP))
+        """Return the context of a run in a state."""
+        run = Run(self.plant, self.propagator, state, new_record(STEP))
         for k, variable in enumerate(self.law.internal_variables):
             run.step["memory_first"][k] = variable.initial
             run.step["memory_lasts"][k] = variable.life == "run"
         return run
 
     def records(self, count: int, run: Run) -> Records:
-        """Give room for so many records of a run, and for its contacts."""
+        """Return room for so many records of a run, and for its contacts."""
         return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables))
 
-    def prepare_loop(self, run: Run, impacts: Impacts | None = None) -> None:
+    def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
         motions = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
         prepare_loop(self.bound, run, *motions, impacts)
@@ -88,9 +321,9 @@ class Prepared(NamedTuple):
         motions: Array,
         records: Records,
         budget: int,
-        impacts: Impacts | None = None,
+        impacts: ImpactBatch | None = None,
     ) -> None:
-        """Let runs go on by a number of steps each, see `contactlab.engine.loop`."""
+        """Let runs go on by a number of steps each, see `contactlab.engine.preparation`."""
         self.prepare_loop(run, impacts)
         with self.errors():
             rows = self.parameters, self.row
@@ -166,7 +399,7 @@ class Prepared(NamedTuple):
         state["variables"], state["guards"] = len(law.internal_variables), law.guards
         if state["memory_of"] != (whose := memory_mark(law)):
             state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
-            state["memory"][: len(law.internal_variables)] = [one.initial for one in law.internal_variables]
+            state["memory"][: len(law.internal_variables)] = [each.initial for each in law.internal_variables]
         self._recall(state)
         if not state["kept"] and self.bound.kernels[LIMITS] is not None:
             with self.errors():
@@ -206,7 +439,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     with law_errors(law.name):
-        check_words(law)
+        check_declarations(law)
         parameters = row_of(law)
     bound = bind(law)
     errors = partial(law_errors, law.name, *bound.callbacks)
@@ -216,7 +449,7 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
     # Interpreted functions may have changed since.
     if bound.callbacks or made_of not in _sound:
         with errors():
-            check_answers(law, parameters, *bound.kernels)
+            check_kernels(law, parameters, *bound.kernels)
         _sound.append(made_of)
     # What the law may only read, the engine writes.
     row = guarded(parameters)
@@ -225,14 +458,14 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
 
 
 def phase_at(gap: float, rate: float) -> int:
-    """Give the phase of a motion that starts with a gap [m], over that of a touch-down, and a rate [m/s]."""
+    """Return the first phase of a motion from its gap [m], over that of a touch-down, and gap rate [m/s]."""
     if gap < 0.0 or (gap == 0.0 and rate < 0.0):
         return PRESSED
     return OPEN if gap > 0.0 else RELEASED
 
 
 def overlap_at(gap: float, law: ContactLaw) -> str:
-    """Say why a law cannot start at a gap [m]; nothing where it can."""
+    """Return why a law cannot start at a gap [m]; nothing where it can."""
     if gap >= 0.0 or isinstance(law, PenaltyLaw):
         return ""
     return (
@@ -242,7 +475,7 @@ def overlap_at(gap: float, law: ContactLaw) -> str:
 
 
 def fresh_state() -> Any:
-    """Give the state of a run at t = 0, whose phase is not set yet."""
+    """Return the state of a run at t = 0, whose phase is not set yet."""
     # A first step continues a polynomial of zeros, of some length.
     unknown = {"left": np.inf, "least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
-    return one(STATE, length=1.0, **unknown)
+    return new_record(STATE, length=1.0, **unknown)

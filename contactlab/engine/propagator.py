@@ -15,9 +15,9 @@ from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
+from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
-from contactlab.engine.state import NODES, one, record
+from contactlab.engine.state import NODES, new_record, record
 
 RESOLUTION = 0.5
 """Longest step times the fastest rate that persists in flight."""
@@ -63,7 +63,7 @@ their rates, and the rotor's row: uu, uth, thth, rr.
 responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
 force; answer_q and answer_v, q and v from l_m.
 turns[level, k]: cosine and sine of omega_k c_i h.
-driven[level, j, k]: answers from rest of the nearly resonant pairs, see `answer_from_rest`.
+driven[level, j, k]: answers from rest of the nearly resonant pairs, see `response_from_rest`.
 """
 
 
@@ -81,7 +81,7 @@ def propagator_record(modes: int, tones: int) -> np.dtype[Any]:
 
 @cache
 def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
-    """Give nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1], and its derivative.
+    """Return nodes, weights and Lagrange coefficients of the right Radau rule on (0, 1], and its derivative.
 
     The derivative is the inverse of the collocation matrix a_im = int_0^c_i l_m dx.
     """
@@ -111,7 +111,7 @@ class Workspace:
         self._propagator: Propagator = None
 
     def propagator(self, plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
-        """Give a ladder for a plant that has the contact step [s] as one of its levels.
+        """Return a ladder for a plant that has the contact step [s] as one of its levels.
 
         The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;
         after a release the steps start short enough for the fastest transient and double from there.
@@ -128,7 +128,7 @@ class Workspace:
         if key == self._key:
             return self._propagator
         turns = max(longest * fastest_rate(plant), 1.0)
-        propagator = one(propagator_record(*plant.phasors.shape))
+        propagator = new_record(propagator_record(*plant.phasors.shape))
         propagator.levels["length"] = longest * 0.5 ** np.arange(MOST_LEVELS)
         rule = propagator.rule
         rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
@@ -141,7 +141,7 @@ class Workspace:
 
 @part_kernel
 def step_length(propagator: Propagator, level: int) -> float:
-    """Give the length of a level's step [s]."""
+    """Return the length of a level's step [s]."""
     return float(propagator.levels[level].length)
 
 
@@ -165,7 +165,7 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     omega = plant.tones[k].omega
-                    answer = answer_from_rest(mode.stiffness, mode.damping, omega, s)
+                    answer = response_from_rest(mode.stiffness, mode.damping, omega, s)
                     for part in range(4):
                         propagator.driven[level, j, k].part[i, part] = answer[part]
 

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.context import Law, Run
 from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
 from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
 from contactlab.engine.moments import moment_power, moments_at
@@ -36,6 +35,8 @@ from contactlab.engine.state import (
     NODES,
     STALLED,
     START,
+    Law,
+    Run,
     value_at,
 )
 from contactlab.laws.base import FREE, SET_VALUED, STICK
@@ -108,15 +109,15 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
     memory_at(run, law, law.memory, s)
-    stored, held = 0.0, 0.0
+    stored, recovered = 0.0, 0.0
     if state.mode == FREE:
         stored = stored_apart(run, law, law.memory)
         contact += state.apart - stored
     if run.step.kind == COLLOCATED and gap < end_at(run, law, law.memory, rate):
         normal, _, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
-            held = law.friction(gap, rate, slip, normal, law.parameters)[2]
-        held += moments_at(run, law, law.memory, gap, normal)[2]
+            recovered = law.friction(gap, rate, slip, normal, law.parameters)[2]
+        recovered += moments_at(run, law, law.memory, gap, normal)[2]
     angle = 0.0
     for j in range(run.plant.mode_count):
         angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
@@ -129,14 +130,14 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     row.normal_force = total.normal_impulse + p_n
     row.friction_force = total.friction_impulse + p_t
     row.kinetic_energy, row.strain_energy = _energies(run.plant, BETWEEN)
-    row.contact_energy = stored + held
+    row.contact_energy = stored + recovered
     row.drive_work = total.drive_work + drive
     row.damping_loss = total.damping_loss + damping
-    row.friction_loss = total.friction_loss + friction - held
+    row.friction_loss = total.friction_loss + friction - recovered
     row.contact_loss = total.contact_loss + contact
     row.load_work = total.load_work + load
     row.contact_mode = state.mode
-    state.held_energy = held
+    state.held_energy = recovered
     for k in range(state.variables):
         traces[state.recorded, k] = run.step.memory[BETWEEN, k]
     state.recorded += 1
@@ -144,7 +145,7 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
 
 @part_kernel
 def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
-    """Give the powers of drive, damping and load [W] at a place."""
+    """Return the powers of drive, damping and load [W] at a place."""
     drive, damping, load = 0.0, 0.0, 0.0
     for k in range(plant.tone_count):
         in_phase, quadrature = 0.0, 0.0
@@ -203,7 +204,7 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
 
 @part_kernel
 def _energies(plant: Plant, place: int) -> tuple[float, float]:
-    """Give kinetic and strain energy [J] at a place."""
+    """Return kinetic and strain energy [J] at a place."""
     kinetic, strain = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]

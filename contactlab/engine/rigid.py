@@ -16,13 +16,12 @@ impulse until the gap is open.
 from math import inf
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.context import Law, Run
 from contactlab.engine.friction import push_node
-from contactlab.engine.kinematics import add_held, checked, contact_at, free_response, rates_in_frame
+from contactlab.engine.kinematics import add_constant, checked, contact_at, free_response, rates_in_frame
 from contactlab.engine.memory import pass_step
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
-from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, hold
+from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, Law, Run, hold
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.lagrange import wedges
 from contactlab.laws.memory import AT_SLIP, AT_STICK
@@ -78,7 +77,7 @@ def step_rigid(run: Run, law: Law) -> int:
     state.mode = mode
     state.wedged_steps += 1 if count == SEVERAL else 0
     if count != NONE and event == NOTHING:
-        add_held(run, level, not projects, True)
+        add_constant(run, level, not projects, True)
         contact.peak_normal_force = max(contact.peak_normal_force, normal)
         # An impact's force says nothing about the one at which the contact will open. A release that finds
         # the gap open is not looked for at all: no force before means at once.
@@ -103,9 +102,9 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
     _turn_frame(run, START)
     free_response(run, level, LAST)
     if state.projects != 0:
-        p_n, p_t, _, _ = _answer(run, law, level, gap_rate, slip)
+        p_n, p_t, _, _ = _impulses(run, law, level, gap_rate, slip)
         _hold_forces(run, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
-        add_held(run, level, True, False)
+        add_constant(run, level, True, False)
         # Onto the closed gap along its gradient, by the masses (eq. 57).
         gap = _turn_frame(run, LAST)
         n_u, n_th = step.n_u[0], step.n_th[0]
@@ -114,7 +113,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
             mode = plant.modes[j]
             mode.q[LAST] -= shift * (n_u * mode.row_u + n_th * mode.row_th)
     _turn_frame(run, LAST)
-    return _answer(run, law, level, gap_rate, slip)
+    return _impulses(run, law, level, gap_rate, slip)
 
 
 @part_kernel
@@ -126,8 +125,8 @@ def _turn_frame(run: Run, place: int) -> float:
 
 
 @inner_kernel
-def _answer(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
-    """Give the law's impulses in the step's directions, their mode, and whether they are the only ones.
+def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
+    """Return the law's impulses in the step's directions, their mode, and whether they are the only ones.
 
     The step's end has the rates without contact. The Delassus matrix is that of a force held over the step:
     int w(s) ds / h in place of 1/m.

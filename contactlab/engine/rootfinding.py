@@ -1,7 +1,6 @@
 """Where in a step something happens: a function of time for every event, one finder of its zero, extremes."""
 
 from contactlab.compiled import inner_kernel
-from contactlab.engine.context import Law, Memory, Run
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at
@@ -15,6 +14,9 @@ from contactlab.engine.state import (
     RELEASE,
     REVERSAL,
     TOUCH,
+    Law,
+    Memory,
+    Run,
     largest,
     slope_at,
     value_at,
@@ -33,7 +35,7 @@ CONE_ROUND_OFF = 1e-9
 
 @inner_kernel
 def event_value(run: Run, law: Law, s: float, event: int) -> float:
-    """Give a function of time in the step whose zero is the event: of REVERSAL, what must keep its sign."""
+    """Return a function of time in the step whose zero is the event: of REVERSAL, what must keep its sign."""
     state = run.state
     x = s / state.length
     if event == CONE:

@@ -6,18 +6,20 @@ record, with room for more than most motors have, so that the code is the same f
 """
 
 from collections.abc import Iterator
-from typing import Any, Final, cast
+from typing import Any, Final, NamedTuple, cast, final
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.laws.base import Kernel
+from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
 from contactlab.variables import CONTACTS, SERIES
 
 
 def _number(value: int) -> int:
-    """Give a number that is no Python int: of each of those a kernel is asked with, it gets a copy."""
+    """Return a number that is no Python int: a kernel is copied for each of those that it is called with."""
     return cast(int, np.int64(value))
 
 
@@ -57,8 +59,8 @@ def record(*parts: object, real: str = "", whole: str = "") -> np.dtype[Any]:
     return np.dtype((np.record, np.dtype([*parts, *reals, *wholes], align=True)))
 
 
-def one(kind: np.dtype[Any], **values: object) -> Any:
-    """Make one record, zero but for some values; its fields are attributes, as they are in kernels."""
+def new_record(kind: np.dtype[Any], **values: object) -> Any:
+    """Make a record, zero but for some values; its fields are attributes, as they are in kernels."""
     made = np.zeros(1, kind)
     for name, value in values.items():
         made[name] = value
@@ -157,7 +159,7 @@ def hold(force: Any, value: float) -> None:
 
 @inner_kernel
 def value_at(force: Any, x: float) -> float:
-    """Give the value of a force polynomial at x = s/h."""
+    """Return the value of a force polynomial at x = s/h."""
     total = 0.0
     for d in range(NODES - 1, -1, -1):
         total = total * x + force.coefficient[d]
@@ -166,7 +168,7 @@ def value_at(force: Any, x: float) -> float:
 
 @part_kernel
 def slope_at(force: Any, x: float) -> float:
-    """Give the derivative of a force polynomial at x = s/h."""
+    """Return the derivative of a force polynomial at x = s/h."""
     total = 0.0
     for d in range(NODES - 1, 0, -1):
         total = total * x + d * force.coefficient[d]
@@ -184,7 +186,7 @@ def internal_at(state: Any, x: float) -> float:
 
 @inner_kernel
 def largest(values: Array) -> float:
-    """Give the largest of a few values."""
+    """Return the largest of a few values."""
     most = values[0]
     for value in values:
         most = max(most, value)
@@ -196,7 +198,7 @@ State = dict[str, Any]
 
 
 def _leaves(kind: np.dtype[Any], name: str, start: int) -> Iterator[tuple[str, Any, int]]:
-    """Give dotted name, kind and offset of every field that is no record itself."""
+    """Return dotted name, kind and offset of every field that is no record itself."""
     for field, (part, offset, *_) in (kind.fields or {}).items():
         if part.names:
             yield from _leaves(part, f"{name}{field}.", start + offset)
@@ -212,14 +214,84 @@ LEAVES: Final = np.dtype(
 
 
 def state_as_value(state: Any, q: Array, v: Array) -> State:
-    """Give a state as a plain dict of arrays and numbers."""
+    """Return a state as a plain dict of arrays and numbers."""
     values = state.copy().view(LEAVES).item()
     return {"q": q.copy(), "v": v.copy(), **dict(zip(_names, values, strict=True))}
 
 
 def state_from_value(value: State) -> Any:
-    """Give the state record of a value."""
+    """Return the state record of a value."""
     leaves = np.zeros(1, LEAVES)
     for name in _names:
         leaves[name] = value[name]
     return leaves.view(STATE)[0]
+
+
+STEP_LENGTH, IMPACT, TILT, SPIN, SPEED = range(HEAD)
+"""Places in a law's row of what the engine writes there; internal variables begin at HEAD."""
+
+
+class Run(NamedTuple):
+    """The context of every kernel: the motor, its step responses, the state and the scratch of a step."""
+
+    plant: Any
+    propagator: Any
+    state: Any
+    step: Any
+
+
+class Memory(NamedTuple):
+    """The kernels of a law that is not plain, see `contactlab.engine.binding`."""
+
+    rate: Kernel
+    guard: Kernel
+    jump: Kernel
+    limits: Kernel
+    moment: Kernel
+
+
+class Law(NamedTuple):
+    """The bound kernels of a law, None those that its family has not, and what they read.
+
+    The engine writes to `row`, which is the same memory as `parameters`. Of a law that is plain the memory is
+    None, and code that is about it is compiled to nothing: functions that take a memory ask whether it is
+    None before all else.
+    """
+
+    force: Kernel
+    friction: Kernel
+    solve: Any
+    parameters: Array
+    row: Array
+    memory: Memory | None
+
+
+@final
+class ImpactBatch(NamedTuple):
+    """Impacts to integrate, see `contactlab.engine.impact`.
+
+    Args:
+        contacts: u_n, u_t [m/s], D_nn, D_nt, D_tt [1/kg], shape (impact, 5).
+        outcomes: records of `OUTCOME`, shape (impact,).
+        histories: records of `MOMENT`, shape (impact, record); of no record where none is kept.
+        silent: room for the records of a run that keeps no history.
+    """
+
+    contacts: Array
+    outcomes: Any
+    histories: Any
+    silent: Any
+
+
+@final
+class Records(NamedTuple):
+    """What a run writes: its series, and the internal variables at records and at the ends of contacts."""
+
+    series: Any
+    traces: Array
+    ends: Array
+
+    @classmethod
+    def of(cls, records: int, contacts: int, variables: int) -> "Records":
+        """Return room for so many of each."""
+        return cls(np.zeros(records, SAMPLE), np.zeros((records, variables)), np.zeros((contacts, variables)))

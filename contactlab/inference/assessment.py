@@ -16,11 +16,10 @@ Laws are in the order of their errors, those of the kinds rigid and compliant fi
 from collections.abc import Sequence
 from itertools import pairwise
 from math import log
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 import xarray
-from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.inference.bootstrap import LEVEL, RESAMPLES, mean_intervals, paired_differences
@@ -36,7 +35,6 @@ from contactlab.inference.cross_validation import (
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.noise import noise_from_outside
 from contactlab.measured.repeats import copies_warning, measurements
-from contactlab.results.provenance import checkout_state, code_digest, versions
 
 ASSESSED: Final = (RIGID, COMPLIANT)
 """Kinds of laws, in contrast to baselines and floors."""
@@ -84,7 +82,8 @@ def assessed(
         data[name] = "law", [item.attrs[name] for item in every]
     data["fitted_on"] = "law", [int(item["fitted_on"].min()) if "fitted_on" in item else 0 for item in every]
     for name in ("cannot_tell", "at_end"):
-        data[name] = "law", [_union(item[name].values) if name in item else "" for item in every]
+        texts = [", ".join(item[name].values if name in item else []).split(", ") for item in every]
+        data[name] = "law", [", ".join(dict.fromkeys(filter(None, names))) for names in texts]
     _add_parameters(data, every)
     apart, intervals = paired_differences(errors, seed)
     data.coords["other"] = data["law"].values
@@ -99,7 +98,6 @@ def assessed(
     data["noise_bound"] = "impact", noise.bound, {"units": "1", "long_name": "error that noise may cause"}
     smallest = laws_in(data)["error"].values.min(axis=0)
     data["unexplained"] = "impact", (smallest > noise.bound).astype(np.int8)
-    revision, dirty = checkout_state()
     data.attrs |= {
         "noise": noise.source,
         "title": f"Contact laws against: {impacts.title}",
@@ -113,10 +111,6 @@ def assessed(
         "seed": seed,
         "resamples": RESAMPLES,
         "interval_level": LEVEL,
-        **versions(),
-        "code_digest": code_digest(),
-        "git_revision": revision,
-        "git_dirty": dirty,
     }
     return data
 
@@ -174,25 +168,18 @@ def comparison(data: xarray.Dataset, better: str, worse: str, kind: str = "") ->
     return f"{better} predicts better than {kind}{worse} by {by}."
 
 
-def _union(texts: NDArray[Any]) -> str:
-    """Return the names in any of the texts, in their order."""
-    return ", ".join(dict.fromkeys(name for text in texts for name in str(text).split(", ") if name))
-
-
 def _add_parameters(data: xarray.Dataset, every: Sequence[xarray.Dataset]) -> None:
     """Add the fitted values of all laws, over the names that any of them has."""
-    names = [
-        *dict.fromkeys(str(name) for item in every if "value" in item for name in item["parameter"].values)
-    ]
+    fitted = {at: item for at, item in enumerate(every) if item.sizes.get("parameter")}
+    names = [*dict.fromkeys(str(name) for item in fitted.values() for name in item["parameter"].values)]
     folds = max(item.sizes.get("fold", 0) for item in every)
     values = np.full((len(every), folds, len(names)), np.nan)
     ranges = np.full((len(every), len(names), 2), np.nan)
     units = np.full((len(every), len(names)), "", dtype=object)
-    for at, item in enumerate(every):
-        if "value" in item and item.sizes["parameter"]:
-            places = [names.index(str(name)) for name in item["parameter"].values]
-            values[at][:, places] = item["value"].values
-            ranges[at, places], units[at, places] = item["range"].values, item["units"].values
+    for at, item in fitted.items():
+        places = [names.index(str(name)) for name in item["parameter"].values]
+        values[at][:, places] = item["value"].values
+        ranges[at, places], units[at, places] = item["range"].values, item["units"].values
     data.coords["parameter"] = np.array(names, dtype=object)
     data["value"] = ("law", "fold_number", "parameter"), values
     data["range"] = ("law", "parameter", "end"), ranges

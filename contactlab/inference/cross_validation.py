@@ -4,7 +4,7 @@ A law is fitted by the least sum of errors, since the mean error is what assesse
 no more weight than its error.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from hashlib import sha256
 from typing import Any, Final
@@ -13,6 +13,7 @@ import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab.arrays import Array
 from contactlab.inference.candidates import without_idle
 from contactlab.inference.impact_problem import (
     ConstantImpulse,
@@ -51,9 +52,6 @@ COMPLIANT: Final = "compliant"
 BASELINE: Final = "baseline"
 FLOOR: Final = "floor"
 """Kinds of predictions; a floor has seen what it predicts."""
-
-ADMISSIBLE: Final = "best admissible impulse"
-FREE_IMPULSE: Final = "best impulse"
 
 
 class ValidationError(ValueError):
@@ -159,30 +157,35 @@ def cross_validated(
         missing = np.asarray(np.isnan(after).any(axis=1))
         lost += int(missing.sum())
         predicted[fold_impacts] = np.where(missing[:, None], impacts.velocity_before[fold_impacts], after)
-    names = [item.name for item in predictor.free]
-    values = np.array([fit.values for fit in fits]).reshape(len(fits), len(names))
-    ranges = np.array([(item.low, item.high) for item in predictor.free]).reshape(-1, 2)
-    undetermined = [", ".join(fit.undetermined) for fit in fits]
-    data = _predictions(impacts, predicted).assign(
-        value=(("fold", "parameter"), values),
-        range=(("parameter", "end"), ranges),
-        units=("parameter", _texts([item.parameter.units for item in predictor.free])),
+    free = predictor.free
+    data = _predictions(
+        impacts,
+        predicted,
+        predictor.label,
+        kind_of(predictor),
+        unanswered=lost,
+        unmoved=", ".join(predictor.idle),
+        held=", ".join(f"{name} {value:.6g}" for name, value in predictor.fixed.items()),
+    )
+    return data.assign(
+        value=(("fold", "parameter"), np.array([fit.values for fit in fits]).reshape(len(fits), len(free))),
+        range=(("parameter", "end"), np.array([(item.low, item.high) for item in free]).reshape(-1, 2)),
+        units=("parameter", _texts(item.parameter.units for item in free)),
         hits=("fold", np.array([fit.hits for fit in fits])),
         fitted_on=("fold", np.array(sizes)),
-        cannot_tell=("fold", _texts(undetermined)),
-        at_end=("fold", _texts([", ".join(fit.at_end) for fit in fits])),
-    )
-    data = data.assign_coords(parameter=_texts(names))
-    fixed = ", ".join(f"{name} {value:.6g}" for name, value in predictor.fixed.items())
-    data.attrs = _attributes(predictor.label, kind_of(predictor), lost, ", ".join(predictor.idle), fixed)
-    return data
+        cannot_tell=("fold", _texts(", ".join(fit.undetermined) for fit in fits)),
+        at_end=("fold", _texts(", ".join(fit.at_end) for fit in fits)),
+    ).assign_coords(parameter=_texts(item.name for item in free))
 
 
 def floors_of(impacts: MeasuredImpacts) -> list[xarray.Dataset]:
     """Return the errors of the best impulse of each impact, admissible or any: no law can be better."""
-    best = {ADMISSIBLE: best_admissible_impulses(impacts), FREE_IMPULSE: best_impulses(impacts)}
+    best = {
+        "best admissible impulse": best_admissible_impulses(impacts),
+        "best impulse": best_impulses(impacts),
+    }
     return [
-        _predictions(impacts, velocities_after(impacts, impulse)).assign_attrs(_attributes(label, FLOOR))
+        _predictions(impacts, velocities_after(impacts, impulse), label, FLOOR)
         for label, impulse in best.items()
     ]
 
@@ -205,20 +208,18 @@ def digest_of(impacts: MeasuredImpacts) -> str:
     return digest.hexdigest()
 
 
-def _predictions(impacts: MeasuredImpacts, predicted: Any) -> xarray.Dataset:
+def _predictions(
+    impacts: MeasuredImpacts, predicted: Array, label: str, kind: str, **attributes: Any
+) -> xarray.Dataset:
+    """Return predictions with their errors."""
     return xarray.Dataset(
         {
             "error": ("impact", impacts.errors(predicted)),
             "predicted_velocity": (("impact", "direction"), predicted),
-        }
+        },
+        attrs={"label": label, "kind": kind, "unanswered": 0, "unmoved": "", "held": "", **attributes},
     )
 
 
-def _attributes(
-    label: str, kind: str, unanswered: int = 0, unmoved: str = "", kept: str = ""
-) -> Mapping[str, Any]:
-    return {"label": label, "kind": kind, "unanswered": unanswered, "unmoved": unmoved, "held": kept}
-
-
-def _texts(texts: Sequence[str]) -> NDArray[Any]:
-    return np.array(texts, dtype=object)
+def _texts(texts: Iterable[str]) -> NDArray[Any]:
+    return np.array([*texts], dtype=object)

@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
+from itertools import product
 from math import inf
 from pathlib import Path
 from typing import Any, Final, Literal, final
@@ -25,7 +26,6 @@ from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.repeats import copies_warning
 from contactlab.measured.series import MeasuredSeries
-from contactlab.results.provenance import checkout_state, versions
 
 STARTS: Final = 16
 """Default number of starts of least squares."""
@@ -105,28 +105,45 @@ def candidates_of(
     choice.check(of_law=isinstance(data, MeasuredImpacts))
     if isinstance(data, MeasuredImpacts):
         _check_impacts(data, choice, discrepancy)
-    setups = setups_of(choice, data.configuration if isinstance(data, MeasuredSeries) else {})
+    setups = setups_of(choice, {} if isinstance(data, MeasuredImpacts) else data.configuration)
+    known = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
+    likelihood = "normal" if degrees_of_freedom == inf else f"Student-t, degrees of freedom: {known}"
     result, faults = list[Candidate](), list[str]()
-    for setup in setups:
-        for may_err in {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]:
-            try:
-                keys = free_keys(setup, choice, several=len(setups) > 1)
-                problem = _problem(data, setup, keys, degrees_of_freedom, discrepancy=may_err)
-            except ConfigurationError as error:
-                faults += error.faults
-                continue
-            configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
-            origin = {"data": name, "digest": digest, "configuration": configuration}
-            origin["likelihood"] = _likelihood(degrees_of_freedom)
-            if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
-                origin["duplicates"] = copies
-            label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
-            known = truth_in(data, setup.configuration)
-            truth = {item.name: known[item.name] for item in keys if item.name in known}
-            result.append(Candidate(label, problem, truth, origin, numbers_of(setup, choice, keys)))
+    cases = {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]
+    for setup, may_err in product(setups, cases):
+        try:
+            keys = free_keys(setup, choice, several=len(setups) > 1)
+            problem = _problem(data, setup, keys, degrees_of_freedom, discrepancy=may_err)
+        except ConfigurationError as error:
+            faults += error.faults
+            continue
+        configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
+        origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
+        if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
+            origin["duplicates"] = copies
+        label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
+        numbers = truth_in(data, setup.configuration)
+        truth = {item.name: numbers[item.name] for item in keys if item.name in numbers}
+        result.append(Candidate(label, problem, truth, origin, numbers_of(setup, choice, keys)))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return result
+
+
+def _check_impacts(data: MeasuredImpacts, choice: LawChoice, discrepancy: Discrepancy) -> None:
+    """Raise a ConfigurationError for impacts to which no law can be fitted as asked."""
+    faults = []
+    if len(data) < FEWEST:
+        faults.append(f"There are {len(data)} impacts; there must be at least {FEWEST}.")
+    if data.covariance is None and discrepancy != "off":
+        faults.append(
+            "study.discrepancy must be off: the data state no noise, from which it could be distinguished. "
+            "State it by --noise."
+        )
+    if not choice.laws:
+        faults.append("The data contain no law; choose one, law=newton, or several, law=newton,poisson.")
+    if faults:
+        raise ConfigurationError(faults)
 
 
 def _problem(
@@ -145,38 +162,12 @@ def _problem(
         )
     else:
         if others := [item.name for item in keys if not item.field]:
-            raise ConfigurationError(
-                [f"{', '.join(others)} is of the motor, and impacts are of the law alone; leave it out."]
-            )
+            raise ConfigurationError([f"{', '.join(others)} is of the motor; impacts depend on the law."])
         predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
-        unknown = discrepancy or data.covariance is None
-        problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom)
+        problem = ImpactProblem(data, predictor, discrepancy or data.covariance is None, degrees_of_freedom)
     if not problem.free:
-        raise ConfigurationError([f"No number of law={setup.law.name} is free; give a range, KEY=LOW..HIGH."])
+        raise ConfigurationError([f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH."])
     return problem
-
-
-def _likelihood(degrees_of_freedom: float | None) -> str:
-    """Return the distribution of the noise."""
-    if degrees_of_freedom == inf:
-        return "normal"
-    shown = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
-    return f"Student-t, degrees of freedom: {shown}"
-
-
-def _check_impacts(data: MeasuredImpacts, choice: LawChoice, discrepancy: Discrepancy) -> None:
-    faults = []
-    if len(data) < FEWEST:
-        faults.append(f"There are {len(data)} impacts; there must be at least {FEWEST}.")
-    if data.covariance is None and discrepancy != "off":
-        faults.append(
-            "The data state no error of their velocities, so that noise and discrepancy cannot be "
-            "distinguished; both are fitted as one. Leave --discrepancy out, or state the noise by --noise."
-        )
-    if not choice.laws:
-        faults.append("The data contain no law; choose one, law=newton, or several, law=newton,poisson.")
-    if faults:
-        raise ConfigurationError(faults)
 
 
 def fitted(
@@ -218,38 +209,37 @@ def fitted(
         problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers, announce=announce
     )
     drawn = posterior.draws(DRAWS)
-    groups = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
     units = {item.name: item.parameter.units for item in problem.free}
-    groups["posterior"] = {
-        name: (SAMPLED, column[None], {"units": units[name]})
-        for name, column in zip(units, posterior.samples[drawn].T, strict=True)
+    columns = zip(units.items(), posterior.samples[drawn].T, strict=True)
+    predictive = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
+    groups: dict[str, Mapping[str, Any]] = {
+        "posterior": {name: (SAMPLED, column[None], {"units": unit}) for (name, unit), column in columns},
+        **predictive,
+        "sample_stats": {"lp": (SAMPLED, posterior.log_likelihood[drawn][None])},
+        "observed_data": {x.name: (x.dims, x.values, {"units": x.units}) for x in problem.data},
+        "weighted_samples": {
+            "value": (("sample", "parameter"), posterior.samples),
+            "log_weight": ("sample", posterior.log_weight),
+            "log_likelihood": ("sample", posterior.log_likelihood),
+        },
     }
-    groups["sample_stats"] = {"lp": (SAMPLED, posterior.log_likelihood[drawn][None])}
-    groups["observed_data"] = {
-        item.name: (item.dims, item.values, {"units": item.units}) for item in problem.data
-    }
-    groups["weighted_samples"] = {
-        "value": (("sample", "parameter"), posterior.samples),
-        "log_weight": ("sample", posterior.log_weight),
-        "log_likelihood": ("sample", posterior.log_likelihood),
-    }
-    order = ("posterior", "posterior_predictive", "log_likelihood", "sample_stats", "observed_data")
-    tree = xarray.DataTree()
-    coordinates = {
+    coordinates: dict[str, Any] = {
         **problem.coordinates,
+        "chain": np.arange(1),
+        "draw": np.arange(DRAWS),
         "direction": ["normal", "tangential"],
         "parameter": np.array([*units], dtype=object),
     }
-    for group in (*order, "weighted_samples"):
-        made = xarray.Dataset(groups[group])
-        known: dict[Any, Any] = {
-            name: np.arange(size) for name, size in made.sizes.items() if name in SAMPLED
-        }
-        known |= {name: values for name, values in coordinates.items() if name in made.dims}
-        tree[group] = xarray.DataTree(made.assign_coords(known))
+    tree = xarray.DataTree()
+    for group, content in groups.items():
+        data = xarray.Dataset(content)
+        known = {name: x[: data.sizes[name]] for name, x in coordinates.items() if name in data.dims}
+        tree[group] = xarray.DataTree(data.assign_coords(known))
     tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
-    coverage = _coverage(problem, groups["posterior_predictive"])
-    tree.attrs = {**_attributes(candidate, best, posterior), **coverage}
+    tree.attrs = {
+        **_attributes(candidate, best, posterior),
+        **_coverage(problem, predictive["posterior_predictive"]),
+    }
     tree.attrs["findings"] = "\n".join(_findings(candidate, best, posterior, tree))
     tree["posterior"].attrs |= tree.attrs
     return tree
@@ -292,7 +282,7 @@ def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior)
     names = [item.name for item in free]
     mean, covariance = posterior.moments()
     deviation = np.sqrt(np.diag(covariance))
-    optimum = {} if best is None else {item.name: x for item, x in zip(best.free, best.values, strict=True)}
+    optimum = {} if best is None else best.by_name
     interval = posterior.quantiles(ENDS)
     columns: dict[str, Any] = {
         "best": [optimum.get(name, np.nan) for name in names],
@@ -330,15 +320,11 @@ def _coverage(problem: Problem, predictive: Mapping[str, xarray.Variable]) -> di
 
 
 def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> dict[str, Any]:
-    revision, dirty = checkout_state()
-    problem = candidate.problem
+    problem, optimum = candidate.problem, {} if best is None else best.by_name
     priors = {
         item.name: {"low": item.low, "high": item.high, "logarithmic": item.logarithmic}
         for item in problem.free
     }
-    optimum = (
-        {} if best is None else {item.name: float(x) for item, x in zip(best.free, best.values, strict=True)}
-    )
     return {
         "title": f"Posterior of {candidate.label}",
         "law": problem.law,
@@ -352,10 +338,7 @@ def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior
         "best_fit": json.dumps(optimum),
         "truth": json.dumps(dict(candidate.truth)),
         **candidate.origin,
-        **versions(),
         "dynesty_version": version("dynesty"),
-        "git_revision": revision,
-        "git_dirty": dirty,
     }
 
 

@@ -91,11 +91,11 @@ def free_parameters(
     for name in chosen:
         if name not in known:
             hint = suggestion(name, known, f"It has {', '.join(known) or 'none'}.")
-            raise ValueError(f"{law.name} has no number {name!r} that could be free. {hint}")
+            raise ValueError(f"{law.name} has no free number {name!r}. {hint}")
     return tuple(
         _declared_range(name, value, declared)
         if (span := chosen[name]) is None
-        else _chosen_range(law.name, name, span, declared)
+        else chosen_range(name, span, declared)
         for name, (value, declared) in known.items()
         if name in chosen
     )
@@ -146,13 +146,8 @@ def _declared_range(name: str, value: float, declared: Parameter) -> FreeParamet
     low, high = max(declared.above, declared.at_least), min(declared.below, declared.at_most)
     if isfinite(low) and isfinite(high):
         margin = INSIDE * (high - low)
-        return FreeParameter(
-            name,
-            low if declared.admits(low) else low + margin,
-            high if declared.admits(high) else high - margin,
-            False,
-            declared,
-        )
+        ends = low if declared.admits(low) else low + margin, high if declared.admits(high) else high - margin
+        return FreeParameter(name, *ends, False, declared)
     if low == declared.above == 0.0:
         factor = 10.0 ** DECADES[declared.units == "1"]
         return FreeParameter(name, value / factor, value * factor, True, declared)
@@ -166,15 +161,18 @@ def _declared_range(name: str, value: float, declared: Parameter) -> FreeParamet
     return FreeParameter(name, *ends, False, declared)
 
 
-def _chosen_range(law: str, name: str, span: tuple[float, float], declared: Parameter) -> FreeParameter:
-    """Return a parameter with an explicit range."""
-    low, high = span
-    shown = f"{law}: {name} is free from {low:g} to {high:g}{declared.label}"
+def chosen_range(name: str, ends: Sequence[float], declared: Parameter) -> FreeParameter:
+    """Return a parameter with an explicit range [SI].
+
+    Raises:
+        ValueError: the range is empty, or its ends are not admitted.
+    """
+    low, high = ends
+    shown = f"{name} is free from {low:g} to {high:g}{declared.label}"
     if not -inf < low < high < inf:
         raise ValueError(f"{shown}; the end must be greater than the start, and both finite.")
-    for end in span:
-        if not declared.admits(end):
-            raise ValueError(f"{shown}; it must be {declared.range}. {declared.hint}".rstrip())
+    if not all(declared.admits(end) for end in ends):
+        raise ValueError(f"{shown}; both must be {declared.range}. {declared.hint}".rstrip())
     return FreeParameter(name, low, high, low > 0.0 and high / low >= WIDE, declared)
 
 

@@ -1,11 +1,10 @@
 """Measured impacts as an inference problem: a law, or a baseline, predicts the velocities after them."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import inf
-from typing import Final, Self, final
+from typing import ClassVar, Final, Self, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, label_of, with_values
 from contactlab.inference.likelihood import approach_scale, impact_log_densities, student_factor
-from contactlab.inference.problem import DEGREES_OF_FREEDOM, LARGEST, LOWEST, Observation, Problem
+from contactlab.inference.problem import LARGEST, LOWEST, Observation, Problem
 from contactlab.laws import ContactLaw, Newton, PenaltyLaw
 from contactlab.measured.floors import best_impulses, with_constant_impulse
 from contactlab.measured.impacts import MeasuredImpacts
@@ -21,9 +20,6 @@ from contactlab.parameter import Parameter, positive
 
 DISCREPANCY: Final = "discrepancy"
 """Name of the model discrepancy, which includes the noise where none is stated."""
-
-FRICTIONLESS: Final = "frictionless"
-CONSTANT_IMPULSE: Final = "constant impulse"
 
 SMOOTH: Final = 0.01
 """Error [1] below which the loss is quadratic: less than a camera resolves."""
@@ -38,50 +34,10 @@ Ranges = Mapping[str, tuple[float, float] | None]
 """Free fields of a law, each with its range or None for the declared one."""
 
 
-class ImpactPredictor(ABC):
-    """Predicts velocities after impacts from those before, with free parameters.
-
-    Attributes:
-        label: name in tables.
-        free: the free parameters.
-        baseline: whether it is a reference that laws are compared with, and no law under comparison.
-        idle: names of fixed numbers that have no effect on the impacts.
-    """
-
-    label: str
-    free: tuple[FreeParameter, ...]
-    baseline: bool
-    idle: tuple[str, ...] = ()
-
-    @property
-    def integrated(self) -> bool:
-        """Whether every impact is integrated, which is slow."""
-        return False
-
-    @property
-    def step(self) -> float | None:
-        """Step of finite differences in the unit cube; None for predictions exact to round-off."""
-        return None
-
-    @abstractmethod
-    def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
-        """Return gap rate and slip after the impacts [m/s], shape (impact, 2); NaN without a prediction.
-
-        Args:
-            values: of the free parameters [SI], shape (parameter,).
-            impacts: of which only the state before is used.
-        """
-
-    @property
-    def fixed(self) -> Mapping[str, float]:
-        """Values of the parameters that are not free, by name, SI."""
-        return {}
-
-
 @final
 @dataclass(frozen=True)
-class LawPredictor(ImpactPredictor):
-    """A contact law of either family.
+class LawPredictor:
+    """A contact law, rigid or compliant, that predicts velocities after impacts.
 
     Args:
         law: with the values of what is not free.
@@ -110,18 +66,23 @@ class LawPredictor(ImpactPredictor):
 
     @property
     def integrated(self) -> bool:
-        """See `ImpactPredictor.integrated`."""
+        """Whether every impact is integrated, which is slow."""
         return isinstance(self.law, PenaltyLaw)
 
     @property
     def step(self) -> float | None:
-        """Square root of the tolerance."""
+        """Step of finite differences in the unit cube; None for predictions exact to round-off."""
         if not self.integrated:
             return None
         return STEP if self.tolerance is None else self.tolerance**0.5
 
     def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
-        """See `ImpactPredictor.velocities_after`; NaN too for values that the law does not admit together."""
+        """Return gap rate and slip after the impacts [m/s], shape (impact, 2); NaN without a prediction.
+
+        Args:
+            values: of the free parameters [SI], shape (parameter,).
+            impacts: of which only the state before is used.
+        """
         try:
             law = with_values(self.law, self.free, values)
         except ValueError:
@@ -130,7 +91,7 @@ class LawPredictor(ImpactPredictor):
 
     @property
     def fixed(self) -> Mapping[str, float]:
-        """See `ImpactPredictor.fixed`."""
+        """Values of the parameters that are not free, by name, SI."""
         names = {item.field or item.name for item in self.free}
         return {name: value for name, value in self.law.describe().items() if name not in names}
 
@@ -138,36 +99,40 @@ class LawPredictor(ImpactPredictor):
 def frictionless() -> LawPredictor:
     """Return Newton's impact without friction, its restitution free: a baseline."""
     law = Newton(friction_coefficient=0.0)
-    return LawPredictor(law, free_parameters(law, {"restitution": None}), FRICTIONLESS, baseline=True)
+    return LawPredictor(law, free_parameters(law, {"restitution": None}), "frictionless", baseline=True)
 
 
 @final
 @dataclass(frozen=True)
-class ConstantImpulse(ImpactPredictor):
-    """The same impulse in all impacts, its tangential component against the slip: a baseline."""
+class ConstantImpulse:
+    """An impulse that is equal in all impacts, its tangential component against the slip: a baseline."""
 
     free: tuple[FreeParameter, ...]
-    label: str = CONSTANT_IMPULSE
-    baseline: bool = True
+    label: str = "constant impulse"
+    baseline: ClassVar[bool] = True
+    integrated: ClassVar[bool] = False
+    step: ClassVar[float | None] = None
+    idle: ClassVar[tuple[str, ...]] = ()
+    fixed: ClassVar[Mapping[str, float]] = {}
 
     @classmethod
     def of(cls, impacts: MeasuredImpacts) -> "ConstantImpulse":
         """Return the baseline with ranges up to the largest impulse of these impacts."""
-        largest = np.abs(best_impulses(impacts)).max(axis=0)
-        lowest = 0.0, -float(largest[1])
-        free = tuple(
-            FreeParameter(
-                f"{name}_impulse", low, float(high), False, Parameter(symbol, "N s", f"{name} impulse")
-            )
-            for name, symbol, low, high in zip(
-                ("normal", "tangential"), ("p_n", "p_t"), lowest, largest, strict=True
+        normal, tangential = map(float, np.abs(best_impulses(impacts)).max(axis=0))
+        p_n, p_t = (Parameter(f"p_{name[0]}", "N s", f"{name} impulse") for name in ("normal", "tangential"))
+        return cls(
+            (
+                FreeParameter("normal_impulse", 0.0, normal, False, p_n),
+                FreeParameter("tangential_impulse", -tangential, tangential, False, p_t),
             )
         )
-        return cls(free)
 
     def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
-        """See `ImpactPredictor.velocities_after`."""
+        """Return gap rate and slip after the impacts [m/s], shape (impact, 2)."""
         return with_constant_impulse(impacts, values)
+
+
+ImpactPredictor = LawPredictor | ConstantImpulse
 
 
 @final
@@ -202,7 +167,7 @@ class ImpactProblem(Problem):
         """Discrepancy and degrees of freedom where they are free."""
         size = positive("s", "1", "error in the norm of the kinetic energy, over the approach")
         discrepancy = [FreeParameter(DISCREPANCY, LOWEST, LARGEST, True, size)] if self.discrepancy else []
-        return (*discrepancy, *([DEGREES_OF_FREEDOM] if self.degrees_of_freedom is None else []))
+        return (*discrepancy, *self.free_tails)
 
     @property
     def data(self) -> tuple[Observation, ...]:
@@ -275,7 +240,7 @@ class ImpactProblem(Problem):
     def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Return the log density of each impact."""
         missed = self.measured.velocity_after - predicted["velocity_after"]
-        size, tails = self._noise(values)
+        size, tails = self.value(values, DISCREPANCY, 0.0), self.tails(values)
         return {
             "velocity_after": impact_log_densities(
                 missed, self._covariance, self.measured.delassus, self._scale, size, tails
@@ -286,13 +251,8 @@ class ImpactProblem(Problem):
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
         """Draw velocities after the impacts with discrepancy and noise."""
-        size, tails = self._noise(values)
+        size, tails = self.value(values, DISCREPANCY, 0.0), self.tails(values)
         covariance = self._covariance + size**2 * self._scale[:, None, None] * self.measured.delassus
         noise = np.linalg.cholesky(covariance) @ draws.standard_normal((len(self.measured), 2, 1))
         factor = student_factor(draws, tails, len(self.measured))[:, None]
         return {"velocity_after": predicted["velocity_after"] + factor * noise[..., 0]}
-
-    def _noise(self, values: Array) -> tuple[float, float]:
-        """Return the discrepancy, 0 for none, and the degrees of freedom."""
-        tails = inf if self.degrees_of_freedom is None else self.degrees_of_freedom
-        return self.value(values, DISCREPANCY, 0.0), self.value(values, DEGREES_OF_FREEDOM.name, tails)

@@ -17,7 +17,7 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION, declared_in
 from contactlab.inference.candidates import usual_law, usual_laws
-from contactlab.inference.free_parameters import WIDE, FreeParameter, free_parameters
+from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters
 from contactlab.inference.impact_problem import LawPredictor
 from contactlab.laws import Composed
 from contactlab.laws.declaration import SHARED
@@ -62,9 +62,9 @@ class LawChoice:
         laws, others = list[str](), list[str]()
         parts, ranges = dict[str, list[str]](), dict[str, tuple[str, str]]()
         faults = []
-        for word in texts:
-            key, _, value = word.partition("=")
-            if limits := _RANGE.fullmatch(word):
+        for text in texts:
+            key, _, value = text.partition("=")
+            if limits := _RANGE.fullmatch(text):
                 if key in ranges:
                     faults.append(f"{key} has two ranges; it must have one. Leave one out.")
                 ranges[key] = limits["low"].strip(), limits["high"].strip()
@@ -73,7 +73,7 @@ class LawChoice:
             elif key.startswith(PART):
                 parts.setdefault(key, []).extend(name.strip() for name in value.split(","))
             else:
-                others.append(word)
+                others.append(text)
         for key, names in {"law": laws, **parts}.items():
             twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
             faults += [f"{key}={name} occurs twice; it must occur once. Leave one out." for name in twice]
@@ -82,9 +82,9 @@ class LawChoice:
         return cls(tuple(laws), {key: tuple(names) for key, names in parts.items()}, ranges, tuple(others))
 
     @property
-    def keys(self) -> set[str]:
-        """All keys with a value or a range."""
-        return {*self.ranges, *(word.partition("=")[0] for word in self.overrides)}
+    def keys(self) -> list[str]:
+        """All keys with a range or a value."""
+        return list(dict.fromkeys([*self.ranges, *(text.partition("=")[0] for text in self.overrides)]))
 
     def check(self, *, of_law: bool) -> None:
         """Raise a ConfigurationError for overrides that have no effect on a problem.
@@ -92,18 +92,16 @@ class LawChoice:
         Args:
             of_law: whether the measurements are impacts, which depend on the law alone.
         """
+        kind = "the law alone" if of_law else "the motor; times are those of the data"
         unused = [
-            key
-            for key in dict.fromkeys([*self.ranges, *(word.partition("=")[0] for word in self.overrides)])
+            f"{key} must be left out: the measurements are of {kind}."
+            for key in self.keys
             if (of_law and not key.startswith(LAW) and key != FRICTION)
             or key in LASTING
             or key.partition(".")[0].lstrip("+~") in NOT_OF_A_PROBLEM
         ]
-        kind = "the law alone" if of_law else "the motor; times are those of the data"
         if unused:
-            raise ConfigurationError(
-                [f"{key} must be left out: the measurements are of {kind}." for key in unused]
-            )
+            raise ConfigurationError(unused)
 
     def combinations(self) -> list[tuple[str, ...]]:
         """Return the overrides that choose each law; a composed law in every combination of its parts."""
@@ -135,9 +133,9 @@ def setups_of(choice: LawChoice, configuration: Mapping[str, Any]) -> list[Setup
     applied = [[*overrides] for _ in lines]
     if len(lines) > 1:
         known = [flat(compose([*law])) for law in lines]
-        applied = [[word for word in overrides if _applies(word, keys)] for keys in known]
+        applied = [[text for text in overrides if _applies(text, keys)] for keys in known]
         # The first law reports an override that applies to none.
-        applied[0] += [word for word in overrides if not any(word in own for own in applied)]
+        applied[0] += [text for text in overrides if not any(text in own for own in applied)]
     setups, faults = [], []
     for law, own in zip(lines, applied, strict=True):
         try:
@@ -146,19 +144,16 @@ def setups_of(choice: LawChoice, configuration: Mapping[str, Any]) -> list[Setup
             faults += error.faults
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
-    every = {key for setup in setups for key in declared_in(setup.configuration)}
-    if len(setups) > 1 and (unknown := [key for key in choice.ranges if key not in every]):
-        raise ConfigurationError(
-            [
-                f"No law here has a number {key}. {suggestion(key, sorted(every), 'Leave it out.')}"
-                for key in unknown
-            ]
-        )
+    every = sorted({key for setup in setups for key in declared_in(setup.configuration)})
+    unknown = [key for key in choice.ranges if key not in every] if len(setups) > 1 else []
+    if unknown:
+        hints = {key: suggestion(key, every, "Leave it out.") for key in unknown}
+        raise ConfigurationError([f"No law here has a number {key}. {hint}" for key, hint in hints.items()])
     return setups
 
 
-def _applies(word: str, known: Mapping[str, Any]) -> bool:
-    key = word.partition("=")[0]
+def _applies(text: str, known: Mapping[str, Any]) -> bool:
+    key = text.partition("=")[0]
     return not key.startswith(PART) and (not key.startswith(LAW) or key in known)
 
 
@@ -194,12 +189,9 @@ def free_keys(setup: Setup, choice: LawChoice, *, several: bool) -> tuple[FreePa
         ConfigurationError: an unknown key, or a range that is not admitted.
     """
     known = declared_in(setup.configuration)
-    fields = {key_of(item.name): item.name for item in free_parameters(setup.law)}
-    usual = [
-        replace(item, name=key_of(item.name), field=item.name)
-        for item in free_parameters(setup.law)
-        if key_of(item.name) not in choice.keys
-    ]
+    every = {key_of(item.name): item for item in free_parameters(setup.law)}
+    fields = {key: item.name for key, item in every.items()}
+    usual = [replace(x, name=key, field=x.name) for key, x in every.items() if key not in choice.keys]
     faults, result = list[str](), list[FreeParameter]()
     for key, ends in choice.ranges.items():
         if key not in known:
@@ -209,19 +201,12 @@ def free_keys(setup: Setup, choice: LawChoice, *, several: bool) -> tuple[FreePa
             continue
         declared = known[key]
         try:
-            low, high = (to_si(end, declared.unit) for end in ends)
+            span = [to_si(end, declared.unit) for end in ends]
+            result.append(replace(chosen_range(key, span, declared), field=fields.get(key, "")))
         except UnitError as error:
             faults.append(f"{key}={'..'.join(ends)} has an end {error}.")
-            continue
-        shown = f"{key} is free from {low:g} to {high:g}{declared.label}"
-        if not low < high:
-            faults.append(f"{shown}; the end must be greater than the start. Exchange them.")
-        elif bad := [end for end in (low, high) if not declared.admits(end)]:
-            limits = f"both must be {declared.range or 'finite'}, and {bad[0]:g} is not. {declared.hint}"
-            faults.append(f"{shown}; {limits}".rstrip())
-        else:
-            wide = low > 0.0 and high / low >= WIDE
-            result.append(FreeParameter(key, low, high, wide, declared, fields.get(key, "")))
+        except ValueError as error:
+            faults.append(str(error))
     if faults:
         raise ConfigurationError(faults)
     return tuple(result if choice.ranges and not several else [*result, *usual])
@@ -232,8 +217,7 @@ def numbers_of(setup: Setup, choice: LawChoice, keys: Sequence[FreeParameter]) -
     free = {item.name for item in keys}
     fixed = {key_of(name): value for name, value in setup.law.describe().items() if key_of(name) not in free}
     known = {*flat(setup.configuration), *free}
-    original = [*choice.ranges, *(word.partition("=")[0] for word in choice.overrides)]
-    absent = [key for key in dict.fromkeys(original) if key.startswith(LAW) and key not in known]
+    absent = [key for key in choice.keys if key.startswith(LAW) and key not in known]
     return " ".join(
         [
             f"Free: {'; '.join(map(str, keys)) or 'nothing'}.",
@@ -269,10 +253,10 @@ def law_predictors(texts: Sequence[str]) -> list[LawPredictor]:
                 result.append(usual_law(law.removeprefix("law="), **named))
             except (ValueError, TypeError) as error:
                 raise ConfigurationError([str(error)]) from error
-    keys = [word.partition("=")[0] for word in choice.overrides]
+    keys = [text.partition("=")[0] for text in choice.overrides]
     if twice := [key for key in keys if keys.count(key) > 1 or key in choice.ranges]:
         raise ConfigurationError([f"{twice[0]} occurs twice; it must occur once. Leave one out."])
-    changes = {key: (value,) for key, _, value in (word.partition("=") for word in choice.overrides)}
+    changes = {key: (value,) for key, _, value in (text.partition("=") for text in choice.overrides)}
     for key, ends in {**changes, **choice.ranges}.items():
         changed = [_changed(predictor, key, ends) for predictor in result]
         if all(item is other for item, other in zip(changed, result, strict=True)):
@@ -285,18 +269,12 @@ def law_predictors(texts: Sequence[str]) -> list[LawPredictor]:
 
 def _check_forms(texts: Sequence[str]) -> None:
     """Raise a ConfigurationError if an override does not choose a law or a number of it."""
-    for word in texts:
-        key, _, value = word.partition("=")
-        if not value or not (key in ("law", FRICTION) or key.startswith((LAW, PART))):
-            hint = suggestion(key, ["law", *(f"{PART}{family}" for family in PARTS)])
-            raise ConfigurationError(
-                [f"{word} does not choose a law; it must have the form {FORMS}. {hint}".rstrip()]
-            )
-        if key.startswith(PART) and key.removeprefix(PART) not in PARTS:
-            hint = suggestion(key.removeprefix(PART), PARTS)
-            raise ConfigurationError(
-                [f"{key} is no part of a law; it must be one of {', '.join(PARTS)}. {hint}".rstrip()]
-            )
+    parts = [f"{PART}{family}" for family in PARTS]
+    for text in texts:
+        key, _, value = text.partition("=")
+        if not value or not (key in ("law", FRICTION, *parts) or key.startswith(LAW)):
+            hint = suggestion(key, ["law", *parts], f"Parts are {', '.join(PARTS)}.")
+            raise ConfigurationError([f"{text} does not choose a law; it must have the form {FORMS}. {hint}"])
 
 
 def _changed(predictor: LawPredictor, key: str, ends: Sequence[str]) -> LawPredictor:

@@ -39,7 +39,7 @@ class Optimum:
         free: the free parameters.
         values: the optimum [SI], shape (parameter,).
         cost: half the sum of the squared residuals there.
-        costs: those of all starts, shape (start,), infinite where fewer points had finite residuals.
+        costs: of all starts, shape (start,), infinite where fewer points had finite residuals.
         hits: number of starts that reached the lowest cost.
         singular_values: of the Jacobian of the residuals in the unit cube at the optimum, falling.
         undetermined: names of the parameters that the residuals do not determine; see `undetermined`.
@@ -55,12 +55,16 @@ class Optimum:
     undetermined: tuple[str, ...]
     at_end: tuple[str, ...]
 
+    @property
+    def by_name(self) -> dict[str, float]:
+        """The optimum by the names of the parameters [SI]."""
+        return {item.name: float(x) for item, x in zip(self.free, self.values, strict=True)}
+
     def warnings(self) -> list[str]:
         """Return a phrase for each kind of value that the data do not determine."""
-        ends = {item.name: value for item, value in zip(self.free, self.values, strict=True)}
         return [
             *([f"not determined: {', '.join(self.undetermined)}"] if self.undetermined else []),
-            *(f"{name} lies on an end of its range, {ends[name]:.4g}" for name in self.at_end),
+            *(f"{name} lies on an end of its range, {self.by_name[name]:.4g}" for name in self.at_end),
         ]
 
 
@@ -137,7 +141,8 @@ def best_fit(
             costs[number] = end.cost
     assert best is not None
     point, jacobian = np.asarray(best.x), np.asarray(best.jac) * unit
-    spread = noise(np.asarray(best.fun) * unit, len(free))
+    squares = float(np.sum((np.asarray(best.fun) * unit) ** 2))
+    spread = sqrt(squares / max(best.fun.size - len(free), 1))
     return Optimum(
         free,
         from_cube(free, point),
@@ -162,11 +167,6 @@ def starting_points(size: int, points: int, seed: int) -> Array:
 
     drawn = qmc.LatinHypercube(size, seed=seed).random(points - 1) if points > 1 else np.empty((0, size))
     return np.vstack([np.full((1, size), 0.5), drawn])
-
-
-def noise(residuals: Array, parameters: int) -> float:
-    """Estimate the standard deviation of one residual of a fit with so many parameters."""
-    return sqrt(float(np.sum(residuals**2)) / max(residuals.size - parameters, 1))
 
 
 def undetermined(free: Sequence[FreeParameter], jacobian: Array, spread: float) -> tuple[str, ...]:

@@ -1,9 +1,9 @@
 """Posterior and evidence by nested sampling (Skilling 2006, Bayesian Analysis 1, 833), by dynesty.
 
-Live points are drawn from the prior; again and again the least likely is replaced by one of the prior that is
-more likely, so that the prior's volume above shrinks by known factors, and the evidence Z is the sum of
-likelihood times volume. The error of ln Z is that of those factors, sqrt(H / live points) with the
-information H of the data about the parameters [nat].
+Live points are drawn from the prior; the least likely is replaced again and again by a more likely one, so
+that the prior's volume above it shrinks by known factors, and the evidence Z is the sum of likelihood times
+volume. The error of ln Z is that of those factors, sqrt(H / live points) with the information H of the data
+about the parameters [nat].
 
 Proposals are made in groups of `GROUP`, however many processes evaluate them: the same seed gives the same
 bits. A checkpoint contains the likelihoods evaluated so far, as plain numbers, and no state of the sampler:
@@ -22,6 +22,7 @@ from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
+from types import SimpleNamespace
 from typing import Any, Final, final
 from zipfile import BadZipFile
 
@@ -51,11 +52,6 @@ UNBOUNDED: Final = 40
 
 WORTH_A_PROCESS: Final = 1e-3
 """Seconds that a likelihood must take for processes to pay."""
-
-MISSING: Final = (
-    "Posteriors need the package dynesty, which is not installed. Install it with: pip install "
-    "'contactlab[fit]' (in a clone: pip install -e '.[fit]')."
-)
 
 _CURRENT: Final[list[Problem]] = []
 """The problem that is sampled: messages between processes do not carry it."""
@@ -135,7 +131,7 @@ def sample(
     seed: int = 0,
     checkpoint: Path | None = None,
     workers: int | None = None,
-    one_mode: bool = False,
+    single_mode: bool = False,
     announce: Callable[[str], object] = bool,
 ) -> Posterior:
     """Sample the posterior of a problem.
@@ -146,7 +142,7 @@ def sample(
         seed: the same seed gives the same bits, whatever the number of processes.
         checkpoint: file of the likelihoods evaluated so far, from which an interrupted run resumes.
         workers: processes; None is one a processor where that pays.
-        one_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
+        single_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
         announce: receives a sentence if the checkpoint is damaged and the run starts again.
 
     Raises:
@@ -156,22 +152,31 @@ def sample(
     from dynesty import NestedSampler
 
     _CURRENT[:] = [problem]
-    record = _Record(checkpoint, problem)
+    record = _Record(checkpoint)
     if record.damage:
         announce(record.damage)
     _RECORDED.clear()
     _RECORDED.update(zip((row.tobytes() for row in record.values), record.log_likelihood, strict=True))
-    with _pool(problem, workers) as pool, record.kept():
+    with _mapping(problem, workers) as mapping, record.kept():
+
+        def recorded(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+            """Return the results in the order of the items, and record the likelihoods."""
+            results = []
+            for result, evaluated in mapping(partial(_with_evaluations, work), items):
+                results.append(result)
+                record.add(evaluated)
+            return results
+
         sampler = NestedSampler(
             _log_likelihood,
             _from_cube,
             len(problem.free),
             nlive=points,
             rstate=np.random.default_rng(seed),
-            pool=_Recorder(pool, record),
+            pool=SimpleNamespace(map=recorded),
             queue_size=GROUP,
             use_pool={"update_bound": False},
-            bound="single" if one_mode else "multi",
+            bound="single" if single_mode else "multi",
             # By bootstrap they may become so large that nearly no proposal lies in the prior.
             bootstrap=0,
             enlarge=ENLARGED,
@@ -199,7 +204,7 @@ def sample(
 def available() -> None:
     """Raise a NoSamplerError if dynesty is not installed."""
     if find_spec("dynesty") is None:
-        raise NoSamplerError(MISSING)
+        raise NoSamplerError("dynesty is not installed; install it with: pip install 'contactlab[fit]'")
 
 
 def _log_likelihood(values: Array) -> float:
@@ -221,18 +226,9 @@ def _from_cube(shares: Array) -> Array:
     return from_cube(_CURRENT[0].free, shares)
 
 
-@final
-class _Here:
-    """Maps in this process, as a pool does in others."""
-
-    @staticmethod
-    def map(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
-        return [work(item) for item in items]
-
-
 @contextmanager
-def _pool(problem: Problem, workers: int | None) -> Iterator[Any]:
-    """Yield an object that maps: processes if a likelihood takes long enough, else this one."""
+def _mapping(problem: Problem, workers: int | None) -> Iterator[Callable[..., Iterable[Any]]]:
+    """Yield a function that maps: by processes if a likelihood takes long enough, else in this one."""
     middle = from_cube(problem.free, np.full(len(problem.free), 0.5))
     # The first loads the compiled code.
     problem.log_likelihood(middle)
@@ -241,14 +237,14 @@ def _pool(problem: Problem, workers: int | None) -> Iterator[Any]:
     pays = perf_counter() - began > WORTH_A_PROCESS
     count = workers or (processors() if pays else 1)
     if count < 2 or START_METHOD is None:
-        yield _Here()
+        yield map
         return
     # Python 3.12 warns of threads (those of the linear algebra) that a fork does not have.
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "This process", DeprecationWarning)
         pool = multiprocessing.get_context(START_METHOD).Pool(count, begin_worker)
     with pool:
-        yield pool
+        yield pool.map
 
 
 @final
@@ -257,12 +253,10 @@ class _Record:
 
     Args:
         path: of the file; None keeps nothing.
-        problem: that is sampled.
     """
 
-    def __init__(self, path: Path | None, problem: Problem) -> None:
-        self._path = path
-        self._written = perf_counter()
+    def __init__(self, path: Path | None) -> None:
+        self._path, self._written = path, perf_counter()
         self.values: list[Array] = []
         self.log_likelihood: list[float] = []
         self.damage = ""
@@ -271,16 +265,11 @@ class _Record:
         try:
             content, size = path.read_bytes(), sha256().digest_size
             if self._digest(content[:-size]) != content[-size:]:
-                raise ValueError("its digest is another")
-            with np.load(BytesIO(content[:-size]), allow_pickle=False) as read:
-                values, outcome = np.asarray(read["values"]), np.asarray(read["log_likelihood"])
-            kinds = {values.dtype, outcome.dtype}
-            if values.shape != (outcome.size, len(problem.free)) or kinds != {np.dtype(float)}:
-                raise ValueError("its numbers are of another shape")
+                raise ValueError("its digest differs")
+            with np.load(BytesIO(content[:-size]), allow_pickle=False) as stored:
+                self.values, self.log_likelihood = list(stored["values"]), stored["log_likelihood"].tolist()
         except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
-            self.damage = f"'{path}' is damaged ({error}); the fit begins anew."
-            return
-        self.values, self.log_likelihood = list(values), outcome.tolist()
+            self.damage = f"'{path}' is damaged ({error}); the fit starts again."
 
     def _digest(self, content: bytes) -> bytes:
         assert self._path is not None
@@ -296,7 +285,7 @@ class _Record:
 
     @contextmanager
     def kept(self) -> Iterator[None]:
-        """Write the file when the body ends, by an interrupt too."""
+        """Write the file at the end of the body, also if it is interrupted."""
         try:
             yield
         finally:
@@ -312,19 +301,3 @@ class _Record:
         with whole_file(self._path) as partial:
             partial.write_bytes(stream.getvalue())
         self._written = perf_counter()
-
-
-@final
-class _Recorder:
-    """A pool whose evaluated likelihoods are recorded."""
-
-    def __init__(self, pool: Any, record: _Record) -> None:
-        self._pool, self._record = pool, record
-
-    def map(self, work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
-        """Return the results in the order of the items."""
-        results = []
-        for result, evaluated in self._pool.map(partial(_with_evaluations, work), items):
-            results.append(result)
-            self._record.add(evaluated)
-        return results

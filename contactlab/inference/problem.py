@@ -6,6 +6,7 @@ One problem serves least squares, nested sampling and, for impacts, cross-valida
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 from typing import Final, final
 
 import numpy as np
@@ -36,7 +37,7 @@ class Observation:
         name: of the data.
         dims: names of its dimensions.
         values: SI.
-        units: in the words of the CF conventions.
+        units: in the notation of the CF conventions.
     """
 
     name: str
@@ -46,7 +47,13 @@ class Observation:
 
 
 class Problem(ABC):
-    """Base class of inference problems; values of free numbers are SI, those of law and motor first."""
+    """Base class of inference problems; values of free numbers are SI, those of law and motor first.
+
+    Attributes:
+        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
+    """
+
+    degrees_of_freedom: float | None = inf
 
     @property
     @abstractmethod
@@ -82,6 +89,16 @@ class Problem(ABC):
     def free(self) -> tuple[FreeParameter, ...]:
         """All free numbers with their priors."""
         return (*self.parameters, *self.nuisances)
+
+    @property
+    def free_tails(self) -> tuple[FreeParameter, ...]:
+        """The degrees of freedom where they are free."""
+        return (DEGREES_OF_FREEDOM,) if self.degrees_of_freedom is None else ()
+
+    def tails(self, values: Array) -> float:
+        """Return the degrees of freedom of the noise."""
+        fixed = inf if self.degrees_of_freedom is None else self.degrees_of_freedom
+        return self.value(values, DEGREES_OF_FREEDOM.name, fixed)
 
     @abstractmethod
     def predict(self, values: Array) -> dict[str, Array] | None:

@@ -20,7 +20,7 @@ from contactlab.inference.likelihood import (
     student_factor,
     student_log_densities,
 )
-from contactlab.inference.problem import DEGREES_OF_FREEDOM, Observation, Problem, size_prior
+from contactlab.inference.problem import Observation, Problem, size_prior
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
 from contactlab.settling.periods import period_told
@@ -81,9 +81,9 @@ class SeriesProblem(Problem):
             if item.name not in self.measured.errors:
                 result.append(size_prior(f"{NOISE}.{item.name}", item.units, size, "noise"))
             if self.correlation > 0.0:
-                meaning = "amplitude of the discrepancy"
-                result.append(size_prior(f"{DISCREPANCY}.{item.name}", item.units, size, meaning))
-        return (*result, *([DEGREES_OF_FREEDOM] if self.degrees_of_freedom is None else []))
+                name = f"{DISCREPANCY}.{item.name}"
+                result.append(size_prior(name, item.units, size, "amplitude of the discrepancy"))
+        return (*result, *self.free_tails)
 
     @cached_property
     def data(self) -> tuple[Observation, ...]:
@@ -139,7 +139,7 @@ class SeriesProblem(Problem):
 
     def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Return the log density of each datum given those before it, by name."""
-        time, tails, terms = self.measured.time, self._tails(values), {}
+        time, tails, terms = self.measured.time, self.tails(values), {}
         for item in self.data:
             noise, amplitude = self._noise(item.name, values)
             missed = item.values - predicted[item.name]
@@ -155,7 +155,7 @@ class SeriesProblem(Problem):
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
         """Draw series: prediction, discrepancy and noise."""
-        time, tails, made = self.measured.time, self._tails(values), {}
+        time, tails, made = self.measured.time, self.tails(values), {}
         for name, series in predicted.items():
             noise, amplitude = self._noise(name, values)
             normal = draws.standard_normal(time.size)
@@ -163,11 +163,6 @@ class SeriesProblem(Problem):
             if amplitude > 0.0:
                 made[name] += ornstein_uhlenbeck(draws, time, amplitude, self.correlation)
         return made
-
-    def _tails(self, values: Array) -> float:
-        """Return the degrees of freedom of the noise."""
-        fixed = inf if self.degrees_of_freedom is None else self.degrees_of_freedom
-        return self.value(values, DEGREES_OF_FREEDOM.name, fixed)
 
     def _noise(self, name: str, values: Array) -> tuple[Array, float]:
         """Return the standard deviation of a series' noise at each time, and that of its discrepancy."""

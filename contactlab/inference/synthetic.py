@@ -1,4 +1,4 @@
-"""Data made by a known law, on which a fit can be held to the truth."""
+"""Measurements made by a known law, with noise."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.inference.likelihood import approach_scale
 from contactlab.inference.series_problem import series_of
 from contactlab.laws import ContactLaw
@@ -18,7 +18,7 @@ from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
 
 TRUTH: Final = "truth"
-"""Attribute that holds the numbers that made the data, by key, as JSON; of impacts a note begins so."""
+"""Attribute of the true numbers by key, as JSON; of impacts the beginning of a note."""
 
 MASS: Final = 0.036  # [kg] of the body that hits, an ellipse like those that were published
 HALF_AXES: Final = (0.035, 0.025)  # [m]
@@ -27,7 +27,7 @@ STEEPEST: Final = 70.0  # [deg] of the approach to the normal
 
 
 def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> MeasuredSeries:
-    """Run a motor and measure series of it with white noise.
+    """Return series of a motor with white noise.
 
     Args:
         setup: the truth.
@@ -36,7 +36,7 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
         seed: of the noise.
 
     Raises:
-        ValueError: the run does not reach its end; its own sentence.
+        ValueError: the run does not reach its end.
     """
     run = setup.run()
     if not run.ending.reached_end:
@@ -59,26 +59,26 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
 def made_impacts(
     law: ContactLaw, count: int, noise: float, seed: int, configuration: Mapping[str, Any] | None = None
 ) -> MeasuredImpacts:
-    """Let an ellipse hit a plate under a law, and measure it with noise.
+    """Return impacts of an ellipse on a plate under a law, with noise.
 
     Angle of the body, speed and direction of the approach are drawn evenly. The noise is isotropic in the
     norm of the kinetic energy, relative to the approach.
 
     Args:
         law: the truth.
-        count: how many impacts.
+        count: number of impacts.
         noise: standard deviation in that norm [1], positive.
         seed: of approaches and noise.
         configuration: of the law, whose numbers are noted as the truth.
 
     Raises:
-        ValueError: the law answers one of them with no number.
+        ValueError: the law does not predict one of them.
     """
     draws = np.random.default_rng(seed)
     delassus, before = _approaches(draws, count)
     after = velocities_after(law, delassus, before)
     if not np.isfinite(after).all():
-        raise ValueError(f"The law {law.name} has no answer to some of the impacts; choose other values.")
+        raise ValueError(f"The law {law.name} does not predict some of the impacts; choose other values.")
     scale = approach_scale(delassus, before)
     covariance = noise**2 * scale[:, None, None] * delassus
     error = np.linalg.cholesky(covariance) @ draws.standard_normal((count, 2, 1))
@@ -110,8 +110,8 @@ def _approaches(draws: np.random.Generator, count: int) -> tuple[Array, Array]:
     delassus[:, 0, 0] = 1.0 / MASS + aside**2 / inertia
     delassus[:, 1, 1] = 1.0 / MASS + height**2 / inertia
     delassus[:, 0, 1] = delassus[:, 1, 0] = aside * height / inertia
-    speed, way = draws.uniform(*SPEEDS, count), np.radians(draws.uniform(-STEEPEST, STEEPEST, count))
-    return delassus, np.column_stack([-speed * np.cos(way), speed * np.sin(way)])
+    speed, incidence = draws.uniform(*SPEEDS, count), np.radians(draws.uniform(-STEEPEST, STEEPEST, count))
+    return delassus, np.column_stack([-speed * np.cos(incidence), speed * np.sin(incidence)])
 
 
 def truth_of(configuration: Mapping[str, Any]) -> dict[str, float | str]:
@@ -143,7 +143,7 @@ def truth_in(
         text = notes[0] if notes else "{}"
     try:
         result = json.loads(str(text))
-    # Somebody else's note of that name may be anything.
+    # A note of that name may be anything.
     except ValueError:
         return {}
     if not isinstance(result, dict) or _names(result) != _names(flat(configuration)):
@@ -152,14 +152,14 @@ def truth_in(
 
 
 def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries | MeasuredImpacts:
-    """Give the data with nothing known of their noise."""
+    """Return the data without stated noise."""
     if isinstance(measured, MeasuredSeries):
         return replace(measured, errors={})
     return replace(measured, covariance=None)
 
 
 def with_noise(measured: MeasuredSeries | MeasuredImpacts, noise: float) -> MeasuredSeries | MeasuredImpacts:
-    """Give the data with this noise, over the root mean square of series, over the approach of impacts."""
+    """Return the data with stated noise, over the root mean square of series or the approach of impacts."""
     if isinstance(measured, MeasuredSeries):
         sizes = {name: noise * (float(np.sqrt(np.mean(x**2))) or 1.0) for name, x in measured.values.items()}
         return replace(measured, errors={k: np.full(measured.time.size, x) for k, x in sizes.items()})

@@ -284,11 +284,6 @@ class Damping(Declared):
         damped(elastic_force, ...) -> normal force [N]
         """
 
-    @property
-    def limits(self) -> Kernel | None:
-        """The kernel of the limits, as of a law, else None: those of the normal force."""
-        return None
-
 
 @dataclass(frozen=True)
 class Friction(Declared, Tangential):

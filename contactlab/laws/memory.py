@@ -1,21 +1,16 @@
-"""What a law remembers: internal variables, how they flow and jump, and between which gaps a contact lasts.
+"""Internal variables of a law: how they flow and jump, and the gaps at which a contact begins and ends.
 
-Most laws have none, and their kernels are as their family says. A law or part that has a kernel `rate` or
-`jump` gets its internal variables as the array z, shape (variable,), before `parameters` in every kernel:
+Kernels name them as they name everything else, see `contactlab.laws.base`; z has all of them. `which` is the
+place of the variable or guard, `event` the number of a guard or one of the events below:
 
-    rate(which, STATE, z, parameters)           -> rate of z[which]
-    guard(which, STATE, z, parameters)          -> positive while what the law says goes on
-    jump(which, event, STATE, z, parameters)    -> z[which] after the event
-    limits(z, parameters)                       -> gaps at which a contact begins and ends [m]
+    rate(which, ...)         -> rate of variable `which`
+    guard(which, ...)        -> positive until event `which`
+    jump(which, event, ...)  -> variable `which` after the event (the reset map)
+    limits(...)              -> gaps at which a contact begins and ends [m]
 
-STATE is gap [m], gap rate [m/s], slip [m/s], zero in stick, and normal force [N] for a law; depth [m] and its
-rate [m/s] for a normal force; normal force [N], stiffness dN/dd [N/m], its rate [N m^-1 s^-1] and slip [m/s]
-for a friction. Parts have the place `at` of their coefficients after `parameters`.
-
-Where a guard falls through zero the step ends, and all variables jump by the number of that guard. They jump
-at the events below as well. What they do to the stored energy at an event is a loss of the contact; so is
-what is stored still at a release. A guard is looked at while a contact lasts. `limits` is without z where
-there are no variables.
+Where a guard falls through zero a step ends and all variables jump; guards are evaluated in contact only. The
+stored energy that a jump takes, and that is left at a release, is a loss of the contact. Quantities are those
+of the contact with its normal force, `limits` has the gap rate and the tilt. In stick the slip is zero.
 """
 
 from collections.abc import Callable
@@ -28,7 +23,7 @@ AT_TOUCH, AT_RELEASE, AT_SLIP, AT_STICK = -4, -3, -2, -1
 EVENTS = AT_TOUCH, AT_RELEASE, AT_SLIP, AT_STICK
 
 MOST_VARIABLES = 128
-"""Internal variables that the state of a run has room for."""
+"""Largest number of internal variables of a law."""
 
 ODD, EVEN = -1, 1
 """Parities of an internal variable: whether it changes its sign where left and right are exchanged."""
@@ -37,7 +32,7 @@ ODD, EVEN = -1, 1
 @final
 @dataclass(frozen=True)
 class InternalVariable:
-    """One number that a law remembers.
+    """An internal variable of a law.
 
         >>> import contactlab as cl
         >>> bend = cl.InternalVariable("bend", "z", "m", "bend of the bristles")
@@ -45,12 +40,12 @@ class InternalVariable:
         (0.0, 'contact')
 
     Args:
-        name: its word; datasets record it as `internal_NAME`.
+        name: an identifier; datasets record it as `internal_NAME`.
         symbol: as in the equations.
-        units: SI, in the words of the CF conventions.
+        units: SI, as in the CF conventions.
         meaning: a few words.
         initial: its value where its life begins.
-        life: "contact", from one touch-down until the gap is clear of the next, or "run".
+        life: "contact", until the gap exceeds the one at which a first contact begins, or "run".
         parity: ODD as of a stretch, EVEN as of an age.
     """
 
@@ -67,21 +62,21 @@ class InternalVariable:
 
 
 def dependent(declared: Callable[[Any], Any]) -> Any:
-    """Let what a law declares of itself hang on its parameters: a property in place of a class attribute."""
+    """Make a declaration that depends on the parameters: a property in place of a class attribute."""
     return property(declared)
 
 
 class Remembering:
-    """What a law or a part says of its memory, and its kernels; see the module."""
+    """Internal variables of a law or part, and their kernels; see the module."""
 
     internal_variables: ClassVar[tuple[InternalVariable, ...]] = ()
-    """What it remembers; `dependent` where that hangs on its parameters."""
+    """Internal variables; `dependent` where they depend on the parameters."""
     guards: ClassVar[int] = 0
-    """How many guards it has."""
+    """Number of guards."""
 
     @property
     def rate(self) -> Any:
-        """The kernel of the rates, or None: they only jump, or the friction's own kernel gives its one."""
+        """The kernel of the rates, or None: variables only jump, or friction's kernel returns the rate."""
         return None
 
     @property
@@ -98,12 +93,12 @@ class Remembering:
     def limits(self) -> Any:
         """The kernel of the limits, or None: a contact begins and ends at a gap of zero.
 
-        A contact ends where the gap that is not less than its limit opens; begin <= end always. What a
-        contact has left (a dent) may put off where the next begins, until the gap is clear of it.
+        A contact ends where the gap passes its limit as it opens; begin <= end always. A residual indentation
+        may delay the next beginning until the gap exceeds the one of a first contact.
         """
         return None
 
     @property
     def lasting(self) -> tuple[InternalVariable, ...]:
         """Internal variables whose life is the run: part of the motor's state in free flight."""
-        return tuple(one for one in self.internal_variables if one.life == "run")
+        return tuple(each for each in self.internal_variables if each.life == "run")

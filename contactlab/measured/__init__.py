@@ -1,1 +1,1 @@
-"""What was measured: impacts and series of others, read from their files and checked."""
+"""Measured impacts and series: files, consistency checks, noise, and lower bounds of errors."""

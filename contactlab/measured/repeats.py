@@ -12,8 +12,8 @@ from contactlab.measured.impacts import MeasuredImpacts
 def measurements(impacts: MeasuredImpacts) -> NDArray[np.int64]:
     """Return the number of the measurement that each impact belongs to, from 0, shape (impact,).
 
-    Impacts belong to one measurement if their rows are equal to the last bit, or if they have the same label
-    in the column `measurement`. Numbers are in the order of first occurrence.
+    Impacts belong to one measurement if their rows are equal to the last bit or have the same label. Numbers
+    are in the order of first occurrence.
     """
     equal = _equal_rows(impacts)
     if impacts.measurement is None:

@@ -1,18 +1,15 @@
-"""Measured series of a motor, from a netCDF file with the layout of a run's, from a run's, or from CSV.
+"""Measured series of a motor, from netCDF with the layout of a run, from a run, or from CSV.
 
     time                       s since the drive was switched on, the motor at rest until then; increasing
-    rotor_velocity, gap, ...   any of `MEASURABLE`, over time, each with its `units`
-    NAME_error                 standard deviation of NAME's error, over time or one number; may be left out
-    configuration              attribute: what is known of the motor, YAML as of a run; may be left out
-
-In CSV these are columns with the unit in square brackets, `rotor_velocity [rad/s]`, without a configuration.
+    rotor_velocity, gap, ...   any of `MEASURABLE`, over time, each with its unit
+    NAME_error                 standard deviation of NAME's error, over time or one number; optional
+    configuration              attribute: known keys of the motor, YAML as of a run; optional
 
 Forces are means over the interval that ends at their time, as of a run.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, Final, final
 
 import numpy as np
@@ -21,16 +18,12 @@ import yaml
 
 from contactlab import variables
 from contactlab.arrays import Array
-from contactlab.config.quantity import UnitError, to_si
-from contactlab.measured.csv_files import read_text
-from contactlab.measured.faults import MeasurementError
-from contactlab.parameter import from_cf
-from contactlab.results.files import damage, digest_of_file, whole_netcdf
+from contactlab.measured.table import MeasurementError, Table
 from contactlab.suggestion import suggestion
 from contactlab.variables import Variable
 
-LEAST: Final = 8
-"""Times of a series that something can be found from."""
+FEWEST: Final = 8
+"""Smallest number of times."""
 
 CURRENTS: Final = tuple(
     Variable(f"current_{i}", ("time",), "A", f"I_{i}", f"current into the electrodes of drive.voltage_{i}")
@@ -38,31 +31,17 @@ CURRENTS: Final = tuple(
 )
 
 _OF_A_RUN: Final = (
-    "tip_normal_displacement",
-    "tip_tangential_displacement",
-    "tip_slope",
-    "gap",
-    "slip_velocity",
-    "rotor_velocity",
-    "rotor_angle",
-    "normal_force",
-    "friction_force",
+    *("tip_normal_displacement", "tip_tangential_displacement", "tip_slope", "gap", "slip_velocity"),
+    *("rotor_velocity", "rotor_angle", "normal_force", "friction_force"),
 )
 
 MEASURABLE: Final = {
-    one.name: one for one in (*variables.SERIES, *CURRENTS) if one.name in _OF_A_RUN or one in CURRENTS
+    item.name: item for item in (*variables.SERIES, *CURRENTS) if item.name in _OF_A_RUN or item in CURRENTS
 }
-"""What may be measured of a motor, by name."""
+"""Quantities of a motor that can be measured, by name."""
 
 ERROR: Final = "_error"
-"""What the name of a standard deviation ends in."""
-
-
-class SeriesError(ValueError):
-    """What is wrong with a file of measured series; a sentence for each fault."""
-
-    def __init__(self, path: Path, faults: Sequence[str]) -> None:
-        super().__init__("\n".join(f"'{path}': {fault}" for fault in faults))
+"""End of the name of a standard deviation."""
 
 
 @final
@@ -74,7 +53,7 @@ class MeasuredSeries:
         time: since the drive was switched on [s], increasing, shape (time,).
         values: by the names of `MEASURABLE`, in SI, shape (time,) each.
         errors: standard deviations of some of them, positive, shape (time,) each.
-        configuration: what the file tells of the motor, may be empty.
+        configuration: of the motor as far as the file states it, may be empty.
         attributes: all others of the file.
         digest: of the file.
     """
@@ -87,213 +66,77 @@ class MeasuredSeries:
     digest: str = ""
 
     def only(self, names: Sequence[str]) -> "MeasuredSeries":
-        """Give some of the series.
+        """Return some of the series.
 
         Raises:
-            ValueError: one that there is not; a sentence.
+            ValueError: a series is missing.
         """
         for name in names:
             if name not in self.values:
                 hint = suggestion(name, self.values, f"There is {', '.join(self.values)}.")
                 raise ValueError(f"There is no series '{name}' in the data. {hint}")
-        values = {name: self.values[name] for name in names}
-        errors = {name: error for name, error in self.errors.items() if name in values}
-        return MeasuredSeries(self.time, values, errors, self.configuration, self.attributes, self.digest)
+        errors = {name: error for name, error in self.errors.items() if name in names}
+        return replace(self, values={name: self.values[name] for name in names}, errors=errors)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Give the series as a file holds them."""
+        """Return the series as a file contains them."""
         data = xarray.Dataset(coords={"time": ("time", self.time, {"units": "s"})})
         for name, values in self.values.items():
-            said = MEASURABLE[name]
-            data[name] = ("time", values, {"units": said.units, "long_name": said.long_name})
+            units, long_name = MEASURABLE[name].units, MEASURABLE[name].long_name
+            data[name] = ("time", values, {"units": units, "long_name": long_name})
             if name in self.errors:
-                words = {"units": said.units, "long_name": f"standard deviation of the error of {name}"}
-                data[f"{name}{ERROR}"] = ("time", self.errors[name], words)
+                long_name = f"standard deviation of the error of {name}"
+                data[f"{name}{ERROR}"] = ("time", self.errors[name], {"units": units, "long_name": long_name})
         data.attrs = dict(self.attributes)
         if self.configuration:
             data.attrs["configuration"] = yaml.safe_dump(dict(self.configuration), sort_keys=False)
         return data
 
 
-def chosen_names(text: str | None) -> list[str]:
-    """Give names of what may be measured from a text with commas; the rotor's velocity from none.
+def series_of_table(table: Table, digest: str) -> MeasuredSeries:
+    """Return the series of a table, and the attributes of its file with the file's digest.
 
     Raises:
-        ValueError: a name that there is not; a sentence.
+        MeasurementError: the table has no time or no series, or a series is faulty.
     """
-    names = [name.strip() for name in text.split(",")] if text else ["rotor_velocity"]
-    for name in names:
-        if name not in MEASURABLE:
-            hint = suggestion(name, MEASURABLE, f"There is {', '.join(MEASURABLE)}.")
-            raise ValueError(f"'{name}' is nothing that may be measured of a motor. {hint}")
-    return names
-
-
-def write_series(measured: MeasuredSeries, path: Path) -> None:
-    """Write a file of measured series, netCDF, whole or not at all.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
-    with whole_netcdf(path) as partial:
-        measured.to_xarray().to_netcdf(partial, engine="netcdf4")
-
-
-def text_names(path: Path) -> set[str]:
-    """Return the names of the columns of a text file; none where it is not a table.
-
-    Raises:
-        OSError: it cannot be read.
-    """
-    try:
-        return set(read_text(path).values)
-    except MeasurementError:
-        return set()
-
-
-def read_series(path: Path) -> MeasuredSeries:
-    """Read a file of measured series, netCDF or CSV, or a run.
-
-    Raises:
-        OSError: it cannot be read.
-        SeriesError: it holds no such series, or wrong ones; a sentence for each fault.
-    """
-    if words := damage(path):
-        raise SeriesError(path, [words])
-    data = _from_text(path) if text_names(path) & {"time", *MEASURABLE} else _from_netcdf(path)
-    faults: list[str] = []
-    if "time" not in data.variables:
-        words = "it has no time; there must be one, in seconds since the drive was switched on."
-        raise SeriesError(path, [words])
-    time = _time(data, faults)
-    there = [name for name in MEASURABLE if name in data.variables]
-    if not there:
-        held = ", ".join(map(str, data.variables)) or "nothing"
-        faults.append(
-            "it has nothing that may be measured of a motor; there must be one of "
-            f"{', '.join(MEASURABLE)}. It has {held}."
+    units = {"time": "s"} | {name: item.units for name, item in MEASURABLE.items()}
+    errors = {f"{name}{ERROR}": item.units for name, item in MEASURABLE.items()}
+    present = [name for name in MEASURABLE if name in table.names]
+    if "time" not in table.names or not present:
+        raise MeasurementError(
+            f"it has {', '.join(table.names)}; it must have time and at least one of {', '.join(MEASURABLE)}."
         )
-    columns = {name: _column(data, name, MEASURABLE[name].units, time.size, faults) for name in there}
-    errors = {name: _error(data, name, time.size, faults) for name in there}
-    configuration = _configuration(data, faults)
-    faults += _strange(data)
-    if faults:
-        raise SeriesError(path, faults)
-    attributes = {str(key): value for key, value in data.attrs.items() if key != "configuration"}
-    values, deviations = (
-        {name: column for name, column in each.items() if column is not None} for each in (columns, errors)
-    )
-    return MeasuredSeries(time, values, deviations, configuration, attributes, digest_of_file(path))
-
-
-def _from_netcdf(path: Path) -> xarray.Dataset:
-    """Return the content of a netCDF file."""
-    try:
-        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
-            return opened.load()
-    except (OSError, ValueError, RuntimeError) as error:
-        if isinstance(error, FileNotFoundError | PermissionError):
-            raise
-        raise SeriesError(path, [f"it cannot be read as netCDF: {error}."]) from error
-
-
-def _from_text(path: Path) -> xarray.Dataset:
-    """Return the content of a CSV file in SI, laid out as that of a netCDF file."""
-    units = {"time": "s"}
-    for name, one in MEASURABLE.items():
-        units |= {name: one.units, f"{name}{ERROR}": one.units}
-    try:
-        table = read_text(path)
-        table.refuse_unknown(units, ())
-        columns = {name: table.numbers(name, units[name]) for name in table.values}
-    except MeasurementError as error:
-        raise SeriesError(path, [str(error)]) from error
-    if "time" in columns and not columns["time"].ndim:
-        raise SeriesError(path, ["time is one number; it must be a column."])
-    return xarray.Dataset(
-        {
-            name: (("time",) if values.ndim else (), values, {"units": units[name]})
-            for name, values in columns.items()
-        },
-        attrs=dict(table.words),
-    )
-
-
-def _error(data: xarray.Dataset, name: str, size: int, faults: list[str]) -> Array | None:
-    """Give the standard deviation of a series' error, None where none is stated."""
-    if f"{name}{ERROR}" not in data.variables:
-        return None
-    found = _column(data, f"{name}{ERROR}", MEASURABLE[name].units, size, faults)
-    if found is not None and found.size and not found.min() > 0.0:
-        faults.append(
-            f"{name}{ERROR} is {found.min():g} at the least; a standard deviation must be greater than 0. "
-            "Leave it out for one that is to be found."
+    # A run has other variables; an error of nothing is a misspelt one.
+    runs = table.dimension == "time"
+    table.check_names([*units, *errors, *(n for n in table.names if runs and not n.endswith(ERROR))])
+    for name in table.names:
+        if name in errors and name.removesuffix(ERROR) not in present:
+            raise MeasurementError(f"{name} is the error of a series that is missing; leave it out.")
+    time = table.numbers("time", "s")
+    if time.size < FEWEST or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
+        raise MeasurementError(
+            f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
+            "it has "
+            f"{time.size}, from {time.min(initial=np.inf):.9g} s."
         )
-    return found
-
-
-def _configuration(data: xarray.Dataset, faults: list[str]) -> dict[str, Any]:
-    """Give what the file tells of the motor."""
+    deviations = {}
+    for name in present:
+        if (key := f"{name}{ERROR}") in table.names:
+            deviations[name] = table.numbers(key, errors[key])
+            if not deviations[name].min() > 0.0:
+                raise MeasurementError(f"{key} is {deviations[name].min():g}; it must be greater than 0.")
     try:
-        found = yaml.safe_load(str(data.attrs.get("configuration", "{}")))
-    # Besides its own errors YAML raises those of impossible dates.
+        configuration = yaml.safe_load(str(table.data.attrs.get("configuration", "{}")))
+    # YAML raises ValueErrors for impossible dates.
     except (yaml.YAMLError, ValueError) as error:
-        faults.append(f"its configuration is no YAML: {' '.join(str(error).split())}. Leave it out.")
-        return {}
-    if not isinstance(found, dict):
-        faults.append("its configuration must be a mapping of groups of keys, as a run's. Leave it out.")
-        return {}
-    return found
-
-
-def _time(data: xarray.Dataset, faults: list[str]) -> Array:
-    """Give the times; what is wrong with them is added to the faults."""
-    time = _column(data, "time", "s", data["time"].size, faults)
-    if time is None:
-        return np.empty(data["time"].size)
-    if time.size < LEAST:
-        faults.append(f"it has {time.size} times; there must be {LEAST} at the least.")
-    elif not (np.diff(time) > 0.0).all():
-        place = int(np.argmax(np.diff(time) <= 0.0))
-        faults.append(
-            f"time {time[place + 1]:.9g} s stands behind {time[place]:.9g} s; times must increase. Sort them."
-        )
-    elif time[0] < 0.0:
-        faults.append(
-            f"time begins at {time[0]:.9g} s; it must not be negative, 0 being when the drive is switched "
-            "on. Leave out what was before."
-        )
-    return time
-
-
-def _column(data: xarray.Dataset, name: str, units: str, size: int, faults: list[str]) -> Array | None:
-    """Give a variable in SI over time, or add to the faults what is wrong with it."""
-    one, expected = data[name], from_cf(units)
-    said = str(one.attrs.get("units", "")).strip()
-    if not said:
-        faults.append(f"{name} has no units; it must be in {expected}, or in what can be converted to it.")
-        return None
-    try:
-        factor = to_si(f"1 {from_cf(said)}", expected) if said != units else 1.0
-    except UnitError:
-        faults.append(f"{name} is in '{said}'; it must be in {expected}, or in what can be converted to it.")
-        return None
-    if one.dims not in ((), ("time",)) or one.dtype.kind not in "iuf":
-        faults.append(f"{name} has the dimensions {one.dims}; it must be numbers over time alone.")
-        return None
-    values = np.array(np.broadcast_to(one.values, (size,)), dtype=np.float64) * factor
-    if not np.isfinite(values).all():
-        place = int(np.argmin(np.isfinite(values)))
-        faults.append(
-            f"{name} is {values[place]:g} in row {place + 1}; all must be finite. Leave out the rows that "
-            "were not measured."
-        )
-        return None
-    return values
-
-
-def _strange(data: xarray.Dataset) -> Iterator[str]:
-    """Say what is the error of nothing: a slip of the pen that would be passed over."""
-    for name in map(str, data.data_vars):
-        if name.endswith(ERROR) and name.removesuffix(ERROR) not in data.variables:
-            yield f"{name} is there and {name.removesuffix(ERROR)} is not; rename it or leave it out."
+        raise MeasurementError(f"its configuration is not YAML: {' '.join(str(error).split())}.") from error
+    if not isinstance(configuration, dict):
+        raise MeasurementError("its configuration must be a mapping of groups of keys, as that of a run.")
+    return MeasuredSeries(
+        time,
+        {name: table.numbers(name, units[name]) for name in present},
+        deviations,
+        configuration,
+        {str(key): value for key, value in table.data.attrs.items() if key != "configuration"},
+        digest,
+    )

@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config.nesting import flat
-from contactlab.laws.base import PenaltyLaw
+from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
-from contactlab.results.internal import lasting_in
-from contactlab.results.netcdf import configuration_of, period_in
+from contactlab.results.netcdf import configuration_of, lasting_in, period_in
 from contactlab.settling.periods import drive_period
 from contactlab.settling.verdict import Settling, settling_of
 from contactlab.trajectory import Trajectory
@@ -48,7 +47,7 @@ def positive(scale: float) -> float:
 def declares(owner: Any, kernel: str) -> bool:
     """Tell whether a law or a part has a kernel of its own where most have none: limits, or a moment."""
     found = getattr_static(owner, kernel, None)
-    idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed)]
+    idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed, Damping)]
     return found is not None and found not in idle
 
 

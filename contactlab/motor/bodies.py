@@ -30,17 +30,17 @@ MOST_MODES: Final = 20
 
 
 def way_of(theta: Array) -> Array:
-    """Give the way along the belt [m] of a recorded tip slope."""
+    """Return the way along the belt [m] of a recorded tip slope."""
     return np.asarray(-FLAT * np.sin(theta))
 
 
 def _belt(mass: float = HEAVY, velocity: float = 0.0) -> Rotor:
-    """Give a belt of a mass [kg] and a velocity along the way [m/s]."""
+    """Return a belt of a mass [kg] and a velocity along the way [m/s]."""
     return Rotor(inertia=mass * FLAT**2, initial_velocity=velocity / FLAT)
 
 
 def _tone(amplitude: float, frequency: float) -> Drive:
-    """Give a force or acceleration A cos(2 pi f t), or none."""
+    """Return a force or acceleration A cos(2 pi f t), or none."""
     if amplitude == 0.0:
         return Drive()
     return Drive(np.array([frequency]), np.array([[amplitude], [0.0]], dtype=complex))
@@ -62,7 +62,7 @@ def block(
     belt_mass: float = HEAVY,
     belt_velocity: float = 0.0,
 ) -> Motor:
-    """Give a block over a belt: two rigid-body modes, one normal and one along the belt.
+    """Return a block over a belt: two rigid-body modes, one normal and one along the belt.
 
     Args:
         mass: m [kg].
@@ -104,7 +104,7 @@ def ball(
     gyration: float = 0.4,
     gravity: float = 9.81,
 ) -> Motor:
-    """Give a ball over a plate, which moves in a plane and may spin in it.
+    """Return a ball over a plate, which moves in a plane and may spin in it.
 
     Its Delassus matrix is diagonal, D_nn = 1/m and D_tt = (1 + 1/gyration)/m: 3.5/m of a solid sphere.
 
@@ -154,7 +154,7 @@ def oscillator(
     displacement: float = 0.0,
     velocity: float = 0.0,
 ) -> Motor:
-    """Give an oscillator with a stop, m xdd + c xd + k x = F cos(2 pi f t) and x <= gap until it touches.
+    """Return an oscillator with a stop, m xdd + c xd + k x = F cos(2 pi f t) and x <= gap until it touches.
 
     Nothing slides: the friction of a law has no say.
 
@@ -202,7 +202,7 @@ def belt(
     displacement: float = 0.0,
     velocity: float = 0.0,
 ) -> Motor:
-    """Give a mass that a spring holds on a moving belt, m xdd + k x = friction.
+    """Return a mass that a spring holds on a moving belt, m xdd + k x = friction.
 
     Args:
         mass, stiffness: m [kg] and k [N/m] of the spring along the belt.
@@ -246,7 +246,7 @@ def cantilever(
     frequency: float = 1.0,
     deflection: float = 0.0,
 ) -> Motor:
-    """Give a clamped beam whose end strikes a stop below it, in its exact bending modes.
+    """Return a clamped beam whose end strikes a stop below it, in its exact bending modes.
 
     Bernoulli-Euler: cos(b) cosh(b) = -1, omega = (b/L)^2 sqrt(E I / (rho A)). The lower edge of the end is
     what touches, so that its rotation rubs along the stop.
@@ -301,7 +301,7 @@ def cantilever(
 
 
 def _clamped_free(count: int) -> tuple[Array, Array]:
-    """Give the wave numbers b = beta L of a clamped-free beam, and sigma = (sinh b - sin b)/(cosh b + cos b).
+    """Return b = beta L of a clamped-free beam, and sigma = (sinh b - sin b) / (cosh b + cos b).
 
     With phi = cosh z - cos z - sigma (sinh z - sin z), whose int phi^2 dx is L, |phi(L)| = 2, phi'(L) is
     sigma beta phi(L), and int phi dx = 2 sigma / beta.

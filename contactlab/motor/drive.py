@@ -75,7 +75,7 @@ class Drive:
         frequency_ratio: float = 2.0,
         phase: float = 0.0,
     ) -> "Drive":
-        """Give the paper's drive (eqs. 1 and 2), with w2 = frequency_ratio w1; see `TwoMode`.
+        """Return the paper's drive (eqs. 1 and 2), with w2 = frequency_ratio w1; see `TwoMode`.
 
         U_A = U1 sin(w1 t + phase) + U2 sin(w2 t)
         U_B = U1 sin(w1 t + phase) - U2 sin(w2 t)
@@ -95,7 +95,7 @@ class Drive:
         return 2.0 * np.pi * self.frequency
 
     def voltage(self, time: Array | float) -> Array:
-        """Give the voltages of both electrodes [V], shape (electrode, *time.shape)."""
+        """Return the voltages of both electrodes [V], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
         return np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
 
@@ -105,7 +105,7 @@ class NoPeriodError(ValueError):
 
 
 def period_of(drive: Drive) -> float:
-    """Give the time after which all tones of a drive repeat themselves [s]; silent ones count if all are.
+    """Return the time after which all tones of a drive repeat themselves [s]; silent ones count if all are.
 
     Raises:
         NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.

@@ -92,7 +92,7 @@ class HermiteBeam:
         return np.asarray(free - (free @ clamp) @ clamp.T, dtype=np.float64)
 
     def mass_matrix(self, mass: Array) -> Array:
-        """Give M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof)."""
+        """Return M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof)."""
         count = self.size.size
         matrix = np.zeros((2 * count + 2, 2 * count + 2))
         for e, (h, m) in enumerate(zip(self.size, mass, strict=True)):
@@ -107,7 +107,7 @@ class HermiteBeam:
         return matrix[2:, 2:]
 
     def node_at(self, position: float) -> int:
-        """Give the degree of freedom of the deflection nearest to a position [m]; its slope is the next."""
+        """Return the degree of freedom of the deflection nearest to a position [m]; its slope is the next."""
         return 2 * int(np.abs(np.cumsum(self.size) - position).argmin())
 
 
@@ -127,7 +127,7 @@ class Discretisation(NamedTuple):
     loads: Array
 
     def lowest(self, count: int) -> tuple[Array, Array]:
-        """Give omega^2 [1/s^2] of the lowest modes, shape (count,), and their y, shape (2 element, count).
+        """Return omega^2 [1/s^2] of the lowest modes, shape (count,), and their y, shape (2 element, count).
 
         The largest 1 / omega^2 are computed, so that the low frequencies are the most accurate.
         """
@@ -137,7 +137,7 @@ class Discretisation(NamedTuple):
         return 1.0 / squares[::-1], vectors[:, ::-1]
 
     def static_remainder(self, kept: Array) -> tuple[Array, Array]:
-        """Give the pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.
+        """Return the pseudo-modes of the loads beside the kept modes: omega^2 and y like `lowest`.
 
         Orthogonal in y is orthogonal in stiffness; against eigenvectors it is so in mass as well.
         """

@@ -8,7 +8,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
 from contactlab.motor.drive import Drive
-from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.geometry import ContactGeometry, contact_frame
 from contactlab.parameter import Parameter, not_negative, positive
 
 
@@ -59,7 +59,7 @@ class NormalModes:
             check_shape("capacitance", self.capacitance, (2, 2), "a row and a column an electrode")
 
     def charge(self, displacement: Array, voltage: Array) -> Array:
-        """Give the charges of both electrodes, Q = C_p U + coupling' q [C], shape (electrode, *time.shape).
+        """Return the charges of both electrodes, Q = C_p U + coupling' q [C], shape (electrode, *time.shape).
 
         The transpose of the forces of the actuator equation, so that sum_e int U_e dQ_e over a period is
         the work of the drive; not a number where the capacitance is not known.
@@ -159,9 +159,39 @@ class Motor(Checked):
                 f"The modes have stiffnesses {self.modes.stiffness} 1/s^2; none may be negative: a "
                 "buckled mode runs away."
             )
-        given = {"preload": self.preload}
+        arrays = {"preload": self.preload}
         if start := self.start:
-            given |= {"start.displacement": start.displacement, "start.velocity": start.velocity}
-        for name, values in given.items():
+            arrays |= {"start.displacement": start.displacement, "start.velocity": start.velocity}
+        for name, values in arrays.items():
             if values is not None:
                 check_shape(name, values, self.modes.stiffness.shape, "one number a mode")
+
+
+PERIODS, SAMPLES = 20, 20_000
+"""Of the slowest tone that are looked through; tones that do not repeat themselves have met in most ways."""
+
+
+def free_reach(motor: Motor) -> float:
+    """Return what the tip bridges of the clearance in the steady state of free vibration [m].
+
+    That is the largest of clearance less gap, with u and th of the sum of all modes' answers
+    Q_j = f_j / (k_j - omega^2 + i c_j omega) to all tones, and of the preload's; zero without either. It is
+    sampled, to a thousandth of itself. Not a number where a rigid body follows a constant force.
+    """
+    modes, geometry = motor.modes, motor.geometry
+    omega, force = motor.drive.angular_frequency, modes.coupling @ motor.drive.phasors
+    loud = np.any(force != 0.0, axis=0)
+    omega, force = omega[loud], force[:, loud]
+    q = np.zeros((modes.stiffness.size, 1))
+    if omega.size:
+        dynamic = modes.stiffness[:, None] - omega**2 + 1j * modes.damping[:, None] * omega
+        time = np.linspace(0.0, PERIODS * 2.0 * np.pi / omega.min(), SAMPLES)
+        q = np.real(force / dynamic @ np.exp(1j * np.multiply.outer(omega, time)))
+    if motor.preload is not None:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            still = np.where(motor.preload == 0.0, 0.0, motor.preload / modes.stiffness)
+        q = q + still[:, None]
+    lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
+    seen = zip((modes.tip_displacement @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
+    least = min(contact_frame(u, th, *lengths)[0] for u, th in seen)
+    return float(geometry.clearance - least) if np.isfinite(q).all() else float("nan")

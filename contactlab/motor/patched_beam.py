@@ -73,7 +73,7 @@ _LOSS_TANGENT = Parameter(
 
 
 def bending_vector(poisson_ratio: float) -> Array:
-    """Give the strain of a fibre under unit curvature at unit height, b = [0, -1, nu, 0, 0, 0] (eq. 33)."""
+    """Return the strain of a fibre under unit curvature at unit height, b = [0, -1, nu, 0, 0, 0] (eq. 33)."""
     return np.array([0.0, -1.0, poisson_ratio, 0.0, 0.0, 0.0])
 
 

@@ -56,7 +56,7 @@ class ClampedBeam(Checked):
         return np.array(roots) / self.length
 
     def evaluate(self, position: Array | float, derivative: int = 0) -> Array:
-        """Give the shapes [1] or their first or second derivative [1/m, 1/m^2] at positions x [m].
+        """Return the shapes [1] or their first or second derivative [1/m, 1/m^2] at positions x [m].
 
         Of shape (shapes, *position.shape).
         """
@@ -79,7 +79,7 @@ class ClampedBeam(Checked):
         return value
 
     def integrate(self, start: float, end: float, derivative: int = 0) -> Array:
-        """Give the Gram matrix of a derivative over [start, end], int psi psi' dx, shape (shapes, shapes).
+        """Return the Gram matrix of a derivative over [start, end], int psi psi' dx, shape (shapes, shapes).
 
         Gauss-Legendre with enough points that the fastest product is integrated to round-off.
         """

@@ -24,8 +24,8 @@ LOG: Final = "run.log"
 """The files of a run's folder; the log is there for a run that raised an exception."""
 
 FOREIGN_AFTER: Final = 7 * 24 * 3600.0
-"""Seconds without a change after which a file of another machine, whose processes cannot be asked, is taken
-for left: what is being written changes all the time."""
+"""Seconds without a change after which a file of another machine, whose processes cannot be looked up, is
+taken for left: what is being written changes all the time."""
 
 _PARTIAL: Final = re.compile(r"\..+\.((?P<machine>[0-9a-f]{8})-(?P<process>\d+)-)?[0-9a-f]{8}\.partial")
 
@@ -100,14 +100,14 @@ def whole_netcdf(path: Path) -> Iterator[Path]:
             raise OSError(errno.EIO, f"the netCDF library says: {fault}") from fault
 
 
-def told(error: OSError) -> str:
-    """Say an error of the system as a sentence."""
+def error_text(error: OSError) -> str:
+    """Return an error of the system as a sentence."""
     where = f" The place is '{error.filename}'." if error.filename else ""
     return f"{error.strerror or error}.{where}"
 
 
 def digest_of_file(path: Path) -> str:
-    """Give the digest of a file as it lies on the disk, 64 hexadecimal digits, as `sha256sum` does.
+    """Return the digest of a file as it lies on the disk, 64 hexadecimal digits, as `sha256sum` does.
 
     Raises:
         OSError: it cannot be read.
@@ -117,9 +117,9 @@ def digest_of_file(path: Path) -> str:
 
 
 def damage(dataset: Path) -> str:
-    """Say why a dataset is not the one that its run left; nothing where it is, and where nothing tells.
+    """Return why a dataset is not the one that its run left; nothing where it is, and where nothing tells.
 
-    To be asked before the dataset is opened: the libraries take damaged numbers for numbers, and may hang.
+    Call it before the dataset is opened: the libraries take damaged numbers for numbers, and may hang.
 
     Raises:
         OSError: the file cannot be read.
@@ -156,7 +156,7 @@ def _is_left(path: Path, named: re.Match[str]) -> bool:
 
 @cache
 def _machine() -> str:
-    """Tell apart what numbers processes: this start of this machine, and in a container the container."""
+    """Return the namespace of process numbers: this start of this machine or, in one, the container."""
     try:
         start = Path("/proc/sys/kernel/random/boot_id").read_text()
         named = f"{start}{Path('/proc/self/ns/pid').readlink()}"
@@ -166,7 +166,7 @@ def _machine() -> str:
 
 
 def _lives(process: int) -> bool:
-    """Tell whether a process of this machine runs; where that cannot be asked, it may."""
+    """Return whether a process of this machine runs; where that is unknown, True."""
     # On Windows the same call would end the process.
     if os.name != "posix":
         return True
@@ -180,7 +180,7 @@ def _lives(process: int) -> bool:
 
 
 def _link(partial: Path, path: Path) -> None:
-    """Give a file its name if no other has it."""
+    """Return a file its name if no other has it."""
     try:
         path.hardlink_to(partial)
     except OSError as fault:

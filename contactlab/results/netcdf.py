@@ -2,7 +2,7 @@
 
 The root holds the time series and the resonator's quantities, the group `contacts` one row a
 contact; names, dimensions and units are those of `contactlab.variables`, and with what the law remembers
-those of `contactlab.results.internal`. The group `state` holds what
+those of `contactlab.results.netcdf`. The group `state` holds what
 the engine needs to go on where the run ended, to the last bit. The attributes say what
 ran and with which code. Nothing in the file depends on when, where or on which machine it was
 written, so the same run leaves the same bytes.
@@ -19,17 +19,17 @@ import xarray
 import yaml
 
 from contactlab import variables
-from contactlab.laws import ContactLaw
+from contactlab.laws import ContactLaw, InternalVariable
+from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
-from contactlab.motor.free_vibration import free_reach
+from contactlab.motor.motor import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
-from contactlab.results.internal import internal_contacts, internal_series, lasting_in
-from contactlab.results.provenance import code_attributes
+from contactlab.results.provenance import checkout_state, code_digest, versions
 from contactlab.settling.periods import drive_period, period_told
 from contactlab.settling.verdict import Settling, settling_of
 from contactlab.trajectory import Ending, Trajectory
-from contactlab.variables import Variable
+from contactlab.variables import INTERNAL, Variable
 
 REFERENCES: Final = (
     "Andersen, B., Blanke, M., Helbo, J. (2001). Two Mode Resonator and Contact Model for Standing "
@@ -44,7 +44,7 @@ TITLE: Final = "Standing-wave piezoelectric motor with the contact law "
 
 
 def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | None = None) -> xarray.DataTree:
-    """Give a run as an xarray tree, whose arrays are those of the trajectory.
+    """Return a run as an xarray tree, whose arrays are those of the trajectory.
 
     Args:
         trajectory: what the simulation gave back.
@@ -87,7 +87,7 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
 
 
 def _as_variable(name: str, value: object) -> xarray.Variable:
-    """Give an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
+    """Return an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
     values = np.asarray(value)
     values = values.astype(np.int8) if values.dtype.kind == "b" else values
     axes = [f"{name}_{axis}" for axis in range(values.ndim)]
@@ -95,7 +95,7 @@ def _as_variable(name: str, value: object) -> xarray.Variable:
 
 
 def state_of(tree: xarray.DataTree) -> dict[str, Any]:
-    """Give the state that a run ended in, as the engine takes it; empty where none was recorded."""
+    """Return the state that a run ended in, as the engine takes it; empty where none was recorded."""
     if "state" not in tree.children:
         return {}
     # A time of its own stands in it beside that of the records.
@@ -104,7 +104,7 @@ def state_of(tree: xarray.DataTree) -> dict[str, Any]:
 
 
 def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
-    """Give the numbers of a motor and a law by the keys of a configuration, where there is none."""
+    """Return the numbers of a motor and a law by the keys of a configuration, where there is none."""
     parameters, geometry = law.describe(), motor.geometry
     settings: dict[str, dict[str, Any]] = {
         "law": {"name": law.name, **parameters},
@@ -121,13 +121,13 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
 
 
 def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
-    """Give the configuration that a dataset tells; empty where it tells none."""
+    """Return the configuration that a dataset tells; empty where it tells none."""
     try:
-        found = yaml.safe_load(str(tree.attrs.get("configuration", "")))
+        configuration = yaml.safe_load(str(tree.attrs.get("configuration", "")))
     # Besides its own errors YAML raises those of impossible dates.
     except (yaml.YAMLError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    return configuration if isinstance(configuration, dict) else {}
 
 
 def settling_in(tree: xarray.DataTree) -> Settling:
@@ -139,9 +139,9 @@ def settling_in(tree: xarray.DataTree) -> Settling:
 
 
 def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
-    """Give the drive's period that attributes tell, or else a configuration [s]; zero for none."""
-    told = attributes.get("drive_period")
-    return float(told) if isinstance(told, int | float | np.number) else period_told(configuration)
+    """Return the drive's period that attributes tell, or else a configuration [s]; zero for none."""
+    period = attributes.get("drive_period")
+    return float(period) if isinstance(period, int | float | np.number) else period_told(configuration)
 
 
 def write_tree(tree: xarray.DataTree, path: Path) -> str:
@@ -160,13 +160,13 @@ def write_tree(tree: xarray.DataTree, path: Path) -> str:
 
 
 def _encoding(variable: xarray.Variable) -> dict[str, Any]:
-    """Say how a variable is written: compressed without loss, without a fill value that would be no NaN."""
+    """Return the encoding of a variable: compressed without loss, and without a fill value beside NaN."""
     chunks = tuple(min(max(size, 1), _CHUNK) for size in variable.shape)
     return {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None, "chunksizes": chunks}
 
 
 def reached_end(attributes: Mapping[Any, Any]) -> bool:
-    """Tell by a dataset's attributes whether its run reached its end; one of one's own need not say so."""
+    """Return whether the run of a dataset reached its end; True where its attributes do not state it."""
     unbalanced = attributes.get("ending") == Ending.UNBALANCED.name.lower()
     return bool(attributes.get("complete", 1)) or unbalanced
 
@@ -174,12 +174,12 @@ def reached_end(attributes: Mapping[Any, Any]) -> bool:
 def _columns(
     table: Iterable[Variable], values: Mapping[str, np.ndarray]
 ) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, object]]]:
-    """Give dimensions, values and CF attributes of every variable of a table."""
+    """Return dimensions, values and CF attributes of every variable of a table."""
     return {entry.name: (entry.dims, values[entry.name], cf_attributes(entry)) for entry in table}
 
 
 def cf_attributes(variable: Variable) -> dict[str, object]:
-    """Give the CF attributes of a variable, and its symbol."""
+    """Return the CF attributes of a variable, and its symbol."""
     attributes: dict[str, object] = {
         "units": variable.units,
         "long_name": variable.long_name,
@@ -197,13 +197,16 @@ def cf_attributes(variable: Variable) -> dict[str, object]:
 
 
 def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> dict[str, object]:
-    """Give the attributes of the root, `complete` last."""
+    """Return the attributes of the root, `complete` last."""
     law = trajectory.law
+    code = versions()
+    revision, dirty = checkout_state()
     period = drive_period(trajectory.motor.drive)
     columns = {**trajectory.series, variables.TIME.name: trajectory.time}
     return {
-        **code_attributes(),
+        "Conventions": "CF-1.11",
         "title": TITLE + law.title,
+        "source": f"contactlab {code['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {law.source}.",
         "law": law.name,
         "law_origin": provenance(*classes_of(law)),
@@ -212,6 +215,10 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "contact_step": float(trajectory.contact_step),
         "record_interval": float(trajectory.record_interval),
         "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
+        **code,
+        "code_digest": code_digest(),
+        "git_revision": revision,
+        "git_dirty": dirty,
         "drive_period": period,
         **({} if trajectory.motor.preload is None else {"preloaded": 1}),
         **settling_of(columns, trajectory.contacts, period, trajectory.lasting).attributes,
@@ -220,3 +227,36 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "message": trajectory.message,
         "complete": int(trajectory.complete),
     }
+
+
+LIVES: Final = {"contact": "Begins anew in every contact.", "run": "Goes on from contact to contact."}
+
+
+def internal_series(law: ContactLaw) -> tuple[Variable, ...]:
+    """Return the internal variables of a law as root variables over time."""
+    return tuple(_recorded(each, "time", each.meaning) for each in law.internal_variables)
+
+
+def internal_contacts(law: ContactLaw) -> tuple[Variable, ...]:
+    """Return them as variables of the contacts: the value that each ended with."""
+    return tuple(
+        _recorded(each, "contact", f"{each.meaning}, where the contact ended")
+        for each in law.internal_variables
+    )
+
+
+def lasting_in(variables: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Return the names of the internal variables whose life is the run among a dataset's variables."""
+    return tuple(
+        str(name)
+        for name, each in variables.items()
+        if str(name).startswith(INTERNAL) and str(each.attrs.get("comment")).startswith(LIVES["run"])
+    )
+
+
+def _recorded(variable: InternalVariable, dimension: str, meaning: str) -> Variable:
+    mirrored = " Changes its sign in a mirror." if variable.parity == ODD else ""
+    comment = LIVES[variable.life] + mirrored
+    return Variable(
+        INTERNAL + variable.name, (dimension,), variable.units, variable.symbol, meaning, comment=comment
+    )

@@ -18,7 +18,7 @@ PACKAGES: Final = ("contactlab", "numpy", "scipy", "numba", "xarray", "netCDF4")
 _SOURCES: Final = ("contactlab/", "conf/")
 """Folders of a checkout in which a file that git does not know can still change a run."""
 
-_AFTER_A_RUN: Final = ("comparison", "datasheet", "examples", "metrics", "sweeps", "testing")
+_AFTER_A_RUN: Final = ("datasheet", "examples", "metrics", "sweeps", "testing")
 """Folders of the package that see a run only when its numbers are made, and that no run depends on."""
 
 _GIT_TIMEOUT: Final = 10.0
@@ -26,19 +26,19 @@ _GIT_TIMEOUT: Final = 10.0
 
 @cache
 def versions() -> dict[str, str]:
-    """Give the versions of Python and of `PACKAGES`, by attribute name such as `numpy_version`."""
-    found = {"contactlab_version": UNKNOWN, "python_version": platform.python_version()}
+    """Return the versions of Python and of `PACKAGES`, by attribute name such as `numpy_version`."""
+    names = {"contactlab_version": UNKNOWN, "python_version": platform.python_version()}
     for package in PACKAGES:
         try:
-            found[f"{package}_version"] = version(package)
+            names[f"{package}_version"] = version(package)
         except PackageNotFoundError:
-            found[f"{package}_version"] = UNKNOWN
-    return found
+            names[f"{package}_version"] = UNKNOWN
+    return names
 
 
 @cache
 def code_digest() -> str:
-    """Give the digest of the sources of this package that a run's numbers depend on, 64 hexadecimal digits.
+    """Return the digest of the sources of this package that a run's numbers depend on, 64 hexadecimal digits.
 
     A version names a release, and a commit what was committed; this names the code as it lies on the
     disk, in a checkout with changes too.
@@ -47,9 +47,11 @@ def code_digest() -> str:
 
 
 def digest_of(package: Path) -> str:
-    """Give the digest of the sources in a package's folder, whatever machine it lies on."""
+    """Return the digest of the sources in a package's folder, whatever machine it lies on."""
     digest = sha256()
-    files = {file.relative_to(package): file for file in package.rglob("*.py")}
+    # Compiled code may lie below, with sources written for it.
+    every = (file for file in package.rglob("*.py") if "__pycache__" not in file.parts)
+    files = {file.relative_to(package): file for file in every}
     for name, file in sorted((name.as_posix(), file) for name, file in files.items()):
         if name.partition("/")[0] not in _AFTER_A_RUN:
             # Line ends differ between systems, and say nothing.
@@ -72,7 +74,7 @@ def code_attributes() -> dict[str, str | int]:
 
 @cache
 def checkout_state() -> tuple[str, int | str]:
-    """Give revision and dirty flag of the checkout that this package runs from.
+    """Return revision and dirty flag of the checkout that this package runs from.
 
     Asked once a process, since the code in memory does not change afterwards either.
     """
@@ -80,7 +82,7 @@ def checkout_state() -> tuple[str, int | str]:
 
 
 def git_state(root: Path) -> tuple[str, int | str]:
-    """Give the revision of a checkout and tell whether it differs from that revision.
+    """Return the revision of a checkout and tell whether it differs from that revision.
 
     Dirty means a change to any tracked file, or an unknown file among the sources. Results that
     lie about elsewhere in the checkout are no change of the code.

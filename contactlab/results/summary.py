@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import xarray
 
-from contactlab.results.internal import lasting_in
-from contactlab.results.netcdf import TITLE, configuration_of, reached_end, settling_in
+from contactlab.results.netcdf import TITLE, configuration_of, lasting_in, reached_end, settling_in
 from contactlab.settling.until import PRECISION, STEADY
 from contactlab.settling.verdict import Settling
 from contactlab.variables import INTERNAL
@@ -17,11 +16,11 @@ ROUND_OFF = 1e-9
 """Part of a clearance that is no motion of the tip."""
 
 MOST_REMEMBERED = 4
-"""Internal variables that are told."""
+"""Internal variables that are shown."""
 
 
 def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
-    """Give the numbers of a run that one looks at first, a line each.
+    """Return the numbers of a run that one looks at first, a line each.
 
     Args:
         tree: a run as `contactlab.results.netcdf.to_datatree` gives it; one that was cut short is summed up
@@ -38,7 +37,7 @@ def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
 
 
 def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[str, str]:
-    """Give the values of `summarise` by their labels."""
+    """Return the values of `summarise` by their labels."""
     attributes, root = tree.attrs, tree.to_dataset()
     contacts = tree.children["contacts"].to_dataset(inherit=False)
     start, end = root["time"].values[[0, -1]].tolist()
@@ -107,15 +106,15 @@ def prefixed(size: float, symbol: str) -> str:
 
 
 def _law(attributes: Mapping[Any, Any]) -> str:
-    """Give the law's name and its effective parameters."""
+    """Return the law's name and its effective parameters."""
     parameters = json.loads(attributes["law_parameters"])
-    told = [f"{name} {value:.6g}" for name, value in parameters.items()]
-    told.append(f"contact step {prefixed(float(attributes['contact_step']), 's')}")
-    return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(told)})"
+    texts = [f"{name} {value:.6g}" for name, value in parameters.items()]
+    texts.append(f"contact step {prefixed(float(attributes['contact_step']), 's')}")
+    return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(texts)})"
 
 
 def _ended(solver: Any, length: float, settling: Settling) -> str:
-    """Say what ended a run that was to last until its motor has settled; empty for another."""
+    """Return what ended a run that was to last until its motor has settled; empty for another."""
     if not isinstance(solver, Mapping) or solver.get("until") != STEADY or "duration" not in solver:
         return ""
     precision, most = float(solver.get("precision", PRECISION)), float(solver["duration"])
@@ -128,38 +127,38 @@ def _ended(solver: Any, length: float, settling: Settling) -> str:
 
 
 def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
-    """Say how many contacts there were and how long they lasted and stuck, or how far away the tip stayed."""
+    """Return number, duration and stick of the contacts, or how far away the tip stayed."""
     if count := contacts.sizes["contact"]:
         touching = prefixed(float(np.sum(contacts["duration"].values)), "s")
         sticking = prefixed(float(np.sum(contacts["stick_duration"].values)), "s")
         return f"{count}, {touching} in contact, {sticking} of it sticking"
     clearance = float(configuration_of(tree)["contact"]["clearance"])
     bridged = max(clearance - float(np.min(tree.to_dataset()["gap"].values)), 0.0)
-    told = f"the tip bridged at most {prefixed(bridged, 'm')}"
+    texts = f"the tip bridged at most {prefixed(bridged, 'm')}"
     way_out = "Lower contact.clearance or raise the drive's voltages."
     reach = float(tree.attrs.get("free_reach", np.nan))
     if reach >= clearance:
         # It has not come to where it is going.
-        told += f" so far, and {prefixed(reach, 'm')} once it has settled"
+        texts += f" so far, and {prefixed(reach, 'm')} once it has settled"
         way_out = "Raise solver.duration."
     elif reach <= ROUND_OFF * abs(clearance):
-        told += ", and nothing moves it"
+        texts += ", and nothing moves it"
         way_out = "Raise the drive's voltages."
     elif reach < clearance:
-        told += f"; settled and free it reaches {prefixed(reach, 'm')} and never touches"
-    return f"none: of the clearance, {prefixed(clearance, 'm')}, {told}. {way_out}"
+        texts += f"; settled and free it reaches {prefixed(reach, 'm')} and never touches"
+    return f"none: of the clearance, {prefixed(clearance, 'm')}, {texts}. {way_out}"
 
 
 def _remembered(root: xarray.Dataset) -> str:
-    """Give what the law remembers beyond a contact, at the end of the run; empty where that is nothing."""
+    """Return what the law remembers beyond a contact, at the end of the run; empty where that is nothing."""
     lasting = {name.removeprefix(INTERNAL): root[name] for name in lasting_in(root)}
-    told = [f"{name} {float(x[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
-    more = f", and {len(told) - MOST_REMEMBERED} more" if len(told) > MOST_REMEMBERED else ""
-    return ", ".join(words.removesuffix(" 1") for words in told[:MOST_REMEMBERED]) + more
+    texts = [f"{name} {float(x[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
+    more = f", and {len(texts) - MOST_REMEMBERED} more" if len(texts) > MOST_REMEMBERED else ""
+    return ", ".join(text.removesuffix(" 1") for text in texts[:MOST_REMEMBERED]) + more
 
 
 def _residual(root: xarray.Dataset) -> str:
-    """Give the energy that the ledger cannot account for, and its share of the work of the drive."""
+    """Return the energy that the ledger cannot account for, and its share of the work of the drive."""
     residual, work = float(root["energy_residual"][-1]), abs(float(root["drive_work"][-1]))
     share = f"{abs(residual) / work:.2g} of the drive work" if work > 0.0 else "no drive work"
     return f"{residual:.2g} J, {share}"

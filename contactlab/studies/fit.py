@@ -1,12 +1,13 @@
-"""The study `fit`: what measurements tell about the numbers of laws and motors, and about laws."""
+"""The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
-from math import inf, isfinite, nan
+from math import inf, isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 from warnings import warn
@@ -25,6 +26,7 @@ from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.results.provenance import UNKNOWN, code_digest
+from contactlab.studies.measurements import PATTERNS, choice_of, measured
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
@@ -32,12 +34,10 @@ from contactlab.studies.tables import UNIT, table
 FREE: Final = "free"
 """Value of an option for a number that is free."""
 
-COLUMNS: Final = {"best": "best", "low": "5 %", "high": "95 %", "truth": "truth"}
-
 
 @dataclass(frozen=True, kw_only=True)
 class Fit(Study):
-    """What do measurements tell about the numbers of a law or a motor, and about laws?
+    """Which numbers of a law or a motor do measurements support, and which law?
 
     Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law without a value
     are. Least squares from many starts are followed by nested sampling, which yields posterior and evidence.
@@ -46,10 +46,7 @@ class Fit(Study):
 
     name: ClassVar[str] = "fit"
 
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
-        "choice": re.compile(r"[^=]+=.*"),
-        "data": re.compile(r"[^=]+"),
-    }
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
     data: Annotated[str, option("file of measured impacts, or of series of a motor")] = ""
     choice: Annotated[
@@ -70,16 +67,7 @@ class Fit(Study):
         Raises:
             ConfigurationError: the file cannot be read or contains no measurements.
         """
-        if not self.data:
-            raise ConfigurationError(["study.data is missing; it must be a file of measurements."])
-        try:
-            return read_measurements(Path(self.data))
-        except OSError as error:
-            raise ConfigurationError(
-                [f"'{self.data}' cannot be read ({error.strerror or error})."]
-            ) from error
-        except ValueError as error:
-            raise ConfigurationError([str(error)]) from error
+        return measured(self.data, read_measurements)
 
     @cached_property
     def measurements(self) -> Data:
@@ -177,23 +165,19 @@ class Fit(Study):
         """Return evidence and, for each law, posterior and correlation."""
         tables = {}
         if len(data.children) > 1:
-            first, *_ = every = ranked(evidences(data))
+            every = ranked(evidences(data))
             rows = [
-                {
-                    "law": item.label,
-                    "ln Z": Estimate(item.log_evidence, item.error),
-                    "less the largest": item.log_evidence - first.log_evidence,
-                }
-                for item in every
+                {"law": x.label, "ln Z": Estimate(x.log_evidence, x.error), "less the largest": less}
+                for x in every
+                for less in [x.log_evidence - every[0].log_evidence]
             ]
             tables["evidence"] = table(rows, caption="Evidence")
         for label, fit in data.children.items():
             rows = []
             for row in _rows(fit):
-                columns = {head: row[name] for name, head in COLUMNS.items() if name == "best"}
-                columns["mean"] = Estimate(row["mean"], row["deviation"])
-                columns |= {head: row[name] for name, head in COLUMNS.items() if name != "best"}
-                rows.append({"number": row["parameter"], UNIT: row["units"], **columns})
+                mean = Estimate(row["mean"], row["deviation"])
+                number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
+                rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
             frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
             tables[f"posterior{_ending(data, label)}"] = (
                 frame.drop(columns="truth") if frame["truth"].isna().all() else frame
@@ -237,14 +221,11 @@ def number_or_free(name: str, text: str | float | None, largest: float) -> float
     """
     if text is None or text == FREE:
         return text
-    try:
-        value = float(text)
-    except ValueError:
-        value = nan
-    if not (0.0 < value <= largest and isfinite(value)):
-        limit = "" if largest == inf else f" and at most {largest:g}"
-        raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
-    return value
+    with suppress(ValueError):
+        if 0.0 < (value := float(text)) <= largest and isfinite(value):
+            return value
+    limit = "" if largest == inf else f" and at most {largest:g}"
+    raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
 
 
 def evidences(data: xarray.DataTree) -> list[Evidence]:
@@ -302,10 +283,7 @@ def fit(
         ConfigurationError, ValueError: data, laws or options cannot be used.
         NoSamplerError: dynesty is not installed.
     """
-    names = [laws] if isinstance(laws, str) else [*laws]
-    choice = [f"law={','.join(names)}"] if names else []
-    choice += [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
-    choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
+    choice = choice_of([laws] if isinstance(laws, str) else [*laws], free, fixed)
     from_file = isinstance(data, str | Path)
     study = Fit(data=str(data) if from_file else "", choice=choice, **options)
     if not from_file:

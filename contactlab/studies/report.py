@@ -46,7 +46,15 @@ def save(result: Result, folder: Path) -> list[str]:
     figures = drawn(result)
     for name, figure in figures.items():
         files += save_figure(figure, folder, name)
-    texts = {PAGE: page(result, {name: (folder / f"{name}.png").read_bytes() for name in figures})}
+    texts = {
+        PAGE: page(
+            result,
+            {
+                str(figure.get_label() or name.replace("_", " ")): (folder / f"{name}.png").read_bytes()
+                for name, figure in figures.items()
+            },
+        )
+    }
     for name, frame in result.tables.items():
         texts |= {f"{name}.csv": as_csv(frame), f"{name}.tex": as_latex(frame)}
     for name, text in texts.items():
@@ -66,7 +74,7 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[str]:
 
 
 def page(result: Result, pictures: dict[str, bytes]) -> str:
-    """Return a page that holds its pictures, PNG files, and refers to nothing else."""
+    """Return a page that contains its pictures, PNG files by caption, and refers to nothing else."""
     study = result.study
     question = question_of(study.name)
     code = {name.removesuffix("_version"): version for name, version in versions().items()}
@@ -74,10 +82,15 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
         title=result.data.attrs.get("title") or question,
         question=question,
         findings=result.findings,
-        tables=[
-            (frame.attrs.get("caption") or name, as_html(frame)) for name, frame in result.tables.items()
-        ],
-        pictures={name.replace("_", " "): b64encode(data).decode() for name, data in pictures.items()},
+        **{
+            part: [
+                (frame.attrs.get("caption") or name, as_html(frame))
+                for name, frame in result.tables.items()
+                if bool(frame.attrs.get("reference")) is (part == "references")
+            ]
+            for part in ("tables", "references")
+        },
+        pictures={caption: b64encode(data).decode() for caption, data in pictures.items()},
         options=yaml.safe_dump({"study": {"name": study.name, **study.options}}, sort_keys=False),
         configurations={
             label or "configuration": yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)

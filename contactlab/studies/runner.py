@@ -8,29 +8,66 @@ configuration or version are never taken for its own. They are removed when the 
 
 import json
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
-from inspect import getsourcefile
 from pathlib import Path
-from typing import Final, final
+from time import process_time
+from typing import Any, Final, final
 
 import xarray
 import yaml
 
-from contactlab.fingerprint import is_own
+from contactlab.foreign import digest_of_sources
+from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
 from contactlab.results.provenance import code_attributes
+from contactlab.studies.run_state import key_of
 from contactlab.studies.study import Part, Result, Setups, Study, Task
-from contactlab.sweeps.state import key_of
 
 TASKS: Final = "tasks"
 """Folder of the finished tasks, beside the files of the result."""
 
 Progress = Callable[[int, int], object]
 """Receives the number of finished tasks and that of all."""
+
+
+@final
+class Parts(Mapping[str, xarray.DataTree]):
+    """Data of the finished tasks by key, in the order of the tasks; those in a folder are read one by one."""
+
+    def __init__(self, keys: Iterable[str]) -> None:
+        self._places: dict[str, Part | Path | None] = dict.fromkeys(keys)
+
+    def put(self, key: str, place: Part | Path) -> None:
+        """Add a part, or the file that contains it."""
+        self._places[key] = place
+
+    def __getitem__(self, key: str) -> xarray.DataTree:
+        match self._places[key]:
+            case Part(data):
+                return data
+            case Path() as file:
+                return _loaded(file)
+        raise KeyError(key)
+
+    @property
+    def missing(self) -> list[str]:
+        """Keys of the tasks that are not finished."""
+        return [key for key, place in self._places.items() if place is None]
+
+    def __contains__(self, key: object) -> bool:
+        return isinstance(key, str) and self._places.get(key) is not None
+
+    def __iter__(self) -> Iterator[str]:
+        return (key for key, place in self._places.items() if place is not None)
+
+    def __len__(self) -> int:
+        return sum(place is not None for place in self._places.values())
 
 
 def run(study: Study, setups: Setups, folder: Path | None = None, progress: Progress | None = None) -> Result:
@@ -44,8 +81,23 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
 
     Raises:
         ValueError: two tasks have one key.
+        WorkerError: a worker process died.
         OSError: the folder cannot be written to.
         KeyboardInterrupt: as it comes; finished tasks are kept.
+    """
+    setups = study.put_to(setups)
+    parts, details = done_parts(study, setups, folder, progress)
+    data = study.combine(setups, parts)
+    data.attrs = {**code_attributes(), **_settings(study, setups), **data.attrs}
+    return Result(study, setups, data, details)
+
+
+def done_parts(
+    study: Study, setups: Setups, folder: Path | None = None, progress: Progress | None = None
+) -> tuple[Parts, Any]:
+    """Do what is left of a study's tasks; return their data, and the details of a single task.
+
+    The arguments and exceptions are those of `run`.
     """
     tasks = list(study.tasks(setups))
     if len({task.key for task in tasks}) < len(tasks):
@@ -53,20 +105,23 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
     # A motor made in Python has no configuration that determines it.
     resumable = folder is not None and all("resonator" in setup.configuration for setup in setups.values())
     store = Store(folder / TASKS, study, setups) if folder is not None and resumable else None
-    parts: dict[str, Part] = {}
-    if store:
-        parts = {task.key: part for task in tasks if (part := store.read(task.key))}
+    parts, details = store.kept(tasks) if store else Parts(task.key for task in tasks), None
     pending = [store.resuming(task) if store else task for task in tasks if task.key not in parts]
+    done = len(tasks) - len(pending)
     if progress:
-        progress(len(parts), len(tasks))
+        progress(done, len(tasks))
     for key, part in _finished(study, pending):
-        parts[key] = store.write(key, part) if store else part
+        parts.put(key, store.write(key, part.data) if store else part)
+        details = part.details if len(tasks) == 1 else None
+        done += 1
         if progress:
-            progress(len(parts), len(tasks))
-    data = study.combine(setups, {task.key: parts[task.key].data for task in tasks})
-    data.attrs = {**code_attributes(), **_settings(study, setups), **data.attrs}
-    details = parts[tasks[0].key].details if len(tasks) == 1 else None
-    return Result(study, setups, data, details)
+            progress(done, len(tasks))
+    return parts, details
+
+
+def kept_parts(study: Study, setups: Setups, folder: Path) -> Parts:
+    """Return the data of the tasks that are finished in a folder; none is done."""
+    return Store(folder / TASKS, study, setups).kept(study.tasks(setups))
 
 
 def _settings(study: Study, setups: Setups) -> dict[str, str]:
@@ -99,7 +154,11 @@ class Store:
 
     def __init__(self, folder: Path, study: Study, setups: Setups) -> None:
         self.folder = folder
-        parts = [study.name, json.dumps(study.options, sort_keys=True, default=str), _code_of(type(study))]
+        parts = [
+            study.name,
+            json.dumps(study.options, sort_keys=True, default=str),
+            digest_of_sources(type(study)),
+        ]
         parts += [f"{label}\0{key_of(setup)}" for label, setup in setups.items()]
         self._digest = sha256("\0".join(parts).encode()).hexdigest()
 
@@ -114,22 +173,30 @@ class Store:
         checkpoint = self.folder / f"{self._name(task.key)}.checkpoint"
         return replace(task, arguments=(*task.arguments, checkpoint))
 
-    def read(self, key: str) -> Part | None:
-        """Return a finished part; None where there is none, or where its file is damaged."""
-        for file in self.folder.glob(f"{self._name(key)}-*.nc"):
+    def kept(self, tasks: Iterable[Task]) -> Parts:
+        """Return the finished parts of tasks."""
+        tasks = list(tasks)
+        parts = Parts(task.key for task in tasks)
+        # One look into the folder: a sweep has thousands of tasks.
+        files = {file.stem.partition("-")[0]: file for file in self.folder.glob("*-*.nc")}
+        for task in tasks:
             # Before it is opened: the netCDF library may take damaged numbers for numbers.
             with suppress(OSError):
-                if digest_of_file(file) == file.stem.partition("-")[2]:
-                    return Part(_loaded(file))
-        return None
+                file = files.get(self._name(task.key))
+                if file and digest_of_file(file) == file.stem.partition("-")[2]:
+                    parts.put(task.key, file)
+        return parts
 
-    def write(self, key: str, part: Part) -> Part:
-        """Write a part and return it as it will be read."""
+    def write(self, key: str, data: xarray.DataTree) -> Path:
+        """Write the data of a part and return the file."""
         self.folder.mkdir(parents=True, exist_ok=True)
         fresh = self.folder / f"{self._name(key)}.nc"
-        digest = write_tree(part.data, fresh)
-        file = fresh.replace(fresh.with_name(f"{fresh.stem}-{digest}.nc"))
-        return Part(_loaded(file), part.details)
+        digest = write_tree(data, fresh)
+        file = fresh.with_name(f"{fresh.stem}-{digest}.nc")
+        # Another process that does the same task may have moved its own.
+        with suppress(FileNotFoundError):
+            fresh.replace(file)
+        return file
 
 
 def _loaded(file: Path) -> xarray.DataTree:
@@ -137,24 +204,26 @@ def _loaded(file: Path) -> xarray.DataTree:
         return tree.load()
 
 
-def _code_of(study: type[Study]) -> str:
-    """Return the digest of a study's module where another package brings it; the setups' keys cover ours."""
-    file = None if is_own(study) else getsourcefile(study)
-    return sha256(Path(file).read_bytes()).hexdigest() if file else ""
-
-
 def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
     """Do tasks and yield key and part of each as it ends."""
     if study.scheduler is not None:
         yield from _by_dask(study.scheduler, tasks)
-    elif study.workers > 1 and len(tasks) > 1:
+        return
+    rest, begun = deque(tasks), process_time()
+    while rest and (study.workers < 2 or len(rest) < 2 or process_time() < begun + study.delay):
+        yield _done(rest.popleft())
+    if rest:
         # Imported here: one process needs none.
         from joblib import Parallel, delayed
 
-        every = Parallel(n_jobs=min(study.workers, len(tasks)), return_as="generator_unordered")
-        yield from every(delayed(_done)(task) for task in tasks)
-    else:
-        yield from map(_done, tasks)
+        every = Parallel(n_jobs=min(study.workers, len(rest)), return_as="generator_unordered")
+        try:
+            yield from every(delayed(_done)(task) for task in rest)
+        except BrokenProcessPool as error:
+            raise WorkerError(
+                "A worker process died, maybe for want of memory; finished tasks are kept. Start again, with "
+                "fewer workers if it dies again."
+            ) from error
 
 
 def _done(task: Task) -> tuple[str, Part]:

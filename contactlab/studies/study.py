@@ -95,8 +95,15 @@ class Study(ABC):
     words: ClassVar[Mapping[str, re.Pattern[str]]] = {}
     """Options that take words of the command line matching a pattern, as KEY=START..END."""
 
+    delay: ClassVar[float] = 0.0
+    """Processor time after which other processes are started, which takes seconds itself [s]."""
+
     workers: Annotated[int, option("processes at work", at_least=1)] = 1
     scheduler: Annotated[str | None, option("address of a Dask scheduler whose workers do the tasks")] = None
+
+    def put_to(self, setups: Setups) -> Setups:
+        """Return the setups to which the study is put, by the labels of its data; by default those chosen."""
+        return setups
 
     @abstractmethod
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -225,5 +232,10 @@ class Result:
         save(self, Path(folder))
 
     def __repr__(self) -> str:
-        blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self.tables.values()]
+        # Tables of reference are for the page.
+        blocks = [
+            "\n".join(filter(None, (t.attrs["caption"], as_text(t))))
+            for t in self.tables.values()
+            if not t.attrs.get("reference")
+        ]
         return "\n\n".join([*blocks, "\n".join(self.findings)]).rstrip()

@@ -1,7 +1,8 @@
 """One path of tables: a pandas frame as text, CSV, LaTeX and HTML, with units and errors.
 
 A cell is a text, a number or an `Estimate`. `frame.attrs["units"]` has the units of columns in the words of
-the CF conventions and `frame.attrs["caption"]` a sentence; both may be missing.
+the CF conventions and `frame.attrs["caption"]` a sentence; `frame.attrs["reference"]` marks a table of long
+texts, which stands at the end of the page. All may be missing.
 """
 
 import io
@@ -134,5 +135,7 @@ def as_html(frame: pandas.DataFrame) -> str:
     """Return a table as HTML."""
     written = _as_written(frame, lambda cell: shown(cell, "\u00b1"))
     stream = io.StringIO()
-    written.to_html(stream, index=False, border=0)
+    written.to_html(
+        stream, index=False, border=0, classes="reference" if frame.attrs.get("reference") else None
+    )
     return stream.getvalue()

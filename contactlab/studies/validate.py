@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from itertools import combinations
+from itertools import combinations, product
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
@@ -14,17 +14,16 @@ import numpy as np
 import pandas
 import xarray
 
-from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
 from contactlab.inference.assessment import PLUS_MINUS, assessed, comparisons, laws_in
 from contactlab.inference.cross_validation import FOLDS, cross_validated, digest_of, predictors_of
 from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
 from contactlab.inference.law_choice import law_predictors
 from contactlab.laws import ContactLaw
-from contactlab.measured.faults import MeasurementError
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
+from contactlab.studies.measurements import PATTERNS, choice_of, measured
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
@@ -47,10 +46,7 @@ class Validate(Study):
 
     name: ClassVar[str] = "validate"
 
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
-        "choice": re.compile(r"[^=]+=.*"),
-        "data": re.compile(r"[^=]+"),
-    }
+    words: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
     data: Annotated[str, option("file of measured impacts")] = ""
     choice: Annotated[
@@ -67,16 +63,7 @@ class Validate(Study):
         Raises:
             ConfigurationError: the file cannot be read or contains no impacts.
         """
-        if not self.data:
-            raise ConfigurationError(["study.data is missing; it must be a file of measured impacts."])
-        try:
-            return read_impacts(Path(self.data))
-        except OSError as error:
-            raise ConfigurationError(
-                [f"'{self.data}' cannot be read ({error.strerror or error})."]
-            ) from error
-        except MeasurementError as error:
-            raise ConfigurationError([str(error)]) from error
+        return measured(self.data, read_impacts)
 
     @cached_property
     def laws(self) -> Sequence[LawPredictor]:
@@ -155,19 +142,11 @@ class Validate(Study):
         rows = []
         for label, number in self.numbers(data).items():
             here = every.sel(law=label)
-            low, high = here["prediction_error_interval"].values
+            low, high = map(float, here["prediction_error_interval"].values)
+            errors = {"held-out error": number.value, "low": low, "high": high}
             group, size = (int(here[name]) or "" for name in ("group", "fitted_on"))
-            kind = str(here["kind"].item())
-            ends = {"low": float(low), "high": float(high)}
             rows.append(
-                {
-                    "law": label,
-                    "kind": kind,
-                    "held-out error": number.value,
-                    **ends,
-                    "group": group,
-                    "fitted on": size,
-                }
+                {"law": label, "kind": str(here["kind"].item()), **errors, "group": group, "fitted on": size}
             )
         caption = (
             "Mean error ||v+ - v+ predicted|| / ||v-|| in the norm of the kinetic energy, 95 % interval. "
@@ -250,19 +229,18 @@ def _orders(seeds: Sequence[xarray.Dataset]) -> dict[tuple[str, str], set[int]]:
 
 def limits(data: xarray.Dataset) -> list[str]:
     """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
+    remarks = {
+        "cannot_tell": "not determined",
+        "at_end": "on an end of the range; the optimum may lie beyond",
+        "unmoved": "without effect on the impacts and fixed",
+        "unanswered": "impacts without a prediction; no change is assumed",
+    }
     result = [copies] if (copies := data.attrs.get("copies")) else []
     for label in map(str, data["law"].values):
         here = data.sel(law=label)
-        if names := here["cannot_tell"].item():
-            result.append(f"{label}: {names} not determined.")
-        if names := here["at_end"].item():
-            result.append(f"{label}: {names} on an end of the range; the optimum may lie beyond.")
-        if names := here["unmoved"].item():
-            result.append(f"{label}: {names} have no effect on the impacts and are fixed.")
-        if count := int(here["unanswered"]):
-            result.append(
-                f"{label}: no prediction for {count} of {data.sizes['impact']} impacts; no change is assumed."
-            )
+        result += [
+            f"{label}: {here[name].item()} {text}." for name, text in remarks.items() if here[name].item()
+        ]
     return result
 
 
@@ -286,22 +264,20 @@ def unexplained(data: xarray.Dataset) -> str:
 
 def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
     """Yield a row for each fitted parameter: median of the folds, least, greatest and a remark."""
-    for label in data["law"].values:
-        here = data.sel(law=label)
-        at_end, undetermined = (here[name].item().split(", ") for name in ("at_end", "cannot_tell"))
-        for name in map(str, data["parameter"].values):
-            values = here["value"].sel(parameter=name).values
-            if np.isfinite(values).any():
-                remark = "on an end of its range" if name in at_end else ""
-                yield {
-                    "law": str(label),
-                    "parameter": name,
-                    UNIT: str(here["units"].sel(parameter=name).item()),
-                    "median": float(np.median(values)),
-                    "least": float(values.min()),
-                    "greatest": float(values.max()),
-                    "remark": "not determined" if name in undetermined else remark,
-                }
+    for label, name in product(map(str, data["law"].values), map(str, data["parameter"].values)):
+        here = data.sel(law=label, parameter=name)
+        values = here["value"].values
+        if np.isfinite(values).any():
+            remark = "on an end of its range" if name in here["at_end"].item().split(", ") else ""
+            yield {
+                "law": label,
+                "parameter": name,
+                UNIT: str(here["units"].item()),
+                "median": float(np.median(values)),
+                "least": float(values.min()),
+                "greatest": float(values.max()),
+                "remark": "not determined" if name in here["cannot_tell"].item().split(", ") else remark,
+            }
 
 
 def validate(
@@ -333,17 +309,15 @@ def validate(
         ConfigurationError, ValidationError: laws or impacts cannot be used.
     """
     every = [laws] if isinstance(laws, str | ContactLaw) else [*laws]
-    choice = [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
-    choice += [f"{key}={value}" for key, value in (fixed or {}).items()]
-    if names := [entry for entry in every if isinstance(entry, str)]:
-        choice = [f"law={','.join(names)}", *choice]
+    names = [entry for entry in every if isinstance(entry, str)]
+    choice = choice_of(names, free, fixed)
     from_file = isinstance(data, str | Path)
     study = Validate(data=str(data) if from_file else "", choice=choice, **options)
     # Cached properties that read the file and make the laws.
     if not from_file:
         study.__dict__["impacts"] = data
     if objects := [entry for entry in every if not isinstance(entry, str)]:
-        if names or choice:
+        if choice:
             raise ValueError(
                 "Laws must be names, or all objects with their own numbers, without free and fixed."
             )

@@ -7,10 +7,10 @@ import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from contactlab.comparison.canvas import THIN, WIDTH, drawing, legend_above, style
 from contactlab.inference.assessment import abscissas, binned, floors_in, laws_in, residuals_of
 from contactlab.inference.cross_validation import BASELINE, COMPLIANT, FLOOR, RIGID
 from contactlab.plot.style import COLOURS
+from contactlab.studies.figures import THIN, WIDTH, drawing, legend_above, style
 
 MOST_NUMBERED: Final = 12
 """Largest number of impacts labelled in the map."""

@@ -6,9 +6,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.binding import functions_of, row_of
-from contactlab.engine.context import HEAD, IMPACT, SPEED, SPIN, STEP, TILT
+from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
 from contactlab.laws.base import ContactLaw, PenaltyLaw
-from contactlab.laws.intake import CANARIES, guarded
+from contactlab.laws.consistency import CANARIES, guarded
 
 Limits = tuple[float, float]
 
@@ -85,5 +85,5 @@ class Asked:
 
     def solve(self, step: tuple[float, ...], length: float, impact: bool, kept: Array) -> Any:
         """Return the impulses [N s] and the mode of a rigid law for one of `drawn_steps`."""
-        self._written[STEP], self._written[IMPACT] = length, impact
+        self._written[STEP_LENGTH], self._written[IMPACT] = length, impact
         return self._kernels["solve"](*step, self._seen(kept))

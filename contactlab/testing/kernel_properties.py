@@ -12,7 +12,7 @@ from contactlab.arrays import Array
 from contactlab.laws import ContactLaw, PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.intake import misfits
+from contactlab.laws.consistency import contradictions
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
 from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claim, Claims, at_most
@@ -135,7 +135,7 @@ def kernel_is_consistent(bench: Bench) -> Claims:
     if not isinstance(law, PenaltyLaw):
         yield from answers_of(bench)["kernel_is_consistent"].values()
         return
-    found, asked = [*misfits(law)], Asked(law)
+    found, asked = [*contradictions(law)], Asked(law)
     yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
     limit, offset = law.friction_limit, law.friction_offset
     for gap, rate, slip, speed, kept in states_of(bench):

@@ -50,7 +50,9 @@ def answers_of_parts(
     damping: Any = law.damping
     solved = {**damping.solved(part), "elastic_force": spring}
     alone = damping.evaluate("damped", **state, **solved)
-    bound = drag.evaluate("bound", **state, **bent, normal=alone)
+    pressing = {**state, **bent, "normal": alone}
+    two_sided = drag.bounds is not None
+    bound = drag.evaluate("bounds", **pressing)[1] if two_sided else drag.evaluate("bound", **pressing)
     answers = [alone, bound, stored, lost + (spring - alone) * rate]
     swept = {**state, **bent, "normal": alone, "normal_stiffness": stiffness}
     swept["normal_stiffness_rate"] = -slope * rate

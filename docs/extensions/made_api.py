@@ -13,7 +13,7 @@ from contactlab.laws.base import Part
 
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
-    "Studies, and many runs": ("studies", "sweeps", "comparison", "datasheet"),
+    "Studies, and many runs": ("studies", "datasheet", "estimate"),
     "Steady states": ("steady_state", "settling"),
     "Impacts and measurements": ("impact", "measured", "inference"),
     "Motors": ("motor",),
@@ -25,8 +25,8 @@ CHAPTERS: Final = {
 """Rooms of the package by what their names are for."""
 
 FURTHER: Final = {
-    "contactlab.measured.files": "measured impacts, from files and into them",
-    "contactlab.measured.series": "measured series, from files and into them",
+    "contactlab.measured.files": "files of measured impacts and series",
+    "contactlab.measured.series": "measured series of a motor",
     "contactlab.inference.problem": "inference problems: data, law, free numbers, noise and priors",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",

@@ -41,7 +41,7 @@ def laws() -> str:
 def table(prefix: str, keys: Any, *, without: Iterable[str] = ()) -> list[str]:
     """Return the lines of a table of keys; none where there is no key to set."""
     rows = [
-        _row(key, field) for key, field in full_keys(keys, f"{prefix}.", told=False) if key not in without
+        _row(key, field) for key, field in full_keys(keys, f"{prefix}.", selected=False) if key not in without
     ]
     return [HEAD, *rows, ""] if rows else ["It has no key of its own.\n"]
 
@@ -52,7 +52,7 @@ def _group(name: str, section: Section) -> Iterator[str]:
     for option, keys in section.options.items():
         if len(section.options) > 1 or files:
             yield f"### `{name}={option}`\n"
-        yield from table(name, keys, without={f"{name}.{section.told_by}"})
+        yield from table(name, keys, without={f"{name}.{section.selector}"})
     for option, stated in files:
         yield f"### `{name}={option}`\n"
         yield f"{stated}\n"

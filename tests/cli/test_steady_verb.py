@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray
-from support.command_line import Command, left_behind
+from support.command_line import Command
 
 import contactlab as cl
 
@@ -37,27 +37,6 @@ def test_a_brake_that_holds_is_told(command: Command) -> None:
     assert "0.1 N m" in out
     with xarray.open_datatree("steady/steady.nc") as tree:
         assert tree["steady"].attrs["kind"] == "standing"
-
-
-@pytest.mark.parametrize(
-    ("arguments", "key"),
-    [
-        (["foo=1"], "foo"),
-        (["record.interval=1e-6"], "record.interval"),
-        (["--brake", "-1"], "brake"),
-        (["--load", "3 kg"], "load"),
-        (["--belt", "1", "--load", "1"], "belt"),
-        (["--bel", "1"], "belt"),
-        (["drive.frequency_ratio=1.4142"], "frequency"),
-    ],
-)
-def test_what_has_no_steady_state_is_refused_and_nothing_is_written(
-    command: Command, arguments: list[str], key: str
-) -> None:
-    status, out, err = command("steady", *arguments)
-    assert (status, out) == (2, "")
-    assert key in err
-    assert left_behind() == []
 
 
 def test_a_rotor_that_runs_away_is_incomplete(command: Command) -> None:

@@ -35,21 +35,3 @@ def test_a_run_is_whole_wherever_its_words_go(words: str, tmp_path: Path) -> Non
     assert "Traceback" not in ran.stderr
     assert "Exception ignored" not in ran.stderr
     assert ran.returncode == 0
-
-
-@pytest.mark.long
-def test_the_first_picture_on_a_machine_adds_no_word(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "contactlab", RUN, "hydra.run.dir=run"]
-    fresh = {**os.environ, "MPLCONFIGDIR": str(tmp_path / "fonts")}
-    ran = subprocess.run(command, cwd=tmp_path, env=fresh, capture_output=True, text=True, check=True)
-    assert (tmp_path / "run" / "run.png").exists()
-    assert list((tmp_path / "fonts").iterdir())
-    assert ran.stdout.startswith("law ")
-
-
-@pytest.mark.long
-def test_a_closed_stream_does_not_hide_a_fault(tmp_path: Path) -> None:
-    ran = shell("law=nosuch 2>&-", tmp_path)
-    assert ran.returncode == 2
-    assert not ran.stdout
-    assert not (tmp_path / "run").exists()

@@ -6,7 +6,6 @@ from functools import partial
 import pytest
 from support.command_line import Command
 
-from contactlab.cli import verify
 from contactlab.testing import Claim, at_most, close
 from contactlab.testing.contract import REFERENCES
 
@@ -48,34 +47,8 @@ def test_the_exit_status_is_the_verdict(
     assert words in out
 
 
-def test_an_unknown_option_is_refused_in_a_sentence(command: Command) -> None:
-    status, _, err = command("verify", "--fast")
-    assert status == 2
-    assert "--fast is not understood" in err
-
-
-def test_a_word_that_is_no_verb_is_refused_with_the_verbs(command: Command) -> None:
-    status, _, err = command("verfy")
-    assert status == 2
-    assert "verify" in err
-
-
-def test_help_names_the_verbs(command: Command) -> None:
-    assert "contactlab verify" in command("--help")[1]
-    assert "random flights" in command("verify", "--help")[1]
-
-
 # The random flights have tests of their own.
 @pytest.mark.parametrize("reference", sorted({*REFERENCES} - {"random_touchdowns"}))
 def test_what_others_found_is_found(reference: str) -> None:
     failed = [str(claim) for claim in REFERENCES[reference]() if not claim.holds]
     assert not failed, "\n".join(failed)
-
-
-def test_long_claims_are_cut_to_the_terminal(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setattr(GROUPS, lambda: iter([("One", lambda: [at_most("very " * 40 + "long", 0.0, 1.0)])]))
-    assert verify.main([]) == 0
-    assert max(map(len, capsys.readouterr().out.splitlines()[:4])) <= 100

@@ -31,26 +31,26 @@ def test_a_setup_is_built_from_overrides_from_a_mapping_or_from_nothing() -> Non
 
 
 def test_a_text_is_no_list_of_overrides() -> None:
-    with pytest.raises(TypeError, match=r"is the text 'law=newton'; .* Write \['law=newton'\]"):
+    with pytest.raises(TypeError, match="law=newton"):
         build("law=newton")
 
 
 @pytest.mark.parametrize(
-    ("override", "words"),
+    ("override", "key"),
     [
-        ("law=rubber", "law is 'rubber'; it must be one of "),
-        ("law=newtn", "Did you mean newton?"),
-        ("rotor.inertai=1", "rotor.inertai is not a known key. Did you mean rotor.inertia?"),
-        ("law.stifness=1", "law.stifness is not a known key. Did you mean law.stiffness?"),
-        ("um", "um cannot be read; an argument must have the form KEY=VALUE or GROUP=OPTION."),
-        ("solver.duration=[1", "solver.duration=[1 cannot be read; "),
-        ("solver.duration=1,2", "solver.duration=1,2 gives several values; a single run takes one."),
-        ("law=null", "law=null names no option; it must have the form GROUP=OPTION."),
-        ("rotor.inertia=${nothing}", "Correct the reference in ${...}."),
+        ("law=rubber", "law"),
+        ("law=newtn", "newton"),
+        ("rotor.inertai=1", "rotor.inertia"),
+        ("um", "um"),
+        ("solver.duration=[1", "solver.duration"),
+        ("solver.duration=1,2", "solver.duration"),
+        ("law=null", "law=null"),
+        ("rotor.inertia=${nothing}", "nothing"),
+        ("rotor.inertia=${oc.env:HOME}", "rotor.inertia"),
     ],
 )
-def test_faults_of_composition_are_sentences(override: str, words: str) -> None:
-    with pytest.raises(ConfigurationError, match=re.escape(words)) as caught:
+def test_a_fault_of_composition_names_its_key(override: str, key: str) -> None:
+    with pytest.raises(ConfigurationError, match=re.escape(key)) as caught:
         build([override])
     assert len(caught.value.faults) == 1
 

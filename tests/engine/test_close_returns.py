@@ -12,8 +12,6 @@ import pytest
 from scipy.optimize import brentq
 from support.motors import default_motor, hertz, run
 
-from contactlab.engine.plant import plant_of
-from contactlab.engine.propagator import Workspace
 from contactlab.motor.drive import Drive
 from contactlab.testing.flights import Flight, flight_of
 
@@ -59,11 +57,3 @@ def test_a_touch_down_right_after_a_release_is_where_the_gap_closes(height: floa
     assert released == pytest.approx(opens, rel=0.0, abs=digit)
     rate = float(flight.at(closes)[1])
     assert contacts["approach_velocity"][1] == pytest.approx(rate, rel=0.0, abs=fall * digit)
-
-
-def test_those_heights_close_within_the_first_step_after_the_release() -> None:
-    vibration, when, fall = highest_point()
-    plant = plant_of(vibration.lowered_to(1e-13, when).motor)
-    propagator = Workspace().propagator(plant, SOFT.default_contact_step, 1e-3, exact=False)
-    first = propagator.rule.longest * 0.5**propagator.rule.fresh_level
-    assert 2.0 * np.sqrt(2.0 * 1e-13 / fall) < 0.5 * first

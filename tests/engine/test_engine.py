@@ -15,7 +15,6 @@ from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 from contactlab.testing.flights import flight_of
 from contactlab.trajectory import Trajectory
-from contactlab.variables import CONTACTS, SERIES
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
 WORKSPACE = "contactlab.engine.preparation._workspace"
@@ -39,21 +38,6 @@ def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
 
 
 @laws
-def test_a_run_fills_every_variable_at_every_record(law: ContactLaw) -> None:
-    trajectory = run(case_a(), law, 1e-3)
-    assert list(trajectory.series) == [v.name for v in SERIES]
-    assert list(trajectory.contacts) == [v.name for v in CONTACTS]
-    assert {column.shape for column in trajectory.series.values()} == {(101,)}
-    assert trajectory.contact_mode.shape == trajectory.time.shape == (101,)
-    assert all(np.all(np.isfinite(column)) for column in trajectory.series.values())
-
-
-@laws
-def test_the_same_run_twice_is_the_same_bits(law: ContactLaw) -> None:
-    assert_same_bits(run(case_a(), law, 2e-3), run(case_a(), law, 2e-3))
-
-
-@laws
 def test_recording_does_not_change_the_trajectory(law: ContactLaw) -> None:
     runs = [run(case_a(), law, 2e-3, interval) for interval in (1e-5, 0.7e-6, 2e-3)]
     for other in runs[1:]:
@@ -61,16 +45,6 @@ def test_recording_does_not_change_the_trajectory(law: ContactLaw) -> None:
         assert other.statistics == runs[0].statistics
         for name in ("rotor_velocity", "tip_slope", "gap", "drive_work", "friction_loss"):
             assert final(other, name) == final(runs[0], name), name
-
-
-@laws
-def test_records_at_the_same_time_are_the_same(law: ContactLaw) -> None:
-    coarse, fine = (run(case_a(), law, 1e-3, interval) for interval in (1e-5, 1e-6))
-    for name in ("tip_normal_displacement", "tip_slope", "rotor_velocity", "drive_work"):
-        both = coarse.series[name], fine.series[name][::10]
-        # 10 k fine intervals and k coarse ones may differ in the last bit of time.
-        assert both[0] == pytest.approx(both[1], abs=1e-12 * np.abs(both[0]).max()), name
-    assert np.array_equal(coarse.contact_mode, fine.contact_mode[::10])
 
 
 @laws
@@ -87,29 +61,13 @@ def test_looking_at_progress_does_not_change_the_trajectory(
     assert_same_bits(undisturbed, watched)
 
 
-@laws
-def test_a_shorter_run_is_the_beginning_of_a_longer_one(law: ContactLaw) -> None:
-    short, long = (run(case_a(), law, duration) for duration in (1e-3, 2e-3))
-    # The last record of the short one may end a step early, no other.
-    for name in ("tip_slope", "rotor_velocity", "damping_loss"):
-        assert np.array_equal(short.series[name][:-1], long.series[name][:100]), name
-    count = len(short.contacts["start_time"]) - 1
-    assert count > 0
-    assert np.array_equal(short.contacts["normal_impulse"][:count], long.contacts["normal_impulse"][:count])
-
-
-@laws
 @pytest.mark.parametrize(("duration", "interval"), [(1e-3, 3e-4), (1e-3, 1e-3), (7e-4, 1.1e-5)])
-def test_the_last_record_lies_at_the_end_whatever_the_interval(
-    law: ContactLaw, duration: float, interval: float
-) -> None:
-    trajectory = run(case_a(), law, duration, interval)
+def test_the_last_record_lies_at_the_end_whatever_the_interval(duration: float, interval: float) -> None:
+    trajectory = run(case_a(), hertz(), duration, interval)
     assert trajectory.time[-1] == duration
     inner = trajectory.time[:-1]
     assert inner == pytest.approx(interval * np.arange(inner.size), rel=1e-14)
     assert 0.0 < duration - inner[-1] <= interval * (1.0 + 1e-6)
-    reference = run(case_a(), law, duration, duration)
-    assert final(trajectory, "tip_slope") == final(reference, "tip_slope")
 
 
 @laws
@@ -138,13 +96,6 @@ def test_the_mirrored_motor_turns_the_other_way(law: ContactLaw) -> None:
 
 
 @laws
-def test_without_clearance_the_motor_runs(law: ContactLaw) -> None:
-    trajectory = run(default_motor(clearance=0.0), law, 2e-3)
-    assert len(trajectory.contacts["start_time"]) > 3
-    assert abs(final(trajectory, "rotor_velocity")) > 0.01
-
-
-@laws
 @pytest.mark.parametrize("clearance", [0.0, 1e-6])
 def test_without_drive_nothing_moves_and_nothing_touches(law: ContactLaw, clearance: float) -> None:
     motor = default_motor(voltage_1=0.0, voltage_2=0.0, clearance=clearance)
@@ -164,23 +115,15 @@ def test_free_vibration_is_the_closed_solution() -> None:
     assert np.abs(trajectory.series["gap"] - gap).max() < 1e-12 * travel
 
 
-def test_load_torque_turns_the_free_rotor_with_constant_acceleration() -> None:
-    motor = default_motor(clearance=1e-3, load_torque=2e-3, initial_velocity=0.3)
-    trajectory = run(motor, hertz(), 5e-3)
-    time, rate = trajectory.time, 2e-3 / 4.8e-5
-    velocity, angle = 0.3 - rate * time, 0.3 * time - 0.5 * rate * time**2
-    assert trajectory.series["rotor_velocity"] == pytest.approx(velocity, rel=1e-12, abs=1e-13)
-    assert trajectory.series["rotor_angle"] == pytest.approx(angle, rel=1e-11, abs=1e-15)
-
-
-@pytest.mark.parametrize("damping", [1e-6, 1e-3, 5.0])
-def test_damping_slows_the_free_rotor_exponentially(damping: float) -> None:
+@pytest.mark.parametrize("damping", [0.0, 1e-6, 1e-3, 5.0])
+def test_load_and_damping_turn_the_free_rotor(damping: float) -> None:
     torque, start, inertia = 1e-3, -0.7, 4.8e-5
     motor = default_motor(clearance=1e-3, rotor_damping=damping, load_torque=torque, initial_velocity=start)
     trajectory = run(motor, hertz(), 5e-3)
-    settled = -torque / damping
-    decayed = np.expm1(-damping / inertia * trajectory.time)
-    expected = start + (start - settled) * decayed
+    expected = start - torque / inertia * trajectory.time
+    if damping > 0.0:
+        decayed = np.expm1(-damping / inertia * trajectory.time)
+        expected = start + (start + torque / damping) * decayed
     assert trajectory.series["rotor_velocity"] == pytest.approx(expected, rel=1e-12, abs=1e-13)
 
 

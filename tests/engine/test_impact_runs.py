@@ -41,8 +41,6 @@ def test_moreau_jean_without_restitution_converges_to_lagrange_stick_at_order_on
     order = np.polyfit(np.log(steps), np.log(errors), 1)[0]
     depths = [trajectory.contacts["max_penetration"].max() for trajectory in runs]
     deepening = np.polyfit(np.log(steps), np.log(depths), 1)[0]
-    print("steps", steps, "errors", errors, "order", order)
-    print("penetrations", depths, "order", deepening)
     assert 0.7 <= order <= 1.3
     assert 0.7 <= deepening <= 1.3
     assert all(x.contacts["start_time"].size == 5 for x in (reference, *runs))

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.motors import PLACEMENT_1, case_a, default_motor, every_law, final, hertz, run, total
+from support.motors import PLACEMENT_1, default_motor, every_law, final, hertz, run, total
 
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
 from contactlab.trajectory import Trajectory
@@ -70,18 +70,6 @@ def test_residual_of_a_rigid_law_falls_with_its_step(
 
 
 @motors
-def test_residual_is_what_the_recorded_terms_leave(changes: dict[str, float]) -> None:
-    for law in laws_of(changes):
-        s = ran(changes, law).series
-        energy = s["kinetic_energy"] + s["strain_energy"] + s["contact_energy"]
-        losses = s["damping_loss"] + s["friction_loss"] + s["contact_loss"] + s["load_work"]
-        expected = energy - energy[0] - s["drive_work"] + losses
-        # Sums in another order.
-        round_off = 1e-14 * (np.abs(s["drive_work"]).max() + energy.max())
-        assert np.abs(s["energy_residual"] - expected).max() <= round_off
-
-
-@motors
 def test_energy_is_that_of_the_recorded_motion(changes: dict[str, float]) -> None:
     # The ledger's states must be the dataset's: rotor and contact energy from other columns.
     trajectory = ran(changes, laws_of(changes)[0])
@@ -132,28 +120,12 @@ def test_slip_only_friction_creates_energy_where_friction_is_strong() -> None:
     assert final(ran(STRONG, LagrangeStick(0.8)), "friction_loss") > 0.0
 
 
-def test_load_work_is_torque_times_angle() -> None:
-    # Quadrature of the velocity against its integral. A rigid step takes its displacement from the
-    # predicted force and its velocity from the corrected one: they differ by an error of the step.
-    for law, tolerance in zip(every_law(), (1e-11, 1e-8, 1e-8), strict=True):
-        s = ran(LOADED, law).series
-        work = 2e-3 * s["rotor_angle"]
-        assert np.abs(s["load_work"] - work).max() <= tolerance * np.abs(work).max()
-
-
-def test_undamped_resonator_without_contact_conserves_the_work_of_its_drive() -> None:
+@pytest.mark.parametrize("clearance", [1e-3, 1e-6])
+def test_an_undamped_frictionless_motor_conserves_the_work_of_its_drive(clearance: float) -> None:
     # Off resonance, where the steady state does not dwarf what there is.
-    motor = default_motor(mass_damping=0.0, stiffness_damping=0.0, clearance=1e-3, frequency=2500.0)
-    s = run(motor, hertz(), 20e-3).series
-    assert np.all(s["damping_loss"] == 0.0)
-    energy = s["kinetic_energy"] + s["strain_energy"]
-    assert np.abs(energy - s["drive_work"]).max() <= 1e-10 * energy.max()
-
-
-def test_undamped_frictionless_hertz_contact_conserves_the_work_of_its_drive() -> None:
-    motor = default_motor(mass_damping=0.0, stiffness_damping=0.0, frequency=2500.0)
+    motor = default_motor(mass_damping=0.0, stiffness_damping=0.0, clearance=clearance, frequency=2500.0)
     trajectory = run(motor, hertz(0.0), 5e-3)
-    assert trajectory.contacts["start_time"].size > 5
+    assert (trajectory.contacts["start_time"].size > 5) == (clearance < 1e-4)
     s = trajectory.series
     energy = s["kinetic_energy"] + s["strain_energy"] + s["contact_energy"]
     assert np.abs(energy - s["drive_work"]).max() <= 1e-9 * energy.max()
@@ -170,15 +142,6 @@ def test_recorded_mean_forces_carry_the_contacts_impulses(changes: dict[str, flo
             # A friction impulse is a difference of pushes to both sides.
             scale = np.abs(trajectory.contacts[impulse]).sum()
             assert recorded == pytest.approx(total(trajectory, impulse), abs=1e-12 * scale)
-
-
-@pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
-def test_rotor_gains_the_momentum_of_the_friction_impulses(law: ContactLaw) -> None:
-    trajectory = run(case_a(), law)
-    gained = 4.8e-5 * final(trajectory, "rotor_velocity")
-    pushed = -25e-3 * total(trajectory, "friction_impulse")
-    # No more than the bits that ten thousand steps may lose.
-    assert gained == pytest.approx(pushed, rel=1e-11)
 
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)

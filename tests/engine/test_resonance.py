@@ -5,10 +5,9 @@ from math import pi
 
 import numpy as np
 import pytest
-from support.motors import case_a, default_motor, hertz, run, total
+from support.motors import default_motor, hertz, run, total
 
-from contactlab.engine.oscillator import answer_from_rest, impulse_integrals
-from contactlab.engine.plant import NEARLY_RESONANT, modes_of, plant_of
+from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.laws import LagrangeStick
 from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
@@ -51,34 +50,10 @@ def test_the_answer_from_rest_is_that_of_the_power_series(
     weights = (1j * omega) ** np.arange(terms)
     # The force exp(i omega s) is a sum of (i omega)^d s^d / d!, whose answers are I_(d+1) and I_d.
     q, v = weights @ integrals[2:], weights @ integrals[1:-1]
-    found = answer_from_rest(rate**2, damping, omega, time)
+    found = response_from_rest(rate**2, damping, omega, time)
     eps = np.finfo(np.float64).eps
     assert abs(complex(*found[:2]) - q) <= 8.0 * eps * time / rate
     assert abs(complex(*found[2:]) - v) <= 8.0 * eps * max(turns, 1.0) * time
-
-
-def test_only_a_nearly_resonant_pair_has_no_steady_state_split_off() -> None:
-    assert not plant_of(case_a()).phasors["near"].any()
-    plant = plant_of(resonant(10.0))
-    assert np.argwhere(plant.phasors["near"]).tolist() == [[0, 0]]
-    steady = np.hypot(plant.phasors["steady_re"], plant.phasors["steady_im"])
-    assert steady[0, 0] == 0.0
-    assert np.all(steady[1 : plant.mode_count - 1, : plant.tone_count] > 0.0)
-    # Just outside of the margin the steady state is split off as ever.
-    rate = float(resonant(10.0).modes.natural_frequency[0])
-    shifted = default_motor(
-        mass_damping=10.0, stiffness_damping=0.0, frequency=rate * (1.0 + 1.1 * NEARLY_RESONANT)
-    )
-    assert not plant_of(shifted).phasors["near"].any()
-
-
-@pytest.mark.parametrize("voltage", [100.0, 600.0])
-@pytest.mark.parametrize("mass_damping", MASS_DAMPINGS)
-def test_every_contact_at_resonance_is_one(mass_damping: float, voltage: float) -> None:
-    contacts = ran(mass_damping, voltage).contacts
-    assert contacts["duration"].size > 10
-    assert contacts["duration"].min() > 1e-9
-    assert contacts["normal_impulse"].min() > 0.0
 
 
 def test_the_weaker_the_damping_the_less_it_matters() -> None:
@@ -97,26 +72,3 @@ def test_the_ledger_of_a_compliant_law_closes_at_resonance(mass_damping: float) 
     work = np.abs(trajectory.series["drive_work"]).max()
     assert np.abs(trajectory.series["energy_residual"]).max() <= 1e-8 * work
     assert trajectory.contacts["duration"].min() > 1e-9
-
-
-def test_the_vibration_grows_as_the_beat_does() -> None:
-    # Without contact u = Re sum_k row R_k(t) with the answer from rest over the whole time at once.
-    motor = default_motor(
-        mass_damping=0.01,
-        stiffness_damping=0.0,
-        frequency=float(resonant(0.01).modes.natural_frequency[0]),
-        voltage_2=0.0,
-        clearance=1.0,
-    )
-    trajectory = run(motor, hertz(), 5e-3, 1e-4)
-    plant = plant_of(motor)
-    modes, omega = modes_of(plant), plant.tones["omega"][0]
-    for index in (1, 17, 50):
-        time = float(trajectory.time[index])
-        expected = 0.0
-        for mode, phasor in zip(modes[:-1], plant.phasors[:, 0], strict=False):
-            re, im, _, _ = answer_from_rest(mode.stiffness, mode.damping, omega, time)
-            force = complex(phasor["force_re"], phasor["force_im"])
-            expected += mode.row_u * (force * complex(re, im)).real
-        found = float(trajectory.series["tip_normal_displacement"][index])
-        assert found == pytest.approx(expected, rel=1e-10, abs=1e-18)

@@ -9,11 +9,10 @@ small enough to write out all of its answers: release, stick, and slip in either
 """
 
 from dataclasses import dataclass, fields, replace
-from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings, strategies as st
+from support.kernels import solve_of
 
 from contactlab.laws import (
     LAWS,
@@ -75,27 +74,8 @@ class Step:
         return 1e-12 * max(map(abs, terms)) / (1.0 - self.d_nt**2 / (self.d_nn * self.d_tt))
 
 
-@st.composite
-def steps(draw: st.DrawFn) -> Step:
-    """Steps of an impact, of a contact that lasts, and of anything between, with D positive definite."""
-    rate = st.integers(-2_000_000, 2_000_000).map(lambda x: 1e-6 * x)
-    d_nn, d_tt = (10.0 ** draw(st.floats(1.0, 4.0)) for _ in range(2))
-    share = draw(st.floats(-0.999, 0.999))
-    normal_rate, tangential_rate = draw(rate), draw(rate)
-    return Step(
-        normal_rate=normal_rate,
-        tangential_rate=tangential_rate,
-        gap_rate=draw(st.one_of(st.just(min(normal_rate, 0.0)), st.just(0.0), rate.map(lambda x: -abs(x)))),
-        slip=draw(st.one_of(st.just(tangential_rate), st.just(0.0), rate)),
-        d_nn=d_nn,
-        d_nt=share * sqrt(d_nn * d_tt),
-        d_tt=d_tt,
-        mu=draw(st.floats(0.0, 3.0)),
-    )
-
-
 def random_steps(count: int) -> list[Step]:
-    """The same from a seed, many and quickly, half of them beyond the critical friction."""
+    """Steps of impacts and of contacts that last, half of them beyond the critical friction."""
     rng = np.random.default_rng(7)
     d_nn, d_tt = 10.0 ** rng.uniform(1.0, 4.0, (2, count))
     d_nt = rng.uniform(-1.0, 1.0, count) * 0.999 * np.sqrt(d_nn * d_tt)
@@ -116,8 +96,7 @@ def chosen(law: Law, mu: float) -> MultiplierLaw:
 
 def answer_of(law: Law, step: Step) -> tuple[float, float, int]:
     """What a law answers; without an impulse where it releases."""
-    acting = chosen(law, step.mu)
-    p_n, p_t, mode = acting.solve(*step.arguments, acting.parameters())
+    p_n, p_t, mode = solve_of(chosen(law, step.mu), *step.arguments)
     return (p_n, p_t, mode) if not p_n <= 0.0 else (0.0, 0.0, SLIP)
 
 
@@ -181,43 +160,17 @@ def test_these_are_all_rigid_laws() -> None:
     }
 
 
-OPENS_IN_A_SKID = Step(0.1, -0.15, 0.0, -0.15, 1000.0, -950.0, 1200.0, 1.5)
-"""Friction of this slip presses the bodies together more than the normal impulse parts them, yet opens."""
-
-
 @laws
-@settings(deadline=None, max_examples=300)
-@given(steps())
-@example(OPENS_IN_A_SKID)
-def test_an_answer_breaks_nothing_that_its_law_does_not_declare(law: Law, step: Step) -> None:
-    assert broken(law, step) == []
-
-
-@laws
-def test_nor_do_the_answers_to_many_steps_around_the_critical_friction(law: Law) -> None:
+def test_an_answer_breaks_nothing_that_its_law_does_not_declare(law: Law) -> None:
     found = [(names, step) for step in MANY if (names := broken(law, step))]
     assert found[:3] == []
 
 
 @laws
-@settings(deadline=None, max_examples=300)
-@given(steps())
-def test_an_answer_is_the_mirror_image_of_that_to_the_mirrored_step(law: Law, step: Step) -> None:
-    p_n, p_t, mode = answer_of(law, step)
-    assert answer_of(law, step.mirrored) == (p_n, -p_t, mode)
-
-
-def test_an_approach_has_one_answer_and_an_opening_one_or_three() -> None:
-    counts = np.zeros((2, 4), dtype=int)
-    for step in MANY:
-        few, many = (consistent_answers(step, margin) for margin in (-1.0, 1.0))
-        # Not where round-off decides whether a candidate obeys.
-        if len(few) == len(many):
-            counts[int(step.normal_rate >= 0.0), len(few)] += 1
-    print("steps with 0, 1, 2 and 3 answers: of an approach, of an opening:", *counts)
-    assert counts[0].tolist() == [0, counts[0].sum(), 0, 0]
-    assert counts[1, 0] == counts[1, 2] == 0
-    assert min(counts[1, 1], counts[1, 3]) > 50
+def test_an_answer_is_the_mirror_image_of_that_to_the_mirrored_step(law: Law) -> None:
+    for step in MANY[:1000]:
+        p_n, p_t, mode = answer_of(law, step)
+        assert answer_of(law, step.mirrored) == (p_n, -p_t, mode)
 
 
 def test_the_law_with_stick_gives_one_of_these_answers() -> None:

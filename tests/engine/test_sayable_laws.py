@@ -99,8 +99,8 @@ def test_a_pad_rocks_over_its_edges_as_its_foundation_does(lift: float) -> None:
         return [y[2], y[3], (WEIGHT - normal) / MASS, (moment + normal * LENGTH * y[1]) / INERTIA]
 
     start = [-lift, angle, 0.0, 0.0]
-    found = solve_ivp(motion, (0.0, duration), start, rtol=1e-9, atol=1e-13, t_eval=made.time)
-    assert_allclose(made.series["tip_slope"], found.y[1], atol=2e-3 * angle)
+    expected = solve_ivp(motion, (0.0, duration), start, rtol=1e-9, atol=1e-13, t_eval=made.time)
+    assert_allclose(made.series["tip_slope"], expected.y[1], atol=2e-3 * angle)
     touches = made.contact_mode != 0
     # From above it touches with its edge, while its middle is still in the air.
     assert (touches & (made.series["gap"] > 1e-7)).any() == (lift > 0.0)

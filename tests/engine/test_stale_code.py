@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import xarray
-from support.command_line import Elsewhere, cases
+from support.command_line import Elsewhere
 from support.sweeps import QUICK
 
 LAW = """
@@ -68,9 +68,8 @@ def edits(elsewhere: Elsewhere) -> list[Callable[[], object]]:
     return [edit("far.py", "1e7", "2e7"), edit("nearby.py", "pressed(-gap)", "2.0 * pressed(-gap)")]
 
 
-@pytest.mark.parametrize("count", cases((1, 2), (1,)))
 @pytest.mark.long
-def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(count: int, elsewhere: Elsewhere) -> None:
+def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(elsewhere: Elsewhere) -> None:
     line = ("-m", "law=borrowed,hertz_penalty", "solver.duration=0.2 ms", *QUICK)
 
     def peak() -> float:
@@ -80,34 +79,11 @@ def test_a_sweep_is_run_again_with_new_code_after_an_edit_far_away(count: int, e
 
     status, _, err = elsewhere.command(*line)
     assert status == 0, err
-    assert "all are complete and skipped" in elsewhere.command(*line)[1]
     # What meets a stiffer spring at a given speed is pushed harder, about as the root of the stiffness.
     peaks = [peak()]
-    for edit in edits(elsewhere)[:count]:
+    for edit in edits(elsewhere):
         edit()
-        status, out, err = elsewhere.command(*line)
+        status, _, err = elsewhere.command(*line)
         assert status == 0, err
-        assert "2 runs: 1 is complete and skipped" in out
         peaks.append(peak())
         assert 1.2 < peaks[-1] / peaks[-2] < 1.6
-
-
-FORCE = """
-from borrowed import Borrowed
-from contactlab.engine.binding import bind, row_of
-force = bind(Borrowed()).kernels[0]
-print(force(-1e-6, 0.0, 0.0, 0.0, row_of(Borrowed()))[0])
-"""
-
-
-@pytest.mark.long
-def test_code_is_new_where_what_it_calls_has_changed(elsewhere: Elsewhere) -> None:
-    def force() -> float:
-        status, out, err = elsewhere.python("-c", FORCE)
-        assert status == 0, err
-        return float(out)
-
-    first = force()
-    assert force() == first
-    edits(elsewhere)[0]()
-    assert force() == 2.0 * first

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.motors import case_a, default_motor, every_law, hertz, run
+from support.motors import case_a, default_motor, every_law, run
 
 from contactlab.laws import ContactLaw
 from contactlab.motor.motor import Motor
@@ -37,47 +37,10 @@ def dipping(depth: float) -> tuple[Flight, float]:
 
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
-def test_a_dip_of_a_picometre_between_two_samples_is_a_contact(law: ContactLaw) -> None:
-    flight, when = dipping(1e-12)
-    duration = when + 1e-6
-    expected = flight.first_touch(duration)
-    assert expected is not None
-    # The dip is a tenth of a microsecond long; every sample of the flight alone is above it.
-    assert 2.0 * (when - expected) < 2e-7
-    samples = (when - 0.5e-6) + 1e-6 * np.arange(-400, 2)
-    assert np.all(flight.at(samples)[0] > 0.0)
-    trajectory = run(flight.motor, law, duration, 1e-6)
-    assert trajectory.contacts["start_time"] == pytest.approx([expected], abs=TIME_DIGIT)
-    rate = float(flight.at(expected)[1])
-    assert trajectory.contacts["approach_velocity"] == pytest.approx([rate], rel=1e-6)
-
-
-def test_a_compliant_contact_of_a_picometre_lasts_as_long_as_the_dip() -> None:
-    flight, when = dipping(1e-12)
-    trajectory = run(flight.motor, hertz(), when + 1e-6, 1e-6)
-    h = 1e-7
-    curvature = float(flight.at(when + h)[1] - flight.at(when - h)[1]) / (2.0 * h)
-    # 1e-12 m do not push back yet: a parabola of the flight.
-    expected = np.sqrt(8.0 * 1e-12 / curvature)
-    assert trajectory.contacts["duration"] == pytest.approx([expected], rel=1e-3)
-    assert trajectory.contacts["max_penetration"] == pytest.approx([1e-12], rel=1e-3)
-    assert np.all(trajectory.series["gap"] > 0.0)
-    assert np.all(trajectory.contact_mode == 0)
-
-
-@pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 @pytest.mark.parametrize("above", [1e-12, 1e-15])
 def test_passing_a_picometre_above_the_rotor_is_no_contact(law: ContactLaw, above: float) -> None:
     flight, when = dipping(-above)
     assert touch_downs(flight.motor, law, when + 2e-5) == []
-
-
-@pytest.mark.parametrize("depth", [1e-9, 1e-11, 1e-13, 1e-15])
-def test_a_dip_is_found_however_shallow(depth: float) -> None:
-    flight, when = dipping(depth)
-    expected = flight.first_touch(when + 1e-6)
-    found = touch_downs(flight.motor, hertz(), when + 1e-6)
-    assert found == pytest.approx([expected], abs=TIME_DIGIT)
 
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)

@@ -1,21 +1,13 @@
 """What a foreign solver receives: a motor in normal modes as plain numbers; and the motors of its tests."""
 
-from typing import TypedDict
+from typing import Any
 
-from support.motors import PLACEMENT_1, default_motor, parameters_with
+from support.motors import default_motor, parameters_with
 
 CASE_A = "case A"
 
 MOTORS: dict[str, dict[str, float]] = {
     CASE_A: {},
-    "placement 1, five shapes, high friction": {
-        **PLACEMENT_1,
-        "frequency": 2019.9,
-        "phase": 0.4,
-        "clearance": 0.4e-6,
-        "friction_coefficient": 0.6,
-        "shapes": 5,
-    },
     "no clearance, loaded and damped, turning backwards": {
         "clearance": 0.0,
         "load_torque": 2e-3,
@@ -30,21 +22,6 @@ MOTORS: dict[str, dict[str, float]] = {
         "friction_coefficient": 0.1,
         "shapes": 6,
     },
-    "three shapes, driven by its load": {
-        "shapes": 3,
-        "frequency": 2750.0,
-        "voltage_1": 150.0,
-        "voltage_2": 60.0,
-        "load_torque": -1e-3,
-        "clearance": 0.3e-6,
-    },
-    "high voltages, far away, very high friction": {
-        "voltage_1": 300.0,
-        "voltage_2": 200.0,
-        "phase": 0.9,
-        "clearance": 2.5e-6,
-        "friction_coefficient": 0.8,
-    },
     "small light rotor under load, short tip": {
         "rotor_radius": 10e-3,
         "tip_length": 12e-3,
@@ -56,31 +33,18 @@ MOTORS: dict[str, dict[str, float]] = {
 """Changes to the motor of case A, see `motors.DEFAULTS`."""
 
 
-class Problem(TypedDict):
-    """A motor in normal modes, unit masses, SI; signs as in `contactlab.motor.geometry`.
+Problem = dict[str, Any]
+"""A motor in normal modes, unit masses, SI; signs as in `contactlab.motor.geometry`.
 
     qdd_j + damping_j qd_j + stiffness_j q_j
         = Re sum_k (force_re + i force_im)_jk exp(i omega_k t) + contact
     u = tip_displacement . q,   th = tip_slope . q
-    """
+"""
 
-    stiffness: list[float]
-    damping: list[float]
-    force_re: list[list[float]]
-    force_im: list[list[float]]
-    omega: list[float]
-    tip_displacement: list[float]
-    tip_slope: list[float]
-    tip_length: float
-    rotor_radius: float
-    clearance: float
-    rotor_inertia: float
-    rotor_damping: float
-    load_torque: float
-    initial_velocity: float
-    friction_coefficient: float
-    restitution: float
-    duration: float
+NUMBERS = (
+    *("tip_length", "rotor_radius", "clearance", "rotor_inertia", "rotor_damping", "load_torque"),
+    *("initial_velocity", "friction_coefficient"),
+)
 
 
 def problem_from(changes: dict[str, float], duration: float) -> Problem:
@@ -96,14 +60,7 @@ def problem_from(changes: dict[str, float], duration: float) -> Problem:
         omega=motor.drive.angular_frequency.tolist(),
         tip_displacement=modes.tip_displacement.tolist(),
         tip_slope=modes.tip_slope.tolist(),
-        tip_length=p["tip_length"],
-        rotor_radius=p["rotor_radius"],
-        clearance=p["clearance"],
-        rotor_inertia=p["rotor_inertia"],
-        rotor_damping=p["rotor_damping"],
-        load_torque=p["load_torque"],
-        initial_velocity=p["initial_velocity"],
-        friction_coefficient=p["friction_coefficient"],
+        **{name: p[name] for name in NUMBERS},
         restitution=0.0,
         duration=duration,
     )

@@ -49,14 +49,6 @@ def find_siconos() -> str | None:
     return None
 
 
-def missing_siconos() -> str:
-    """What a person can do about it."""
-    return (
-        "No Python here can import siconos.kernel. On Debian, apt-get install python3-siconos "
-        f"gives it to /usr/bin/python3; elsewhere name a Python that has it in {CHOICE}."
-    )
-
-
 def siconos_runs(python: str, problem: Problem, steps: Sequence[float]) -> list[SiconosRun]:
     """The motor at several time steps [s], as many at a time as there are processors."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:

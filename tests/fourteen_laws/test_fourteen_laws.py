@@ -1,4 +1,4 @@
-"""Eight laws of the literature from a package of their own: as published, and with their contracts kept."""
+"""Laws of the literature from a package of their own: as published, and with their contracts kept."""
 
 import tomllib
 from importlib import import_module
@@ -6,8 +6,8 @@ from pathlib import Path
 
 import published_numbers
 import pytest
-from compliant_laws import KelvinVoigt, Power, Tsuji
-from frictions import SmoothCone, SolidFriction, Tustin
+from compliant_laws import Tsuji
+from frictions import SmoothCone
 from rigid_laws import TurningImpact, ViscoelasticImpact
 
 from contactlab.laws import Composed
@@ -19,26 +19,8 @@ ENTRIES = {name: at for group in PROJECT["project"]["entry-points"].values() for
 NUMBERS = proofs_of(published_numbers)
 
 
-class TestPower(LawContract):
-    law = Composed(normal=Power())
-
-
-@pytest.mark.long
-class TestKelvinVoigt(LawContract):
-    law = KelvinVoigt()
-
-
 class TestTsuji(LawContract):
     law = Tsuji()
-
-
-@pytest.mark.long
-class TestTustin(LawContract):
-    law = Composed(friction=Tustin())
-
-
-class TestSolidFriction(LawContract):
-    law = Composed(friction=SolidFriction())
 
 
 @pytest.mark.long

@@ -3,7 +3,7 @@
 import pytest
 
 from contactlab.config import ConfigurationError
-from contactlab.inference.law_choice import LawChoice, law_predictors
+from contactlab.inference.law_choice import law_predictors
 
 
 @pytest.mark.parametrize(
@@ -40,16 +40,3 @@ def test_parts_make_every_combination_and_numbers_are_fixed_or_free() -> None:
     assert result[2].law.describe()["friction.friction_coefficient"] == 0.2
     (item,) = law_predictors(["law/normal=linear", "law.normal.stiffness=1 N/um..1 kN/um"])
     assert [(free.low, free.high) for free in item.free if free.name == "normal.stiffness"] == [(1e6, 1e9)]
-
-
-def test_overrides_are_sorted() -> None:
-    choice = LawChoice.of(["law=composed, newton", "law/normal=dmt,jkr", "a.b=1 um..2 um", "c=3"])
-
-    assert choice.laws == ("composed", "newton")
-    assert choice.ranges == {"a.b": ("1 um", "2 um")}
-    assert choice.keys == {"a.b", "c"}
-    assert choice.combinations() == [
-        ("law=composed", "law/normal=dmt"),
-        ("law=composed", "law/normal=jkr"),
-        ("law=newton",),
-    ]

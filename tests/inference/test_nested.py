@@ -12,7 +12,7 @@ from scipy.stats import kstest
 
 import contactlab as cl
 from contactlab.inference import nested_sampling as nested
-from contactlab.inference.evidence import Evidence, sentences, strength
+from contactlab.inference.evidence import strength
 from contactlab.inference.free_parameters import free_parameters, from_cube
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.nested_sampling import sample
@@ -173,16 +173,3 @@ def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
 )  # fmt: skip
 def test_a_bayes_factor_is_significant_above_three_and_above_three_of_its_errors(difference, error, word):
     assert strength(difference, error) == word
-
-
-def test_no_odds_are_stated_where_evidences_are_close_or_the_laws_miss_the_data():
-    near, far = Evidence("a", 10.0, 0.3), Evidence("b", 10.4, 0.3)
-    close, apart = sentences([near, far, Evidence("c", 0.0, 0.3)])
-    assert "odds of" not in close
-    assert "odds of 3.29e+04 to 1" in apart
-    for share in (0.82, 0.996):
-        first, second = Evidence("a", 500.0, 0.3, False, share), Evidence("b", 0.0, 0.3, False, 0.6)
-        (sentence,) = sentences([first, second])
-        assert f"{share:.1%}" in sentence
-        assert "60.0%" in sentence
-        assert "odds of" not in sentence

@@ -86,19 +86,20 @@ def test_loss_number_is_smooth_where_its_rule_changes(edge: float) -> None:
 
 
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("make", "key"),
     [
-        (lambda: LankaraniNikravesh(0.5), "restitution is 0.5; it must be at least 0.66296"),
-        (lambda: HuntCrossley(0.3), "restitution is 0.3; it must be at least 0.48774"),
-        (lambda: Flores(0.0), "restitution is 0.0; it must be greater than 0"),
-        (lambda: Mindlin(0.3, -1.0), "stiffness_ratio is -1.0; it must be greater than 0"),
-        (lambda: LuGre(0.3, 0.5), "static_ratio is 0.5; it must be at least 1"),
-        (lambda: ElastoPlastic(breakaway_ratio=1.0), "breakaway_ratio is 1.0; it must be"),
-        (lambda: Composed(Thornton(), HuntCrossley()), "solved for an elastic force that does not pull"),
+        (lambda: LankaraniNikravesh(0.5), "restitution"),
+        (lambda: HuntCrossley(0.3), "restitution"),
+        (lambda: Flores(0.0), "restitution"),
+        (lambda: Mindlin(0.3, -1.0), "stiffness_ratio"),
+        (lambda: LuGre(0.3, 0.5), "static_ratio"),
+        (lambda: ElastoPlastic(breakaway_ratio=1.0), "breakaway_ratio"),
+        (lambda: HertzElliptic(5e9, 1e-3), "radius_along"),
+        (lambda: Composed(Thornton(), HuntCrossley()), "damping"),
     ],
 )
-def test_a_part_refuses_what_it_cannot_do(make: object, words: str) -> None:
-    with pytest.raises(ValueError, match=words):
+def test_a_part_refuses_what_it_cannot_do(make: object, key: str) -> None:
+    with pytest.raises(ValueError, match=key):
         make()  # type: ignore[operator]
 
 
@@ -175,11 +176,6 @@ def test_a_slender_elliptic_contact_is_the_limit_of_hertz(ratio: float) -> None:
     # What the limit leaves out is of this order.
     left = first * np.exp(-2.0 * log_aspect)
     assert_allclose(approach_factor(ratio), factor, rtol=2.0 * left + 1e-12)
-
-
-def test_radii_too_different_for_a_point_contact_are_refused_by_name() -> None:
-    with pytest.raises(ValueError, match="radius_along"):
-        HertzElliptic(5e9, 1e-3)
 
 
 def test_a_circular_elliptic_contact_is_the_point_contact() -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray
 
 import contactlab
 from contactlab.engine import simulate
@@ -108,15 +107,3 @@ def test_laws_of_both_families_give_the_same_bits_without_machine_code(tmp_path:
             assert run.contacts["start_time"].size > 0
             for name, column in columns_of(run).items():
                 np.testing.assert_array_equal(found[f"{number} {name}"], column, err_msg=name)
-
-
-@pytest.mark.long
-def test_the_command_runs_without_machine_code(tmp_path: Path) -> None:
-    velocities = []
-    for jit in (False, True):
-        line = ["solver.duration=0.3 ms", "record.picture=false", f"hydra.run.dir={jit}"]
-        assert not python(tmp_path, "-m", "contactlab", *line, jit=jit)
-        with xarray.open_dataset(tmp_path / f"{jit}/run.nc") as found:
-            velocities.append(found["rotor_velocity"].to_numpy())
-    np.testing.assert_array_equal(*velocities)
-    assert velocities[0][-1] != 0.0

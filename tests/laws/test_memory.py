@@ -1,7 +1,6 @@
 """Friction that remembers: what is kept within a contact, what ends with it, and where its energy is."""
 
-from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,24 +8,17 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from support.kernels import state_of
 
-from contactlab.compiled import kernel
-from contactlab.engine import simulate
-from contactlab.laws.base import ELASTOPLASTIC, FREE, Friction
+from contactlab.laws.base import FREE, Friction
 from contactlab.laws.composed import Composed
-from contactlab.laws.declaration import FRICTION_COEFFICIENT, LawError
 from contactlab.laws.friction import BoucWen, Dahl, ElastoPlastic, LuGre, Mindlin
-from contactlab.laws.memory import ODD, InternalVariable
 from contactlab.laws.normal import Linear, WaltonBraun
-from contactlab.testing.contract import check
-from contactlab.testing.plants import Bench, block, paper_motor, run
+from contactlab.testing.plants import block, run
 
 WEIGHT, STIFFNESS, MU = 10.0, 1e7, 0.3
 
 REMEMBERING = pytest.mark.parametrize(
     "friction", [Mindlin(), LuGre(), ElastoPlastic()], ids=lambda friction: friction.name
 )
-
-mindlin_state = Mindlin().state
 
 
 def test_the_energy_of_a_stretched_spring_is_stored_and_not_lost() -> None:
@@ -62,23 +54,6 @@ def test_every_touch_down_begins_without_memory(friction: Friction) -> None:
     # What comes down the second time has the slip that the first contact left.
     again = thrown(0.02 + contacts["friction_impulse"][0] / mass)
     assert_allclose(contacts["friction_impulse"][1], again["friction_impulse"][0], rtol=1e-6)
-
-
-@REMEMBERING
-def test_ledger_of_friction_that_remembers_closes(friction: Friction) -> None:
-    law = Composed(friction=friction)
-    series = simulate(paper_motor(), law, duration=5e-3, record_interval=1e-6).series
-    assert np.abs(series["energy_residual"]).max() < 1e-8 * series["drive_work"].max()
-    assert series["friction_loss"][-1] > 0.0
-
-
-@REMEMBERING
-def test_records_do_not_change_the_motion(friction: Friction) -> None:
-    law = Composed(friction=friction)
-    coarse = simulate(paper_motor(), law, duration=2e-3, record_interval=1e-3)
-    fine = simulate(paper_motor(), law, duration=2e-3, record_interval=1e-7)
-    for name, values in coarse.contacts.items():
-        np.testing.assert_array_equal(values, fine.contacts[name])
 
 
 def bounces_on_its_dent(normal: WaltonBraun, friction: Any, end: float) -> list[np.ndarray]:
@@ -152,33 +127,3 @@ def test_friction_begins_anew_once_the_gap_is_clear_of_the_dent(friction: Fricti
     # It is forgotten at the end of a flight step.
     assert gap[-1] > 1e-6
     assert deflection[-1] == 0.0
-
-
-@kernel
-def hiding_state(normal_stiffness, normal_stiffness_rate, slip, stretch):
-    """Mindlin's spring without its energy."""
-    force, rate, _, tangential = mindlin_state(normal_stiffness, normal_stiffness_rate, slip, stretch, 0.82)
-    return force, rate, 0.0, tangential
-
-
-@dataclass(frozen=True)
-class Hiding(Friction):
-    """A spring that holds energy and does not say so: what it gives back looks like a gain."""
-
-    name = "hiding"
-    equation = "Mindlin's"
-    source = "this test"
-    friction_kind = ELASTOPLASTIC
-    exact_stick = False
-    internal_variables = (InternalVariable("stretch", "z", "m", "stretch of the spring", parity=ODD),)
-
-    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = MU
-
-    state = staticmethod(hiding_state)
-
-
-def test_a_spring_that_hides_its_energy_is_refused_and_fails_the_contract() -> None:
-    law = Composed(friction=Hiding())
-    with pytest.raises(LawError, match="stretch z"):
-        simulate(paper_motor(), law, duration=1e-3, record_interval=1e-5)
-    assert not all(claim.holds for claim in check(Bench(law), "kernel_is_consistent"))

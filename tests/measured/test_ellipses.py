@@ -54,12 +54,6 @@ def test_every_ellipse_approaches_and_leaves_and_is_pushed(ellipses: MeasuredImp
     assert (impulse > 0.0).all()
 
 
-def test_the_sign_of_the_tangential_arm_is_found_and_told(ellipses: MeasuredImpacts) -> None:
-    assert "reversed" in ellipses.notes[0]
-    assert "0.05 %" in ellipses.notes[0]
-    assert "3.07 %" in ellipses.notes[0]
-
-
 @pytest.mark.parametrize("sign", [1.0, -1.0], ids=["as printed", "reversed"])
 def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_the_same_impacts(
     tmp_path: Path, ellipses: MeasuredImpacts, sign: float
@@ -79,8 +73,7 @@ def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_t
     path = tmp_path / "ellipses.csv"
     path.write_text(words + pandas.DataFrame(columns).to_csv(index=False))
     if sign > 0.0:
-        told = r"3\.1 % of the jump's energy .* and 0\.05 % with the sign of tangential_angle reversed"
-        with pytest.raises(ValueError, match=told):
+        with pytest.raises(ValueError, match="tangential_angle"):
             read_impacts(path)
     else:
         found = read_impacts(path)

@@ -1,5 +1,6 @@
-"""Bad files of measured impacts: each ends in a sentence with the file, the place and the way out."""
+"""Claims on files of measured impacts that are refused, each with its name and the column."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,8 @@ import xarray
 from support.measured_files import BODY, body_file
 from support.measured_impacts import drawn_bodies, drawn_impacts
 
-from contactlab.measured.files import read_impacts, write_impacts
-from contactlab.measured.reduction import BodyImpacts
+from contactlab.measured.bodies import BodyImpacts
+from contactlab.measured.files import MeasurementError, read_impacts, write_impacts
 
 CONTACT = {
     "tt": "# delassus_tt: 100 kg-1",
@@ -21,163 +22,124 @@ CONTACT = {
     "second": "-2,0.5,1.2,0.3",
 }
 HEADER, FIRST, SECOND = BODY["header"], BODY["first"], BODY["second"]
+EXACT = "".join(f"# error_after_{q}: 0 {u}/s\n" for q, u in (("x", "m"), ("y", "m"), ("turn", "rad")))
+
+
+def more(name: str, first: str, second: str) -> dict[str, str]:
+    """Another column of a file of bodies."""
+    return {"header": f"{HEADER},{name}", "first": f"{FIRST},{first}", "second": f"{SECOND},{second}"}
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "named"),
     [
-        (
-            {"header": HEADER.replace("before_y [m/s]", "before_y")},
-            ["before_y", "has no unit", "before_y [m/s]"],
-        ),
-        ({"header": HEADER.replace("_y [m/s]", "_y []")}, ["before_y has no unit", "m/s"]),
-        ({"header": HEADER.replace("[m/s]", "(m/s)")}, ["'before_x (m/s)'", "'before_x [m/s]'"]),
-        ({"header": HEADER.replace("_turn [rad/s]", "_turn [1/s]")}, ["'1/s'", "no velocity", "rad/s"]),
-        ({"header": HEADER.replace("after_turn [rad/s]", "after_turn [m/s]")}, ["after_turn", "rad/s"]),
-        ({"header": HEADER.replace("_x [m/s]", "_x [kg]")}, ["before_x is in 'kg'", "m/s"]),
-        ({"header": HEADER.replace("_x [m/s]", "_x [parsec]")}, ["before_x", "'parsec'"]),
-        ({"mass_turn": "# mass_turn: 18 g"}, ["mass_turn is in 'g'", "kg m^2"]),
-        ({"mass_x": "# mass_x: 0.04"}, ["mass_x has no unit", "mass_x [kg]."]),
-        ({"mass_x": ""}, ["mass_x is missing", "mass_x [kg]"]),
-        ({"mass_x": "# mas_x: 40 g"}, ["'mas_x'", "Did you mean mass_x?"]),
-        ({"mass_x": "# mass_x: -40 g"}, ["mass matrix", "line 12", "not positive definite"]),
-        ({"mass_x": "# mass_x: 40 g\n# mass_x_y: 0.05 kg"}, ["mass matrix", "not positive definite"]),
-        ({"mass_x": "# mass_x: 40 g\n# mass_x: 41 g"}, ["'mass_x' is given a second time", "line 3"]),
-        (
-            {"mass_x": "# mass_x_y: 0 g\n# mass_y_x: 0 g\n# mass_x: 1 g"},
-            ["mass_x_y and mass_y_x", "one will do"],
-        ),
-        ({"normal_turn": ""}, ["normal_turn is missing", "normal_turn [m/rad]"]),
-        ({"tangential_x": ""}, ["tangential_x is missing"]),
-        ({"normal_x": "# normal_x: 1", "normal_y": "# normal_y: 0"}, ["gap rate before", "normal_NAME"]),
-        ({"normal_y": "# normal_y: -1"}, ["gap rate", "2 of 2 impacts", "reverse the columns normal_NAME"]),
-        ({"first": FIRST.replace("-2", "2")}, ["line 12", "1 of 2 impacts", "flag"]),
-        (
-            {"first": FIRST.replace("1.05", "-1"), "second": SECOND.replace("1.03", "-1")},
-            ["pass through each"],
-        ),
-        ({"first": FIRST.replace("1.05", "nan")}, ["after_y is 'nan'", "line 12", "flag"]),
-        ({"first": FIRST.replace("1.05", "")}, ["after_y is empty", "line 12"]),
-        ({"first": FIRST.replace("1.05", "1.0.5")}, ["after_y is '1.0.5'", "line 12"]),
-        ({"first": FIRST.replace("1.05", "1_05")}, ["after_y is '1_05'", "line 12"]),
-        ({"first": FIRST.replace("1.05", "1e200")}, ["after_y is '1e200'", "line 12"]),
-        ({"first": FIRST.replace("1.05", "inf")}, ["after_y is 'inf'", "line 12"]),
-        ({"first": FIRST + ",1"}, ["line 12 has 7 cells and the header 6"]),
-        ({"first": FIRST.replace(".", ",")}, ["line 12 has", "decimal commas", "semicolons"]),
-        ({"error": "# error_aftr_x: 1 m/s"}, ["'error_aftr_x'", "Did you mean error_after_x?"]),
-        ({"header": HEADER.replace("before_x", "befor_x")}, ["'befor_x'", "Did you mean before_x?"]),
-        ({"header": HEADER.replace("before_x", "before_z")}, ["before_x is missing"]),
-        ({"header": HEADER.replace("after_x", "before_x")}, ["'before_x' is there 2 times"]),
-        (
-            {"header": HEADER.replace("before", "pre").replace("after", "post")},
-            ["no velocities", "before_NAME"],
-        ),
-        ({"header": "", "first": "", "second": ""}, ["no line with the names"]),
-        ({"first": "", "second": ""}, ["no impacts", "at least one"]),
-        ({"error": "# error_after_x: 1 mm/s"}, ["error_after_y is missing"]),
-        ({"error": "# error_before_x: 1 mm/s"}, ["error_before_y is missing"]),
-        (
-            {
-                "error": "".join(
-                    f"# error_after_{q}: 0 {u}/s\n" for q, u in (("x", "m"), ("y", "m"), ("turn", "rad"))
-                )
-                + "# covariance_after_x_y: 1 m2 s-2"
-            },
-            ["covariance", "line 12", "negative eigenvalue", "covariance_after_NAME_OTHER"],
-        ),
-        ({"jacobian": "# jacobian: fine"}, ["'jacobian' is 'fine'", "'checked'"]),
-        ({"unit": "# mass_x [g]: 40 g", "mass_x": ""}, ["'mass_x' has two units"]),
-        (
-            {"header": HEADER + ",impact", "first": FIRST + ",1", "second": SECOND + ",1"},
-            ["impact is 1 in 2 rows"],
-        ),
-        ({"header": HEADER + ",impact", "first": FIRST + ",1.5", "second": SECOND + ",1"}, ["whole number"]),
-        (
-            {"header": HEADER + ",flag", "first": FIRST + ",maybe", "second": SECOND + ",1"},
-            ["'maybe'", "line 12"],
-        ),
-        ({"header": HEADER + ",flag", "first": FIRST + ",1", "second": SECOND + ",1"}, ["2 impacts", "none"]),
-        ({"header": HEADER + ",", "first": FIRST + ",7", "second": SECOND + ",8"}, ["line 12 has 7 cells"]),
+        ({"header": HEADER.replace("before_y [m/s]", "before_y")}, "before_y"),
+        ({"header": HEADER.replace("_y [m/s]", "_y []")}, "before_y"),
+        ({"header": HEADER.replace("[m/s]", "(m/s)")}, "before_x"),
+        ({"header": HEADER.replace("_turn [rad/s]", "_turn [1/s]")}, "before_turn"),
+        ({"header": HEADER.replace("after_turn [rad/s]", "after_turn [m/s]")}, "after_turn"),
+        ({"header": HEADER.replace("_x [m/s]", "_x [parsec]")}, "before_x"),
+        ({"mass_turn": "# mass_turn: 18 g"}, "mass_turn"),
+        ({"mass_x": "# mass_x: 0.04"}, "mass_x"),
+        ({"mass_x": ""}, "mass_x"),
+        ({"mass_x": "# mas_x: 40 g"}, "'mas_x'.*mass_x"),
+        ({"mass_x": "# mass_x: -40 g"}, "mass matrix of line 12"),
+        ({"mass_x": "# mass_x: 40 g\n# mass_x_y: 0.05 kg"}, "mass matrix"),
+        ({"mass_x": "# mass_x: 40 g\n# mass_x: 41 g"}, "mass_x"),
+        ({"mass_x": "# mass_x_y: 0 g\n# mass_y_x: 0 g\n# mass_x: 1 g"}, "mass_x_y and mass_y_x"),
+        ({"unit": "# mass_x [g]: 40 g", "mass_x": ""}, "mass_x"),
+        ({"normal_turn": ""}, "normal_turn"),
+        ({"tangential_x": ""}, "tangential_x"),
+        ({"normal_y": "# normal_y: -1"}, "normal"),
+        ({"first": FIRST.replace("-2", "2")}, "gap rate.*line 12.*flag"),
+        ({"first": FIRST.replace("1.05", "-1"), "second": SECOND.replace("1.03", "-1")}, "after"),
+        *(({"first": FIRST.replace("1.05", x)}, "after_y.*line 12") for x in ("nan", "", "1_05", "1e200")),
+        ({"first": FIRST + ",1"}, "line 12"),
+        ({"first": FIRST.replace(".", ",")}, "line 12"),
+        ({"error": "# error_aftr_x: 1 m/s"}, "error_aftr_x"),
+        ({"header": HEADER.replace("before_x", "before_z")}, "before_x"),
+        ({"header": HEADER.replace("after_x", "before_x")}, "before_x"),
+        ({"header": HEADER.replace("before", "pre").replace("after", "post")}, "before_NAME"),
+        ({"header": "", "first": "", "second": ""}, "names"),
+        ({"first": "", "second": ""}, "0 impacts"),
+        ({"error": "# error_after_x: 1 mm/s"}, "error_after_y"),
+        ({"error": "# error_after_x: -1 mm/s"}, "error_after_x"),
+        ({"error": EXACT.replace("after", "before")}, "error_after"),
+        ({"error": EXACT + "# covariance_after_x_y: 1 m2 s-2"}, "covariance_after"),
+        ({"jacobian": "# jacobian: fine"}, "jacobian"),
+        (more("impact", "1", "1"), "impact"),
+        (more("impact", "1.5", "1"), "impact.*line 12"),
+        (more("measurement", "1.5", "1"), "measurement.*line 12"),
+        (more("flag", "maybe", "1"), "flag.*line 12"),
+        (more("flag", "1", "1"), "2 impacts"),
+        (more("", "7", "8"), "line 12"),
     ],
 )
-def test_a_bad_file_of_bodies_is_told_in_a_sentence(
-    tmp_path: Path, changed: dict[str, str], told: list[str]
-) -> None:
-    with pytest.raises(ValueError, match=r"drops\.csv") as fault:
+def test_a_faulty_file_of_bodies_is_refused(tmp_path: Path, changed: dict[str, str], named: str) -> None:
+    with pytest.raises(MeasurementError, match=rf"drops\.csv.*{named}"):
         read_impacts(body_file(tmp_path, **changed))
-    for word in told:
-        assert word in str(fault.value), str(fault.value)
-    assert str(fault.value).endswith((".", "?"))
 
 
 @pytest.mark.parametrize(
-    ("changed", "told"),
+    ("changed", "named"),
     [
-        ({"nn": ""}, ["delassus_nn is missing", "delassus_nn [1/kg]"]),
-        ({"tt": ""}, ["delassus_tt is missing"]),
-        ({"nn": "# delassus_nn: -1 1/kg"}, ["Delassus", "line 4", "not positive definite"]),
-        ({"nt": "# delassus_nt: 60 1/kg"}, ["Delassus", "not positive definite"]),
-        ({"nn": "# delassus_nn: 30 kg"}, ["delassus_nn is in 'kg'", "1/kg"]),
-        ({"first": "1,0.5,0.6,0.4", "second": "2,0.5,1.2,0.3"}, ["2 of 2", "reverse the gap rates"]),
-        ({"mass": "# mass_slip: 1 kg"}, ["'mass_slip' beside velocities of the contact"]),
-        ({"jacobian": "# jacobian: checked"}, ["'jacobian' is given, and there is none"]),
-        ({"energy": "# kinetic_energy: 0.01 J"}, ["kinetic_energy is 0.01 J", "line 4", "at least"]),
-        ({"energy": "# outside_energy: -1 mJ"}, ["outside_energy is -0.001 J", "not be negative"]),
-        ({"header": CONTACT["header"].replace("slip", "x")}, ["delassus_", "velocities of gap_rate, x"]),
+        ({"nn": ""}, "delassus_nn"),
+        ({"tt": ""}, "delassus_tt"),
+        ({"nn": "# delassus_nn: -1 1/kg"}, "Delassus matrix of line 4"),
+        ({"nt": "# delassus_nt: 60 1/kg"}, "Delassus"),
+        ({"nn": "# delassus_nn: 30 kg"}, "delassus_nn"),
+        ({"mass": "# mass_slip: 1 kg"}, "mass_slip"),
+        ({"jacobian": "# jacobian: checked"}, "jacobian"),
+        ({"energy": "# kinetic_energy: 0.01 J"}, "kinetic_energy.*line 4"),
+        ({"energy": "# outside_energy: -1 mJ"}, "outside_energy"),
+        ({"header": CONTACT["header"].replace("slip", "x")}, "velocities of x"),
         (
             {"header": "before_gap_rate [m/s],after_gap_rate [m/s]", "first": "-1,1", "second": "-1,1"},
-            ["delassus_tt is given, and no slip"],
+            "delassus_tt",
         ),
         (
             {"header": "before_slip [m/s],after_slip [m/s]", "first": "1,1", "second": "1,1"},
-            ["before_gap_rate"],
+            "before_gap_rate",
         ),
     ],
 )
-def test_a_bad_file_of_contacts_is_told_in_a_sentence(
-    tmp_path: Path, changed: dict[str, str], told: list[str]
-) -> None:
+def test_a_faulty_file_of_contacts_is_refused(tmp_path: Path, changed: dict[str, str], named: str) -> None:
     path = tmp_path / "drops.csv"
     path.write_text("\n".join(line for line in (CONTACT | changed).values() if line))
-    with pytest.raises(ValueError, match=r"drops\.csv") as fault:
+    with pytest.raises(MeasurementError, match=rf"drops\.csv.*{named}"):
         read_impacts(path)
-    for word in told:
-        assert word in str(fault.value), str(fault.value)
 
 
 @pytest.mark.parametrize(
-    ("content", "told"),
+    "content",
     [
-        (b"", "no line with the names"),
-        (b"PK\x03\x04\0\0", "Save a spreadsheet as CSV"),
-        ("# source: Müller\na\n".encode("latin-1"), "line 1 has a character that is not UTF-8"),
-        (b"\x89HDF\r\n\x1a\n and no more", "cannot be read as netCDF"),
-        (b"MATLAB 5.0 MAT-file" + bytes(200), "cannot be read as a MATLAB file"),
+        b"",
+        b"PK\x03\x04\0\0",
+        "# source: M\u00fcller\na\n".encode("latin-1"),
+        b"\x89HDF\r\n\x1a\n and no more",
+        b"MATLAB 5.0 MAT-file" + bytes(200),
     ],
 )
-def test_what_is_no_such_file_is_told(tmp_path: Path, content: bytes, told: str) -> None:
+def test_another_kind_of_file_is_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "drops.any"
     path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"drops\.any.*" + told):
+    with pytest.raises(MeasurementError, match=r"drops\.any"):
         read_impacts(path)
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "named"),
     [
-        (lambda data: data.rename(after_slip="slip_after"), "'slip_after'.*Did you mean after_slip"),
-        (lambda data: data.drop_vars("after_slip"), "after_slip is missing"),
-        (lambda data: data.assign(after_slip=("hit", [1.0, 2.0])), "after_slip lies along hit"),
-        (lambda data: data.assign(after_slip=("impact", [1.0, np.nan, 1.0])), "after_slip.*has no unit"),
-        (lambda data: data.where(data["impact"] != 5), "is 'nan'.*impact 2 of 3 in the file"),
-        (
-            lambda data: data.assign(velocity=(("impact", "way"), np.ones((3, 2)))),
-            r"velocity.*\(impact, way\)",
-        ),
-        (lambda data: data.isel(impact=slice(0, 0)), "at least one"),
+        (lambda data: data.rename(after_slip="slip_after"), "slip_after"),
+        (lambda data: data.drop_vars("after_slip"), "after_slip"),
+        (lambda data: data.assign(after_slip=("hit", [1.0, 2.0], {"units": "m/s"})), "after_slip"),
+        (lambda data: data.assign(after_slip=("impact", [1.0, np.nan, 1.0])), "after_slip"),
+        (lambda data: data.where(data["impact"] != 5), "row 2 of 3"),
+        (lambda data: data.assign(velocity=(("impact", "way"), np.ones((3, 2)))), "velocity"),
+        (lambda data: data.isel(impact=slice(0, 0)), "0 impacts"),
     ],
 )
-def test_a_bad_netcdf_is_told_in_a_sentence(tmp_path: Path, change: object, told: str) -> None:
+def test_a_faulty_netcdf_is_refused(tmp_path: Path, change: object, named: str) -> None:
     columns = {"before_gap_rate": -1.0, "after_gap_rate": 1.0, "before_slip": 0.5, "after_slip": 0.4}
     data = xarray.Dataset(
         {name: ("impact", [value] * 3, {"units": "m/s"}) for name, value in columns.items()}
@@ -186,18 +148,18 @@ def test_a_bad_netcdf_is_told_in_a_sentence(tmp_path: Path, change: object, told
     )
     path = tmp_path / "bad.nc"
     change(data).to_netcdf(path)
-    with pytest.raises(ValueError, match=r"(?s)bad\.nc.*" + told):
+    with pytest.raises(MeasurementError, match=rf"bad\.nc.*{named}"):
         read_impacts(path)
 
 
-def test_another_matlab_file_is_told_from_the_published_one(tmp_path: Path) -> None:
+def test_another_matlab_file_is_refused(tmp_path: Path) -> None:
     scipy.io.savemat(tmp_path / "other.mat", {"bounce_array": np.eye(2)})
-    with pytest.raises(ValueError, match=r"other\.mat.*without the ellipse impacts.*CSV or netCDF"):
+    with pytest.raises(MeasurementError, match=r"other\.mat"):
         read_impacts(tmp_path / "other.mat")
 
 
-def test_a_file_is_written_as_what_its_name_says_or_not_at_all(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"ends in '\.xlsx'; it must end in \.csv or \.nc"):
+def test_a_file_of_another_format_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"\.xlsx"):
         write_impacts(drawn_impacts(2, 1), tmp_path / "impacts.xlsx")
     assert not list(tmp_path.iterdir())
 
@@ -224,18 +186,16 @@ def test_the_arm_of_the_wrong_sign_is_named(tmp_path: Path, row: str, count: int
     bodies = drawn_bodies(count, 4, noise=1e-3)
     read_impacts(written(bodies, tmp_path / "right.csv"))
     getattr(bodies, row)[:, 2] *= -1.0
-    with pytest.raises(ValueError, match=rf"with the sign of {row}_turn reversed\. Reverse that column"):
+    with pytest.raises(MeasurementError, match=f"{row}_turn"):
         read_impacts(written(bodies, tmp_path / "wrong.csv"))
 
 
-def test_who_says_that_the_jacobian_is_right_keeps_it_and_is_told(tmp_path: Path) -> None:
+def test_a_jacobian_that_is_stated_to_be_right_is_kept(tmp_path: Path) -> None:
     bodies = drawn_bodies(30, 4, noise=1e-3)
     bodies.tangential[:, 2] *= -1.0
     path = written(bodies, tmp_path / "impacts.csv")
     path.write_text("# jacobian: checked\n" + path.read_text())
-    found = read_impacts(path)
-    assert "with the sign of tangential_turn reversed" in found.notes[0]
-    assert found.delassus == pytest.approx(bodies.delassus(), rel=1e-12)
+    assert read_impacts(path).delassus == pytest.approx(bodies.delassus(), rel=1e-12)
 
 
 def test_a_right_jacobian_is_never_refused_for_its_noise(tmp_path: Path) -> None:
@@ -247,14 +207,13 @@ def test_a_right_jacobian_is_never_refused_for_its_noise(tmp_path: Path) -> None
 
 
 def test_what_the_stated_errors_explain_is_no_wrong_sign(tmp_path: Path) -> None:
-    """An arm of a millimetre and an error of a tenth: the sign is lost in it, and the errors say so."""
     bodies = drawn_bodies(400, 8, noise=0.05)
     errors = {"x": 0.05, "y": 0.05, "turn": 0.05 / np.sqrt(1.7e-5 / 0.04)}
-    found = read_impacts(written(bodies, tmp_path / "impacts.csv", **errors))
-    share = bodies.outside_share()
-    explained = float(found.notes[0].split("explain ")[1].split(" %")[0]) / 100.0
+    read_impacts(written(bodies, tmp_path / "impacts.csv", **errors))
+    covariance = np.broadcast_to(np.diag(np.array(list(errors.values())) ** 2), (400, 3, 3))
     # The median of the square of one error is 0.455 of its mean.
-    assert share == pytest.approx(0.455 * explained, rel=0.2)
+    explained = replace(bodies, covariance=covariance).share_of_errors()
+    assert bodies.outside_share() == pytest.approx(0.455 * explained, rel=0.2)
 
 
 def test_errors_that_are_stated_decide_how_much_is_too_much(tmp_path: Path) -> None:
@@ -263,7 +222,6 @@ def test_errors_that_are_stated_decide_how_much_is_too_much(tmp_path: Path) -> N
     bodies.tangential[:, 2] *= -1.0
     path, small, large = tmp_path / "impacts.csv", 1e-3, 1.0
     turn = 1.0 / np.sqrt(1.7e-5 / 0.04)
-    with pytest.raises(ValueError, match=r"the stated errors explain .* with the sign of tangential_turn"):
+    with pytest.raises(MeasurementError, match="tangential_turn"):
         read_impacts(written(bodies, path, x=small, y=small, turn=small * turn))
-    found = read_impacts(written(bodies, path, x=large, y=large, turn=large * turn))
-    assert "it would be" in found.notes[0]
+    assert read_impacts(written(bodies, path, x=large, y=large, turn=large * turn)).notes

@@ -7,13 +7,7 @@ import pytest
 from scipy.optimize import minimize
 from support.measured_impacts import drawn_bodies, drawn_impacts, kinetic
 
-from contactlab.measured.floors import (
-    best_admissible_impulses,
-    best_impulses,
-    constant_impulse,
-    velocities_after,
-    with_constant_impulse,
-)
+from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.noise import noise_from_outside
 
@@ -55,13 +49,6 @@ def test_the_best_admissible_impulse_is_that_of_a_general_optimiser(mu: float | 
         assert mine >= oracle.fun - 1e-5
 
 
-def test_what_is_admissible_already_is_its_own_best_impulse() -> None:
-    free = best_impulses(IMPACTS)
-    allowed = [place for place, p in enumerate(free) if min(admitted(IMPACTS, place, None, p)) > 0.0]
-    assert 5 < len(allowed) < 55
-    assert best_admissible_impulses(IMPACTS)[allowed] == pytest.approx(free[allowed], rel=1e-12)
-
-
 def test_the_floors_lie_one_above_the_other() -> None:
     errors = [
         IMPACTS.errors(velocities_after(IMPACTS, impulses)).mean()
@@ -77,44 +64,10 @@ def test_the_floors_lie_one_above_the_other() -> None:
     assert errors[0] == pytest.approx(least.mean(), rel=1e-12)
 
 
-def test_the_cone_of_a_mirrored_slip_is_mirrored() -> None:
-    """The tangent may be turned round, and nothing else may change."""
-    turn = np.array([1.0, -1.0])
-    turned = replace(
-        IMPACTS,
-        delassus=IMPACTS.delassus * np.outer(turn, turn),
-        velocity_before=IMPACTS.velocity_before * turn,
-        velocity_after=IMPACTS.velocity_after * turn,
-    )
-    for mu in (None, 0.3):
-        expected = best_admissible_impulses(IMPACTS, mu) * turn
-        assert best_admissible_impulses(turned, mu) == pytest.approx(expected, rel=1e-9, abs=1e-12)
-
-
 @pytest.mark.parametrize("mu", [-0.1, float("nan"), float("inf")])
 def test_a_cone_that_is_none_is_refused(mu: float) -> None:
-    with pytest.raises(ValueError, match="it must be at least 0"):
+    with pytest.raises(ValueError, match="friction coefficient"):
         best_admissible_impulses(IMPACTS, mu)
-
-
-def test_no_other_constant_impulse_has_a_smaller_sum_of_squares() -> None:
-    best = constant_impulse(IMPACTS)
-
-    def cost(impulse: np.ndarray) -> float:
-        return float((IMPACTS.errors(with_constant_impulse(IMPACTS, impulse)) ** 2).sum())
-
-    for step in (1e-3, 0.1):
-        for away in ([step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]):
-            assert cost(best + away) > cost(best)
-
-
-def test_a_constant_impulse_is_found_again_where_there_is_one() -> None:
-    impulse = np.array([0.3, 0.05])
-    after = with_constant_impulse(IMPACTS, impulse)
-    made = replace(IMPACTS, velocity_after=after, outside=0.0 * IMPACTS.outside)
-    assert constant_impulse(made) == pytest.approx(impulse, rel=1e-12)
-    slip = np.sign(made.velocity_before[:, 1])
-    assert (np.sign(best_impulses(made)[:, 1]) == -slip).all()
 
 
 def test_the_noise_that_was_put_in_is_estimated_from_what_no_impulse_makes() -> None:
@@ -125,5 +78,5 @@ def test_the_noise_that_was_put_in_is_estimated_from_what_no_impulse_makes() -> 
     put_in = 0.05**2 * bodies.mass[0, 0, 0]
     found = noise_from_outside(made, 3)[:, 0, 0] / made.delassus[:, 0, 0]
     assert found == pytest.approx(np.full(2000, put_in), rel=0.15)
-    with pytest.raises(ValueError, match="at least 3"):
+    with pytest.raises(ValueError, match="2 coordinates"):
         noise_from_outside(made, 2)

@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.measured_impacts import drawn_bodies, drawn_impacts
+from support.measured_impacts import drawn_impacts
 from support.struck_discs import struck_discs
 
 import contactlab as cl
 from contactlab.inference.cross_validation import ValidationError, digest_of
-from contactlab.measured.files import MeasurementError, read_impacts, write_impacts
+from contactlab.measured.files import read_impacts, write_impacts
 from contactlab.measured.repeats import copies_warning, measurements
 
 
@@ -60,29 +60,6 @@ def test_labels_are_written_and_read_again(tmp_path, ending):
 
     assert found.measurement.tolist() == impacts.measurement.tolist()
     assert digest_of(found) != digest_of(replace(found, measurement=None))
-
-
-def test_rows_of_a_file_of_bodies_that_are_copied_are_found_and_labels_must_be_whole(tmp_path):
-    bodies = drawn_bodies(20, seed=3)
-    names = ("x", "y", "angle")
-    head = [f"before_{each} [{'rad/s' if each == 'angle' else 'm/s'}]" for each in names]
-    head += [each.replace("before", "after") for each in head] + ["normal_angle [m]", "tangential_angle [m]"]
-    shared = "".join(f"# {each}\n" for each in (
-        "mass_x: 40 g", "mass_y: 40 g", "mass_angle: 1.7e-5 kg m^2",
-        "normal_x: 0", "normal_y: 1", "tangential_x: 1", "tangential_y: 0",
-    ))  # fmt: skip
-    rows = np.column_stack([bodies.before, bodies.after, bodies.normal[:, 2], bodies.tangential[:, 2]])
-    lines = [",".join(map(repr, row)) for row in rows.tolist()]
-    path = tmp_path / "bodies.csv"
-    path.write_text(shared + "\n".join([",".join(head), *lines * 5]))
-    found = read_impacts(path)
-
-    assert copies_warning(found).startswith("80 of 100 ")
-    assert measurements(found).tolist() == list(range(20)) * 5
-    labelled = [f"{line},{at // 2 + (0.5 if at == 3 else 0)}" for at, line in enumerate(lines)]
-    path.write_text(shared + "\n".join([",".join([*head, "measurement"]), *labelled]))
-    with pytest.raises(MeasurementError, match="measurement"):
-        read_impacts(path)
 
 
 def test_a_validation_holds_copies_and_repeats_out_together_and_warns_of_copies():

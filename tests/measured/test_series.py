@@ -1,12 +1,17 @@
-"""Claims on files of measured series: what is read, in which units, and what is refused in which words."""
+"""Claims on files of measured series: units, formats, and what is refused."""
 
 import numpy as np
 import pytest
 import xarray
 
 import contactlab as cl
-from contactlab.measured.files import MeasurementError, read_impacts, read_measurements as read
-from contactlab.measured.series import SeriesError, chosen_names, read_series, write_series
+from contactlab.measured.files import (
+    MeasurementError,
+    read_impacts,
+    read_measurements as read,
+    read_series,
+    write_series,
+)
 
 
 def written(tmp_path, change=lambda data: data):
@@ -52,84 +57,44 @@ def test_a_run_is_a_file_of_measured_series(tmp_path):
 
     assert found.values["gap"].tobytes() == run["gap"].values.tobytes()
     assert found.configuration["law"]["name"] == "newton"
-    with pytest.raises(ValueError, match="Did you mean rotor_velocity"):
+    with pytest.raises(ValueError, match="rotor_velocty"):
         read_series(tmp_path / "run.nc").only(["rotor_velocty"])
 
 
-def nan(data):
-    data["gap"][3] = np.nan
-    return data
+def renamed(**names):
+    return lambda data: data.rename(names)
 
 
-def units(data):
-    data["gap"].attrs["units"] = "kg"
-    return data
+def scaled(name, factor, units):
+    """Another series of a name, with its unit."""
+    return lambda data: data.assign({name: (data[name].dims, data[name].values * factor, {"units": units})})
 
 
-def no_units(data):
-    del data["rotor_velocity"].attrs["units"]
-    return data
-
-
-def backwards(data):
-    return data.isel(time=[0, 1, 2, 4, 3, 5, 6, 7, 8, 9])
-
-
-def early(data):
-    return data.assign_coords(time=data["time"] - 1e-3).assign_coords(
-        time=lambda d: d.time.assign_attrs(units="s")
-    )
-
-
-def other_names(data):
-    return data.rename(rotor_velocity="omega", gap="distance").drop_vars("gap_error")
-
-
-def orphan(data):
-    return data.rename(gap_error="gab_error")
-
-
-def no_noise(data):
-    data["gap_error"] = data["gap_error"] * 0.0
-    data["gap_error"].attrs["units"] = "um"
-    return data
-
-
-def no_yaml(data):
-    return data.assign_attrs(configuration="law: [")
+def shifted(data):
+    return data.assign_coords(time=("time", data["time"].values - 1e-3, {"units": "s"}))
 
 
 @pytest.mark.parametrize(
-    ("change", "words"),
+    ("change", "named"),
     [
-        (nan, "gap is nan in row 4; all must be finite"),
-        (units, "gap is in 'kg'; it must be in m"),
-        (no_units, "rotor_velocity has no units; it must be in rad/s"),
-        (backwards, "time 3e-05 s stands behind 4e-05 s; times must increase"),
-        (early, "time begins at -0.001 s; it must not be negative"),
-        (other_names, "it has nothing that may be measured of a motor"),
-        (orphan, "gab_error is there and gab is not"),
-        (no_noise, "gap_error is 0 at the least; a standard deviation must be greater than 0"),
-        (no_yaml, "its configuration is no YAML"),
-        (lambda data: data.isel(time=slice(3)), "it has 3 times; there must be 8 at the least"),
-        (lambda data: data.drop_vars("time"), "it has no time; there must be one, in seconds"),
+        (scaled("gap", np.nan, "um"), "gap.*row 1"),
+        (scaled("gap", 1.0, "kg"), "gap"),
+        (scaled("rotor_velocity", 1.0, ""), "rotor_velocity"),
+        (scaled("gap_error", 0.0, "um"), "gap_error"),
+        (lambda data: data.isel(time=[0, 1, 2, 4, 3, 5, 6, 7, 8, 9]), "time"),
+        (lambda data: data.isel(time=slice(5)), "time"),
+        (shifted, "time"),
+        (lambda data: data.drop_vars("time"), "time"),
+        (renamed(rotor_velocity="omega", gap="distance"), "rotor_velocity"),
+        (renamed(gap_error="gab_error"), "gab_error"),
+        (lambda data: data.drop_vars("gap"), "gap_error"),
+        (lambda data: data.assign_attrs(configuration="law: ["), "configuration"),
+        (lambda data: data.assign_attrs(configuration="- law"), "configuration"),
     ],
 )
-def test_a_bad_file_is_refused_in_a_sentence(tmp_path, change, words):
-    with pytest.raises(ValueError, match=r"data\.nc': ") as refused:
+def test_a_faulty_netcdf_is_refused(tmp_path, change, named):
+    with pytest.raises(MeasurementError, match=rf"data\.nc.*{named}"):
         read_series(written(tmp_path, change))
-
-    assert words in str(refused.value)
-
-
-def test_every_fault_of_a_file_is_told_and_what_is_no_netcdf_too(tmp_path):
-    with pytest.raises(ValueError, match=r"gap is nan(.|\n)*gab_error"):
-        read_series(written(tmp_path, lambda data: orphan(nan(data))))
-    (tmp_path / "text.nc").write_text("no netCDF")
-    with pytest.raises(ValueError, match="cannot be read as netCDF"):
-        read_series(tmp_path / "text.nc")
-    with pytest.raises(ValueError, match="Did you mean gap"):
-        chosen_names("gapp")
 
 
 ROWS = "".join(f"{at},{-10 * at},{at / 4}\n" for at in range(10))
@@ -166,26 +131,23 @@ def test_a_series_is_the_same_from_csv_and_from_netcdf(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("content", "named"),
+    ("head", "rows", "named"),
     [
-        ("time [s],rotor_velocity [kg],gap [m]\n" + ROWS, "rotor_velocity"),
-        ("time [s],rotor_velocity,gap [m]\n" + ROWS, "rotor_velocity"),
-        ("time [s],rotor_velocty [rad/s],gap [m]\n" + ROWS, "Did you mean rotor_velocity"),
-        ("rotor_velocity [rad/s],gap [m],gap_error [m]\n" + ROWS, "time"),
-        ("time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS + "5,1,1\n", "increase"),
-        ("time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS + "10,,1\n", "empty in line 12"),
-        ("time [s],rotor_velocity [rad/s],gap [m]\n1,2,3\n", "1 times"),
-        ("# time: 1 s\nrotor_velocity [rad/s],gap [m]\n1,2\n3,4\n", "time"),
+        ("time [s],rotor_velocity [kg],gap [m]", "", "rotor_velocity"),
+        ("time [s],rotor_velocity,gap [m]", "", "rotor_velocity"),
+        ("time [s],rotor_velocty [rad/s],gap [m]", "", "rotor_velocty"),
+        ("rotor_velocity [rad/s],gap [m],gap_error [m]", "", "time"),
+        ("time [s],rotor_velocity [rad/s],gap [m]", "5,1,1\n", "time"),
+        ("time [s],rotor_velocity [rad/s],gap [m]", "10,,1\n", "rotor_velocity.*line 12"),
+        ("# time: 1 s\nrotor_velocity [rad/s],gap [m],tip_slope [rad]", "", "time"),
     ],
 )
-def test_a_bad_series_in_csv_is_refused_as_a_series(tmp_path, content, named):
-    with pytest.raises(SeriesError, match=r"series\.csv': ") as refused:
-        read(text(tmp_path, content))
-
-    assert named in str(refused.value)
+def test_a_faulty_series_in_csv_is_refused(tmp_path, head, rows, named):
+    with pytest.raises(MeasurementError, match=rf"series\.csv.*{named}"):
+        read(text(tmp_path, f"{head}\n{ROWS}{rows}"))
 
 
-def test_series_where_impacts_are_wanted_are_refused_with_the_columns(tmp_path):
+def test_series_are_not_impacts(tmp_path):
     path = text(tmp_path, "time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS)
-    with pytest.raises(MeasurementError, match="rotor_velocity, gap"):
+    with pytest.raises(MeasurementError, match="rotor_velocity"):
         read_impacts(path)

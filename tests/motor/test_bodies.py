@@ -1,7 +1,7 @@
 """Small plants do what their equations say, and need nothing but themselves."""
 
+from collections.abc import Callable
 from math import pi, sqrt
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -80,38 +80,16 @@ def test_a_cantilever_has_the_textbooks_modes() -> None:
     assert_allclose(bent, steel.density * 0.01 * thickness * length**4 / (8.0 * rigidity), rtol=1e-6)
 
 
-def test_a_motor_needs_modes_alone() -> None:
-    modes = cl.ball().modes
-    assert cl.Motor(modes).drive.frequency.size == 0
-    assert cl.Drive().phasors.shape == (2, 0)
-
-
-def test_a_plant_is_printed_drawn_saved_and_gone_on_with(tmp_path: Path) -> None:
-    motor = cl.cantilever(gap=1e-4, deflection=-5e-4, damping_ratio=0.01, acceleration=30.0, frequency=80.0)
-    run = cl.simulate(motor, cl.HertzPenalty(stiffness=1e9), duration=0.005, record_interval=1e-5)
-    assert run.complete
-    assert run.contacts.sizes["contact"] > 0
-    assert "hertz_penalty" in str(run)
-    run.plot().savefig(tmp_path / "run.png")
-    run.save(tmp_path / "run.nc")
-    assert_allclose(cl.load(tmp_path / "run.nc")["gap"], run["gap"])
-    longer = cl.simulate(start=run, duration=0.001)
-    assert_allclose(longer["gap"][0], run["gap"][-1])
-
-
 @pytest.mark.parametrize(
-    ("make", "words"),
+    ("make", "key"),
     [
-        (lambda: cl.ball(0.0), "The mass is 0.0; it must be positive"),
-        (lambda: cl.ball(gyration=-1.0), "The gyration is -1.0"),
-        (lambda: cl.oscillator(-1.0), "The mass is -1.0"),
-        (lambda: cl.belt(1.0, belt_mass=0.0), "The belt mass is 0.0"),
-        (lambda: cl.cantilever(modes=0), "has 0 modes"),
-        (lambda: cl.cantilever(thickness=np.inf), "The thickness is inf"),
-        (lambda: cl.cantilever(modes=2.5), "The number of modes is 2.5"),  # type: ignore[arg-type]
+        (lambda: cl.ball(0.0), "mass"),
+        (lambda: cl.ball(gyration=-1.0), "gyration"),
+        (lambda: cl.belt(1.0, belt_mass=0.0), "belt mass"),
+        (lambda: cl.cantilever(modes=0), "modes"),
+        (lambda: cl.cantilever(thickness=np.inf), "thickness"),
     ],
 )
-def test_what_is_no_body_is_refused_in_a_sentence(make: object, words: str) -> None:
-    assert callable(make)
-    with pytest.raises((ValueError, TypeError), match=words):
+def test_a_body_of_impossible_dimensions_is_refused(make: Callable[[], cl.Motor], key: str) -> None:
+    with pytest.raises(ValueError, match=key):
         make()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from contactlab.motor.geometry import ContactGeometry, contact_frame
+from contactlab.motor.geometry import contact_frame
 
 TIP, RADIUS = 19e-3, 25e-3
 
@@ -27,38 +27,12 @@ def frame(u: float, th: float, open_by: float) -> tuple[float, float, float, flo
     return contact_frame(u, th, TIP, RADIUS, open_by)
 
 
-def test_defaults_are_the_dimensions_of_table_3() -> None:
-    geometry = ContactGeometry()
-    assert (geometry.tip_length, geometry.rotor_radius) == (19e-3, 25e-3)
-    assert geometry.clearance == 1e-6
-
-
-@pytest.mark.parametrize("open_by", [0.0, 1e-6, 1e-3])
-def test_at_rest_the_normal_points_away_from_the_rotor_and_the_tangent_to_the_right(open_by: float) -> None:
-    gap, n_u, n_th, t_u, t_th = frame(0.0, 0.0, open_by)
-    # Exactly the clearance up to its last bit.
-    assert gap == pytest.approx(open_by, rel=1e-15)
-    # n = (0, -1): lifting the tip closes the gap, turning it does not; t = (1, 0): the tip end
-    # moves to the left as the slope grows.
-    assert (n_u, n_th) == (-1.0, 0.0)
-    assert (t_u, t_th) == (0.0, -TIP)
-
-
 @settings(deadline=None)
 @given(displacement, slope, clearance)
 def test_gap_is_the_distance_to_the_circle(u: float, th: float, open_by: float) -> None:
     expected = np.hypot(*(tip_end(u, th) - rotor_centre(open_by))) - RADIUS
     # The plain formula subtracts lengths of 25 mm: 1e-17 m.
     assert frame(u, th, open_by)[0] == pytest.approx(expected, abs=2e-17)
-
-
-@settings(deadline=None)
-@given(displacement, slope, clearance)
-def test_gap_solves_the_papers_constraint(u: float, th: float, open_by: float) -> None:
-    # C(r) = (g + R)^2 - R^2 (eq. 36 and the multiplier's constraint).
-    gap = frame(u, th, open_by)[0]
-    d = tip_end(u, th) - rotor_centre(open_by)
-    assert (gap + RADIUS) ** 2 - RADIUS**2 == pytest.approx(d @ d - RADIUS**2, abs=1e-18)
 
 
 def test_gap_keeps_its_digits_far_below_the_round_off_of_the_radius() -> None:
@@ -80,25 +54,3 @@ def test_normal_and_tangent_are_unit_vectors_a_quarter_turn_apart(
     along_slope = TIP * np.array([-np.cos(th), -np.sin(th)])
     assert (n_u, t_u) == pytest.approx((n[1], t[1]), abs=1e-14)
     assert (n_th, t_th) == pytest.approx((n @ along_slope, t @ along_slope), abs=1e-16)
-
-
-@settings(deadline=None)
-@given(displacement, slope, clearance)
-def test_normal_row_is_the_gradient_of_the_gap(u: float, th: float, open_by: float) -> None:
-    _, n_u, n_th, _, _ = frame(u, th, open_by)
-    h = 1e-5
-
-    def central(step_u: float, step_th: float) -> float:
-        ahead, behind = (frame(u + sign * step_u, th + sign * step_th, open_by)[0] for sign in (1.0, -1.0))
-        return (ahead - behind) / (2.0 * h)
-
-    # Truncation h^2/6 over R^2 for the displacement; round-off 1e-17 over h.
-    assert n_u == pytest.approx(central(h, 0.0), abs=1e-6)
-    assert n_th == pytest.approx(central(0.0, h), abs=1e-10)
-
-
-@settings(deadline=None)
-@given(displacement, slope, clearance)
-def test_the_mirrored_tip_has_the_same_gap_and_the_mirrored_rows(u: float, th: float, open_by: float) -> None:
-    gap, n_u, n_th, t_u, t_th = frame(u, th, open_by)
-    assert frame(u, -th, open_by) == (gap, n_u, -n_th, -t_u, t_th)

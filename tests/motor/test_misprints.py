@@ -3,11 +3,9 @@
 Misprints of the resonator (eqs. 23, 27, 28, 31, the lever of the coupling) are in `test_resonator.py`.
 """
 
-from math import cos, sin
-
 import numpy as np
 import pytest
-from support.motors import case_a, default_motor, run
+from support.motors import case_a, run
 
 from contactlab.engine.plant import delassus, modes_of, plant_of
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
@@ -69,46 +67,6 @@ def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
     assert gap_rate + d_nn * p_n + d_nt * p_t == pytest.approx(0.0, abs=1e-16)
 
 
-def test_eq_59_as_printed_is_no_scalar_equation_and_without_the_stray_velocity_it_is() -> None:
-    rng = np.random.default_rng(0)
-    gradient, velocity, force = (rng.normal(size=(1, 4)), rng.normal(size=(4, 1)), rng.normal(size=(4, 1)))
-    inverse_mass = np.linalg.inv(np.diag(rng.uniform(1.0, 2.0, 4)))
-    left = gradient @ inverse_mass @ gradient.T
-    printed = gradient @ velocity * (inverse_mass @ force)
-    meant = gradient @ inverse_mass @ force
-    assert left.shape == meant.shape == (1, 1)
-    assert printed.shape == (4, 1)
-
-
-@pytest.mark.parametrize("th", [1e-4, 1e-3, 1e-2])
-def test_eqs_43_and_46_name_two_tangents_of_which_only_the_second_is_one(th: float) -> None:
-    motor = case_a()
-    arm, radius, clearance = 19e-3, 25e-3, 1e-6
-    d = np.array([-arm * sin(th), arm * cos(th) - arm - clearance - radius])
-    normal = d / np.linalg.norm(d)
-    written = np.array([-cos(th), sin(th)])
-    turned = np.array([normal[1], -normal[0]])
-    assert turned @ normal == pytest.approx(0.0, abs=1e-16)
-    # Off by the tip's angle and that of the normal: the friction would have a normal part.
-    assert abs(written @ normal) == pytest.approx(th * (1.0 - arm / radius), rel=1e-2)
-    # The engine's tangent is minus the second one.
-    _, _, _, t_u, _ = contact_frame(0.0, th, arm, radius, motor.geometry.clearance)
-    assert t_u == pytest.approx(-turned[1], rel=1e-14)
-
-
-def test_eq_66_with_the_sign_of_the_tips_velocity_can_lose_its_mass() -> None:
-    _, tangential = contact_rows(case_a(), 0.0, 0.0)
-    row = tangential[:-1]
-    rotor = 4.8e-5 / 25e-3**2
-    for sign, definite in ((1.0, True), (-1.0, False)):
-        mass = np.eye(row.size) + sign * rotor * np.outer(row, row)
-        assert (np.linalg.eigvalsh(mass).min() > 0.0) == definite
-    # Without the sign it is the mass of resonator and rotor joined: a Schur complement.
-    joined = np.linalg.inv(np.eye(row.size) + rotor * np.outer(row, row))
-    stuck = np.eye(row.size) - np.outer(row, row) / (row @ row + 1.0 / rotor)
-    np.testing.assert_allclose(joined, stuck, rtol=0.0, atol=1e-14)
-
-
 @pytest.mark.parametrize("law", [HertzPenalty(1e9, 0.5), LagrangeStick(0.5)], ids=lambda x: x.name)
 def test_eq_63_must_carry_the_load_or_the_rotor_runs_away_in_stick(law: ContactLaw) -> None:
     # A block that is tied to the ground sticks to a loaded belt: the friction holds the load.
@@ -130,20 +88,3 @@ def test_eq_63_must_carry_the_load_or_the_rotor_runs_away_in_stick(law: ContactL
     assert mean == pytest.approx(-load, rel=0.05)
     runaway = load * 0.02
     assert abs(FLAT * trajectory.series["rotor_velocity"][-1]) < 0.01 * runaway
-
-
-@pytest.mark.long
-def test_the_slip_law_reverses_the_slip_in_nearly_every_impact() -> None:
-    impacts = reversals = 0
-    for changes in ({}, {"phase": 0.6}, {"clearance": 0.3e-6, "voltage_1": 150.0}):
-        motor, law, step = default_motor(**changes), LagrangeSlip(0.3), 5e-9
-        trajectory = run(motor, law, 2e-3, 2e-9, step)
-        start = trajectory.contacts["start_time"]
-        slip = trajectory.series["slip_velocity"]
-        before = np.searchsorted(trajectory.time, start) - 1
-        after = np.searchsorted(trajectory.time, start + 1.2 * step)
-        inside = after < slip.size
-        impacts += int(inside.sum())
-        reversals += int((slip[before[inside]] * slip[after[inside]] < 0.0).sum())
-    assert impacts >= 15
-    assert reversals >= 0.9 * impacts

@@ -1,13 +1,11 @@
 """What is left out of the kept modes stays in the contact: flexibility, voltages, forces, rotor."""
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 from oracle.stepped_beam import response
 from support.motors import PLACEMENT_1, PLACEMENT_2, final, hertz, run, stepped_beam
 
-from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
+from contactlab.motor import FiniteElementResonator, NormalModes
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 from contactlab.motor.patched_beam import Piezoceramic
@@ -61,46 +59,6 @@ def test_at_the_drive_frequencies_six_modes_with_correction_are_exact_to_1e_6(
         assert response_error(truncated, frequency).max() > 1e-3
 
 
-def test_the_response_up_to_40_khz_converges_in_the_number_of_modes() -> None:
-    errors = [
-        max(response_error(FiniteElementResonator(kept_modes=n), f).max() for f in (10e3, 40e3))
-        for n in (4, 6, 8, 12)
-    ]
-    for fewer, more in pairwise(errors):
-        assert more < fewer / 5.0
-    assert errors[-1] < 1e-5
-
-
-@pytest.mark.parametrize("kept", [1, 5, 12])
-def test_pseudo_modes_follow_the_kept_modes_in_order_and_leave_them_alone(kept: int) -> None:
-    corrected = FiniteElementResonator(kept_modes=kept).modes
-    truncated = FiniteElementResonator(kept_modes=kept, static_correction=False).modes
-    assert corrected.stiffness.size == kept + 4
-    for name in ("stiffness", "damping", "coupling", "tip_displacement", "tip_slope"):
-        values = getattr(corrected, name)
-        # Products of matrices of another width round otherwise.
-        near = pytest.approx(values[:kept], rel=1e-12, abs=1e-12 * np.abs(values).max())
-        assert getattr(truncated, name) == near
-    # A part of a space vibrates no slower than the whole of it.
-    more = FiniteElementResonator(kept_modes=kept + 4, static_correction=False).modes
-    above = corrected.stiffness[kept:] / more.stiffness[kept:]
-    assert np.all(above > 1.0 - 1e-5)
-    assert np.all(np.diff(corrected.stiffness) > 0.0)
-
-
-def test_a_tip_weighs_no_less_than_its_own_mass() -> None:
-    # 1 / (row row') is what a force of infinite frequency has to move.
-    masses, inertias = [], []
-    for kept in (2, 6, 16):
-        modes = FiniteElementResonator(kept_modes=kept).modes
-        masses.append(1.0 / np.sum(modes.tip_displacement**2))
-        inertias.append(1.0 / np.sum(modes.tip_slope**2))
-    assert masses == sorted(masses, reverse=True)
-    assert inertias == sorted(inertias, reverse=True)
-    assert 1.181e-3 < masses[-1] < 1.2 * 1.181e-3
-    assert 1.321e-7 < inertias[-1] < 1.001 * 1.321e-7
-
-
 @pytest.mark.parametrize(
     "changes",
     [
@@ -151,9 +109,3 @@ def test_forces_and_rotor_of_a_few_corrected_modes_are_those_of_twenty(
     truncated = FiniteElementResonator(kept_modes=kept, static_correction=False).modes
     assert corrected.max() < bound
     assert contact_errors(truncated, reference).max() > 20.0 * bound
-
-
-def test_the_papers_four_shapes_turn_the_rotor_at_twice_the_converged_speed(reference: Trajectory) -> None:
-    papers = driven(RitzResonator().modes)
-    ratio = final(papers, "rotor_velocity") / final(reference, "rotor_velocity")
-    assert 2.0 < ratio < 2.5

@@ -1,7 +1,7 @@
 """Any composed law, and Archard's, on the motor: DOP853 in contact, every switch an event.
 
 The normal force, damping and friction are those of `normal_parts` and `friction_parts`. The state is that of
-the motor without its ledger, two impulses, the work of the contact, and the internal variables:
+the motor, the work of the contact, and the internal variables:
 
     y = (r, r', Omega, P_n, P_t, W, z of the friction, z of the normal force)
 
@@ -33,8 +33,6 @@ class Parts:
     normal: Normal
     friction: Friction
     damped: Damping = undamped
-    clamps: bool = False
-    """Whether the damping has a kink where it would pull."""
     wear: float = 0.0
 
 
@@ -49,8 +47,6 @@ class JudgedRun:
     durations: list[float] = field(default_factory=list)
     normal_impulses: list[float] = field(default_factory=list)
     friction_impulses: list[float] = field(default_factory=list)
-    memory: list[float] = field(default_factory=list)
-    """Internal variables at the end: the friction's, the normal force's, the wear."""
 
 
 class Judge:
@@ -63,10 +59,8 @@ class Judge:
         self.first = 2 * n + 4
         self.second = self.first + len(parts.friction.sizes)
         self.third = self.second + len(parts.normal.sizes)
-        sizes = self.mechanics.tolerances(1.0)
-        work, impulse = sizes[2 * n + 4], sizes[2 * n + 6]
         own = [*parts.friction.sizes, *parts.normal.sizes, 1e-9]
-        self.atol = rtol * np.concatenate([sizes[: 2 * n + 1], [impulse, impulse, work], 0.1 * np.array(own)])
+        self.atol = rtol * np.concatenate([self.mechanics.tolerances(1.0), 0.1 * np.array(own)])
 
     def split(self, y: np.ndarray) -> tuple[list[float], list[float], float]:
         """z of friction and normal force, and the wear [m]."""
@@ -91,8 +85,8 @@ class Judge:
     def derivative(self, t: float, y: np.ndarray, modes: tuple[int, int], speed: float) -> np.ndarray:
         """Time derivative of y in contact."""
         mechanics, n, m = self.mechanics, self.n, self.mechanics.motor
-        acceleration = mechanics._free(t, y)[1]
-        c = mechanics._contact(y, acceleration)
+        acceleration = mechanics.free_acceleration(t, y)
+        c = mechanics.contact_under(y, acceleration)
         at, z_f, z_n, d = self.instant(c, y, modes[0], speed)
         sticks = self.parts.friction.set_valued and modes[1] == 0
         friction = self.parts.friction.force(modes[1], at, z_f)
@@ -245,5 +239,4 @@ class Judge:
         run.rotor_velocity = float(y[2 * n])
         run.u = float(self.mechanics.tip_state(y)[0])
         run.contact_work = float(y[2 * n + 3])
-        run.memory = y[self.first :].tolist()
         return run

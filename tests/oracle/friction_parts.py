@@ -42,27 +42,21 @@ class Friction:
     """Whether it wants an implicit method."""
 
     def fresh(self) -> list[float]:
-        """Initial values of the variables."""
         return [0.0] * len(self.sizes)
 
     def force(self, mode: int, at: At, z: list[float]) -> float:
-        """Friction [N]."""
         raise NotImplementedError
 
     def rates(self, mode: int, at: At, z: list[float]) -> list[float]:
-        """Rates of the variables."""
         return [0.0] * len(z)
 
     def switches(self, mode: int, z: list[float]) -> list[Switch]:
-        """Ends of the mode."""
         return [lambda at, z: mode * at.slip]
 
     def switched(self, mode: int, k: int, at: At, z: list[float]) -> tuple[int, list[float]]:
-        """Mode and variables after a switch."""
         return -mode, z
 
     def touch(self, at: At, z: list[float]) -> int:
-        """Mode of a contact that begins."""
         return -1 if at.slip < 0.0 else 1
 
 

@@ -2,8 +2,7 @@
 
 State vector, n shapes (SI units):
 
-    y = (r_1..r_n, r'_1..r'_n, Omega, angle,
-         drive work, damping loss, friction loss, load work, P_n, P_t)
+    y = (r_1..r_n, r'_1..r'_n, Omega, P_n, P_t)
 
 Signs: the gap g is positive when open; N >= 0 and F act on the tip along n (rotor centre to tip)
 and t (n turned by +90 degrees: at rest n = (0, -1), t = (1, 0)); slip = v_T - R Omega;
@@ -67,10 +66,6 @@ class OracleMotor:
             section, self.shapes, self.tip_mass, self.tip_inertia, self.mass_damping, self.stiffness_damping
         )
 
-    def natural_frequencies(self) -> np.ndarray:
-        """Undamped natural frequencies [Hz], ascending."""
-        return natural_frequencies(self.resonator())
-
 
 class Contact(NamedTuple):
     """The motor at one instant, reduced to its contact point."""
@@ -112,7 +107,7 @@ class Mechanics:
 
     def initial_state(self) -> np.ndarray:
         """At rest, undeformed, the rotor at its initial velocity."""
-        y = np.zeros(2 * self.shapes + 8)
+        y = np.zeros(2 * self.shapes + 3)
         y[2 * self.shapes] = self.motor.initial_velocity
         return y
 
@@ -124,12 +119,11 @@ class Mechanics:
         second = m.voltage_2 * sin(m.frequency_ratio * w1 * t)
         return np.array([first + second, first - second])
 
-    def _free(self, t: float, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Voltages, and r'' without contact [m/s^2]."""
-        volts = self.voltages(t)
-        return volts, self.free_map @ y[: 2 * self.shapes] + self.drive_map @ volts
+    def free_acceleration(self, t: float, y: np.ndarray) -> np.ndarray:
+        """r'' without contact [m/s^2]."""
+        return np.asarray(self.free_map @ y[: 2 * self.shapes] + self.drive_map @ self.voltages(t))
 
-    def _contact(self, y: np.ndarray, acceleration: np.ndarray) -> Contact:
+    def contact_under(self, y: np.ndarray, acceleration: np.ndarray) -> Contact:
         """Gap, rates, biases and Delassus matrix (eqs. 35-46 with the true tangent).
 
         gap'' = n.J r'' + n.(J' r') + v_T^2/d,   d = |tip - centre|
@@ -175,34 +169,20 @@ class Mechanics:
 
     def contact(self, t: float, y: np.ndarray) -> Contact:
         """The instant (t, y) seen from the contact point."""
-        return self._contact(y, self._free(t, y)[1])
+        return self.contact_under(y, self.free_acceleration(t, y))
 
-    def derivative(self, t: float, y: np.ndarray, law: Law | None) -> np.ndarray:
-        """Time derivative of y with the contact forces of `law`; None is free flight."""
+    def derivative(self, t: float, y: np.ndarray, law: Law) -> np.ndarray:
+        """Time derivative of y with the contact forces of `law`."""
         m, n = self.motor, self.shapes
-        volts, acceleration = self._free(t, y)
-        rates, omega = y[n : 2 * n], float(y[2 * n])
-        normal = friction = slip = 0.0
-        if law is not None:
-            c = self._contact(y, acceleration)
-            normal, friction = law(c)
-            slip = c.slip
-            load = [normal * c.n_row[i] + friction * c.t_row[i] for i in (0, 1)]
-            acceleration = acceleration + self.tip_response @ load
+        acceleration = self.free_acceleration(t, y)
+        c = self.contact_under(y, acceleration)
+        normal, friction = law(c)
+        load = [normal * c.n_row[i] + friction * c.t_row[i] for i in (0, 1)]
         out = np.empty_like(y)
-        out[:n] = rates
-        out[n : 2 * n] = acceleration
-        torque = -m.rotor_radius * friction - m.rotor_damping * omega - m.load_torque
-        out[2 * n :] = (
-            torque / m.rotor_inertia,
-            omega,
-            rates @ (self.resonator.coupling @ volts),
-            rates @ (self.resonator.damping @ rates) + m.rotor_damping * omega * omega,
-            -friction * slip,
-            m.load_torque * omega,
-            normal,
-            friction,
-        )
+        out[:n] = y[n : 2 * n]
+        out[n : 2 * n] = acceleration + self.tip_response @ load
+        torque = -m.rotor_radius * friction - m.rotor_damping * y[2 * n] - m.load_torque
+        out[2 * n :] = torque / m.rotor_inertia, normal, friction
         return out
 
     def push(self, y: np.ndarray, c: Contact, p_n: float, p_t: float) -> np.ndarray:
@@ -211,8 +191,8 @@ class Mechanics:
         on_tip = [p_n * c.n_row[i] + p_t * c.t_row[i] for i in (0, 1)]
         out[n : 2 * n] += self.tip_response @ on_tip
         out[2 * n] -= self.motor.rotor_radius * p_t / self.motor.rotor_inertia
-        out[2 * n + 6] += p_n
-        out[2 * n + 7] += p_t
+        out[2 * n + 1] += p_n
+        out[2 * n + 2] += p_t
         return out
 
     def tip_state(self, y: np.ndarray) -> tuple[float, float, float, float]:
@@ -220,15 +200,8 @@ class Mechanics:
         u, slope, u_rate, slope_rate = (self.tip_map @ y[: 2 * self.shapes]).tolist()
         return u, slope, u_rate, slope_rate
 
-    def energies(self, y: np.ndarray) -> tuple[float, float]:
-        """Kinetic energy with the rotor, and strain energy [J]."""
-        n = self.shapes
-        r, rates, omega = y[:n], y[n : 2 * n], y[2 * n]
-        kinetic = rates @ self.resonator.mass @ rates + self.motor.rotor_inertia * omega**2
-        return float(0.5 * kinetic), float(0.5 * r @ self.resonator.stiffness @ r)
-
     def tolerances(self, rtol: float) -> np.ndarray:
-        """Absolute tolerance of every state: rtol times a tenth of its static size."""
+        """Absolute tolerance of every state of y, and of a work: rtol times a tenth of the static size."""
         m, res = self.motor, self.resonator
         peak = abs(m.voltage_1) + abs(m.voltage_2)
         r = np.linalg.solve(res.stiffness, np.abs(res.coupling) @ [peak, peak])
@@ -236,6 +209,6 @@ class Mechanics:
         speed = 2.0 * pi * self.frequency * size
         omega = speed * (1.0 + m.tip_length * float(np.abs(res.tip[1]).max())) / m.rotor_radius
         energy = 0.5 * size**2 * float(res.stiffness[0, 0])
-        sizes = [size] * self.shapes + [speed] * self.shapes + [omega, omega / self.frequency]
-        sizes += [energy] * 4 + [energy / speed] * 2
+        sizes = [size] * self.shapes + [speed] * self.shapes
+        sizes += [omega, energy / speed, energy / speed, energy]
         return 0.1 * rtol * np.array(sizes)

@@ -36,47 +36,36 @@ class Normal:
     """Whether they are of the whole run."""
 
     def fresh(self) -> list[float]:
-        """Initial values of the variables."""
         return []
 
     def spring(self, mode: int, d: float, rate: float, z: list[float]) -> Spring:
-        """Force, stiffness, slope."""
         return self.elastic(max(d, 0.0))
 
     def elastic(self, d: float) -> Spring:
-        """The same of an elastic force."""
         raise NotImplementedError
 
     def rates(self, d: float, z: list[float]) -> list[float]:
-        """Rates of the variables."""
         return [0.0] * len(z)
 
     def pace(self, d: float, rate: float, z: list[float]) -> float:
-        """dN/dt over dN/dd [m/s]."""
         return rate
 
     def left(self, mode: int, d: float, z: list[float]) -> float:
-        """Depth over that at which the contact ends [m]."""
         return d
 
     def switches(self, mode: int) -> list[Callable[[float, float, list[float]], float]]:
-        """Ends of the mode."""
         return []
 
     def switched(self, mode: int, d: float, z: list[float]) -> tuple[int, list[float]]:
-        """Mode and variables after a switch."""
         return mode, z
 
     def begins(self, z: list[float]) -> float:
-        """Depth at which a contact begins [m]."""
         return 0.0
 
     def touch(self, z: list[float]) -> int:
-        """Mode of a contact that begins with an approach."""
         return ELASTIC
 
     def in_flight(self, z: list[float], time: float) -> list[float]:
-        """The variables after a time of flight [s]."""
         return z
 
 

@@ -1,39 +1,45 @@
-"""Rigid contact: exact plastic impact with Coulomb friction, then persistent contact.
+"""Rigid laws with any impact, in the limit of no step: impacts are maps, flights exact, contact by DOP853.
 
-    0 <= g, N >= 0, g N = 0 (eq. 37);  while g = 0 lasts, N and F hold g'' = 0, in stick slip' = 0:
+    0 <= g, N >= 0, g N = 0;  while g = 0 lasts, N and F hold g'' = 0, in stick slip' = 0:
     stick      D (N, F) = -(normal_bias, slip_bias)      as long as |F| <= mu N
     slip s     N = -normal_bias/(D_nn - s mu D_nt),  F = -s mu N
-    impact     the same two lines for the impulses, with (gap_rate, slip) in place of the biases
 
-s = +-1 is the sign of the slip; D is the 2x2 Delassus matrix of tip and rotor.  It is the limit of
-a time-stepping multiplier law with stick as its step goes to zero.  Slip is refused where
-D_nn <= mu |D_nt|: there it has no or two solutions (Painleve).
+An impact answers gap rate and slip with impulses, from the Delassus matrix D. What rebounds flies; below the
+rate `SLOW` a rebound is none, and the contact lasts.
+
+    newton, moreau_jean   gdot+ = -e gdot-, stick or slip at the end
+    johnson               the same, e from m V^2/2 = pi a^4 p_d/(4 R) and 3 P^2/(10 a E*), P = pi a^2 p_d
+    poisson, stronge      Routh's process, piece by piece
+    brach                 p_t = r p_n with the least of mu, the r that ends the slip, the r without a loss
+    chatterjee_ruina      (1 + e) p_I + k (p_II - p_I), k = 1 + e_t or less on the cone
+
+Slip is refused where D_nn <= mu |D_nt|: there it has no or two solutions (Painleve).
 """
 
 from __future__ import annotations
 
-from math import copysign
+from collections.abc import Callable
+from math import copysign, hypot, inf, log1p, pi, sqrt
+from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
+from oracle.composed import JudgedRun
+from oracle.flight import Flight
 from oracle.motor import Contact, Law, Mechanics, OracleMotor
-from oracle.run import (
-    PHASE_LIMIT,
-    SHORTEST,
-    ContactBook,
-    Event,
-    OracleRun,
-    PhaseEnd,
-    Stepper,
-    finish,
-    fly,
-    run_phase,
-    touching,
-)
 
+SLOW = 1e-7
+"""Rebound [m/s] that is none."""
 FREE = 2
-"""Mode of no contact; 0 is stick, +1 and -1 are slip."""
+MOST = 20_000
+
+Impact = Callable[[Contact, float, float], tuple[float, float]]
+"""Gives p_n, p_t [N s] from contact, gap rate and slip [m/s]."""
+
+Event = Callable[[float, np.ndarray], float]
+"""A function of time and state that falls through zero."""
 
 
 def sticking(c: Contact, normal: float, tangential: float) -> tuple[float, float]:
@@ -68,35 +74,6 @@ def stick_or_slip(c: Contact, normal: float, tangential: float, mu: float) -> tu
     return sign, *sliding(c, normal, mu, sign)
 
 
-def impact(
-    mechanics: Mechanics, book: ContactBook, t: float, y: np.ndarray, mu: float
-) -> tuple[np.ndarray, int]:
-    """State after the plastic impact at (t, y), and the mode it leaves.
-
-    The loss -p.(v_before + v_after)/2 is booked; v = (gap_rate, slip).
-    """
-    before = mechanics.contact(t, y)
-    if before.gap_rate >= 0.0:
-        return y, start_mode(before, mu)
-    mode, p_n, p_t = stick_or_slip(before, before.gap_rate, before.slip, mu)
-    after = mechanics.push(y, before, p_n, p_t)
-    c = mechanics.contact(t, after)
-    book.impact_loss -= 0.5 * p_n * (before.gap_rate + c.gap_rate)
-    book.impact_loss -= 0.5 * p_t * (before.slip + c.slip)
-    return after, mode
-
-
-def start_mode(c: Contact, mu: float) -> int:
-    """Mode of a contact without approach: the sign of the slip; at zero slip the forces decide."""
-    if mu == 0.0:
-        return 1
-    if c.slip != 0.0:
-        return int(copysign(1, c.slip))
-    if c.normal_bias >= 0.0:
-        return FREE
-    return stick_or_slip(c, c.normal_bias, c.slip_bias, mu)[0]
-
-
 def settle(mechanics: Mechanics, t: float, y: np.ndarray, mode: int) -> np.ndarray:
     """The nearest state, in the mass metric, with zero gap and gap rate, and in stick zero slip.
 
@@ -109,7 +86,7 @@ def settle(mechanics: Mechanics, t: float, y: np.ndarray, mode: int) -> np.ndarr
     p_n, p_t = sticking(c, c.gap_rate, c.slip) if mode == 0 else (-c.gap_rate / c.dnn, 0.0)
     moved = mechanics.push(out, c, p_n, p_t)
     # A correction is no physical impulse.
-    moved[2 * n + 6 :] = y[2 * n + 6 :]
+    moved[2 * n + 1 :] = y[2 * n + 1 :]
     return moved
 
 
@@ -120,156 +97,248 @@ def force_law(mode: int, mu: float) -> Law:
     return lambda c: sliding(c, c.normal_bias, mu, mode)
 
 
-def phase_events(mechanics: Mechanics, c: Contact, mode: int, mu: float) -> list[Event]:
-    """Switches of a phase that begins at `c`.
-
-    Release at N = 0 (0), then the ways out of the mode: slip zero (1), or in stick the cone at
-    F = +mu N (1) and F = -mu N (2).
-    """
-    law = force_law(mode, mu)
-    found = [Event(lambda t, y: law(mechanics.contact(t, y))[0], -1)]
-
-    def margin(sign: int) -> Event:
-        def value(t: float, y: np.ndarray) -> float:
-            normal, friction = law(mechanics.contact(t, y))
-            return mu * normal - sign * friction
-
-        return Event(value, -1)
-
-    if mode == 0:
-        return [*found, margin(+1), margin(-1)]
-    if mu == 0.0:
-        return found
-    floor = min(mode * c.slip, 0.0) - SHORTEST
-    return [*found, Event(lambda t, y: mode * mechanics.contact(t, y).slip - floor, -1)]
+def newton(mu: float, e: float) -> Impact:
+    """Restitution of the gap rate."""
+    return lambda c, rate, slip: stick_or_slip(c, (1.0 + e) * rate, slip, mu)[1:]
 
 
-def peak_force(mechanics: Mechanics, law: Law, phase: PhaseEnd, start: float) -> float:
-    """Largest N [N] of a phase from `start` on: best of a grid, refined between its neighbours."""
+def johnson(mu: float, modulus: float, strength: float, radius: float) -> Impact:
+    """Newton's with the restitution of a ball that has yielded all over."""
+    pressure = 3.0 * strength
 
-    course = phase.course
-    if course is None:
-        raise ValueError("The phase was integrated without its course; no peak can be sought.")
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        brought = 0.5 * rate * rate / c.dnn
+        a = (4.0 * radius * brought / (pi * pressure)) ** 0.25
+        back = 3.0 * (pi * a * a * pressure) ** 2 / (10.0 * a * modulus)
+        return newton(mu, min(1.0, sqrt(back / brought)))(c, rate, slip)
 
-    def force(t: float) -> float:
-        return law(mechanics.contact(t, course(t)))[0]
-
-    grid = np.linspace(start, phase.t, 41)
-    values = [force(t) for t in grid]
-    best = int(np.argmax(values))
-    left, right = grid[max(best - 1, 0)], grid[min(best + 1, 40)]
-    if not left < right:
-        return values[best]
-    fine = {"xatol": 1e-3 * (right - left)}
-    inside = minimize_scalar(lambda t: -force(t), bounds=(left, right), method="bounded", options=fine)
-    return max(values[best], -float(inside.fun))
+    return impact
 
 
-def early_release(mechanics: Mechanics, law: Law, phase: PhaseEnd, start: float) -> float | None:
-    """First instant [s] of a phase at which the surface would have to pull, between two that push.
+def process(mu: float, e: float, of_energy: bool) -> Impact:  # noqa: C901 - the pieces of one process
+    """Routh's process: pieces in which gap rate and slip are linear in the normal impulse."""
 
-    Release is looked for by the sign of N where integration steps end, which a dip of N below zero
-    within a step does not show.  N is smooth over a few steps, so that a dip lies next to a step
-    end where N is lower than at both neighbours; there the minimum is sought.
-    """
-    course = phase.course
-    if course is None:
-        raise ValueError("The phase was integrated without its course; no dip can be sought.")
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        p_n = p_t = work = 0.0
+        target, compressing = inf, True
+        for _ in range(8):
+            if slip != 0.0:
+                ratio = -mu * copysign(1.0, slip)
+            elif abs(c.dnt) <= mu * c.dtt:
+                ratio = -c.dnt / c.dtt
+            else:
+                ratio = -mu * copysign(1.0, c.dnt)
+            gains, drags = c.dnn + c.dnt * ratio, c.dnt + c.dtt * ratio
+            if abs(drags) < 1e-12 * c.dtt:
+                drags = 0.0
+            to_rest = -slip / drags if slip * drags < 0.0 else inf
+            if compressing:
+                to_end = -rate / gains if gains > 0.0 else inf
+            elif of_energy:
+                # rate p + gains p^2/2 = what is still to be given back.
+                left = target - work
+                to_end = 2.0 * left / (rate + sqrt(rate * rate + 2.0 * gains * left))
+            else:
+                to_end = target - p_n
+            p = min(to_rest, to_end)
+            work += rate * p + 0.5 * gains * p * p
+            p_n, p_t, rate = p_n + p, p_t + ratio * p, rate + gains * p
+            slip = 0.0 if to_rest <= to_end else slip + drags * p
+            if to_end <= to_rest:
+                if not compressing:
+                    return p_n, p_t
+                compressing, rate = False, 0.0
+                target = -e * e * work if of_energy else (1.0 + e) * p_n
+                work = 0.0
+                if e == 0.0:
+                    return p_n, p_t
+        raise RuntimeError("Routh's process does not end.")
 
-    def force(t: float) -> float:
-        return law(mechanics.contact(t, course(t)))[0]
-
-    times = course.ts[course.ts >= start]
-    values = np.array([force(t) for t in times])
-    for k in range(1, len(times) - 1):
-        if not values[k - 1] >= values[k] <= values[k + 1]:
-            continue
-        around = (times[k - 1], times[k + 1])
-        fine = {"xatol": 1e-4 * (around[1] - around[0])}
-        lowest = minimize_scalar(force, bounds=around, method="bounded", options=fine)
-        if lowest.fun < 0.0:
-            return float(lowest.x)
-    return None
-
-
-def hold(
-    mechanics: Mechanics, mode: int, mu: float, t: float, y: np.ndarray, end: float, stepper: Stepper
-) -> PhaseEnd:
-    """One phase in one mode from (t, y) to its first switch or `end` [s].
-
-    A release that hides within a step is brought to light by repeating the phase up to the minimum
-    of N, where the last step ends below zero.
-    """
-    law, stop = force_law(mode, mu), end
-    switches = phase_events(mechanics, mechanics.contact(t, y), mode, mu)
-    while True:
-        phase = run_phase(mechanics, law, switches, t, y, stop, stepper, keep_course=True)
-        earlier = early_release(mechanics, law, phase, t)
-        if earlier is None:
-            return phase
-        stop = earlier
+    return impact
 
 
-def ride(
-    mechanics: Mechanics, mu: float, book: ContactBook, t: float, y: np.ndarray, end: float, stepper: Stepper
-) -> tuple[float, np.ndarray]:
-    """One contact, from touch-down (t, y) through its impact to release or `end` [s]."""
-    book.open(t, y)
-    y, mode = impact(mechanics, book, t, y, mu)
-    for _ in range(PHASE_LIMIT):
-        y = settle(mechanics, t, y, mode)
-        c = mechanics.contact(t, y)
-        if mode == 0:
-            # The cone of the impact is not that of the forces after it.
-            mode = start_mode(c._replace(slip=0.0), mu)
-        if mode == FREE or force_law(mode, mu)(c)[0] <= 0.0:
-            break
-        law = force_law(mode, mu)
-        result = hold(mechanics, mode, mu, t, y, end, stepper)
-        book.add(result.t - t if mode == 0 else 0.0, peak_force(mechanics, law, result, t))
-        left, t, y = mode, result.t, result.y
-        if result.fired in (None, 0):
-            y = settle(mechanics, t, y, mode)
-            break
-        # A slip at zero is looked at as stick; out of the cone it slips against its friction.
-        mode = 0 if left != 0 else (-1 if result.fired == 1 else 1)
-    else:
-        raise RuntimeError(f"More than {PHASE_LIMIT} stick-slip phases in one contact at {t} s.")
-    book.close(t, y)
-    return t, y
+def brach(mu: float, e: float) -> Impact:
+    """The least of three ratios."""
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        def impulses(r: float) -> tuple[float, float]:
+            p_n = -(1.0 + e) * rate / (c.dnn + r * c.dnt)
+            return p_n, r * p_n
+
+        def left(r: float) -> float:
+            p_n, p_t = impulses(r)
+            return slip + c.dnt * p_n + c.dtt * p_t
+
+        def loss(r: float) -> float:
+            p_n, p_t = impulses(r)
+            return -0.5 * (p_n * (1.0 - e) * rate + p_t * (slip + left(r)))
+
+        if left(0.0) == 0.0:
+            return impulses(0.0)
+        s = -copysign(1.0, left(0.0))
+        most = mu
+        if left(0.0) * left(s * mu) <= 0.0:
+            most = abs(brentq(left, 0.0, s * mu, xtol=1e-16))
+        if loss(s * most) < 0.0:
+            most = abs(brentq(loss, 0.0, s * most, xtol=1e-16)) if loss(0.0) > 0.0 else 0.0
+        return impulses(s * most)
+
+    return impact
 
 
-def solve_rigid_stick(
-    motor: OracleMotor,
-    duration: float,
-    rtol: float = 1e-10,
-    atol: np.ndarray | float | None = None,
-    *,
-    method: str = "DOP853",
-    flight_step: float = 2e-6,
-    contact_step: float = 1e-6,
-) -> OracleRun:
-    """Run the motor with rigid contact and plastic impacts from rest for `duration` [s].
+def chatterjee_ruina(mu: float, e: float, e_t: float) -> Impact:
+    """Between two plastic impacts, overdone."""
 
-    atol None scales with rtol and the size of every state.  A negative clearance has no rigid start
-    and is refused.
-    """
-    if not duration > 0.0 or motor.clearance < 0.0:
-        raise ValueError(
-            f"duration {duration} s must be positive, clearance {motor.clearance} m not negative."
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        first = np.array([-rate / c.dnn, 0.0])
+        second = np.array(sticking(c, rate, slip))
+
+        def total(k: float) -> np.ndarray:
+            return (1.0 + e) * first + k * (second - first)
+
+        def outside(k: float) -> float:
+            p_n, p_t = total(k)
+            return float(abs(p_t) - mu * p_n)
+
+        k = 1.0 + e_t
+        if outside(k) > 0.0:
+            k = brentq(outside, 0.0, k, xtol=1e-16)
+        p_n, p_t = total(k)
+        return float(p_n), float(p_t)
+
+    return impact
+
+
+class Rough(NamedTuple):
+    """Friction of a contact that lasts: kinetic mu, and a static cone that may age in stick."""
+
+    mu: float
+    ratio: float = 1.0
+    strengthening: float = 0.0
+    ageing_time: float = 1.0
+    longest_age: float = 1e5
+
+    def static(self, age: float) -> float:
+        """Static coefficient."""
+        grown = log1p(min(age, self.longest_age) / self.ageing_time)
+        return self.mu * self.ratio + self.strengthening * grown
+
+
+def plastic_ageing(rough: Rough) -> Impact:
+    """The plastic impact: static friction holds only what the stick would not have to stop."""
+
+    def impact(c: Contact, rate: float, slip: float) -> tuple[float, float]:
+        p_n, p_t = sticking(c, rate, slip)
+        if p_t * slip >= 0.0 and abs(p_t) <= rough.static(0.0) * p_n:
+            return p_n, p_t
+        return stick_or_slip(c, rate, slip, rough.mu)[1:]
+
+    return impact
+
+
+class RigidJudge:
+    """One motor with one rigid law."""
+
+    def __init__(self, motor: OracleMotor, impact: Impact, rough: Rough, rtol: float) -> None:
+        self.mechanics, self.impact, self.rough = Mechanics(motor), impact, rough
+        self.flight = Flight(self.mechanics)
+        self.rtol, self.atol = rtol, self.mechanics.tolerances(rtol)[:-1]
+
+    def at_rest(self, c: Contact, age: float) -> int:
+        """Mode at zero slip: the forces decide."""
+        p_n, p_t = sticking(c, c.normal_bias, c.slip_bias)
+        if abs(p_t) <= self.rough.static(age) * p_n:
+            return 0
+        if c.normal_bias >= 0.0:
+            return FREE
+        return stick_or_slip(c._replace(), c.normal_bias, c.slip_bias, self.rough.mu)[0] or -int(
+            copysign(1, p_t)
         )
-    mechanics = Mechanics(motor)
-    scaled = mechanics.tolerances(rtol) if atol is None else atol
-    stepper = Stepper(method, rtol, scaled, flight_step, contact_step)
-    book = ContactBook(slice(2 * mechanics.shapes + 6, 2 * mechanics.shapes + 8))
-    t, y = 0.0, mechanics.initial_state()
-    c = mechanics.contact(t, y)
-    initial = sum(mechanics.energies(y))
-    down = touching(c.gap, c.gap_rate, c.normal_bias)
-    while t < duration:
-        if down:
-            t, y = ride(mechanics, motor.friction_coefficient, book, t, y, duration, stepper)
-            down = False
-        else:
-            t, y, down = fly(mechanics, t, y, duration, stepper)
-    return finish(mechanics, y, book, initial, 0.0)
+
+    def phase(
+        self, law: Law, events: list[Event], t: float, y: np.ndarray, end: float
+    ) -> tuple[float, np.ndarray, int | None]:
+        """Integrate in contact until the first event, whose number is returned, or to `end` [s]."""
+
+        def falling(value: Event) -> Event:
+            def event(t: float, y: np.ndarray) -> float:
+                return value(t, y)
+
+            event.terminal, event.direction = True, -1  # type: ignore[attr-defined]
+            return event
+
+        done = solve_ivp(
+            lambda t, y: self.mechanics.derivative(t, y, law), (t, end), y, "DOP853",
+            events=[falling(event) for event in events], rtol=self.rtol, atol=self.atol, max_step=1e-6,
+        )  # fmt: skip
+        if done.status < 0:
+            raise RuntimeError(f"The contact at {t} s: {done.message}")
+        fired = [i for i, hits in enumerate(done.t_events) if len(hits) and hits[-1] == done.t[-1]]
+        return float(done.t[-1]), done.y[:, -1].copy(), fired[0] if fired else None
+
+    def last(  # noqa: C901 - the modes of one contact
+        self, t: float, y: np.ndarray, end: float
+    ) -> tuple[float, np.ndarray]:
+        """A contact that lasts, from zero gap and gap rate to its release or `end`."""
+        mechanics, mu, arrived = self.mechanics, self.rough.mu, False
+        for _ in range(MOST):
+            c = mechanics.contact(t, y)
+            speed = hypot(c.slip, 1e-6)
+            if arrived or abs(c.slip) < 1e-9 * speed or abs(c.slip) < 1e-11:
+                mode = self.at_rest(c, 0.0)
+            else:
+                mode = int(copysign(1, c.slip))
+            while True:
+                if mode == FREE:
+                    return t, y
+                y = settle(mechanics, t, y, mode)
+                c, law, begun = mechanics.contact(t, y), force_law(mode, mu), t
+                if law(c)[0] <= 0.0:
+                    return t, y
+                events: list[Event] = [lambda t, y, law=law: law(mechanics.contact(t, y))[0]]
+                if mode == 0:
+                    for sign in (1.0, -1.0):
+
+                        def room(t: float, y: np.ndarray, sign: float = sign, begun: float = begun) -> float:
+                            p_n, p_t = sticking(c := mechanics.contact(t, y), c.normal_bias, c.slip_bias)
+                            return self.rough.static(t - begun) * p_n - sign * p_t
+
+                        events.append(room)
+                else:
+                    floor = min(mode * c.slip, 0.0) - 1e-18
+                    events.append(lambda t, y, m=mode, f=floor: m * mechanics.contact(t, y).slip - f)
+                t, y, fired = self.phase(law, events, t, y, end)
+                if fired in (None, 0):
+                    return t, settle(mechanics, t, y, mode)
+                if mode != 0:
+                    arrived = True
+                    break
+                mode = -1 if fired == 1 else 1
+        raise RuntimeError(f"More than {MOST} phases at {t} s.")
+
+    def run(self, duration: float) -> JudgedRun:
+        """From rest, the gap open, for a duration [s]."""
+        mechanics, run, n = self.mechanics, JudgedRun(), self.mechanics.shapes
+        t, y = 0.0, mechanics.initial_state()
+        while t < duration:
+            t, y, down = self.flight.until(t, y, duration, lambda _: 0.0)
+            if not down:
+                break
+            before, begun = y[2 * n + 1 : 2 * n + 3].copy(), t
+            c = mechanics.contact(t, y)
+            if c.gap_rate < 0.0:
+                y = mechanics.push(y, c, *self.impact(c, c.gap_rate, c.slip))
+            c = mechanics.contact(t, y)
+            if c.gap_rate < SLOW:
+                t, y = self.last(t, settle(mechanics, t, y, 1), duration)
+            p_n, p_t = y[2 * n + 1 : 2 * n + 3] - before
+            run.starts.append(begun)
+            run.durations.append(t - begun)
+            run.normal_impulses.append(float(p_n))
+            run.friction_impulses.append(float(p_t))
+            if len(run.starts) > MOST:
+                raise RuntimeError(f"More than {MOST} contacts.")
+        run.rotor_velocity = float(y[2 * n])
+        run.u = float(mechanics.tip_state(y)[0])
+        run.contact_work = float("nan")
+        return run

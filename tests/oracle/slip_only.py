@@ -20,71 +20,11 @@ from step to step, and what converges is the mean.  Refused where D_nn <= mu |D_
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 
+from oracle.composed import JudgedRun
+from oracle.flight import Flight
 from oracle.motor import Contact, Mechanics, OracleMotor
-from oracle.run import PHASE_LIMIT, Stepper, fly, touching
-
-
-@dataclass(frozen=True, kw_only=True)
-class SlipOnlyRun:
-    """End state and contacts of one run, SI units, signs as in `oracle.motor`.
-
-    The arrays have one entry a contact, in time order: impulses of the contact [N s], its largest
-    force [N], and the slip [m/s] before and after its first step, the impact.
-    """
-
-    rotor_velocity: float
-    rotor_angle: float
-    u: float
-    theta: float
-    start_time: np.ndarray
-    duration: np.ndarray
-    normal_impulse: np.ndarray
-    friction_impulse: np.ndarray
-    peak_normal_force: np.ndarray
-    slip_before: np.ndarray
-    slip_after: np.ndarray
-
-    @property
-    def reversals(self) -> np.ndarray:
-        """Whether the friction impulse of each impact turned the slip round."""
-        return self.slip_before * self.slip_after < 0.0
-
-
-@dataclass
-class _Book:
-    """What the contact that is going on has gathered, and the rows of the finished ones."""
-
-    rows: list[list[float]] = field(default_factory=list)
-    start: float = 0.0
-    normal: float = 0.0
-    friction: float = 0.0
-    largest: float = 0.0
-    slips: list[float] = field(default_factory=list)
-
-    def open(self, t: float, slip: float) -> None:
-        """A contact begins at t [s] with this slip [m/s]."""
-        if len(self.rows) >= PHASE_LIMIT:
-            raise RuntimeError(f"More than {PHASE_LIMIT} contacts up to {t} s: no advance.")
-        self.start, self.normal, self.friction, self.largest = t, 0.0, 0.0, 0.0
-        self.slips = [slip]
-
-    def add(self, p_n: float, p_t: float, slip: float) -> None:
-        """Book the impulses [N s] of a step and the slip [m/s] that it leaves."""
-        self.normal += p_n
-        self.friction += p_t
-        self.largest = max(self.largest, p_n)
-        if len(self.slips) == 1:
-            self.slips.append(slip)
-
-    def close(self, t: float, step: float) -> None:
-        """The contact ends at t [s]; one that never pushed was none."""
-        if self.normal > 0.0:
-            row = [self.start, t - self.start, self.normal, self.friction, self.largest / step]
-            self.rows.append([*row, *self.slips])
 
 
 class BackwardEuler:
@@ -148,54 +88,34 @@ class BackwardEuler:
         torque = m.rotor_radius * s * m.friction_coefficient * p - h * m.load_torque
         omega = (m.rotor_inertia * y[2 * n] + torque) / (m.rotor_inertia + h * m.rotor_damping)
         out[2 * n] = omega
-        out[2 * n + 1] = y[2 * n + 1] + h * omega
         return out, p, s
 
 
-def slide(euler: BackwardEuler, book: _Book, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
-    """One contact, from touch-down (t, y) to release or the last whole step before `end` [s]."""
-    mu, h = euler.mechanics.motor.friction_coefficient, euler.step
-    book.open(t, euler.mechanics.contact(t, y).slip)
-    while t < end:
-        y, p, s = euler.take(t, y)
-        t += h
-        if p == 0.0:
-            break
-        book.add(p, -s * mu * p, euler.mechanics.contact(t, y).slip)
-    book.close(t, h)
-    return t, y
-
-
-def solve_rigid_slip(motor: OracleMotor, duration: float, step: float, rtol: float = 1e-10) -> SlipOnlyRun:
+def solve_rigid_slip(motor: OracleMotor, duration: float, step: float) -> JudgedRun:
     """Run the motor with rigid contact that always slips from rest for `duration` [s].
 
-    step: h [s] in contact.  rtol: of the flights.  A run that ends in contact ends up to one step late.
+    step: h [s] in contact. A run that ends in contact ends up to one step late.
     """
-    if not (duration > 0.0 and step > 0.0) or motor.clearance < 0.0:
-        raise ValueError(
-            f"duration {duration} s and step {step} s must be positive, clearance "
-            f"{motor.clearance} m not negative."
-        )
-    mechanics = Mechanics(motor)
-    euler, book = BackwardEuler(mechanics, step), _Book()
-    stepper = Stepper("DOP853", rtol, mechanics.tolerances(rtol), 2e-6, 1e-6)
-    t, y, n = 0.0, mechanics.initial_state(), mechanics.shapes
-    c = mechanics.contact(t, y)
-    down = touching(c.gap, c.gap_rate, c.normal_bias)
+    mechanics, run = Mechanics(motor), JudgedRun(contact_work=float("nan"))
+    euler, flight, mu = BackwardEuler(mechanics, step), Flight(mechanics), motor.friction_coefficient
+    t, y = 0.0, mechanics.initial_state()
     while t < duration:
-        if down:
-            t, y = slide(euler, book, t, y, duration)
-            down = False
-        else:
-            t, y, down = fly(mechanics, t, y, duration, stepper)
-    names = ["start_time", "duration", "normal_impulse", "friction_impulse", "peak_normal_force"]
-    names += ["slip_before", "slip_after"]
-    table = np.array(book.rows, dtype=float).reshape(-1, len(names))
-    u, theta, *_ = mechanics.tip_state(y)
-    return SlipOnlyRun(
-        rotor_velocity=float(y[2 * n]),
-        rotor_angle=float(y[2 * n + 1]),
-        u=u,
-        theta=theta,
-        **dict(zip(names, table.T, strict=True)),
-    )
+        t, y, down = flight.until(t, y, duration, lambda _: 0.0)
+        if not down:
+            break
+        begun, normal, friction = t, 0.0, 0.0
+        while t < duration:
+            y, p, s = euler.take(t, y)
+            t += step
+            if p == 0.0:
+                break
+            normal, friction = normal + p, friction - s * mu * p
+        # A contact that never pushed was none.
+        if normal > 0.0:
+            run.starts.append(begun)
+            run.durations.append(t - begun)
+            run.normal_impulses.append(normal)
+            run.friction_impulses.append(friction)
+    run.rotor_velocity = float(y[2 * mechanics.shapes])
+    run.u = float(mechanics.tip_state(y)[0])
+    return run

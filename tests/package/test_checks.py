@@ -7,7 +7,6 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 import pytest
 
-from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LagrangeStick, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
@@ -18,7 +17,6 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.motor.patched_beam import Steel
 from contactlab.parameter import Parameter
-from contactlab.sweeps import sweep
 from contactlab.testing.plants import paper_motor
 
 MOTOR = paper_motor()
@@ -57,12 +55,6 @@ class Mutable(Undecorated):
 class SourceAsField(WithoutSource):
     source: str = "this test"
     default_contact_step: float = 4e-6
-
-
-def test_numbers_of_numpy_are_accepted() -> None:
-    assert HertzPenalty(friction_coefficient=np.float32(0.25)).friction_limit == 0.25
-    assert HertzPenalty(friction_coefficient=1).friction_limit == 1.0
-    assert RitzResonator(shapes=np.int64(4)).modes.stiffness.size == 4  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("value", ["0.3", None, True, 0.3j, np.array([0.1, 0.2])], ids=str)
@@ -121,26 +113,3 @@ def test_an_argument_of_the_wrong_type_is_refused(make: Callable[[], Any], key: 
 def test_an_argument_of_the_wrong_shape_or_range_is_refused(make: Callable[[], Any], key: str) -> None:
     with pytest.raises(ValueError, match=key):
         make()
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        *(("law", value) for value in ("hertz_penalty", HertzPenalty, None)),
-        ("motor", RitzResonator()),
-        *((key, "1") for key in ("duration", "record_interval", "contact_step", "tolerance")),
-    ],
-)
-def test_simulate_refuses_an_argument_of_the_wrong_type(key: str, value: object) -> None:
-    arguments: dict[str, Any] = {"motor": MOTOR, "law": HertzPenalty(), "duration": 1e-4}
-    with pytest.raises(TypeError, match=key.replace("_", " ")):
-        simulate(**arguments | {"record_interval": 1e-5, key: value})
-
-
-@pytest.mark.parametrize(
-    ("key", "value"), [("law", 0.3), ("law", None), ("motor", None), ("base", ["drive.phase=1"])]
-)
-def test_sweep_refuses_an_argument_of_the_wrong_type(key: str, value: object) -> None:
-    arguments: dict[str, Any] = {"motor": lambda **_: MOTOR, "law": LagrangeStick(0.3)}
-    with pytest.raises((TypeError, ValueError), match=key):
-        sweep({"clearance": [1e-6]}, **arguments | {key: value}, duration=1e-4, workers=1)

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from contactlab.results import files
-from contactlab.results.files import remove_left, whole_file, whole_netcdf
+from contactlab.results.files import remove_left, whole_file
 
 
 def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:
@@ -25,31 +25,23 @@ def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
 
 
-@pytest.mark.parametrize("stop", [KeyboardInterrupt, ValueError, MemoryError])
-def test_whatever_stops_the_body_leaves_nothing(tmp_path: Path, stop: type[BaseException]) -> None:
+@pytest.mark.parametrize("before", [None, "before"])
+@pytest.mark.parametrize("stop", [KeyboardInterrupt, ValueError, OSError(errno.ENOSPC, "No space left")])
+def test_whatever_stops_the_body_leaves_the_folder_as_it_was(
+    tmp_path: Path, stop: type[BaseException] | OSError, before: str | None
+) -> None:
+    path = tmp_path / "run.nc"
+    if before:
+        path.write_text(before)
+
     def stop_half_way() -> None:
-        with whole_file(tmp_path / "run.nc") as partial:
+        with whole_file(path) as partial:
             partial.write_text("ha")
             raise stop
 
-    with pytest.raises(stop):
+    with pytest.raises(stop if isinstance(stop, type) else OSError):
         stop_half_way()
-    assert not list(tmp_path.iterdir())
-
-
-def test_a_failed_file_leaves_its_predecessor_alone(tmp_path: Path) -> None:
-    path = tmp_path / "run.nc"
-    path.write_text("before")
-
-    def fail() -> None:
-        with whole_file(path) as partial:
-            partial.write_text("after")
-            raise OSError(errno.ENOSPC, "No space left on device")
-
-    with pytest.raises(OSError, match="cannot be written"):
-        fail()
-    assert path.read_text() == "before"
-    assert list(tmp_path.iterdir()) == [tmp_path / "run.nc"]
+    assert [file.read_text() for file in tmp_path.iterdir()] == ([before] if before else [])
 
 
 def test_a_failed_synchronisation_fails_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -62,7 +54,7 @@ def test_a_failed_synchronisation_fails_the_file(tmp_path: Path, monkeypatch: py
         with whole_file(tmp_path / "run.nc") as partial:
             partial.write_text("whole")
 
-    with pytest.raises(OSError, match=r"'run\.nc' cannot be written"):
+    with pytest.raises(OSError, match=r"run\.nc"):
         write()
     assert not list(tmp_path.iterdir())
 
@@ -88,25 +80,14 @@ def test_the_file_is_on_the_disk_before_it_takes_its_name(
     assert steps == ["fsync", "name", "fsync"]
 
 
-def test_a_missing_folder_is_refused_in_a_sentence_that_names_it(tmp_path: Path) -> None:
+def test_a_missing_folder_is_named(tmp_path: Path) -> None:
     def write() -> None:
         with whole_file(tmp_path / "nowhere" / "run.nc"):
             pytest.fail("The body must not run.")
 
-    with pytest.raises(OSError, match=r"'run.nc' cannot be written, its folder does not exist") as e:
+    with pytest.raises(OSError, match=r"run\.nc") as e:
         write()
     assert e.value.filename == str(tmp_path / "nowhere")
-
-
-def test_a_file_in_place_of_the_folder_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-
-    def write() -> None:
-        with whole_file(tmp_path / "file" / "run.nc"):
-            pytest.fail("The body must not run.")
-
-    with pytest.raises(NotADirectoryError):
-        write()
 
 
 def left_by(process: int | str, machine: str, folder: Path) -> Path:
@@ -183,26 +164,3 @@ def test_a_fresh_file_takes_the_place_of_no_other(tmp_path: Path) -> None:
         begin("second")
     assert path.read_text() == "first"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_a_netcdf_file_that_cannot_be_written_tells_the_cause_of_the_system(tmp_path: Path) -> None:
-    """Whatever the library says: a little more cannot be written either, and the system knows why."""
-    resource = pytest.importorskip(
-        "resource", reason="This system bounds no file; run the tests on Linux or macOS."
-    )
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-
-    def write() -> None:
-        with whole_netcdf(tmp_path / "run.nc") as partial:
-            partial.write_bytes(bytes(10_000))
-            raise RuntimeError("NetCDF: HDF error")
-
-    resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, hard))
-    try:
-        with pytest.raises(OSError, match=r"'run\.nc' cannot be written \(File too large\)"):
-            write()
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
-    with pytest.raises(OSError, match=r"\(the netCDF library says: NetCDF: HDF error\)"):
-        write()
-    assert not list(tmp_path.iterdir())

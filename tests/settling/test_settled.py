@@ -1,6 +1,5 @@
 """What a run says of its steady state holds: limits of known sequences, kinds of known maps, motors."""
 
-from dataclasses import replace
 from functools import cache
 from math import inf, nan, pi, sqrt
 
@@ -10,9 +9,6 @@ from scipy.signal import lfilter
 
 import contactlab as cl
 from contactlab.arrays import Array
-from contactlab.comparison import findings
-from contactlab.comparison.reruns import Refined
-from contactlab.comparison.scorecard import scorecard
 from contactlab.estimate import Estimate
 from contactlab.metrics import INVARIANTS, METRICS, Run, assess
 from contactlab.motor.drive import Drive, NoPeriodError, period_of
@@ -275,8 +271,6 @@ def test_a_run_that_is_too_short_is_no_fault_of_its_law() -> None:
     assert metric.verdict(0.0) == "settled"
     assert not metric.judges_law
     assert "unsettled_share" not in INVARIANTS
-    said = findings.verdicts(scorecard([Refined(replace(Run.of(solution.tree), label="a law"))]))["a law"]
-    assert not any("unsettled" in sentence for sentence in said)
 
 
 def test_a_file_without_the_attributes_of_today_says_the_same() -> None:

@@ -4,12 +4,12 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from oscillator_with_stop import ImpactOscillator, doubling_between
 
 from contactlab.steady_state.continuation import Followed, follow
 from contactlab.steady_state.curve import Mark
 from contactlab.steady_state.period_map import PeriodMap
 from contactlab.steady_state.shooting import Orbit, orbit_from
-from contactlab.testing.impact_oscillator import ImpactOscillator, doubling_between
 
 
 def oscillator(frequency: float) -> ImpactOscillator:

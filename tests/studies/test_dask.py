@@ -6,12 +6,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from support.sweeps import begun
 
 import contactlab as cl
 from contactlab.studies.runner import run
+from contactlab.studies.sweep import continued
+from contactlab.studies.sweep_dataset import DATASET
 
 distributed = pytest.importorskip("distributed")
 ROOT = Path(__file__).parents[2]
@@ -70,3 +74,13 @@ def test_a_worker_that_dies_loses_nothing_and_changes_no_bit(
     there = run(Slow(scheduler=address), setups, tmp_path / "there", kill_one)
     assert counts == [*range(13)]
     assert there.data.identical(here.data)
+
+
+@pytest.mark.long
+def test_a_sweep_on_a_scheduler_leaves_the_same_bytes(
+    cluster: tuple[str, list["subprocess.Popen[bytes]"]], tmp_path: Path
+) -> None:
+    for name, scheduler in (("here", None), ("there", cluster[0])):
+        sweep = begun(tmp_path / name, finished=1)
+        continued(replace(sweep, scheduler=scheduler), tmp_path / name)
+    assert (tmp_path / "here" / DATASET).read_bytes() == (tmp_path / "there" / DATASET).read_bytes()

@@ -3,14 +3,18 @@
 import os
 import sys
 from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from slurm.cluster import ClusterError, running_cluster
 from support.slow_study import Slow
+from support.sweeps import begun
 
 import contactlab as cl
 from contactlab.studies.runner import run
+from contactlab.studies.sweep import continued
+from contactlab.studies.sweep_dataset import DATASET
 
 dask_jobqueue = pytest.importorskip("dask_jobqueue")
 ROOT = Path(__file__).parents[2]
@@ -47,4 +51,8 @@ def test_workers_that_slurm_starts_leave_the_same_bits(
         )
         stack.enter_context(workers).scale(jobs=2)
         there = run(Slow(scheduler=workers.scheduler_address), setups, tmp_path / "there")
+        # A sweep that keeps numbers alone.
+        for name, scheduler in (("alone", None), ("shared", workers.scheduler_address)):
+            continued(replace(begun(tmp_path / name, finished=1), scheduler=scheduler), tmp_path / name)
     assert there.data.identical(here.data)
+    assert (tmp_path / "alone" / DATASET).read_bytes() == (tmp_path / "shared" / DATASET).read_bytes()

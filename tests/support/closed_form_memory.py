@@ -1,4 +1,4 @@
-"""Laws that remember, each a few lines whose motion is known in closed form."""
+"""Laws with internal variables, each a few lines whose motion is known in closed form."""
 
 from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, sin, sqrt
@@ -12,111 +12,111 @@ from contactlab.laws.lagrange import stick_or_slip_impulse
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
 from contactlab.parameter import Parameter, not_negative, positive
 
-STIFFNESS = positive("k", "N m-1", "contact stiffness")
 TIME = positive("T", "s", "a time")
+CLOCK = InternalVariable("clock", "t", "s", "time since the touch-down")
+WARMTH = InternalVariable("warmth", "z", "1", "what is left", initial=1.0, life="run")
+DENTED = InternalVariable("dented", "s", "1", "1 once it is dented")
+
+
+@dataclass(frozen=True)
+class Spring(PenaltyLaw):
+    """A linear spring."""
+
+    equation = "N = k d"
+    source = "this test"
+    default_contact_step = 4e-6
+
+    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e6
+
+    @staticmethod
+    @kernel
+    def force(gap, stiffness):
+        return -stiffness * gap, 0.0, 0.5 * stiffness * gap * gap, 0.0
 
 
 @final
 @dataclass(frozen=True)
-class Softening(PenaltyLaw):
-    """A spring that loses half of its stiffness at a time T after the touch-down, and tells when that was."""
+class Softening(Spring):
+    """A spring that loses half of its stiffness at a time T after the touch-down, and records when."""
 
     name = "softening"
-    equation = "N = k d for t < T, k d / 2 after that"
-    source = "this test"
-    default_contact_step = 4e-6
     guards = 1
     internal_variables = (
-        InternalVariable("clock", "t", "s", "time since the touch-down"),
+        CLOCK,
         InternalVariable("soft", "s", "1", "1 once it is soft"),
         InternalVariable("switched", "t_s", "s", "clock where it became soft"),
     )
 
-    stiffness: Annotated[float, STIFFNESS] = 1e6
     time: Annotated[float, TIME] = 3e-5
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, z, parameters):
-        stiffness = parameters[0] * (0.5 if z[1] > 0.5 else 1.0)
-        return -stiffness * gap, 0.0, 0.5 * stiffness * gap * gap, 0.0
+    def force(gap, soft, stiffness):
+        left = stiffness * (0.5 if soft > 0.5 else 1.0)
+        return -left * gap, 0.0, 0.5 * left * gap * gap, 0.0
 
     @staticmethod
     @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+    def rate(which):
         return 1.0 if which == 0 else 0.0
 
     @staticmethod
     @kernel
-    def guard(which, gap, gap_rate, slip, normal, z, parameters):
-        return parameters[1] - z[0] if z[1] < 0.5 else 1.0
+    def guard(clock, soft, time):
+        return time - clock if soft < 0.5 else 1.0
 
     @staticmethod
     @kernel
-    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+    def jump(which, event, clock, z):
         if event == 0 and which == 1:
             return 1.0
-        return z[0] if event == 0 and which == 2 else z[which]
+        return clock if event == 0 and which == 2 else z[which]
 
 
 @final
 @dataclass(frozen=True)
-class Cooling(PenaltyLaw):
-    """A spring beside something that decays from 1 for the whole run, in contact and in flight."""
+class Cooling(Spring):
+    """A spring beside a variable that decays from 1 for the whole run, in contact and in flight."""
 
     name = "cooling"
-    equation = "N = k d, dz/dt = -z/T"
-    source = "this test"
-    default_contact_step = 4e-6
-    internal_variables = (InternalVariable("warmth", "z", "1", "what is left", initial=1.0, life="run"),)
+    internal_variables = (WARMTH,)
 
-    stiffness: Annotated[float, STIFFNESS] = 1e6
     time: Annotated[float, TIME] = 2e-4
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, z, parameters):
-        return -parameters[0] * gap, 0.0, 0.5 * parameters[0] * gap * gap, 0.0
-
-    @staticmethod
-    @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
-        return -z[0] / parameters[1]
+    def rate(warmth, time):
+        return -warmth / time
 
 
 @dataclass(frozen=True)
-class Denting(PenaltyLaw):
-    """A plastic spring: it leaves half of its depth as a dent, and gives nothing back."""
+class Denting(Spring):
+    """A plastic spring that leaves half of its depth as a dent: N = k (d - d_p) from d = d_p on."""
 
-    equation = "N = k (d - d_p), d_p = d/2 at the depth of a dent; it begins and ends at d = d_p"
-    source = "this test"
-    default_contact_step = 4e-6
     guards = 1
 
-    stiffness: Annotated[float, STIFFNESS] = 1e6
+    @staticmethod
+    @kernel
+    def force(gap, dent, stiffness):
+        depth = -gap - dent
+        return stiffness * depth, 0.0, 0.5 * stiffness * depth * depth, 0.0
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, z, parameters):
-        depth = -gap - z[0]
-        return parameters[0] * depth, 0.0, 0.5 * parameters[0] * depth * depth, 0.0
+    def guard(gap_rate, dented):
+        return -gap_rate if dented < 0.5 else 1.0
 
     @staticmethod
     @kernel
-    def guard(which, gap, gap_rate, slip, normal, z, parameters):
-        return -gap_rate if z[1] < 0.5 else 1.0
-
-    @staticmethod
-    @kernel
-    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+    def jump(which, event, gap, dent, z):
         if event == 0:
-            return 1.0 if which == 1 else 0.5 * (z[0] - gap)
+            return 1.0 if which == 1 else 0.5 * (dent - gap)
         return 0.0 if event == AT_TOUCH and which == 1 else z[which]
 
     @staticmethod
     @kernel
-    def limits(z, parameters):
-        return -z[0], -z[0]
+    def limits(dent):
+        return -dent, -dent
 
 
 @final
@@ -125,10 +125,7 @@ class LastingDent(Denting):
     """The dent stays for the run."""
 
     name = "lasting_dent"
-    internal_variables = (
-        InternalVariable("dent", "d_p", "m", "depth of the dent", life="run"),
-        InternalVariable("dented", "s", "1", "1 once it is dented"),
-    )
+    internal_variables = (InternalVariable("dent", "d_p", "m", "depth of the dent", life="run"), DENTED)
 
 
 @final
@@ -137,79 +134,64 @@ class FreshDent(Denting):
     """The next contact meets another place."""
 
     name = "fresh_dent"
-    internal_variables = (
-        InternalVariable("dent", "d_p", "m", "depth of the dent"),
-        InternalVariable("dented", "s", "1", "1 once it is dented"),
-    )
+    internal_variables = (InternalVariable("dent", "d_p", "m", "depth of the dent"), DENTED)
 
 
 @final
 @dataclass(frozen=True)
-class Ledge(PenaltyLaw):
-    """A spring that begins and ends at another gap than zero, and remembers nothing."""
+class Ledge(Spring):
+    """A spring whose contact begins at a gap g_0 and ends at g_1: N = k (g_1 - g)."""
 
     name = "ledge"
-    equation = "N = k (g_1 - g), from g_0 on to g_1"
-    source = "this test"
-    default_contact_step = 4e-6
 
     begin: Annotated[float, Parameter("g_0", "m", "gap of a touch-down")] = -1e-7
     end: Annotated[float, Parameter("g_1", "m", "gap of a release")] = -1e-7
-    stiffness: Annotated[float, STIFFNESS] = 1e6
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, parameters):
-        depth = parameters[1] - gap
-        return parameters[2] * depth, 0.0, 0.5 * parameters[2] * depth * depth, 0.0
+    def force(gap, end, stiffness):
+        depth = end - gap
+        return stiffness * depth, 0.0, 0.5 * stiffness * depth * depth, 0.0
 
     @staticmethod
     @kernel
-    def limits(parameters):
-        return parameters[0], parameters[1]
+    def limits(begin, end):
+        return begin, end
 
 
 @final
 @dataclass(frozen=True)
-class Pad(PenaltyLaw):
-    """A flat pad on an elastic foundation, 2 b wide, with a drag against spin."""
+class Pad(Spring):
+    """A flat pad on an elastic foundation, 2 b wide, with a drag against spin: M = -k b^2/3 tilt - c spin."""
 
     name = "pad"
-    equation = "N = k d, M = -k b^2/3 tilt - c spin"
-    source = "Winkler (1867)"
-    default_contact_step = 4e-6
 
-    stiffness: Annotated[float, STIFFNESS] = 1e7
+    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7
     half_width: Annotated[float, positive("b", "m", "half width")] = 2e-3
     drag: Annotated[float, not_negative("c", "N m s", "drag against spin")] = 0.0
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, parameters):
-        return -parameters[0] * gap, 0.0, 0.5 * parameters[0] * gap * gap, 0.0
-
-    @staticmethod
-    @kernel
-    def moment(tilt, spin, gap, normal, parameters):
-        stiffness = parameters[0] * parameters[1] ** 2 / 3.0
-        return -stiffness * tilt, -parameters[2] * spin, 0.5 * stiffness * tilt * tilt
+    def moment(tilt, spin, stiffness, half_width, drag):
+        turning = stiffness * half_width**2 / 3.0
+        return -turning * tilt, -drag * spin, 0.5 * turning * tilt * tilt
 
 
 @final
 @dataclass(frozen=True)
-class Told(MultiplierLaw):
+class RigidAgeing(MultiplierLaw):
     """A rigid law with cohesion and a restitution of impacts alone, that ages in stick and counts switches.
 
     |p_t| <= mu (p_n + C step): cohesion is a force.
     """
 
-    name = "told"
+    name = "rigid_ageing"
     equation = "|F| <= mu (N + C), gdot+ = -e gdot- in impacts"
     source = "this test"
     default_contact_step = 1e-6
     internal_variables = (
         InternalVariable("age", "t", "s", "time of stick"),
-        InternalVariable("warmth", "z", "1", "what is left", initial=1.0, life="run"),
+        WARMTH,
         InternalVariable("switches", "n", "1", "switches of the friction"),
     )
 
@@ -224,30 +206,45 @@ class Told(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, step, impact, z, parameters):
-        rate = normal_rate + (parameters[2] * gap_rate if impact else 0.0)
-        p_n, p_t, mode = stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0])
+    def solve(
+        normal_rate,
+        tangential_rate,
+        gap_rate,
+        slip,
+        d_nn,
+        d_nt,
+        d_tt,
+        step,
+        impact,
+        friction_coefficient,
+        cohesion,
+        restitution,
+    ):
+        rate = normal_rate + (restitution * gap_rate if impact else 0.0)
+        p_n, p_t, mode = stick_or_slip_impulse(
+            rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient
+        )
         if mode == SLIP and p_n > 0.0 and not impact:
-            p_t *= (p_n + parameters[1] * step) / p_n
+            p_t *= (p_n + cohesion * step) / p_n
         return p_n, p_t, mode
 
     @staticmethod
     @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+    def rate(which, slip, warmth, time):
         if which == 1:
-            return -z[1] / parameters[3]
+            return -warmth / time
         return 1.0 if which == 0 and slip == 0.0 else 0.0
 
     @staticmethod
     @kernel
-    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
+    def jump(which, event, age, switches, z):
         if which == 0:
-            return 0.0 if event in (AT_SLIP, AT_TOUCH) else z[0]
-        return z[2] + 1.0 if which == 2 and event in (AT_SLIP, AT_STICK) else z[which]
+            return 0.0 if event in (AT_SLIP, AT_TOUCH) else age
+        return switches + 1.0 if which == 2 and event in (AT_SLIP, AT_STICK) else z[which]
 
 
 def softened_end(law: Softening, mass: float, speed: float) -> tuple[float, float]:
-    """Give duration [s] and speed of rebound [m/s] of a ball on a spring that softens."""
+    """Return duration [s] and speed of rebound [m/s] of a ball on a spring that softens."""
     stiff, soft = sqrt(law.stiffness / mass), sqrt(0.5 * law.stiffness / mass)
     depth, rate = speed / stiff * sin(stiff * law.time), speed * cos(stiff * law.time)
     rebound = hypot(rate, soft * depth)
@@ -256,73 +253,57 @@ def softened_end(law: Softening, mass: float, speed: float) -> tuple[float, floa
 
 @final
 @dataclass(frozen=True)
-class TwoClocks(PenaltyLaw):
-    """A spring with two guards that fall within one step, the later one asked first."""
+class TwoClocks(Spring):
+    """A spring with two guards that fall within one step, the later one first in order."""
 
     name = "two_clocks"
-    equation = "N = k d"
-    source = "this test"
-    default_contact_step = 4e-6
     guards = 2
-    internal_variables = (
-        InternalVariable("clock", "t", "s", "time since the touch-down"),
-        InternalVariable("order", "n", "1", "the guards that fell, as digits"),
-    )
+    internal_variables = (CLOCK, InternalVariable("order", "n", "1", "the guards that fell, as digits"))
 
-    stiffness: Annotated[float, STIFFNESS] = 1e6
     time: Annotated[float, TIME] = 3e-5
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, z, parameters):
-        return -parameters[0] * gap, 0.0, 0.5 * parameters[0] * gap * gap, 0.0
-
-    @staticmethod
-    @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
+    def rate(which):
         return 1.0 if which == 0 else 0.0
 
     @staticmethod
     @kernel
-    def guard(which, gap, gap_rate, slip, normal, z, parameters):
+    def guard(which, clock, order, time):
         if which == 0:
-            return 1.001 * parameters[1] - z[0] if z[1] % 10.0 != 1.0 else 1.0
-        return parameters[1] - z[0] if z[1] == 0.0 else 1.0
+            return 1.001 * time - clock if order % 10.0 != 1.0 else 1.0
+        return time - clock if order == 0.0 else 1.0
 
     @staticmethod
     @kernel
-    def jump(which, event, gap, gap_rate, slip, normal, z, parameters):
-        return 10.0 * z[1] + event + 1.0 if event >= 0 and which == 1 else z[which]
+    def jump(which, event, order, z):
+        return 10.0 * order + event + 1.0 if event >= 0 and which == 1 else z[which]
 
 
 @final
 @dataclass(frozen=True)
-class Swelling(PenaltyLaw):
+class Swelling(Spring):
     """A spring on a surface that rises by itself, from zero to a height h, by w = h (1 - exp(-t/T))."""
 
     name = "swelling"
-    equation = "N = k (w - g), dw/dt = (h - w)/T; it begins and ends at g = w"
-    source = "this test"
-    default_contact_step = 4e-6
     internal_variables = (InternalVariable("rise", "w", "m", "rise of the surface", life="run"),)
 
-    stiffness: Annotated[float, STIFFNESS] = 1e6
     time: Annotated[float, TIME] = 2e-5
     height: Annotated[float, positive("h", "m", "height")] = 1e-6
 
     @staticmethod
     @kernel
-    def force(gap, gap_rate, slip, impact_speed, z, parameters):
-        normal = parameters[0] * (z[0] - gap)
+    def force(gap, rise, stiffness, height, time):
+        normal = stiffness * (rise - gap)
         # What lifts the surface does work.
-        return normal, 0.0, 0.5 * normal * (z[0] - gap), -normal * (parameters[2] - z[0]) / parameters[1]
+        return normal, 0.0, 0.5 * normal * (rise - gap), -normal * (height - rise) / time
 
     @staticmethod
     @kernel
-    def rate(which, gap, gap_rate, slip, normal, z, parameters):
-        return (parameters[2] - z[0]) / parameters[1]
+    def rate(rise, height, time):
+        return (height - rise) / time
 
     @staticmethod
     @kernel
-    def limits(z, parameters):
-        return z[0], z[0]
+    def limits(rise):
+        return rise, rise

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from oracle import OracleMotor, solve_rigid_slip
 from oracle.composed import Judge, JudgedRun, Parts
 from oracle.flight import Flight
 from oracle.friction_parts import (
@@ -24,16 +23,6 @@ from oracle.friction_parts import (
     Regularised,
     SetValued,
     Stribeck,
-)
-from oracle.impact_laws import (
-    RigidJudge,
-    Rough,
-    brach,
-    chatterjee_ruina,
-    johnson,
-    newton,
-    plastic_ageing,
-    process,
 )
 from oracle.motor import Mechanics
 from oracle.normal_parts import (
@@ -52,6 +41,8 @@ from oracle.normal_parts import (
     hysteretic,
     loss_number,
 )
+from oracle.rigid import RigidJudge, Rough, brach, chatterjee_ruina, johnson, newton, plastic_ageing, process
+from oracle.slip_only import solve_rigid_slip
 from support.motors import default_motor, oracle_motor
 
 from contactlab.engine import simulate
@@ -369,7 +360,9 @@ def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[fl
     motor = oracle_motor(**changes)
     e = dice.between(0.1, 0.8)
     if row == "lagrange_slip":
-        return LAWS[row](mu), lambda rtol: slip_only(motor, SLIP_STEP if rtol < LOOSE else 2.0 * SLIP_STEP)
+        return LAWS[row](mu), lambda rtol: solve_rigid_slip(
+            motor, DURATION, SLIP_STEP * (1.0 if rtol < LOOSE else 2.0)
+        )
     rough, numbers = Rough(mu), {}
     if row == "lagrange_stick":
         impact = newton(mu, 0.0)
@@ -397,13 +390,6 @@ def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[fl
         impact = made.get(row, newton(mu, e))
     law = LAWS[row](friction_coefficient=mu, **numbers)
     return law, lambda rtol: RigidJudge(motor, impact, rough, max(rtol, 1e-11)).run(DURATION)
-
-
-def slip_only(motor: OracleMotor, step: float) -> JudgedRun:
-    """The stepped judge of the law that always slips."""
-    run = solve_rigid_slip(motor, DURATION, step)
-    rows = (run.start_time, run.duration, run.normal_impulse, run.friction_impulse)
-    return JudgedRun(run.rotor_velocity, run.u, float("nan"), *(column.tolist() for column in rows))
 
 
 def case_of(number: int) -> Case:

@@ -14,5 +14,5 @@ def solve_of(law: MultiplierLaw, *state: float, **variables: float) -> Any:
 def state_of(friction: Friction, normal: float, slip: float, z: float = 0.0, stiffness: float = 1.0) -> Any:
     """Friction, rate of its variable, stored energy and stiffness over a constant normal stiffness."""
     of_normal = {"normal_stiffness": stiffness, "normal_stiffness_rate": 0.0}
-    variables = {one.name: z for one in friction.internal_variables[:1]}
+    variables = {each.name: z for each in friction.internal_variables[:1]}
     return friction.evaluate("state", normal=normal, slip=slip, **of_normal, **variables)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.measured.bodies import BodyImpacts
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.reduction import BodyImpacts
 
 
 def drawn_bodies(count: int, seed: int, noise: float = 0.0, coordinates: int = 3) -> BodyImpacts:

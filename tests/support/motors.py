@@ -3,10 +3,10 @@
 The parameters are the oracle's words, SI units; by default the paper's motor, placement 2 of Table 1.
 """
 
-from math import pi
+from dataclasses import asdict
 
 import numpy as np
-from oracle import OracleMotor
+from oracle.motor import OracleMotor
 from oracle.stepped_beam import SteppedBeam
 
 from contactlab.engine import simulate
@@ -20,38 +20,7 @@ from contactlab.testing.plants import last
 from contactlab.testing.references import PLACEMENTS
 from contactlab.trajectory import Trajectory
 
-DEFAULTS: dict[str, float] = {
-    "length": 57e-3,
-    "width": 16e-3,
-    "beam_thickness": 1e-3,
-    "piezo_thickness": 1e-3,
-    "patch_start": 0.914e-3,
-    "patch_end": 10.146e-3,
-    "tip_mass": 1.181e-3,
-    "tip_inertia": 1.321e-7,
-    "tip_length": 19e-3,
-    "rotor_radius": 25e-3,
-    "rotor_inertia": 4.8e-5,
-    "rotor_damping": 0.0,
-    "load_torque": 0.0,
-    "initial_velocity": 0.0,
-    "clearance": 1e-6,
-    "friction_coefficient": 0.3,
-    "voltage_1": 100.0,
-    "voltage_2": 100.0,
-    "frequency": 3210.0,
-    "frequency_ratio": 2.0,
-    "phase": -pi / 5.0,
-    "shapes": 4,
-    "mass_damping": 7.5,
-    "stiffness_damping": 2e-5,
-    "steel_modulus": 210e9,
-    "steel_poisson": 0.3,
-    "steel_density": 7850.0,
-    "piezo_bending_modulus": 94.295e9,
-    "piezo_bending_coupling": 9.196,
-    "piezo_density": 7700.0,
-}
+DEFAULTS: dict[str, float] = asdict(OracleMotor()) | {"frequency": 3210.0}
 """Case A but for the law: the drive's first tone is given, not the first natural frequency."""
 
 PLACEMENT_1, PLACEMENT_2 = ({"patch_start": start, "patch_end": end} for start, end in PLACEMENTS.values())

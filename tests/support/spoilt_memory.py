@@ -8,7 +8,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, final
 
-from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import Friction
@@ -39,176 +38,106 @@ class Kept(PenaltyLaw):
     violations: ClassVar[Mapping[str, str]] = {
         "answers_scale_with_units": "its numbers stand in its kernels, and are declared nowhere."
     }
-    kernels: ClassVar[Kernels]
-
-    @property
-    def force(self) -> Any:
-        return self.kernels["force"]
-
-    @property
-    def rate(self) -> Any:
-        return self.kernels.get("rate")
-
-    @property
-    def guard(self) -> Any:
-        return self.kernels.get("guard")
-
-    @property
-    def jump(self) -> Any:
-        return self.kernels.get("jump")
-
-    @property
-    def limits(self) -> Any:
-        return self.kernels.get("limits")
 
 
 def law_of(
-    title: str, chosen: Kernels, *variables: InternalVariable, count: int = 0, pulls: bool = False
+    title: str, kernels: Kernels, *variables: InternalVariable, count: int = 0, pulls: bool = False
 ) -> Any:
-    """Give a law of these kernels."""
-
-    @final
-    @dataclass(frozen=True)
-    class Law(Kept):
-        name: ClassVar[str] = title
-        kernels: ClassVar[Kernels] = chosen
-        internal_variables: ClassVar[tuple[InternalVariable, ...]] = variables
-        guards: ClassVar[int] = count
-        allows_tension: ClassVar[bool] = pulls
-
-        friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-
-    return Law()
+    """Return a law of these kernels."""
+    members: dict[str, Any] = {name: staticmethod(function) for name, function in kernels.items()}
+    members |= {
+        "name": title,
+        "internal_variables": variables,
+        "guards": count,
+        "allows_tension": pulls,
+        "__annotations__": {"friction_coefficient": Annotated[float, FRICTION_COEFFICIENT]},
+        "friction_coefficient": 0.3,
+    }
+    return dataclass(frozen=True)(type("Law", (Kept,), members))()
 
 
 @kernel
-def solid_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
-) -> Any:
-    bent = -gap - z[0]
+def solid_force(gap, creep, friction_coefficient):
+    bent = -gap - creep
     normal = -STIFF * gap + SOFT * bent
     stored = 0.5 * STIFF * gap * gap + 0.5 * SOFT * bent * bent
-    return normal, parameters[0] * max(normal, 0.0), stored, SOFT * bent * bent / TIME
+    return normal, friction_coefficient * max(normal, 0.0), stored, SOFT * bent * bent / TIME
 
 
 @kernel
-def solid_rate(
-    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
-) -> Any:
-    return (-gap - z[0]) / TIME
+def solid_rate(gap, creep):
+    return (-gap - creep) / TIME
 
 
 @kernel
-def overshooting_rate(
-    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
-) -> Any:
-    return (-1.5 * gap - z[0]) / TIME
+def overshooting_rate(gap, creep):
+    return (-1.5 * gap - creep) / TIME
 
 
 @kernel
-def pumping_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
-) -> Any:
-    normal, bound, stored, _ = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
-    return normal, bound, stored, SOFT * (-gap - z[0]) * (-1.5 * gap - z[0]) / TIME
+def pumping_force(gap, creep, friction_coefficient):
+    normal, bound, stored, _ = solid_force(gap, creep, friction_coefficient)
+    return normal, bound, stored, SOFT * (-gap - creep) * (-1.5 * gap - creep) / TIME
 
 
 @kernel
-def forgetting_jump(
-    which: int,
-    event: int,
-    gap: float,
-    gap_rate: float,
-    slip: float,
-    normal: float,
-    z: Array,
-    parameters: Array,
-) -> Any:
-    return 0.0 if event == AT_SLIP else z[0]
+def forgetting_jump(event, creep):
+    return 0.0 if event == AT_SLIP else creep
 
 
 @kernel
-def greedy_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
-) -> Any:
-    normal, bound, stored, loss = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
+def greedy_force(gap, z, friction_coefficient):
+    normal, bound, stored, loss = solid_force(gap, z[0], friction_coefficient)
     # What is no number is not positive either.
     more = 1.01 if z[1] > 0.0 else 1.0
     return more * normal, more * bound, more * stored, more * loss
 
 
 @kernel
-def owing_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
-) -> Any:
-    normal, bound, stored, loss = solid_force(gap, gap_rate, slip, impact_speed, z, parameters)
+def owing_force(gap, creep, friction_coefficient):
+    normal, bound, stored, loss = solid_force(gap, creep, friction_coefficient)
     return normal, bound, stored - 1e-7, loss
 
 
 @kernel
-def dent_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, z: Array, parameters: Array
-) -> Any:
-    depth = -gap - z[0]
+def dent_force(gap, gap_rate, dent, yielding, friction_coefficient):
+    depth = -gap - dent
     normal = max(STIFF * depth, 0.0)
-    return normal, parameters[0] * normal, 0.5 * normal * depth, -normal * gap_rate * z[1]
+    return normal, friction_coefficient * normal, 0.5 * normal * depth, -normal * gap_rate * yielding
 
 
 @kernel
-def dent_rate(
-    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
-) -> Any:
-    return -gap_rate * z[1] if which == 0 else 0.0
+def dent_rate(which, gap_rate, yielding):
+    return -gap_rate * yielding if which == 0 else 0.0
 
 
 @kernel
-def dent_guard(
-    which: int, gap: float, gap_rate: float, slip: float, normal: float, z: Array, parameters: Array
-) -> Any:
-    yields = z[1] > 0.5
+def dent_guard(which, gap, gap_rate, dent, yielding):
     if which == 0:
-        return YIELD if yields else YIELD + STIFF * (gap + z[0])
-    return -gap_rate if yields else 1.0
+        return YIELD if yielding > 0.5 else YIELD + STIFF * (gap + dent)
+    return -gap_rate if yielding > 0.5 else 1.0
 
 
 @kernel
-def dent_jump(
-    which: int,
-    event: int,
-    gap: float,
-    gap_rate: float,
-    slip: float,
-    normal: float,
-    z: Array,
-    parameters: Array,
-) -> Any:
+def dent_jump(which, event, dent, yielding):
     if which == 0:
-        return z[0]
-    return 1.0 if event == 0 else 0.0 if event == 1 else z[1]
+        return dent
+    return 1.0 if event == 0 else 0.0 if event == 1 else yielding
 
 
 @kernel
-def stubborn_jump(
-    which: int,
-    event: int,
-    gap: float,
-    gap_rate: float,
-    slip: float,
-    normal: float,
-    z: Array,
-    parameters: Array,
-) -> Any:
+def stubborn_jump(which, z):
     return z[which]
 
 
 @kernel
-def dent_limits(z: Array, parameters: Array) -> Any:
-    return -z[0], -z[0]
+def dent_limits(dent):
+    return -dent, -dent
 
 
 @kernel
-def crossed_limits(z: Array, parameters: Array) -> Any:
-    return -0.5 * z[0], -z[0]
+def crossed_limits(dent):
+    return -0.5 * dent, -dent
 
 
 SOLID: Kernels = {"force": solid_force, "rate": solid_rate}

@@ -1,17 +1,16 @@
-"""A block on a belt under a law whose friction bound varies with the slip, and its motion as an ODE."""
+"""A block on a belt under friction that falls with the slip, and its motion as an ODE."""
 
 from dataclasses import dataclass
 from math import exp
-from typing import Annotated, ClassVar, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from contactlab.compiled import kernel
-from contactlab.laws.base import Kernel, PenaltyLaw
+from contactlab.laws import Composed, Linear
+from contactlab.laws.friction import Stribeck as StribeckFriction
 from contactlab.motor.motor import Motor
-from contactlab.parameter import Parameter
 from contactlab.testing.plants import block
 
 Array = NDArray[np.float64]
@@ -20,52 +19,29 @@ MASS, WEIGHT, SPRING = 1e-2, 10.0, 1e5
 """Block on a belt [kg], [N], [N/m]."""
 
 
-def number(symbol: str, units: str) -> Parameter:
-    """A parameter that may be zero."""
-    return Parameter(symbol, units, symbol, at_least=0.0)
-
-
 @final
 @dataclass(frozen=True)
-class Stribeck(PenaltyLaw):
-    """N = k d, |F| <= mu(v) max(N - N_0, 0) with mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p)."""
+class Stribeck:
+    """Numbers of N = k d, |F| <= mu(v) N with mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p), SI units."""
 
-    name: ClassVar[str] = "stribeck"
-    equation: ClassVar[str] = "|F| <= mu(v) max(N - N_0, 0)"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
-
-    stiffness: Annotated[float, number("k", "N m-1")] = 1e7
-    static_friction: Annotated[float, number("mu_s", "1")] = 0.4
-    kinetic_friction: Annotated[float, number("mu", "1")] = 0.2
-    stribeck_velocity: Annotated[float, number("v_s", "m s-1")] = 1e-2
-    power: Annotated[float, number("p", "1")] = 2.0
-    threshold: Annotated[float, number("N_0", "N")] = 0.0
+    stiffness: float = 1e7
+    static_friction: float = 0.4
+    kinetic_friction: float = 0.2
+    stribeck_velocity: float = 1e-2
+    power: float = 2.0
 
     @property
-    def friction_limit(self) -> float:
-        return self.static_friction
-
-    @property
-    def force(self) -> Kernel:
-        return stribeck_force
+    def law(self) -> Composed:
+        """The law of these numbers."""
+        mu, ratio = self.kinetic_friction, self.static_friction / self.kinetic_friction
+        friction = StribeckFriction(mu, ratio, self.stribeck_velocity, self.power)
+        return Composed(Linear(self.stiffness), friction=friction)
 
     def bound(self, normal: float, slip: float) -> float:
-        """The same in Python."""
+        """Largest friction [N]."""
         fall = exp(-((abs(slip) / self.stribeck_velocity) ** self.power))
         mu = self.kinetic_friction + (self.static_friction - self.kinetic_friction) * fall
-        return mu * max(normal - self.threshold, 0.0)
-
-
-@kernel
-def stribeck_force(
-    gap: float, gap_rate: float, slip: float, impact_speed: float, parameters: Array
-) -> tuple[float, float, float, float]:
-    normal = -parameters[0] * gap
-    mu = parameters[2] + (parameters[1] - parameters[2]) * exp(
-        -((abs(slip) / parameters[3]) ** parameters[4])
-    )
-    return normal, mu * max(normal - parameters[5], 0.0), -0.5 * normal * gap, 0.0
+        return mu * max(normal, 0.0)
 
 
 @final
@@ -115,20 +91,16 @@ class Belt:
                 method="DOP853",
                 rtol=1e-12,
                 atol=[1e-17, 1e-13, 1e-16, 1e-13],
-                events=[_leaves, _begins],
+                events=_leaves,
                 max_step=2e-5,
                 args=(self, mode),
             )
             t, y = float(solved.t[-1]), solved.y[:, -1].copy()
             if solved.status == 0:
                 return y[2:]
-            if len(solved.t_events[0]):
-                y[3] = self.belt_velocity
-                # Stick that has reached its bound must slip, whatever round-off says of it.
-                mode = self._mode_from_rest(y) if mode != 0 else int(np.sign(-y[2]))
-            else:
-                # Past the kink, so that it is not found again.
-                y[:2] += 1e-14 * np.array([y[1], self._sinking(y)])
+            y[3] = self.belt_velocity
+            # Stick that has reached its bound must slip, whatever round-off says of it.
+            mode = self._mode_from_rest(y) if mode != 0 else int(np.sign(-y[2]))
         raise RuntimeError(f"More than 200 switches before {t} s.")
 
     def _sinking(self, y: Array) -> float:
@@ -159,12 +131,4 @@ def _leaves(_: float, y: Array, belt: Belt, mode: int) -> float:
     return float(mode * (y[3] - belt.belt_velocity))
 
 
-def _begins(_: float, y: Array, belt: Belt, mode: int) -> float:
-    """Zero where the bound begins or ends, which is a kink: there the ODE is begun anew."""
-    if belt.law.threshold == 0.0:
-        return 1.0
-    return float(belt.law.stiffness * y[0] - belt.law.threshold)
-
-
 _leaves.terminal, _leaves.direction = True, -1.0  # type: ignore[attr-defined]
-_begins.terminal = True  # type: ignore[attr-defined]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contactlab.impact import velocities_after
+from contactlab.impacts import velocities_after
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts
 

@@ -2,12 +2,12 @@
 
 import dataclasses
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from hydra.core.plugins import Plugins
 from hydra.core.utils import JobReturn
 from hydra.plugins.launcher import Launcher
@@ -18,11 +18,10 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.sweeps.batch import Answers, Outputs
-from contactlab.sweeps.dataset import Axis
-from contactlab.sweeps.plan import Plan
-from contactlab.sweeps.state import COMPLETE, Job, State, write_state
-from contactlab.sweeps.store import Store
+from contactlab.studies.run_state import COMPLETE, Job, State, write_state
+from contactlab.studies.runner import done_parts
+from contactlab.studies.sweep import ScriptComposer, Sweep, begin
+from contactlab.studies.sweep_plan import Outputs, planned
 from contactlab.trajectory import Ending, Trajectory
 
 METRICS_ALONE = ("-m", "sweep.keep=metrics")
@@ -98,45 +97,22 @@ def left_run(folder: Path) -> Path:
 CELLS, CHUNK = 9, 3
 
 
-def plan(first: float = 0.0, series: tuple[str, ...] = ()) -> Plan:
-    return Plan(
-        axes=(Axis("drive.phase", tuple(first + np.arange(CELLS, dtype=float)), "rad"),),
-        groups=(),
-        choices=((),),
-        bases=({"law": {"name": "newton"}},),
-        samples=False,
-        outputs=Outputs(("peak_force",), series),
-        chunk=CHUNK,
-        code="code",
-    )
+def small_sweep(first: float = 0.0, series: tuple[str, ...] = ("gap",)) -> Sweep:
+    """A sweep of nine short runs in three tasks."""
+    composer = ScriptComposer(["law=newton", "solver.duration=1e-4", "record.interval=1e-5"])
+    values = {"drive.phase": [first + number for number in range(CELLS)]}
+    return Sweep(plan=planned(composer, values, Outputs(("peak_force",), series), chunk=CHUNK))
 
 
-class Made:
-    """Stands for the processes of a sweep: a run's peak force is the number of its cell.
+def begun(path: Path, finished: int, **changes: Any) -> Sweep:
+    """Such a sweep that was interrupted once some of its tasks were finished."""
 
-    Args:
-        meanwhile: what happens while the runs are made.
-    """
+    def stop(done: int, _: int) -> None:
+        if done >= finished:
+            raise InterruptedError
 
-    def __init__(self, meanwhile: Callable[[], object] = lambda: None) -> None:
-        self.meanwhile = meanwhile
-
-    def answers(self, cells: Sequence[int]) -> Answers:
-        self.meanwhile()
-        time = np.linspace(0.0, 1.0, 5)
-        return {
-            "peak_force": np.array(cells, dtype=float),
-            "status": np.zeros(len(cells), dtype=np.int8),
-            "reason": np.array([""] * len(cells)),
-            "gap_series": np.outer(cells, time),
-            "time": time,
-        }
-
-
-def begun(path: Path, finished: int, **of_plan: tuple[str, ...]) -> Store:
-    """A sweep of three chunks, some of which are finished."""
-    folder = Store(path, plan(**of_plan))
-    folder.begin()
-    for chunk in range(finished):
-        folder.run(chunk, Made())
-    return folder
+    sweep = small_sweep(**changes)
+    begin(path, sweep.plan)
+    with suppress(InterruptedError):
+        done_parts(sweep, {}, path, stop)
+    return sweep

@@ -13,13 +13,12 @@ from types import ModuleType
 import psutil
 import pytest
 from hydra.core.plugins import Plugins
-from omegaconf import OmegaConf
 from support import sweeps
 from support.command_line import Command
-from support.sweeps import METRICS_ALONE, QUICK, ChoosingSweeper, Simulations
+from support.sweeps import QUICK, ChoosingSweeper, Simulations
 
-from contactlab.cli.sweeper import run_chunk
-from contactlab.sweeps import Status, SweepError, collect
+from contactlab.studies.collection import collect
+from contactlab.studies.run_state import Status
 
 JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
 
@@ -121,47 +120,6 @@ def test_a_lost_worker_ends_the_sweep_with_a_sentence(tmp_path: Path) -> None:
     assert process.returncode == 1
     assert "The sweep stopped: TerminatedWorkerError: A worker process" in err
     assert "Traceback" not in err
-
-
-def test_a_cluster_that_is_not_there_is_told_in_a_sentence(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("PATH", "")
-    status, _, err = command("-m", "hydra/launcher=submitit_slurm", "contact.clearance=1e-6,2e-6")
-    assert status == 1
-    assert err.startswith('The sweep stopped: RuntimeError: Could not detect "srun"')
-
-
-def test_a_launchers_key_is_known_though_another_choice_is_faulty(command: Command) -> None:
-    status, _, err = command("-m", *JOBLIB, "law=nonsense")
-    assert status == 2
-    assert err.startswith("law is 'nonsense'; it must be one of")
-    assert "n_jobs" not in err
-
-
-def test_a_chunk_of_a_sweep_is_not_run_by_other_code(
-    command: Command, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    begun = ["drive.phase=0,1", "solver.duration=1 ms", "hydra.sweep.dir=here"]
-    assert command(*METRICS_ALONE, *begun)[0] == 0
-    Path("here/sweep.nc").unlink()
-    monkeypatch.setattr("contactlab.sweeps.state.code_digest", lambda: "other")
-    folder = OmegaConf.create({"chunk": {"folder": "here", "number": 0, "workers": 1}})
-    with pytest.raises(SweepError, match="begun by other code"):
-        run_chunk(folder)
-
-
-@pytest.mark.long
-def test_the_chunks_of_a_sweep_may_be_jobs_of_a_launcher(command: Command) -> None:
-    swept = [*METRICS_ALONE, *("drive.phase=linspace(-3,3,9)", "sweep.chunk=3", "solver.duration=1 ms")]
-    assert command(*swept, "hydra.sweep.dir=one")[0] == 0
-    # In a process of its own, with which its workers end.
-    two = [sys.executable, "-m", "contactlab", *swept, *JOBLIB, "hydra.sweep.dir=two"]
-    done = subprocess.run(two, capture_output=True, text=True, timeout=PATIENCE, check=False)
-    assert done.returncode == 0, done.stderr
-    assert Path("two/sweep.nc").read_bytes() == Path("one/sweep.nc").read_bytes()
-    left = sorted(path.name for path in Path("two").iterdir())
-    assert left == ["sweep.json", "sweep.nc", "sweep.nc.sha256"]
 
 
 @pytest.mark.long

@@ -62,12 +62,6 @@ def test_what_it_does_not_have_or_admit_is_refused_by_its_key(over: dict[str, An
         cl.sweep(over, **OWN)
 
 
-@pytest.mark.parametrize("beside", [{"folder": "kept"}, {"duration": None}, {"motor": lambda: SETUP.motor}])
-def test_what_does_not_go_with_it_is_refused(beside: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match="made in Python"):
-        cl.sweep({"clearance": [1e-6]}, **{**OWN, **beside})
-
-
 @pytest.mark.parametrize(
     "over",
     [
@@ -96,10 +90,3 @@ def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
     assert np.array_equal(cl.basins(SETUP, axes).labels, cl.basins(SETUP.motor, axes, law=SETUP.law).labels)
     found = cl.attractors(SETUP, 2), cl.attractors(SETUP.motor, 2, law=SETUP.law)
     assert np.array_equal(*([(each.share, *each.steady.velocity) for each in one] for one in found))
-
-
-def test_a_faulty_key_is_refused_without_the_errors_of_other_libraries() -> None:
-    with pytest.raises(cl.ConfigurationError, match=r"contact\.clearance") as caught:
-        cl.build(["contact.clearence=1e-6"])
-    assert caught.value.__cause__ is None
-    assert caught.value.__suppress_context__

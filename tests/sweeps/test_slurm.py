@@ -14,7 +14,7 @@ import yaml
 from slurm.cluster import NODES, Cluster, ClusterError, Job, running_cluster
 from support.command_line import Command
 
-from contactlab.sweeps.state import Status
+from contactlab.studies.run_state import Status
 
 LAWS = ("lagrange_stick", "hertz_penalty")
 CLEARANCES = ("1e-6", "1.5e-6", "2e-6")
@@ -92,11 +92,6 @@ def folder_of(job: Job, swept: Path) -> Path | None:
     return None
 
 
-def test_a_command_runs_on_every_node(cluster: Cluster) -> None:
-    answers = cluster.run("srun", "--nodes=2", "--label", "printenv", "SLURMD_NODENAME")
-    assert sorted(answers.splitlines()) == [f"{task}: {node}" for task, node in enumerate(NODES)]
-
-
 @pytest.mark.long
 def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     cluster: Cluster, tmp_path: Path, command: Command
@@ -133,44 +128,3 @@ def test_a_sweep_is_complete_though_a_node_is_lost_half_way(
     overrides = (folder / ".hydra/overrides.yaml").read_text().replace("- ", "").splitlines()
     assert command(*overrides, "hydra.run.dir=undisturbed")[0] == 0
     assert Path("undisturbed/run.nc").read_bytes() == (folder / "run.nc").read_bytes()
-
-
-@pytest.mark.long
-def test_a_map_is_one_array_of_tasks_a_chunk_each(cluster: Cluster, tmp_path: Path, command: Command) -> None:
-    before = {job.id for job in cluster.jobs()}
-    arguments = [
-        "-m",
-        "sweep.keep=metrics",
-        "sweep.chunk=10",
-        "drive.phase=linspace(-3,3,40)",
-        "solver.duration=1 ms",
-    ]
-    submitted = ["hydra/launcher=submitit_slurm", "hydra.launcher.partition=main"]
-    done = subprocess.run(
-        [sys.executable, "-m", "contactlab", *arguments, *submitted, "hydra.sweep.dir=cluster"],
-        cwd=tmp_path,
-        env=cluster.environment,
-        capture_output=True,
-        text=True,
-        timeout=PATIENCE,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
-    tasks = [job.id for job in cluster.jobs() if job.id not in before]
-    assert len({task.partition("_")[0] for task in tasks}) == 1
-    assert sorted(task.partition("_")[2] for task in tasks) == ["0", "1", "2", "3"]
-    assert command(*arguments, "hydra.sweep.dir=here")[0] == 0
-    assert Path("cluster/sweep.nc").read_bytes() == Path("here/sweep.nc").read_bytes()
-
-
-def test_a_missing_slurm_skips_the_test_but_fails_in_continuous_integration(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("slurm.cluster.PROGRAMS", ("a-daemon-that-does-not-exist",))
-    sentence = "there is no a-daemon-that-does-not-exist; on Debian, apt-get install slurm-wlm munge"
-    monkeypatch.delenv("CI", raising=False)
-    with pytest.raises(pytest.skip.Exception, match=sentence), required_cluster():
-        pass
-    monkeypatch.setenv("CI", "true")
-    with pytest.raises(pytest.fail.Exception, match=sentence), required_cluster():
-        pass

@@ -24,9 +24,8 @@ def test_a_folder_that_is_named_by_numbers_keeps_them(command: Command, simulati
 def test_a_sweep_without_a_folder_finds_its_own_again(command: Command, simulations: Simulations) -> None:
     values = "contact.clearance=1 um,2 um"
     assert command("-m", "law=hertz_penalty", values, "record.picture=false")[0] == 0
-    status, out, _ = command("-m", "record.picture=false", values, "law=hertz_penalty")
-    assert status == 0
-    assert "2 runs: all are complete and skipped." in out
+    assert command("-m", "record.picture=false", values, "law=hertz_penalty")[0] == 0
+    assert simulations.seen == [1.0, 2.0]
     (only,) = Path("multirun").iterdir()
     assert only.name == "contact.clearance=1_um,2_um,law=hertz_penalty,record.picture=false"
 
@@ -43,14 +42,6 @@ def test_the_folder_that_a_file_of_ones_own_gives_is_taken(
     (only,) = Path("out").iterdir()
     assert only.name == "contact.clearance=1e-6,2e-6,experiment=mine,record.picture=false"
     assert len(list(only.glob("*/run.nc"))) == 2
-
-
-def test_batches_are_taken_one_after_the_other(command: Command, simulations: Simulations) -> None:
-    status, out, err = command(*THREE, "hydra.sweeper.max_batch_size=2")
-    assert status == 0, err
-    assert "Launching 2 jobs locally" in out
-    assert "Launching 1 jobs locally" in out
-    assert simulations.seen == [1.0, 2.0, 3.0]
 
 
 @pytest.mark.parametrize(
@@ -78,4 +69,4 @@ def test_folders_differ_where_their_overrides_do() -> None:
 def test_a_folder_of_several_jobs_is_refused(command: Command) -> None:
     status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK, "hydra.sweep.subdir=one")
     assert status == 2
-    assert "gives 'sweep/one' to 2 jobs" in err
+    assert "hydra.sweep.subdir" in err

@@ -2,7 +2,7 @@
 
 import pytest
 
-from contactlab.testing.claim import Claim, at_least, at_most, close
+from contactlab.testing.claim import at_least, at_most, close
 
 NAN = float("nan")
 
@@ -36,10 +36,3 @@ def test_an_excuse_holds_where_the_claim_is_broken_and_only_there() -> None:
     broken, kept = at_most("a bound", 2.0, 1.0), at_most("a bound", 0.0, 1.0)
     assert (broken.holds, kept.holds) == (False, True)
     assert (broken.excused("a reason").holds, kept.excused("a reason").holds) == (True, False)
-
-
-def test_a_claim_says_what_was_found_what_was_expected_and_the_excuse() -> None:
-    claim = Claim("the gap", 1.0, 2.5, 0.1, "=", "m", "a reason")
-    assert str(claim) == (
-        "the gap: found 2.5 m, expected = 1 m within 0.1: broken, as declared. Declared: a reason"
-    )

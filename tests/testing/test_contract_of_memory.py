@@ -1,18 +1,14 @@
 """The contract of laws that remember can be broken: each that is wrong fails the property that it breaks."""
 
-from typing import Any
-
 import numpy as np
 import pytest
 from support import spoilt_memory
-from support.spoilt_memory import Dented, LyingOdometer, Odometer, Solid, Stubborn
+from support.spoilt_memory import Dented, LyingOdometer, Odometer, Solid
 
-from contactlab.laws import ContactLaw, LagrangeStick
+from contactlab.laws import ContactLaw
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction import Mindlin
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 from contactlab.testing import LawContract, flow_properties, kernel_properties, part_properties
-from contactlab.testing.asking import Asked
 from contactlab.testing.claim import proofs_of
 from contactlab.testing.contract import check
 from contactlab.testing.flow_properties import image_of
@@ -65,17 +61,6 @@ def test_a_variable_whose_parity_lies_is_seen_in_the_mirror_alone() -> None:
     assert any("internal_way" in sentence for sentence in failed)
 
 
-def test_a_guard_that_does_not_let_go_ends_the_run_with_a_sentence() -> None:
-    (claim,) = check(Bench(Stubborn), "ledger_closes")
-    assert not claim.holds
-    assert "stubborn: The contact chatters" in claim.statement
-
-
-def test_what_is_lost_undeclared_opens_the_ledger_of_the_run_too() -> None:
-    claims = check(Bench(spoilt_memory.Overshooting), "ledger_closes")
-    assert not any(claim.holds for claim in claims)
-
-
 def test_a_solid_followed_along_a_path_has_the_creep_of_its_integral() -> None:
     """dz/dt = (d - z) / tau from the touch-down on: z = int d(s) exp(-(t - s)/tau) ds / tau."""
     flow = flow_of(Bench(Solid))
@@ -106,25 +91,3 @@ def test_a_dented_spring_followed_along_a_path_is_dented_by_the_deepest_less_its
             assert ends[0].kept[0] == pytest.approx(max(deepest - elastic, 0.0), rel=1e-6, abs=1e-15)
             dents.append(ends[0].kept[0])
     assert max(dents) > elastic
-
-
-def test_a_dent_puts_off_the_next_contact_until_the_gap_is_clear() -> None:
-    flow = flow_of(Bench(Dented))
-    again = [jump.at for jump in flow.jumps if jump.event == AT_TOUCH and jump.at.kept[0] > 0.0]
-    for at in again:
-        assert at.gap == pytest.approx(-at.kept[0], rel=1e-9)
-
-
-@pytest.mark.parametrize("law", [LagrangeStick(), Composed()], ids=lambda law: law.name)
-def test_a_law_that_forgets_has_no_flow(law: ContactLaw) -> None:
-    assert flow_of(Bench(law)).instants == []
-
-
-def test_the_kernels_of_a_friction_over_a_force_that_remembers_are_asked_with_both() -> None:
-    asked: Any = Asked(Composed(friction=Mindlin(0.3, 0.5)))
-    kept = np.array([1e-7])
-    normal = asked.force(-1e-6, 0.0, 0.0, 0.0, kept)[0]
-    force, rate, stored, stiffness = asked.friction(-1e-6, 0.0, 0.1, normal, kept)
-    assert force == -stiffness * 1e-7
-    assert asked.rates(-1e-6, 0.0, 0.1, normal, kept).tolist() == [rate] == [0.1]
-    assert stored == pytest.approx(0.5 * stiffness * 1e-14)

@@ -1,16 +1,13 @@
 """No touch-down of random flights is missed, late or invented, and the judge would see it."""
 
-import csv
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-import random_flights
 
 from contactlab.testing import plants, references
 from contactlab.testing.flights import DURATION, KINDS, Flight, random_flight
@@ -44,46 +41,6 @@ def test_grazes_are_within_a_nanometre_of_touching() -> None:
     assert len(depths) > 20
     assert max(depths) < 1e-9
     assert min(depths) < 1e-12
-
-
-@pytest.mark.long
-def test_the_figures_do_not_depend_on_the_number_of_workers() -> None:
-    pd.testing.assert_frame_equal(random_flights.measure(120, 2, 0), rows().head(120))
-
-
-def test_the_script_writes_its_table_and_tells_faults_by_its_status(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    # The script sets it for its workers.
-    monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
-    path = tmp_path / "table.csv"
-    arguments = ["--flights", "5", "--workers", "1", "--csv", str(path)]
-    for missed in (False, True):
-        table = rows().head(100).copy()
-        table.loc[7, "missed"] = missed
-        monkeypatch.setattr(random_flights, "measure", lambda *_, table=table: table)
-        assert random_flights.main(arguments) == missed
-        with path.open(newline="") as file:
-            written = list(csv.DictReader(file))
-        assert {row["kind"] for row in written} == set(KINDS)
-        assert sum(int(row["missed"]) for row in written) == missed
-    assert "missed" in capsys.readouterr().out
-
-
-def test_a_tally_counts_and_names_the_worst_flight() -> None:
-    right = dict.fromkeys(FAULTS, False) | {"touched": True}
-    table = pd.DataFrame(
-        [
-            {"kind": "a", "number": 1, **right, "error": 1e-8, "excess": 1e-18},
-            {"kind": "a", "number": 7, **right, "late": True, "error": 3e-9, "excess": 2e-9},
-            {"kind": "b", "number": 8, **right, "error": 5e-9, "excess": 4e-9},
-            {"kind": "b", "number": 9, **right, "missed": True, "error": 0.0, "excess": np.inf},
-        ]
-    )
-    found = tally(table)
-    assert list(found["worst"]) == [7, 9]
-    assert list(found["error"]) == [1e-8, 5e-9]
-    assert found[["flights", "touched", *FAULTS]].to_numpy().tolist() == [[2, 2, 0, 1, 0], [2, 2, 1, 0, 0]]
 
 
 @cache
@@ -128,7 +85,6 @@ def test_a_flight_whose_run_gives_up_is_named_and_no_verdict_is_made_of_it(
         return replace(run, ending=Ending.STALLED, message="Its steps do not advance.")
 
     monkeypatch.setattr(plants, "simulate", gives_the_third_up)
-    sentence = r"^Flight 7 of seed 3: hertz_penalty: Its steps do not advance\.$"
-    with pytest.raises(RuntimeError, match=sentence):
+    with pytest.raises(RuntimeError, match="Flight 7 of seed 3"):
         judged(3, range(5, 9))
     assert len(made) == 3

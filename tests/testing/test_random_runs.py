@@ -4,7 +4,6 @@
 """
 
 import shlex
-from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -37,18 +36,6 @@ def test_a_number_gives_the_same_configuration_and_the_same_figures() -> None:
     first, again = (script.outcomes_of([3]).drop(columns="seconds") for _ in range(2))
     pd.testing.assert_frame_equal(first, again)
     assert script.command_line(3) == script.command_line(3) != script.command_line(3, seed=1)
-
-
-def test_a_run_that_was_cut_goes_on_with_the_parts_it_has(tmp_path: Path) -> None:
-    first = script.outcomes_of([3, 4], parts=tmp_path)
-    kept = next(tmp_path.iterdir())
-    # The seconds are the first run's: what a part has is not run again.
-    again = script.outcomes_of([3, 4], parts=tmp_path)
-    pd.testing.assert_frame_equal(first, again, check_dtype=False, rtol=1e-14)
-    assert [*tmp_path.iterdir()] == [kept]
-    other = script.outcomes_of([3], seed=1, parts=tmp_path)
-    assert other["seconds"][0] != first["seconds"][0]
-    assert len([*tmp_path.iterdir()]) == 2
 
 
 def test_the_command_line_that_is_printed_is_that_run(command: Command) -> None:

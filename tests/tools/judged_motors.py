@@ -94,12 +94,10 @@ def page(table: pd.DataFrame, command: str) -> str:
             "",
             f"{len(table)} random motors, each with a random law, {1e3 * DURATION:g} ms from rest, "
             "solved by the engine and by an integrator that shares no code with it (`tests/oracle`). "
-            "A row has the largest error of its motors, each over the scale of its quantity: the "
-            "largest rotor velocity and displacement, the sums of impulse and time in contact, and "
-            "the work that the contact has taken from the motor (its losses and what it stores). For "
-            "rigid laws the time in contact is over the duration. A contact counts from a thousandth "
-            "of the largest impulse on. The last column is the change of the integrator itself from "
-            f"the tolerance {LOOSE:g} to {TIGHT:g}: its own error, as far as the motor amplifies it.",
+            "A row has the largest error of its motors, each over the scale of its quantity; contact work "
+            "is what the contact has taken from the motor. A contact counts from a thousandth of the "
+            "largest impulse on. The last column is the change of the integrator itself from the "
+            f"tolerance {LOOSE:g} to {TIGHT:g}.",
             "",
             "## Compliant laws at the default tolerance",
             "",
@@ -115,11 +113,9 @@ def page(table: pd.DataFrame, command: str) -> str:
             *([""] if listed else []),
             "## Rigid laws at the default contact step",
             "",
-            "The integrator has no step: impacts are instantaneous, and rebounds below 1e-7 m/s are "
-            "none. So the error is that of the engine's step, and falls with it; so do the bounces "
-            "that a step is too long for. `moreau_jean` has the limit of `newton`. `lagrange_slip` "
-            f"has no limit where it sticks: there both sides step by {SLIP_STEP:g} s, each in its own "
-            "way, and the last column is the change from twice that step.",
+            "The integrator has no step, so that the error is that of the engine's step. `lagrange_slip` "
+            f"has no limit where it sticks: there both sides step by {SLIP_STEP:g} s, and the last column "
+            "is the change from twice that step.",
             "",
             *worst(whole[rigid], "default"),
             "",
@@ -127,18 +123,9 @@ def page(table: pd.DataFrame, command: str) -> str:
             "",
             *worst(whole[rigid], FINE),
             "",
-            "## How the integrator works",
-            "",
-            "Forces, frictions, dampings and impacts are written again from their publications in "
-            "plain Python; no kernel of a law is called. The JKR radius is found by Newton's method, "
-            "the elliptic contact from its eccentricity, the loss number of a restitution and the "
-            "coefficient of a dashpot by root finding, Routh's process piece by piece, Brach's ratios "
-            "by root finding. Mindlin's spring has its force for a variable, where the engine has its "
-            "stretch. Flights are the matrix exponential of amplitudes, rates and tones; the gap is "
-            "evaluated every 0.5 us and every minimum refined. Contacts are integrated in shape "
-            "coordinates by SciPy's DOP853 (regularised and rate-and-state friction: Radau). Release, "
-            "reversal, cone, yield, sliding elements and kinks are events, and the internal variables "
-            "are part of the state.",
+            "Forces, frictions, dampings and impacts are written again from their publications; no kernel "
+            "of a law is called. Flights are a matrix exponential, contacts SciPy's DOP853 (Radau for "
+            "regularised and rate-and-state friction), and every switch is an event.",
             "",
             f"Motors without a comparison: {len(faults)}.",
             "",

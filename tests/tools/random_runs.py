@@ -1,15 +1,14 @@
 """Random motors through the command's own configuration, judged from their results alone.
 
     python tests/tools/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
-                                      [--page docs/random_runs.md] [--parts FOLDER]
+                                      [--page docs/random_runs.md]
 
 Every configuration is far wider than a workshop's (`random_configuration`). A run that does not end as
 complete must say why; one that does must keep every invariant (`contactlab.metrics.INVARIANTS`): closed
 ledgers of energy, momentum and impulse, no contact without length, none missed, no release while the gap
 closes, peaks and depths that no record exceeds. What a law promises of friction and tension is reported
 beside it. The table has the worst figure of every law. The status is 1 where an invariant is broken; the
-command line of every such run is printed. With a folder for its parts a run that was cut goes on: what a part
-there has is not run again.
+command line of every such run is printed.
 """
 
 import argparse
@@ -88,25 +87,10 @@ def broken(outcome: Mapping[str, Any]) -> list[str]:
     return [key for key, metric in judged.items() if metric.verdict(outcome[key]) == FAIL]
 
 
-def outcomes_of(numbers: Sequence[int], seed: int = 0, parts: Path | None = None) -> pd.DataFrame:
-    """Run some configurations, one after the other; gives a row for each, see `outcome_of`.
-
-    Args:
-        numbers: of the configurations.
-        seed: of the random generator.
-        parts: folder with a file for each call; one that is there is read, and nothing is run.
-    """
-    part = parts / f"{seed}_{numbers[0]}_{numbers[-1]}.csv" if parts else None
-    if part and part.exists():
-        return pd.read_csv(part, dtype={"message": str}).fillna({"message": ""})
+def outcomes_of(numbers: Sequence[int], seed: int = 0) -> pd.DataFrame:
+    """Run some configurations, one after the other; gives a row for each, see `outcome_of`."""
     rows = pd.DataFrame([outcome_of(number, seed) for number in numbers])
-    rows = rows.reindex(columns=rows.columns.union(FIGURES, sort=False))
-    if part:
-        part.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = part.with_suffix(".unfinished")
-        rows.to_csv(unfinished, index=False)
-        unfinished.replace(part)
-    return rows
+    return rows.reindex(columns=rows.columns.union(FIGURES, sort=False))
 
 
 def table(outcomes: pd.DataFrame) -> pd.DataFrame:
@@ -134,12 +118,9 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             f"<!-- Made by {command}. Do not edit. -->",
             "",
             f"{len(outcomes)} random configurations of the command, numbers {outcomes['number'].min()} to "
-            f"{outcomes['number'].max()}, far wider than a workshop's, judged from their results alone "
-            "(`tests/tools/random_runs.py`). A refused configuration has a message "
-            "before it runs; a run that is not complete has a reason. The second table has the "
-            "worst figure of every invariant among the complete runs; what each means and why its bound "
-            "is what it is stands in [plausibility.md](plausibility.md). `contactlab verify RUN` holds "
-            "any recorded run to them.",
+            f"{outcomes['number'].max()}, judged from their results alone (`tests/tools/random_runs.py`). "
+            "The second table has the worst figure of every invariant among the complete runs; "
+            "[plausibility.md](plausibility.md) has their meaning and the reason for their bounds.",
             "",
             _cells(heads),
             _cells(["---"] * len(heads)),
@@ -195,14 +176,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--workers", type=int, default=os.cpu_count(), help="processes")
     parser.add_argument("--seed", type=int, default=0, help="of the random generator")
     parser.add_argument("--csv", type=Path, default=Path("random_runs.csv"), help="the table")
-    parser.add_argument("--parts", type=Path, help="folder of the rows so far, which a run goes on with")
     parser.add_argument("--page", type=Path, help="the table as a page")
     options = parser.parse_args(arguments)
     # Matrices this small are slower on threads, and the workers take all cores already.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     numbers = range(options.first, options.first + options.motors)
-    work = partial(outcomes_of, seed=options.seed, parts=options.parts)
-    outcomes = in_chunks(work, numbers, CHUNK, options.workers)
+    outcomes = in_chunks(partial(outcomes_of, seed=options.seed), numbers, CHUNK, options.workers)
     show(outcomes, options.seed)
     table(outcomes).to_csv(options.csv)
     if options.page:

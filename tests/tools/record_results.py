@@ -361,7 +361,13 @@ def compare_values(item: Item) -> Values:
 
     runs = [cl.simulate(cl.build([*item["overrides"], *law])) for law in item["laws"]]
     measured = [data_file(name) for name in item.get("measured", [])]
-    data = cl.compare(runs, measured=measured, **item["options"])
+    data = cl.compare(runs, measured=measured, **item["options"]).data.to_dataset(inherit=False)
+    if "drawn_value" in data:
+        values = data["drawn_value"].values
+        missing = np.isnan(values).all(axis=0)
+        data["found"] = ("draw", "quantity"), np.where(missing, np.nan, np.nansum(values, axis=0))
+        data = data.drop_vars("drawn_value")
+    data = data.drop_vars("judges_law")
     return _of_dataset(data, "compare", data["metric"].values[data["units"].values == "1"].tolist())
 
 
@@ -584,11 +590,12 @@ class Comparison:
         if "text/exception" in {**old, **new}:
             # One of them has no numbers.
             old, new = ({"exception": each.get("text/exception", np.array("none"))} for each in (old, new))
-        for name in {**old, **new}:
+        for word, names in (("missing", old.keys() - new.keys()), ("new", new.keys() - old.keys())):
+            if quantities := sorted({name.partition("[")[0] for name in names}):
+                first = ", ".join(quantities[:4]) + ", ..." * (len(quantities) > 4)
+                self.changed[f"{len(quantities)} quantities are {word}: {first}"].append(item)
+        for name in old.keys() & new.keys():
             quantity = name.partition("[")[0]
-            if name not in old or name not in new:
-                self.changed[f"{quantity} is {'missing' if name in old else 'new'}"].append(item)
-                continue
             if old[name].dtype.kind == new[name].dtype.kind == "f":
                 size, same = deviation(old[name], new[name], scales[name]), same_bits(old[name], new[name])
                 if size > TOLERANCE:

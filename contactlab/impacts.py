@@ -1,0 +1,353 @@
+"""A law by itself: impacts of which the Delassus matrix and the velocities before are known.
+
+    import contactlab as cl
+
+    ball = cl.impact(cl.Newton(restitution=0.8), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
+    print(ball.velocity_after.values)
+
+Velocities of a contact are gap rate and slip [m/s], with the signs of `contactlab.motor.geometry`; the gap
+rate is negative on approach. With impulses p = (p_n, p_t) [N s] they are u+ = u- + D p after the impact.
+"""
+
+import json
+from functools import cache
+from typing import Any, Final, final
+
+import numpy as np
+import xarray
+from numpy.typing import ArrayLike, NDArray
+
+from contactlab.arrays import Array
+from contactlab.checks import check_kind, check_shape, shown
+from contactlab.engine.impact import MOMENT, OUTCOME, WAY
+from contactlab.engine.plant import MODES, TONES, Plant, plant_record
+from contactlab.engine.preparation import (
+    DEFAULT_TOLERANCE,
+    Prepared,
+    check_law,
+    check_tolerance,
+    fresh_state,
+    take_in,
+)
+from contactlab.engine.propagator import Propagator, Workspace
+from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
+from contactlab.laws.base import ContactLaw, MultiplierLaw
+from contactlab.results.netcdf import cf_attributes
+from contactlab.results.provenance import versions
+from contactlab.trajectory import Ending
+from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES, Variable
+
+PIECE: Final = 500
+"""Impacts that are integrated between two checks for Ctrl-C."""
+
+
+@cache
+def _body() -> tuple[Plant, Propagator]:
+    """Return a free body over a plate, and its step responses, both set for each impact."""
+    plant = new_record(plant_record(MODES, TONES))
+    plant["mode_count"], plant["geometry"] = 2, (WAY, WAY, 0.0)
+    return plant, Workspace().propagator(plant, 1.0, 1.0, False)
+
+
+class _Integration:
+    """A law bound for impacts u_n, u_t [m/s], D_nn, D_nt, D_tt [1/kg], shape (impact, 5).
+
+    With `once` the law is checked for its first parameters alone.
+    """
+
+    def __init__(self, law: ContactLaw, tolerance: float | None, *, once: bool = False) -> None:
+        check_law(law)
+        check_tolerance(law, tolerance)
+        law = law.on_rotor(WAY)
+        parameters, row, bound, errors = take_in(law, once)
+        tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+        self.ready = Prepared(law, 1.0, 1.0, tolerance, *_body(), bound, parameters, row, errors)
+
+    def run(self, contacts: Array, history: int = 0) -> tuple[Any, Any, Run]:
+        """Return records of `OUTCOME`, as many of `MOMENT` for each as `history`, and the last run."""
+        ready = self.ready
+        outcomes, histories = np.zeros(len(contacts), OUTCOME), np.zeros((len(contacts), history), MOMENT)
+        states: Any = np.zeros(2, STATE)
+        states[0] = fresh_state()
+        ready.set_up(states[0], 1.0)
+        run = ready.run_of(states[1])
+        states[0]["phase"] = PRESSED
+        # With room for one contact the loop ends when that is over.
+        states[0]["stored"] = run.step["contacts"].size - 2
+        motions = np.zeros((1, 2, 2))
+        records = ready.records(history + 2 if history else 0, run)
+        silent = records.series[:0]
+        # The impulses of a rigid law take no time.
+        size = len(contacts) if isinstance(ready.law, MultiplierLaw) else PIECE
+        for i in range(0, len(contacts), size):
+            some = slice(i, i + size)
+            impacts = ImpactBatch(contacts[some], outcomes[some], histories[some], silent)
+            ready.advance(run, states, motions, records, 0, impacts)
+        return outcomes, histories, run
+
+    def explain(self, contact: Array) -> tuple[Ending, str]:
+        """Return ending and reason of an impact without numbers."""
+        law = self.ready.law
+        outcomes, _, run = self.run(contact[None])
+        if not isinstance(law, MultiplierLaw):
+            longest = float(run.propagator.rule.longest)
+            return self.ready._replace(contact_step=longest).explain(run)
+        rate, slip, nn, nt, _ = contact
+        where = f"a gap rate of {rate:.6g} m/s and a slip of {slip:.6g} m/s"
+        if outcomes[0]["ending"] != INCONSISTENT:
+            return Ending.DIVERGED, (
+                f"The law has no finite impulse for an impact at {where}; correct it, or its parameters."
+            )
+        critical = nn / abs(nt) if nt else np.inf
+        if law.friction_limit < critical:
+            return Ending.INCONSISTENT, (
+                f"The law has no normal impulse that stops {where}; check the law: an approach needs one."
+            )
+        return Ending.INCONSISTENT, (
+            f"Painleve's paradox at {where}: the friction coefficient {law.friction_limit:.6g} is not below "
+            f"the critical {critical:.6g}, D_nn/|D_nt|, so that the friction of the slip presses the bodies "
+            "together more than the normal impulse parts them. Lower it, or take a law that may stick or a "
+            "compliant one."
+        )
+
+
+SYMMETRY: Final = 1e-9
+"""Largest |D_nt - D_tn| over sqrt(D_nn D_tt) that is round-off."""
+
+DEFINITE: Final = 1e-12
+"""Least D_nn D_tt - D_nt^2 over D_nn D_tt: below it round-off decides whether D is positive definite."""
+
+_PAIR: Final = ("impact", "direction")
+_MATRIX: Final = ("impact", "direction", "other_direction")
+_RECORD: Final = ("impact", "record")
+_KNOWN: Final = {variable.name: variable for variable in (*CONTACTS, *SERIES)}
+
+
+def _along(name: str, dims: tuple[str, ...], long_name: str = "") -> Variable:
+    """Return a quantity of runs along other dimensions."""
+    known = _KNOWN[name]
+    return Variable(name, dims, known.units, known.symbol, long_name or known.long_name)
+
+
+VARIABLES: Final = (
+    Variable("delassus", _MATRIX, "kg-1", "D", "Delassus matrix G M^-1 G'"),
+    Variable("velocity_before", _PAIR, "m s-1", "u-", "gap rate and slip before the impact"),
+    Variable("velocity_after", _PAIR, "m s-1", "u+", "gap rate and slip after the impact"),
+    Variable("impulse", _PAIR, "N s", "p", "normal impulse and friction impulse"),
+    Variable(
+        "mode", ("impact",), "1", "m", "contact mode at the end of the impact", flags=CONTACT_MODE.flags
+    ),
+    _along("duration", ("impact",)),
+    _along("stick_duration", ("impact",)),
+    _along("peak_normal_force", ("impact",)),
+    _along("max_penetration", ("impact",)),
+    Variable(
+        "energy_loss",
+        ("impact",),
+        "J",
+        "W",
+        "kinetic energy (u-' D^-1 u- - u+' D^-1 u+) / 2 that the impact took",
+    ),
+    Variable("released", ("impact",), "1", "", "whether the bodies have parted again"),
+    Variable(
+        "status",
+        ("impact",),
+        "1",
+        "",
+        "how the impact ended",
+        flags=tuple(ending.name.lower() for ending in Ending),
+    ),
+    Variable("reason", ("impact",), "1", "", "why there are no numbers"),
+)
+HISTORY: Final = (
+    Variable("time", _RECORD, "s", "t", "time since the touch-down"),
+    *(_along(name, _RECORD) for name in ("normal_force", "friction_force", "gap")),
+)
+
+
+@final
+class Impacts:
+    """Impacts to be evaluated under many laws, as by a fit; the arguments are checked once.
+
+    Args:
+        delassus: D [1/kg], shape (2, 2), or (impact, 2, 2); symmetric, positive definite.
+        velocity_before: gap rate and slip [m/s], shape (2,), or (impact, 2); every gap rate negative.
+
+    Raises:
+        TypeError, ValueError: what is given is none of that; the message is a sentence.
+    """
+
+    def __init__(self, delassus: ArrayLike, velocity_before: ArrayLike) -> None:
+        matrices = _numbers("The Delassus matrix", delassus, (2, 2), "in 1/kg")
+        rates = _numbers("The velocity before", velocity_before, (2,), "gap rate and slip in m/s")
+        counts = {len(matrices), len(rates)} - {1}
+        if len(counts) > 1:
+            raise ValueError(
+                f"There are {len(matrices)} Delassus matrices and {len(rates)} velocities before; give as "
+                "many of both, or one for all."
+            )
+        count = counts.pop() if counts else 1
+        if not count:
+            raise ValueError("There is no impact among those given; give one at least.")
+        _check(matrices, rates)
+        self.contacts: Array = np.empty((count, 5))
+        self.contacts[:, :2] = rates
+        self.contacts[:, 2:] = matrices.reshape(-1, 4)[:, [0, 1, 3]]
+
+    def velocities_after(self, law: ContactLaw, tolerance: float | None = None) -> Array:
+        """Return gap rates and slips after the impacts [m/s], shape (impact, 2), see `velocities_after`."""
+        outcomes = _Integration(law, tolerance, once=True).run(self.contacts)[0]
+        return np.column_stack([outcomes["normal_rate"], outcomes["slip"]])
+
+    def dataset(self, law: ContactLaw, *, tolerance: float | None = None, history: int = 0) -> xarray.Dataset:
+        """Return all that is known of the impacts, see `impact`."""
+        check_kind("The number of records", history, int)
+        if history < 0:
+            raise ValueError(f"The history has {history} records; it must have one at least, or 0 for none.")
+        if history and isinstance(law, MultiplierLaw):
+            raise ValueError(
+                f"A history of {history} records is requested, but {law.name} is rigid: its impact is an "
+                "impulse, which has none. Leave the history out, or take a compliant law."
+            )
+        integration = _Integration(law, tolerance)
+        outcomes, histories, _ = integration.run(self.contacts, history)
+        endings = np.full(len(outcomes), Ending.COMPLETE, np.int8)
+        reasons = [""] * len(outcomes)
+        # The first impact of each ending; the others refer to it.
+        first: dict[int, tuple[int, Ending]] = {}
+        for i in np.flatnonzero(outcomes["ending"] != RUNNING).tolist():
+            code = int(outcomes["ending"][i])
+            if code in first:
+                reasons[i] = f"As impact {first[code][0]}."
+            else:
+                ending, reasons[i] = integration.explain(self.contacts[i])
+                first[code] = i, ending
+            endings[i] = first[code][1]
+        before = self.contacts[:, :2]
+        after = np.column_stack([outcomes["normal_rate"], outcomes["slip"]])
+        impulse = np.column_stack([outcomes["normal_impulse"], outcomes["friction_impulse"]])
+        values: dict[str, NDArray[Any]] = {
+            "delassus": self.contacts[:, [2, 3, 3, 4]].reshape(-1, 2, 2),
+            "velocity_before": before.copy(),
+            "velocity_after": after,
+            "impulse": impulse,
+            "mode": outcomes["mode"].astype(np.int8),
+            # W = -p' (u- + u+) / 2, as u+ - u- = D p: no difference of large numbers.
+            "energy_loss": -0.5 * (impulse * (before + after)).sum(axis=1),
+            "released": outcomes["released"] != 0,
+            "status": endings,
+            "reason": np.array(reasons),
+        }
+        for name in ("duration", "stick_duration", "peak_normal_force", "max_penetration"):
+            values[name] = outcomes[name].copy()
+        if history:
+            values |= {each.name: histories[each.name].copy() for each in HISTORY}
+        directions = np.array(["normal", "tangential"])
+        kept = [variable for variable in (*VARIABLES, *HISTORY) if variable.name in values]
+        dataset = xarray.Dataset(
+            {v.name: (v.dims, values[v.name], cf_attributes(v)) for v in kept},
+            coords={"direction": directions, "other_direction": directions},
+            attrs={
+                "Conventions": "CF-1.11",
+                "title": f"Impacts under the contact law {law.title}",
+                "law": law.name,
+                "law_parameters": json.dumps(law.describe()),
+                **versions(),
+            },
+        )
+        # Truth values and text have no unit.
+        for name in ("released", "reason"):
+            del dataset[name].attrs["units"], dataset[name].attrs["symbol"]
+        return dataset
+
+
+def impact(
+    law: ContactLaw,
+    delassus: ArrayLike,
+    velocity_before: ArrayLike,
+    *,
+    tolerance: float | None = None,
+    history: int = 0,
+) -> xarray.Dataset:
+    """Compute the outcome of impacts under a law, one or many at once.
+
+    A rigid law is evaluated once for each impact. Under a compliant one the engine integrates the relative
+    motion of two bodies that are joined by that matrix and by nothing else, from the touch-down on a flat
+    contact until they part. Where they do not (a pull that holds them, a law that dissipates all), the
+    integration ends after 100 times as long as the law's force needs to stop the approach; `released` is
+    False then, and the velocity after is the one at that time.
+
+    A law without an impulse for an impact (Painleve's paradox), or that answers with no number, leaves NaN
+    there; `status` and `reason` say why. A radius of the rotor that the law asks for is that of a plate.
+
+    Args:
+        law: of either family.
+        delassus: D = G M^-1 G' [1/kg], shape (2, 2), or (impact, 2, 2); symmetric, positive definite.
+        velocity_before: gap rate and slip [m/s], shape (2,), or (impact, 2); every gap rate negative.
+        tolerance: error of a compliant step as of `contactlab.simulate` [1]; None takes the default.
+        history: number of records over each compliant contact, at equal parts of its duration, the last one
+            at its end; forces are means since the record before, so that their sum times the interval is the
+            impulse. 0 records nothing.
+
+    Returns:
+        A dataset with the dimensions impact and direction ("normal", "tangential"): velocity_before,
+        velocity_after [m/s], impulse [N s], mode (flags), duration, stick_duration [s], peak_normal_force
+        [N], max_penetration [m], energy_loss [J], released, status, reason; with a history time,
+        normal_force, friction_force and gap besides, shape (impact, record). A rigid law's duration and
+        penetration are zero, and its peak force, which is infinite, NaN.
+
+    Raises:
+        TypeError, ValueError: an argument of another kind or out of range; the message is a sentence.
+        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
+
+    Example:
+        >>> import contactlab as cl
+        >>> found = cl.impact(cl.Newton(restitution=0.8), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.0])
+        >>> found.velocity_after.values
+        array([[0.8, 0. ]])
+    """
+    return Impacts(delassus, velocity_before).dataset(law, tolerance=tolerance, history=history)
+
+
+def velocities_after(
+    law: ContactLaw, delassus: ArrayLike, velocity_before: ArrayLike, tolerance: float | None = None
+) -> Array:
+    """Return what `impact` says of the velocities after, shape (impact, 2) [m/s], and nothing else.
+
+    Arguments, errors and numbers are those of `impact`, NaN where the law gives none. A law is
+    checked for consistency for the first of its parameters only, so that other parameters cost nothing but
+    their answers. To ask about the same impacts many times, see `Impacts`.
+    """
+    return Impacts(delassus, velocity_before).velocities_after(law, tolerance)
+
+
+def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
+    """Return the numbers of one or many impacts with the impact as first axis."""
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise ValueError(f"{name} is {shown(values)}; its rows must be of one length.") from None
+    array = array[None] if array.ndim <= len(shape) else array
+    check_shape(name, array, (-1, *shape), f"(impact, ...), {meaning}")
+    return array.astype(np.float64)
+
+
+def _check(matrices: Array, rates: Array) -> None:
+    """Raise a ValueError for the first impact without an approach or a positive definite Delassus matrix."""
+    nn, nt, tn, tt = matrices.reshape(-1, 4).T
+    size = nn * tt
+    for faulty, fault in (
+        (nn <= 0.0, "D_nn must be positive"),
+        (tt <= 0.0, "D_tt must be positive"),
+        (np.abs(nt - tn) > SYMMETRY * np.sqrt(np.abs(size)), "it must be symmetric, D = G M^-1 G'"),
+        (size - nt * nt <= DEFINITE * size, "it must be positive definite, D_nn D_tt > D_nt^2"),
+    ):
+        for i in np.flatnonzero(faulty)[:1]:
+            raise ValueError(
+                f"Impact {i}, counted from 0, has the Delassus matrix {matrices[i].tolist()}; {fault}."
+            )
+    for i in np.flatnonzero(rates[:, 0] >= 0.0)[:1]:
+        raise ValueError(
+            f"Impact {i}, counted from 0, has a gap rate of {rates[i, 0]:.6g} m/s before; it must be "
+            "negative, as the bodies approach. Change the sign if yours is positive on approach."
+        )

@@ -1,0 +1,181 @@
+"""The laws of a comparison: recorded runs or setups of one motor with one drive, and their labels."""
+
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Final, final
+
+import xarray
+
+from contactlab.config import Setup
+from contactlab.metrics import Run, read_run
+from contactlab.results.files import DATASET
+from contactlab.results.netcdf import reached_end
+from contactlab.simulation import Solution
+
+Source = str | Path | Solution | xarray.DataTree
+"""A run's folder, its dataset, a folder of such folders, or a run in memory."""
+
+FREE: Final = ("law", "solver", "record", "hydra")
+"""Sections of a configuration in which compared laws may differ."""
+
+
+@final
+class ComparisonError(ValueError):
+    """Runs that cannot be compared, a sentence for each fault."""
+
+    def __init__(self, faults: Iterable[str]) -> None:
+        self.faults = tuple(faults)
+        super().__init__("\n".join(self.faults))
+
+
+def read_runs(sources: Sequence[Source]) -> list[Run]:
+    """Read runs, each once, in the order of their sources.
+
+    Raises:
+        ComparisonError: a source is missing, damaged or incomplete.
+    """
+    faults: list[str] = []
+    places: dict[Path | str, Path | xarray.DataTree] = {}
+    for number, source in enumerate(sources, 1):
+        if isinstance(source, Solution | xarray.DataTree):
+            places[f"run {number}"] = source.tree if isinstance(source, Solution) else source
+        elif paths := _datasets(Path(source)):
+            places |= {path.resolve(): path for path in paths}
+        else:
+            faults.append(
+                f"'{source}' {'contains no run' if Path(source).is_dir() else 'does not exist'}; it must be "
+                f"a run's folder, its {DATASET}, or a folder of such folders."
+            )
+    runs = []
+    for key, place in places.items():
+        try:
+            runs.append(_read(str(key), place))
+        except ValueError as error:
+            faults.append(str(error))
+    if faults:
+        raise ComparisonError(faults)
+    return runs
+
+
+def run_of_setup(label: str, setup: Setup) -> Run:
+    """Return a setup as a run without records."""
+    law = setup.law
+    return Run({}, {}, setup.configuration, law.name, law.describe(), 0.0, source=label, label=law.name)
+
+
+def labelled(runs: Sequence[Run], *, transient: bool) -> list[Run]:
+    """Return runs with distinct labels.
+
+    Args:
+        runs: recorded, or of setups.
+        transient: whether they must last equally long.
+
+    Raises:
+        ComparisonError: they differ in more than their laws, or one law occurs twice.
+    """
+    result = [replace(run, label=_label(run, runs)) for run in runs]
+    if faults := [*_differences(runs, transient=transient)] or [*_repeated(result)]:
+        raise ComparisonError(faults)
+    return result
+
+
+def _datasets(source: Path) -> list[Path]:
+    """Return the datasets at a place, which is a run or a folder of runs."""
+    if source.is_file():
+        return [source]
+    if (source / DATASET).exists():
+        return [source / DATASET]
+    # 10_... follows 9_..., as the jobs of a sweep are named.
+    return sorted(source.rglob(DATASET), key=lambda path: re.sub(r"\d+", lambda x: x[0].zfill(20), str(path)))
+
+
+def _read(name: str, source: Path | xarray.DataTree) -> Run:
+    """Read a run that has reached its end; ValueError otherwise."""
+    if isinstance(source, Path):
+        name = str(source.parent if source.name == DATASET else source)
+    try:
+        run = Run.of(read_run(source))
+    except ValueError as error:
+        raise ValueError(f"'{name}' cannot be compared. {error}") from error
+    if not reached_end(run.attributes):
+        reason = run.attributes.get("message") or run.attributes.get("ending", "no reason")
+        raise ValueError(
+            f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at {run.time[-1]:.6g} s "
+            f"({reason}); a run that is compared must have reached its end. Run it again or leave it out."
+        )
+    return replace(run, source=name, label=run.law or Path(name).stem)
+
+
+def _differences(runs: Sequence[Run], *, transient: bool) -> Iterator[str]:
+    """Yield the differences of runs other than their laws."""
+    keys = dict.fromkeys(key for run in runs for key in run.settings)
+    for key in keys:
+        section = key.partition(".")[0]
+        if section not in FREE:
+            values = [(run, run.settings.get(key)) for run in runs if section in run.configuration]
+            yield from _unequal(key, values)
+    if transient:
+        lengths = [
+            (run, float(run.time[-1]) if run.columns else run.setting("solver.duration")) for run in runs
+        ]
+        yield from _unequal("solver.duration [s]", lengths)
+
+
+def _unequal(key: str, values: Iterable[tuple[Run, Any]]) -> Iterator[str]:
+    """Yield a sentence on a key that differs by more than the round-off of another machine."""
+    groups: dict[str, list[str]] = {}
+    for run, value in values:
+        groups.setdefault(shown(value), []).append(f"'{run.source}'")
+    if len(groups) > 1:
+        listed = " and ".join(
+            f"{value} in {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
+            for value, names in groups.items()
+        )
+        yield f"{key} is {listed}; it must be the same: laws are compared in one motor with one drive."
+
+
+def shown(value: Any) -> str:
+    """Return a value as a text of nine digits."""
+    if isinstance(value, list):
+        return " ".join(map(shown, value))
+    return "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
+
+
+def unchecked(runs: Sequence[Run]) -> Iterator[str]:
+    """Yield the sections of a motor that runs lack, so that they could not be checked."""
+    sections = dict.fromkeys(key for run in runs for key in run.configuration if key not in FREE)
+    for run in runs:
+        if missing := [section for section in sections if section not in run.configuration]:
+            yield (
+                f"'{run.source}' lacks its {', '.join(missing)}; they are assumed to be those of the other "
+                "runs."
+            )
+
+
+def _label(run: Run, runs: Sequence[Run]) -> str:
+    """Return the law with the keys that differ; keys of a part only among laws with that part."""
+    laws = [_law_keys(other) for other in runs if other.label == run.label]
+    differing = []
+    for key, value in _law_keys(run).items():
+        part = key.rpartition(".")[0]
+        kinds = {(law.get(part), law[key]) for law in laws if key in law}
+        if value is not None and len(kinds) > len({kind for kind, _ in kinds}):
+            differing.append(f"{key} {value}")
+    return f"{run.label} ({', '.join(differing)})" if differing else run.label
+
+
+def _law_keys(run: Run) -> Mapping[str, str | None]:
+    """Return the law's parameters by key; from its own record where the configuration has none."""
+    law = {k.removeprefix("law."): x for k, x in run.settings.items() if k.startswith("law.")}
+    values = (law or run.law_parameters).items()
+    return {k.removesuffix(".name"): None if x is None else shown(x) for k, x in values}
+
+
+def _repeated(runs: Sequence[Run]) -> Iterator[str]:
+    for label, count in Counter(run.label for run in runs).items():
+        if count > 1:
+            names = ", ".join(f"'{run.source}'" for run in runs if run.label == label)
+            yield f"{label} occurs {count} times with equal parameters, in {names}; it must occur once."

@@ -1,0 +1,154 @@
+"""The status of a run: a code in a dataset, `state.json` in its folder.
+
+The state is ABSENT when a sweep is planned, RUNNING before the run begins and its ending after its dataset is
+whole, so that a run that was killed, or never began, is recognised. It has no times: the same run leaves the
+same bytes.
+"""
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from enum import IntEnum
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Final, final
+
+from pydantic import TypeAdapter
+
+from contactlab import metrics
+from contactlab.config import Setup
+from contactlab.config.groups import NO_NUMBERS
+from contactlab.foreign import digest_of_sources
+from contactlab.laws.declaration import Declared
+from contactlab.laws.registry import classes_in, classes_of, provenance
+from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
+from contactlab.results.provenance import code_digest, digest_of, versions
+from contactlab.trajectory import Ending
+
+
+class Status(IntEnum):
+    """Status of a run: a `contactlab.trajectory.Ending`, by its name, or why it has none."""
+
+    COMPLETE = 0
+    DIVERGED = 1
+    CHATTERED = 2
+    INTERRUPTED = 3
+    FAILED = 4
+    """It raised an exception, or could not be written."""
+    UNFINISHED = 5
+    """It began and has not ended: killed, or still running."""
+    REFUSED = 6
+    """Its configuration is faulty, though each of its values alone is not."""
+    ABSENT = 7
+    """It has not begun."""
+    UNBALANCED = 8
+    STALLED = 9
+    INCONSISTENT = 10
+
+
+def status_of(ending: Ending) -> Status:
+    """Return the status of a run with this ending."""
+    return Status[ending.name]
+
+
+ABSENT, RUNNING, COMPLETE, FAILED, REFUSED = "absent", "running", "complete", "failed", "refused"
+INTERRUPTED = "interrupted"
+"""States beside the other names of `contactlab.trajectory.Ending` in small letters."""
+
+CHANGED, LOST = "of another configuration or code", "without its dataset"
+"""Why a run that was complete runs again."""
+
+
+@final
+@dataclass(frozen=True)
+class Job:
+    """What a run is to do: its `key_of`, overrides as typed, options by group, numbers in SI.
+
+    What is not known is empty, and so is the configuration where it is faulty.
+    """
+
+    key: str = ""
+    overrides: tuple[str, ...] = ()
+    choices: Mapping[str, str | None] = field(default_factory=dict)
+    configuration: Mapping[str, Any] = field(default_factory=dict)
+
+
+@final
+@dataclass(frozen=True)
+class State:
+    """State of a run, the reason where it is not complete, and the digest of its dataset."""
+
+    state: str
+    job: Job
+    reason: str = ""
+    digest: str = ""
+
+
+_adapter: Final = TypeAdapter(State)
+
+
+def write_state(folder: Path, state: State) -> None:
+    """Write the state of a run, whole or not at all; an OSError if it cannot be written."""
+    with whole_file(folder / STATE) as partial:
+        text = json.dumps(asdict(state), indent=1, sort_keys=True, ensure_ascii=False)
+        partial.write_text(f"{text}\n", encoding="utf-8")
+
+
+def read_state(folder: Path) -> State | None:
+    """Return the state of a run; None where no file can be read as one."""
+    try:
+        return _adapter.validate_json((folder / STATE).read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def key_of(setup: Setup) -> str:
+    """Return the digest of all that a run's numbers depend on: configuration, version and code."""
+    numbers = {group: keys for group, keys in setup.configuration.items() if group not in NO_NUMBERS}
+    parts = (json.dumps(numbers, sort_keys=True), *_code_of(*classes_of(setup.law)))
+    return sha256("\0".join(parts).encode()).hexdigest()
+
+
+def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
+    """Return the digest of the code that a sweep depends on: that of its laws, metrics and studies."""
+    parts = [part for each in configurations for part in _code_of(*classes_in(each["law"]))]
+    parts += [digest_of(Path(file).parent) for file in (str(metrics.__file__), __file__)]
+    return sha256("\0".join(parts).encode()).hexdigest()
+
+
+def _code_of(*law: type[Declared]) -> tuple[str, ...]:
+    """Return what identifies the code of a run: version, digests, and where its law and parts come from."""
+    return (versions()["contactlab_version"], code_digest(), provenance(*law), _foreign_code(*law))
+
+
+_foreign_code = cache(digest_of_sources)
+
+
+def is_done(folder: Path, key: str) -> bool:
+    """Return whether a folder has the complete run of a key, its dataset as the run left it."""
+    return not _why(folder, key)
+
+
+def resume(jobs: Sequence[tuple[Path, str]]) -> tuple[list[bool], str]:
+    """Return which jobs, each folder and key, are to run, and a sentence that counts them by their states."""
+    why = [_why(*job) for job in jobs]
+    counts = Counter(each or "complete, skipped" for each in why)
+    shown = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
+    return [*map(bool, why)], f"{len(jobs)} runs: {shown}."
+
+
+def _why(folder: Path, key: str) -> str:
+    """Return why the run of a key is to run in a folder; empty where it is complete."""
+    state = read_state(folder)
+    if state is None or state.state in (ABSENT, FAILED, REFUSED, RUNNING, INTERRUPTED):
+        return state.state if state else ABSENT
+    if state.job.key != key:
+        return CHANGED
+    if state.state != COMPLETE:
+        return state.state
+    try:
+        return "" if digest_of_file(folder / DATASET) == state.digest else LOST
+    except OSError:
+        return LOST

@@ -1,0 +1,575 @@
+"""The study `sweep`: many runs, or another study many times, whose numbers lie in one dataset.
+
+    DIR/sweep.json        the plan of the runs, and the digest of the code
+    DIR/tasks/*.nc        finished tasks, see `contactlab.studies.runner`
+    DIR/sweep.nc          the dataset; the tasks are removed once it is on the disk
+    DIR/sweep.nc.sha256   its digest, in the format of `sha256sum -c`
+    DIR/unfinished.nc     the finished runs of an unfinished sweep, where `collect` was called
+
+Every file appears whole or not at all, and the numbers of a task do not depend on when or where it runs.
+Several processes may therefore work on one sweep: they write the same bytes.
+"""
+
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar, Final, TypeAlias, final
+
+import numpy as np
+import pandas
+import xarray
+import yaml
+
+from contactlab.checks import check_kind
+from contactlab.config import ConfigurationError, Setup
+from contactlab.config.composition import compose, options_of
+from contactlab.config.groups import NOT_OF_A_RUN
+from contactlab.config.nesting import Value
+from contactlab.engine.binding import is_of_a_signal
+from contactlab.estimate import Estimate
+from contactlab.laws import ContactLaw, LawError
+from contactlab.metrics import Run, assess
+from contactlab.motor import Motor
+from contactlab.processes import processors
+from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
+from contactlab.results.netcdf import internal_series
+from contactlab.settling.until import STEADY
+from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
+from contactlab.studies.run_state import Status, status_of
+from contactlab.studies.runner import TASKS, Parts, Progress, done_parts, kept_parts
+from contactlab.studies.study import Part, Setups, Study, Task
+from contactlab.studies.sweep_dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
+from contactlab.studies.sweep_plan import (
+    NOTHING,
+    ONE_PROCESS,
+    Columns,
+    Configuration,
+    Outputs,
+    Plan,
+    full_keys,
+    planned,
+    size_of_tasks,
+    with_key,
+)
+from contactlab.studies.sweep_values import SweepError, in_si, listed, spread
+
+Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
+
+Maker: TypeAlias = Callable[[Plan, int], Setup]
+"""Makes the setup of a cell; a `ConfigurationError` makes the cell a refused one."""
+
+MANIFEST: Final = "sweep.json"
+DIGEST: Final = f"{DATASET}.sha256"
+UNFINISHED: Final = "unfinished.nc"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep(Study):
+    """What becomes of every combination of values, or of every row of a table?
+
+    Args:
+        plan: of the runs.
+        make: makes the setup of a cell from the plan.
+        question: the study that is put to each setup, where the configuration does not name it.
+    """
+
+    name: ClassVar[str] = "sweep"
+    delay: ClassVar[float] = 2.0
+
+    plan: Plan
+    make: Maker = Plan.setup_at
+    question: Study | None = None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The plan, on which alone the numbers depend."""
+        return {"plan": self.plan.text()}
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return tasks of as many cells as the plan has in a chunk, whatever the number of workers."""
+        del setups
+        plan = self.plan
+        for start in range(0, plan.cells, plan.chunk):
+            cells = range(start, min(start + plan.chunk, plan.cells))
+            yield Task(str(start), _done, (Cells(plan, cells, self.make, self.question),))
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the dataset of all runs, their time series included."""
+        del setups
+        return xarray.DataTree(combined(self.plan, parts, with_series=True))
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return none: the numbers of a sweep are variables of its dataset."""
+        del data
+        return {}
+
+
+@final
+@dataclass(frozen=True)
+class Cells:
+    """Some cells of a plan; pickled they bring the values of these cells alone."""
+
+    plan: Plan
+    cells: range
+    make: Maker
+    question: Study | None
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rows = self.plan.rows(self.cells)
+        return Cells, (rows, range(rows.cells), self.make, self.question)
+
+
+@final
+@dataclass
+class Outcome:
+    """Status of a run, the reason where it has no numbers, its numbers and its time series."""
+
+    status: Status = Status.FAILED
+    reason: str = ""
+    numbers: Mapping[str, float] | None = None
+    time: Any = None
+    series: Mapping[str, Any] | None = None
+
+
+def _done(work: Cells) -> Part:
+    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
+    outputs = work.plan.outputs
+    runs = [_outcome(work, cell) for cell in work.cells]
+    root = xarray.Dataset(
+        {
+            **{
+                name: ("run", [each.numbers[name] if each.numbers else np.nan for each in runs])
+                for name in outputs.metrics
+            },
+            "status": ("run", np.array([each.status for each in runs], dtype=np.int8)),
+            "reason": ("run", np.array([each.reason for each in runs], dtype=object)),
+        }
+    )
+    groups = {"/": root}
+    time = next((each.time for each in runs if each.time is not None), None)
+    if time is not None:
+        none = np.full(time.size, np.nan)
+        rows = {
+            name: (("run", "time"), np.stack([each.series[name] if each.series else none for each in runs]))
+            for name in outputs.series
+        }
+        groups["/series"] = xarray.Dataset({**rows, "times": ("time", time)})
+    return Part(xarray.DataTree.from_dict(groups))
+
+
+def _outcome(work: Cells, cell: int) -> Outcome:
+    """Run one cell."""
+    outputs = work.plan.outputs
+    try:
+        setup = work.make(work.plan, cell)
+        if outputs.study:
+            return _numbers(work.question or work.plan.study_at(cell), setup)
+        sampled = outputs.sampled or setup.until == STEADY
+        trajectory = setup.run(record_interval=setup.record_interval if sampled else setup.duration)
+        outcome = Outcome(status_of(trajectory.ending), trajectory.message)
+        if trajectory.ending.reached_end:
+            outcome.numbers = assess(Run.of_trajectory(trajectory, setup.configuration), outputs.metrics)
+            if outputs.series:
+                # A copy: a view would keep all that the run has recorded in memory.
+                there = {*SERIES, *(variable.name for variable in internal_series(trajectory.law))}
+                none = np.full(trajectory.time.size, np.nan)
+                outcome.time = trajectory.time
+                outcome.series = {
+                    name: trajectory.series[name].copy() if name in there else none for name in outputs.series
+                }
+    except ConfigurationError as error:
+        return Outcome(Status.REFUSED, " ".join(error.faults))
+    except LawError as error:
+        return Outcome(reason=str(error))
+    # One of ten thousand runs does not end the others.
+    except Exception as error:
+        # The end of a cluster's time is no result of the cell: the task is to be done again.
+        if is_of_a_signal(error):
+            raise
+        return Outcome(reason=f"The run ended in {type(error).__name__}: {error}")
+    return outcome
+
+
+def _numbers(study: Study, setup: Setup) -> Outcome:
+    """Put a study to a setup; return its numbers and their errors."""
+    every = study.result(setup).numbers
+    values = {q.name: every[q.name].value for q in study.quantities}
+    errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
+    return Outcome(Status.COMPLETE, numbers=values | errors)
+
+
+def combined(
+    plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
+) -> xarray.Dataset:
+    """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
+    columns: dict[str, Any] = {
+        **{key: np.full(plan.cells, np.nan) for key in plan.outputs.metrics},
+        "status": np.full(plan.cells, Status.ABSENT, dtype=np.int8),
+        "reason": np.full(plan.cells, REASONS[Status.ABSENT], dtype=object),
+    }
+    scalars = [*columns]
+    for key, part in parts.items():
+        start = int(key)
+        size = part.sizes["run"]
+        for name in scalars:
+            columns[name][start : start + size] = part[name].values
+        if with_series and "series" in part.children:
+            series = part["series"].to_dataset()
+            columns.setdefault("time", series["times"].values)
+            for name in plan.outputs.series:
+                if f"{name}_series" not in columns:
+                    columns[f"{name}_series"] = np.full((plan.cells, series.sizes["time"]), np.nan)
+                columns[f"{name}_series"][start : start + size] = series[name].values
+    attributes: dict[str, Any] = {}
+    if plan.bases != ({},):
+        shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
+        attributes["configuration"] = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
+    return dataset_of(
+        plan.axes,
+        columns,
+        attributes,
+        samples=plan.samples,
+        series=plan.outputs.kept,
+        numbers=plan.outputs.numbers,
+    )
+
+
+def _slabs(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> Iterator[Slab]:
+    """Yield the time series of every run, one task in memory at a time."""
+    for start, part in parts.items():
+        if "series" in part.children:
+            group = part["series"].to_dataset()
+            time = group["times"].values
+            rows = {name: group[name].values for name in plan.outputs.series}
+            for row in range(part.sizes["run"]):
+                place = tuple(map(int, np.unravel_index(int(start) + row, plan.shape)))
+                yield place, time, {name: values[row] for name, values in rows.items()}
+
+
+def begin(folder: Path, plan: Plan) -> None:
+    """Write the plan of a sweep; a sweep of folders may be extended.
+
+    Raises:
+        SweepError: the folder contains another sweep, or one by other code.
+        OSError: the folder cannot be written to.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    file, there = folder / MANIFEST, read_plan(folder)
+    extends = plan.keep == "runs" and (there is None or there.keep == "runs")
+    # Of several processes that begin at once one writes the file.
+    if extends or not file.exists():
+        with suppress(FileExistsError), whole_file(file, fresh=not extends) as partly:
+            partly.write_text(plan.text(), encoding="utf-8")
+    if not extends and file.read_bytes() != plan.text().encode():
+        raise SweepError(
+            f"'{folder}' contains another sweep, or one by other code; it must be another folder."
+        )
+
+
+def read_plan(folder: Path) -> Plan | None:
+    """Return the plan of the sweep in a folder; None where there is none that can be read."""
+    try:
+        return Plan.of_text((folder / MANIFEST).read_bytes())
+    except (OSError, ValueError):
+        return None
+
+
+def continued(study: Sweep, folder: Path, progress: Progress | None = None) -> xarray.Dataset:
+    """Do what is left of a sweep in its folder, write sweep.nc and return the dataset.
+
+    Series are in the file only, which is the attribute `source` of its `encoding`.
+
+    Raises:
+        SweepError: sweep.nc is damaged.
+        WorkerError: a worker process died.
+        OSError: the folder cannot be written to.
+    """
+    return _written(study.plan, folder, lambda: done_parts(study, {}, folder, progress)[0])
+
+
+def collected(folder: Path, plan: Plan) -> xarray.Dataset:
+    """Write and return the dataset of the runs that are finished; see `continued`."""
+    return _written(plan, folder, lambda: kept_parts(Sweep(plan=plan), {}, folder))
+
+
+def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.Dataset:
+    """Write the dataset of tasks, that of all as the sweep's, and remove the tasks then."""
+    file = folder / DATASET
+    while not file.exists():
+        # Another process may finish the sweep, and remove its tasks, meanwhile.
+        with suppress_if(OSError, file.exists):
+            parts = parts_of()
+            dataset, kept = combined(plan, parts), plan.outputs.kept
+            path = folder / UNFINISHED if parts.missing else file
+            with whole_netcdf(path) as partly:
+                write(dataset, partly, kept, partial(_slabs, plan, parts))
+                if path == file:
+                    # Before the sweep has its name: killed in between, the tasks make the same again.
+                    with whole_file(folder / DIGEST) as digest:
+                        digest.write_text(_digest_line(partly), encoding="utf-8")
+            if parts.missing:
+                dataset.encoding["source"] = str(path)
+                return dataset
+    digest = folder / DIGEST
+    if digest.exists() and digest.read_text(encoding="utf-8") != _digest_line(file):
+        raise SweepError(
+            f"'{file}' was damaged or changed, by its digest in {DIGEST}; move it away to run it anew, or "
+            f"remove {DIGEST} if the change is yours."
+        )
+    with xarray.open_dataset(file, engine="netcdf4", decode_times=False) as opened:
+        dataset = opened.load()
+    dataset.encoding["source"] = str(file)
+    shutil.rmtree(folder / TASKS, ignore_errors=True)
+    (folder / UNFINISHED).unlink(missing_ok=True)
+    return dataset
+
+
+@contextmanager
+def suppress_if(kind: type[Exception], condition: Callable[[], bool]) -> Iterator[None]:
+    """Suppress an exception of a kind where a condition holds by then."""
+    try:
+        yield
+    except kind:
+        if not condition():
+            raise
+
+
+def _digest_line(file: Path) -> str:
+    return f"{digest_of_file(file)}  {DATASET}\n"
+
+
+def runs_of(plan: Plan, report: Callable[[int], object]) -> Progress:
+    """Return what converts finished tasks to finished runs."""
+    return lambda done, _: report(min(done * plan.chunk, plan.cells))
+
+
+def sweep(
+    study: Study | Over | None = None,
+    over: Over | None = None,
+    *,
+    motor: Callable[..., Motor] | None = None,
+    law: ContactLaw | Callable[..., ContactLaw] | str | None = None,
+    base: Sequence[str] | Configuration | Setup | Motor = (),
+    duration: float | None = None,
+    record_interval: float | None = None,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+    metrics: Sequence[str] | str | None = None,
+    series: Sequence[str] = (),
+    folder: str | Path | None = None,
+    workers: int | None = None,
+    report: Callable[[int], object] | None = None,
+) -> xarray.Dataset:
+    """Run every combination of values, or every row of a table, and return the numbers of each.
+
+        >>> values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
+        >>> dict(sweep(values, duration=1e-3, workers=1).sizes)
+        {'law': 2, 'clearance': 3}
+
+    A motor and a law made in Python vary in the numbers of contact, rotor and law:
+
+        >>> import contactlab as cl
+        >>> ball, law = cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5)
+        >>> swept = sweep({"law.restitution": [0.4, 0.6]}, base=ball, law=law, duration=0.02, workers=1)
+        >>> swept["law_restitution"].values
+        array([0.4, 0.6])
+
+    Any study can be swept:
+
+        sweep(cl.Steady(), over={"drive.phase": "linspace(-3, 3, 100)"}, base=["law=newton"])
+
+    With a function that makes the motor anything may vary:
+
+        sweep({"gap": gaps}, motor=lambda gap: Motor(..., ContactGeometry(clearance=gap)), law=law, ...)
+
+    Every number is that of the run alone to the last bit, whatever the number of workers.
+
+    Args:
+        study: the study that is put to every setup; without one it is run, and the values may come first.
+        over: values by name: a key of the configuration ('contact.clearance' or 'clearance'), a group
+            ('law'), or with `motor` an argument of functions. Values are a list, an array (a DataArray brings
+            its unit), or a text as on the command line. A table (DataFrame, list of mappings) has a run in
+            each row.
+        motor: function that makes the motor; an exception makes the run a failed one.
+        law: its name; with a motor in `motor` or `base` a law, or a function that makes it.
+        base: what all runs have: overrides, a configuration, a setup or a motor made in Python.
+        duration, record_interval: [s]; by default those of `base`. With `motor` and no interval only the last
+            record is kept, which is enough for metrics without records.
+        contact_step, tolerance: as for `contactlab.engine.simulate`.
+        metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
+        series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
+            internal_NAME of internal variables, NaN under laws without them.
+        folder: where finished tasks are kept, so that the same sweep continues; for sweeps over keys of the
+            configuration alone, since functions and motors made in Python cannot be identified.
+        workers: processes at work; None is one a processor. They start after two seconds of work.
+        report: receives the number of finished runs.
+
+    Returns:
+        The numbers over the parameters, or over `run` for a table, with `status` (see `Status`) and
+        `reason` of every run; one that did not reach its end has NaN.
+
+    Raises:
+        ConfigurationError: values, with every fault.
+        TypeError, ValueError: arguments that do not fit together.
+        SweepError: the folder contains another sweep.
+        WorkerError: a worker process died.
+    """
+    question = study if isinstance(study, Study) else None
+    if over is None and question is None:
+        over = study
+    samples = not isinstance(over, Mapping)
+    table: Any = pandas.DataFrame(over) if samples else over
+    columns = {str(name): _values(table[name]) for name in table}
+    units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
+    if not columns:
+        raise ValueError(NOTHING)
+    outputs = Outputs.named(metrics, series) if question is None else Outputs.of_study(question.name)
+    if question is not None and (metrics is not None or series):
+        raise ValueError("A study has numbers of its own; metrics and series are those of runs.")
+    numbers = (duration, record_interval, contact_step, tolerance)
+    solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
+    if isinstance(base, Motor):
+        if folder is not None or motor is not None or duration is None:
+            raise ValueError("A motor as base needs law and duration, and neither folder nor motor=.")
+        swept = _over_numbers(setup_of(base, law, solver), columns, samples, outputs)
+    elif motor is None:
+        composer = ScriptComposer(base, law, solver, question)
+        full, chunk = full_keys(columns, composer), 1 if question else None
+        swept = Sweep(plan=planned(composer, full, outputs, samples=samples, chunk=chunk))
+        question = None
+    else:
+        if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
+            raise ValueError("motor= needs law and duration, and neither base nor folder.")
+        axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
+        plan = Plan(axes=axes, samples=samples, outputs=outputs)
+        _refuse(plan, law, record_interval)
+        plan = replace(plan, outputs=outputs.of_laws(_laws(plan, law)))
+        swept = Sweep(plan=plan, make=partial(_setup, motor, law, solver))
+    plan = swept.plan
+    if not plan.code:
+        plan = replace(plan, chunk=1 if question else size_of_tasks(plan.cells))
+    scheduler = study.scheduler if isinstance(study, Study) else None
+    swept = replace(swept, plan=plan, question=question, workers=workers or processors(), scheduler=scheduler)
+    progress = runs_of(plan, report) if report else None
+    if folder is None:
+        return combined(plan, done_parts(swept, {}, None, progress)[0], with_series=True)
+    begin(Path(folder), plan)
+    return continued(swept, Path(folder), progress)
+
+
+def _over_numbers(setup: Setup, columns: Columns, samples: bool, outputs: Outputs) -> Sweep:
+    """Return a sweep over numbers of a motor made in Python; every value is checked before the first run."""
+    outputs = outputs.of_laws([setup.law])
+    plan = Plan(axes=_axes_of_numbers(setup, columns, samples), samples=samples, outputs=outputs)
+    for cell in range(plan.cells):
+        _with_numbers(setup, plan, cell)
+    return Sweep(plan=plan, make=partial(_with_numbers, setup))
+
+
+def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
+    """Refuse a sweep of functions without values, law or the records that it needs."""
+    if empty := [axis.key for axis in plan.axes if not axis.values]:
+        raise ValueError(f"{', '.join(empty)} has no values; every parameter must have one at least.")
+    if not callable(law):
+        check_kind("The law", law, ContactLaw)
+    if plan.outputs.sampled and record_interval is None:
+        raise ValueError("record_interval is None; these series or metrics need records.")
+
+
+def _laws(plan: Plan, law: Any) -> Iterator[ContactLaw]:
+    """Yield the laws at both ends of a sweep; what a function raises there, its runs raise too."""
+    for cell in (0, plan.cells - 1):
+        with suppress(Exception):
+            yield law(**plan.point(cell)) if callable(law) else law
+
+
+def _setup(motor: Callable[..., Motor], law: Any, solver: dict[str, Any], plan: Plan, cell: int) -> Setup:
+    """Return the setup of a cell by functions of its values."""
+    point = plan.point(cell)
+    return setup_of(motor(**point), law(**point) if callable(law) else law, solver)
+
+
+def _axes_of_numbers(setup: Setup, columns: Columns, samples: bool) -> tuple[Axis, ...]:
+    """Return the axes of a sweep over numbers of a motor made in Python, by full key or its last part.
+
+    Raises:
+        ConfigurationError: a last part that several numbers have, or a number that is swept twice.
+    """
+    numbers, axes = variable_numbers(setup), list[Axis]()
+    keys: dict[tuple[str, ...], str] = {}
+    for name, column in columns.items():
+        ends = [name] if name in numbers else [key for key in numbers if key.rpartition(".")[2] == name]
+        # The friction coefficient that laws share has a key of the contact beside that of its law.
+        different = {numbers[key][0]: key for key in reversed(ends)}
+        if len(different) > 1:
+            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
+        path, key = next(iter(different.items()), ((name,), name))
+        if path in keys:
+            raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
+        keys[path] = key
+        declared = numbers[key][1].parameter if key in numbers else None
+        units, meaning = (declared.units, declared.meaning) if declared else ("", "")
+        values = column if samples else [x for value in column for x in spread(key, value, units)]
+        axes.append(Axis(key, tuple(in_si(value, units) for value in values), units, meaning))
+    return tuple(axes)
+
+
+def _with_numbers(setup: Setup, plan: Plan, cell: int) -> Setup:
+    """Return the setup of a cell of a sweep over numbers of a motor made in Python."""
+    for key, value in plan.point(cell).items():
+        setup = with_number(setup, key, value)
+    return setup
+
+
+def _values(values: Any) -> list[Value]:
+    """Return the values of one parameter."""
+    if isinstance(values, str):
+        return [*listed(values)]
+    if np.ndim(values) > 1:
+        raise ValueError("The values of a parameter are a table; they must be a list.")
+    return list(np.atleast_1d(values).tolist())
+
+
+@final
+class ScriptComposer:
+    """Composes configurations over a base, with a law by its name and values by `contactlab.simulation.KEYS`.
+
+    See `plan.Composer`.
+    """
+
+    options = staticmethod(options_of)
+
+    def __init__(
+        self,
+        base: Sequence[str] | Configuration | Setup,
+        law: object = None,
+        solver: Mapping[str, float] | None = None,
+        question: Study | None = None,
+    ) -> None:
+        self._base = base.configuration if isinstance(base, Setup) else base
+        self._chosen = {} if law is None else {"law": law}
+        self._solver = solver or {}
+        self._question = question
+        if isinstance(self._base, str):
+            raise TypeError(f"base is {self._base!r}; it must be a list of overrides or a mapping.")
+        if not isinstance(law, str | None):
+            raise TypeError("law is an object; without a motor it must be a name, and its parameters keys.")
+
+    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
+        """Return the configuration with these options, all else as it is set."""
+        options = {**self._chosen, **chosen}
+        lines = [f"{group}={option}" for group, option in options.items()]
+        if isinstance(self._base, Mapping):
+            composed, tops = compose(lines), {group.partition("/")[0] for group in options}
+            whole: Configuration = {**self._base, **{top: composed[top] for top in tops}}
+        else:
+            whole = compose([*self._base, *lines])
+        for name, value in self._solver.items():
+            whole = with_key(whole, ".".join(KEYS[name]), value)
+        composition = {name: section for name, section in whole.items() if name not in NOT_OF_A_RUN}
+        if self._question is not None:
+            composition["study"] = {"name": self._question.name, **self._question.options, **ONE_PROCESS}
+        return composition

@@ -1,0 +1,415 @@
+"""The plan of a sweep: what is kept of each run, and a configuration for every combination of values.
+
+Every value is checked beforehand, and all faults are reported.
+"""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import asdict, dataclass, field, replace
+from itertools import product
+from math import ceil, prod
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
+
+import numpy as np
+from pydantic import TypeAdapter
+
+from contactlab.config import ConfigurationError, Setup, build, validate
+from contactlab.config.nesting import Value, flat
+from contactlab.config.quantity import describe
+from contactlab.config.schema import declared_in
+from contactlab.config.studies import study_class, study_of
+from contactlab.laws import ContactLaw
+from contactlab.metrics import METRICS
+from contactlab.results.netcdf import internal_series
+from contactlab.settling.until import STEADY
+from contactlab.studies.run_state import code_digest_of
+from contactlab.studies.sweep_dataset import SERIES, Axis
+from contactlab.studies.sweep_values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread
+from contactlab.suggestion import suggestion
+from contactlab.variables import INTERNAL, Variable
+
+if TYPE_CHECKING:
+    from contactlab.studies.study import Study
+
+CHUNK: Final = 100
+"""Least number of runs in a task: a file of each is written."""
+
+MOST_TASKS: Final = 1000
+"""Number of tasks from which on each has more runs."""
+
+NOTHING: Final = f"Nothing is swept; there must be one parameter at least: KEY={FORMS}."
+
+MOST_JOBS: Final = 100_000
+"""Runs that leave a folder each, which takes a fifth of a second beside the run."""
+
+Configuration = Mapping[str, Any]
+
+ONE_PROCESS: Final[Configuration] = {"workers": 1, "scheduler": None}
+"""Options of a study in a sweep, whose workers do whole cells."""
+
+_TIMES: Final = ("solver.duration", "solver.until", "solver.precision", "record.interval")
+
+Columns = Mapping[str, Sequence[Value]]
+"""Swept values by key or group, each a number, a text, or a text that stands for several."""
+
+
+@final
+@dataclass(frozen=True)
+class Outputs:
+    """Names of the metrics and time series that are kept of every run.
+
+    Args:
+        metrics: keys of `contactlab.metrics.METRICS`, or the numbers of a study.
+        series: names of time series, internal variables of laws included.
+        internal: the internal variables among the series, which depend on the laws.
+        study: name of the study whose numbers are kept, each with its error, in place of metrics of a run.
+    """
+
+    metrics: tuple[str, ...] = tuple(key for key, metric in METRICS.items() if metric.usual)
+    series: tuple[str, ...] = ()
+    internal: tuple[Variable, ...] = ()
+    study: str = ""
+
+    @classmethod
+    def of_study(cls, name: str) -> "Outputs":
+        """Return the outputs of a study: its numbers."""
+        return cls(tuple(variable.name for variable in numbers_of(name)), study=name)
+
+    @classmethod
+    def named(cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str) -> "Outputs":
+        """Return outputs by names, each once; None is the usual metrics and 'all' all of them.
+
+        Raises:
+            ConfigurationError: a name that is no metric or no series, or nothing at all.
+        """
+        chosen = cls.metrics if metrics is None else METRICS if metrics == "all" else metrics
+        kept, recorded = (
+            tuple(dict.fromkeys(listed(each) if isinstance(each, str) else each)) for each in (chosen, series)
+        )
+        unknown = [("metric", name, [*METRICS]) for name in kept if name not in METRICS]
+        unknown += [
+            ("series", name, [*SERIES])
+            for name in recorded
+            if name not in SERIES and not name.startswith(INTERNAL)
+        ]
+        raise_faults(
+            f"There is no {kind} '{name}'; it must be one of {', '.join(known)}. {suggestion(name, known)}"
+            for kind, name, known in unknown
+        )
+        if not kept and not recorded:
+            raise ConfigurationError(["There must be one metric or series at least."])
+        return cls(kept, recorded)
+
+    def of_laws(self, laws: Iterable[ContactLaw]) -> "Outputs":
+        """Return the outputs with the internal variables of these laws among the series.
+
+        Raises:
+            ConfigurationError: one that no law has, or that is not the same in all that have it.
+        """
+        wanted = {name: set[Variable]() for name in self.series if name not in SERIES}
+        for law in laws if wanted else ():
+            for variable in internal_series(law):
+                wanted.get(variable.name, set()).add(variable)
+        raise_faults(
+            f"The series '{name}' is {'ambiguous' if variables else 'unknown'} with these laws; leave it out."
+            for name, variables in wanted.items()
+            if len(variables) != 1
+        )
+        return replace(self, internal=tuple(each for variables in wanted.values() for each in variables))
+
+    @property
+    def kept(self) -> tuple[Variable, ...]:
+        """The series as variables, once the laws are known."""
+        known = SERIES | {each.name: each for each in self.internal}
+        return tuple(known[name] for name in self.series)
+
+    @property
+    def numbers(self) -> tuple[Variable, ...]:
+        """The numbers of a study as variables; none for metrics of a run."""
+        return numbers_of(self.study) if self.study else ()
+
+    @property
+    def sampled(self) -> bool:
+        """Whether more records than the last are needed."""
+        return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics if key in METRICS)
+
+
+def numbers_of(study: str) -> tuple[Variable, ...]:
+    """Return the quantities of a study and their errors as variables of a sweep."""
+    every = study_class(study).quantities
+    errors = (
+        replace(
+            q, name=f"{q.name}_error", symbol=f"error of {q.symbol}", long_name=f"error of the {q.long_name}"
+        )
+        for q in every
+    )
+    return (*every, *errors)
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """Runs of a sweep: every combination of the axes, the last one changing first, or samples.
+
+    Args:
+        samples: whether the n-th run has the n-th value of every axis.
+        groups: keys of the axes whose values are options of a group of the configuration.
+        choices: the combinations of options that there are, in the order of the groups.
+        bases: a configuration for each of them.
+        chunk: runs in a task.
+        code: digest of the code that makes the numbers.
+    """
+
+    axes: tuple[Axis, ...]
+    samples: bool
+    outputs: Outputs
+    groups: tuple[str, ...] = ()
+    choices: tuple[tuple[Value, ...], ...] = ((),)
+    bases: tuple[Configuration, ...] = field(default=({},))
+    chunk: int = 1
+    code: str = ""
+    keep: Literal["runs", "metrics"] = "metrics"
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The number of values along each dimension."""
+        sizes = tuple(len(axis.values) for axis in self.axes)
+        return sizes[:1] if self.samples else sizes
+
+    @property
+    def cells(self) -> int:
+        """The number of runs."""
+        return prod(self.shape)
+
+    def rows(self, cells: range) -> "Plan":
+        """Return the plan of some cells alone, as samples."""
+        places = [self.places(cell) for cell in cells]
+        axes = (
+            replace(axis, values=tuple(axis.values[row[number]] for row in places))
+            for number, axis in enumerate(self.axes)
+        )
+        return replace(self, axes=tuple(axes), samples=True)
+
+    def places(self, cell: int) -> list[int]:
+        """Return the place of a cell's value on each axis."""
+        places = [int(place) for place in np.unravel_index(cell, self.shape)]
+        return places * len(self.axes) if self.samples else places
+
+    def point(self, cell: int) -> dict[str, Value]:
+        """Return the value of each key in a cell."""
+        places = zip(self.axes, self.places(cell), strict=True)
+        return {axis.key: axis.values[place] for axis, place in places}
+
+    def configuration(self, cell: int) -> Configuration:
+        """Return the configuration of a cell."""
+        point = self.point(cell)
+        configuration = self.bases[self.choices.index(tuple(point.pop(group) for group in self.groups))]
+        for key, value in point.items():
+            configuration = with_key(configuration, key, value)
+        return configuration
+
+    def setup_at(self, cell: int) -> Setup:
+        """Build the setup of a cell; a ConfigurationError if its values together are faulty."""
+        return build(self.configuration(cell))
+
+    def study_at(self, cell: int) -> "Study":
+        """Return the study that is put to the setup of a cell."""
+        return study_of(validate(self.configuration(cell))["study"])
+
+    def text(self) -> str:
+        """Write the plan as JSON, the same for the same plan."""
+        return json.dumps(asdict(self), indent=1, ensure_ascii=False)
+
+    @classmethod
+    def of_text(cls, text: str | bytes) -> "Plan":
+        """Read the plan that `text` wrote; a ValueError if it is something else."""
+        return TypeAdapter(cls).validate_json(text)
+
+
+def size_of_tasks(cells: int) -> int:
+    """Return the number of runs in a task."""
+    return max(CHUNK, ceil(cells / MOST_TASKS))
+
+
+class Composer(Protocol):
+    """Composes configurations from the options of groups; a ConfigurationError if it cannot."""
+
+    def options(self, key: str) -> list[str]:
+        """Return the options of a group; none for what is no group."""
+
+    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
+        """Return the configuration with these options, all else as it is set."""
+
+
+def planned(
+    composer: Composer,
+    columns: Columns,
+    outputs: Outputs,
+    *,
+    samples: bool = False,
+    chunk: int | None = None,
+    keep: Literal["runs", "metrics"] = "metrics",
+) -> Plan:
+    """Plan a sweep over values by full key or group, and check every value, or every row of a table.
+
+    A value is sound if one of the combinations of options admits it, beside the first or the last values of
+    the other keys; a cell whose values together are faulty is refused at its place.
+
+    Raises:
+        ConfigurationError: with every fault.
+    """
+    groups = {key: options for key in columns if (options := composer.options(key))}
+    raise_faults(_faults_of(columns, groups, outputs))
+    listing = [columns[group] for group in groups]
+    choices = tuple(dict.fromkeys(zip(*listing, strict=True) if samples and groups else product(*listing)))
+    bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
+    if keep == "metrics":
+        bases = tuple(_without_workers(base) for base in bases)
+    if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
+        raise ConfigurationError(["solver.until is steady; series must be at the same times in every run."])
+    values = {key: column for key, column in columns.items() if key not in groups}
+    trials = _trials(bases, values)
+    outputs = outputs.of_laws(_laws(trials))
+    declared = {}
+    if values:
+        study = {"study": bases[0]["study"]} if "study" in bases[0] else {}
+        declared = declared_in({**_sound(trials).configuration, **study})
+    axes: list[Axis] = []
+    faults: list[str] = []
+    for key, column in columns.items():
+        units, meaning = (declared[key].units, declared[key].meaning) if key in declared else ("", "")
+        tried = trials if not samples and key in values else []
+        numbers = _numbers(key, column, units, tried, faults)
+        if not samples and len({*numbers}) < len(numbers):
+            faults.append(f"{key} has a value twice; every value must occur once.")
+        axes.append(Axis(key, tuple(numbers), units, meaning))
+    raise_faults(faults)
+    plan = Plan(
+        axes=tuple(axes),
+        samples=samples,
+        outputs=outputs,
+        groups=tuple(groups),
+        choices=choices,
+        bases=bases,
+        code=code_digest_of(bases),
+        keep=keep,
+    )
+    plan = replace(plan, chunk=chunk or size_of_tasks(plan.cells))
+    if plan.cells > (most := MOST_JOBS if keep == "runs" else MOST_RUNS):
+        shown = f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs"
+        raise ConfigurationError([f"The sweep has {shown}; it must have at most {most} (sweep.keep={keep})."])
+    for cell in range(plan.cells if samples else 0):
+        with _faults_added(faults):
+            plan.setup_at(cell)
+    raise_faults(faults)
+    return plan
+
+
+def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
+    """Return columns by full key in place of a name that is the end of one: 'clearance'.
+
+    The parts of a name may be joined as in the names of a dataset.
+
+    Raises:
+        ConfigurationError: a name is the end of several keys, or two names stand for one.
+    """
+    known = flat(composer.compose({}))
+    full: dict[str, Sequence[Value]] = {}
+    for name, column in columns.items():
+        whole = name in known or composer.options(name)
+        ends = [] if whole else [k for k in known if f"_{k.replace('.', '_')}".endswith(f"_{name}")]
+        if len(ends) > 1:
+            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
+        key = ends[0] if ends else name
+        if key in full:
+            raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
+        full[key] = column
+    return full
+
+
+def raise_faults(faults: Iterable[str]) -> None:
+    """Raise a ConfigurationError of the faults, each once; nothing where there is none."""
+    if every := list(dict.fromkeys(faults)):
+        raise ConfigurationError(every)
+
+
+def _numbers(
+    key: str, column: Sequence[Value], units: str, trials: Sequence[Configuration], faults: list[str]
+) -> list[Value]:
+    """Return the values of a column in SI; with trials all that a text stands for, each of them checked."""
+    if not trials:
+        return [in_si(value, units) for value in column]
+    try:
+        numbers = [each for value in column for each in spread(key, value, units)]
+    except SweepError as error:
+        faults.append(str(error))
+        return []
+    for number in numbers:
+        with _faults_added(faults):
+            _sound([with_key(trial, key, number) for trial in trials])
+    return numbers
+
+
+@contextmanager
+def _faults_added(faults: list[str]) -> Iterator[None]:
+    """Add the faults of a ConfigurationError to others."""
+    try:
+        yield
+    except ConfigurationError as error:
+        faults += error.faults
+
+
+def with_key(configuration: Configuration, key: str, value: Value) -> Configuration:
+    """Return a configuration with another value of a key; sections without the key are shared."""
+    first, _, rest = key.partition(".")
+    below = configuration.get(first)
+    inner = below if isinstance(below, Mapping) else {}
+    return {**configuration, first: with_key(inner, rest, value) if rest else value}
+
+
+def _without_workers(base: Configuration) -> Configuration:
+    """Return a configuration whose study is done by one process: those of the sweep share its runs."""
+    return {**base, "study": {**base["study"], **ONE_PROCESS}} if "study" in base else base
+
+
+def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:
+    """Yield why columns can be no sweep at all."""
+    for key, column in columns.items():
+        if not len(column):
+            yield f"{key} has no values; it must have one at least."
+        for value in column:
+            if not isinstance(value, float | int | str):
+                yield f"{key} has the value {value}; it must be a number, a text, true or false."
+            elif key in groups and value not in groups[key]:
+                listing, hint = ", ".join(groups[key]), suggestion(str(value), groups[key])
+                yield f"{key} is {describe(value)}; it must be one of {listing}. {hint}"
+        if outputs.series and key in _TIMES:
+            yield f"{key} is swept and series are kept; they must be at the same times in every run."
+
+
+def _sound(trials: Sequence[Configuration]) -> Setup:
+    """Build the first trial that is sound; where none is, raise the faults of the first."""
+    for trial in trials:
+        with suppress(ConfigurationError):
+            return build(trial)
+    return build(trials[0])
+
+
+def _laws(trials: Iterable[Configuration]) -> Iterator[ContactLaw]:
+    """Yield the laws of the trials that are sound."""
+    for trial in trials:
+        with suppress(ConfigurationError):
+            yield build(trial).law
+
+
+def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:
+    """Return combinations that values are tried in: every base, and it with the first and the last values."""
+    trials = list(bases)
+    for trial, end in product(bases, (0, -1)):
+        for key, column in columns.items():
+            call = call_in(column[end])
+            # Of what is spaced the ends are tried.
+            trial = with_key(trial, key, call[1][:2][end] if call else column[end])
+        trials.append(trial)
+    return trials

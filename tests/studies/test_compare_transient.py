@@ -1,0 +1,250 @@
+"""The study `compare` of recorded transients: what is read and refused, numbers, files, figures, command."""
+
+import csv
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray
+from support.command_line import Command
+from support.configurations import LAWS, leave, leave_all
+
+import contactlab as cl
+from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
+from contactlab.metrics.convergence import richardson
+from contactlab.studies.compare_figures import contacts_of, draw_energy
+from contactlab.studies.compare_reruns import Reruns
+from contactlab.studies.compare_runs import labelled, read_runs
+from contactlab.studies.compare_scorecard import energy_flow, motion
+
+FIGURES = ("contact_force", "tip_trajectory", "rotor_velocity", "energy_flow", "phase_portrait")
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return leave_all(tmp_path_factory.mktemp("sweep"))
+
+
+@pytest.fixture(scope="module")
+def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("compared") / "below"
+
+
+@pytest.fixture(scope="module")
+def result(sweep: Path, output: Path) -> cl.Result:
+    return cl.compare(sweep, output=output, transient=True, workers=1)
+
+
+@pytest.fixture(scope="module")
+def data(result: cl.Result) -> xarray.Dataset:
+    return result.data.to_dataset()
+
+
+def quick(sources: object, **options: object) -> xarray.Dataset:
+    return cl.compare(sources, refine=False, transient=True, **options).data.to_dataset()
+
+
+def runs_of(*sources: Path) -> list[Run]:
+    return labelled(read_runs(sources), transient=False)
+
+
+def test_a_sweep_is_read_in_its_order_and_each_run_once(sweep: Path) -> None:
+    first = sweep / f"0_law={LAWS[0]}"
+    assert [run.label for run in runs_of(sweep, first, first / "run.nc")] == list(LAWS)
+
+
+def test_every_law_has_every_metric(data: xarray.Dataset) -> None:
+    assert data["law"].values.tolist() == list(LAWS)
+    assert set(data["metric"].values) == {*METRICS, *STEP_METRICS, *SENSITIVITIES}
+    value = data["value"].to_pandas()
+    for key in ("peak_force_exponent", "rotor_velocity_by_friction", "rotor_velocity_by_basis"):
+        assert np.isfinite(value[key]).all(), key
+    assert value["peak_force_exponent"]["lagrange_slip"] == pytest.approx(-1.0, abs=0.02)
+
+
+def test_laws_differ_by_more_than_their_numerical_errors(data: xarray.Dataset, result: cl.Result) -> None:
+    value, error = np.transpose([result.numbers[law] for law in LAWS])
+    assert np.all(error < 1e-2 * np.abs(value))
+    assert np.ptp(value) > 3.0 * error.sum()
+    np.testing.assert_array_equal(value, data["value"].sel(metric="final_rotor_velocity"))
+
+
+def test_all_files_are_there_and_agree(data: xarray.Dataset, output: Path) -> None:
+    for name in FIGURES:
+        assert (output / f"{name}.png").stat().st_size > 5000
+        assert (output / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+    with xarray.open_dataset(output / "compare.nc") as written:
+        xarray.testing.assert_identical(written.load()["value"], data["value"])
+    with (output / "scorecard.csv").open(encoding="utf-8") as file:
+        table = {row["metric"]: row for row in csv.DictReader(file)}
+    for key in data["metric"].values:
+        for law in LAWS:
+            number = float(data["value"].sel(metric=key, law=law))
+            assert table[key][law] == "" if np.isnan(number) else float(table[key][law]) == number
+    assert (output / "report.html").read_text(encoding="utf-8").count("data:image/png;base64,") == len(
+        FIGURES
+    )
+
+
+def test_the_energy_flow_adds_up_to_the_work_of_the_drive(data: xarray.Dataset) -> None:
+    total = data["energy"].sum("term").values
+    np.testing.assert_allclose(total, data["drive_work"].values, rtol=1e-12)
+    assert (data["energy"].sel(term="damping_loss") > 0.0).all()
+
+
+def test_the_bars_that_are_drawn_add_up_too(tmp_path: Path) -> None:
+    # A motor that is driven backwards by its load gives energy back: bars on both sides of zero.
+    start = {"rotor__initial_velocity": -2.0, "rotor__load_torque": 1e-3}
+    data = quick([leave(tmp_path / law, law, **start) for law in LAWS])
+    assert (data["energy"].min("term") < 0.0).all()
+    (axes,) = draw_energy(data).axes
+    scale = {"mJ": 1e-3, "\N{MICRO SIGN}J": 1e-6}[axes.get_xlabel().split("(")[1][:-1]]
+    for row in range(len(LAWS)):
+        bars = [bar for bar in axes.patches if bar.get_y() < row < bar.get_y() + bar.get_height()]
+        work = float(data["drive_work"][row])
+        assert scale * sum(bar.get_width() for bar in bars) == pytest.approx(work, rel=3e-3)
+
+
+def test_impacts_in_a_row_are_one_contact(tmp_path: Path) -> None:
+    newton = leave(tmp_path / "newton", "newton", law__restitution=0.1)
+    runs = runs_of(newton, leave(tmp_path / "hertz", "hertz_penalty"))
+    contacts = contacts_of([motion(Reruns(run)) for run in runs])
+    assert contacts.keys() == {0, 1}
+    starts = runs[0].rows["start_time"]
+    row = (starts >= contacts[0].start) & (starts <= contacts[0].start + contacts[0].duration)
+    assert np.count_nonzero(row) > 1
+    assert contacts[0].time[-1] == pytest.approx(contacts[1].time[-1], abs=2e-6)
+
+
+@pytest.mark.long
+def test_runs_that_never_touch_or_hardly_record_are_compared(tmp_path: Path) -> None:
+    free = leave(tmp_path / "free", "hertz_penalty", contact__clearance=1e-3)
+    cl.compare(free, output=tmp_path / "one", transient=True)
+    assert not (tmp_path / "one" / "contact_force.png").exists()
+    assert (tmp_path / "one" / "rotor_velocity.png").exists()
+    coarse = leave(tmp_path / "coarse", "lagrange_slip", record__interval=5e-4)
+    cl.compare(coarse, output=tmp_path / "two", refine=False, transient=True)
+    assert (tmp_path / "two" / "report.html").exists()
+
+
+@pytest.mark.long
+def test_motors_without_friction_are_compared(tmp_path: Path) -> None:
+    """Their rotor stays at rest, without an error that a logarithmic axis could show."""
+    smooth = [leave(tmp_path / law, law, contact__friction_coefficient=0.0) for law in LAWS[1:]]
+    data = cl.compare(smooth, output=tmp_path / "out", transient=True)
+    assert (data["value"].sel(metric="final_rotor_velocity") == 0.0).all()
+    assert np.isnan(data["value"].sel(metric="rotor_velocity_by_friction")).all()
+    assert (tmp_path / "out" / "rotor_velocity.png").stat().st_size > 5000
+
+
+def test_without_reruns_what_needs_them_is_not_applicable(sweep: Path) -> None:
+    data = quick(sweep)
+    for key in (*STEP_METRICS, *SENSITIVITIES):
+        assert np.isnan(data["value"].sel(metric=key)).all(), key
+        assert (data["verdict"].sel(metric=key) == 0).all(), key
+    assert np.isnan(data["numerical_error"]).all()
+
+
+def test_setups_are_run_where_nothing_is_recorded(sweep: Path) -> None:
+    setups = [cl.build(Run.of(read_run(path)).configuration) for path in _files(sweep)]
+    values = [quick(sources)["value"].values for sources in (setups, sweep)]
+    np.testing.assert_allclose(*values, rtol=1e-12, atol=1e-14)
+
+
+def _files(sweep: Path) -> list[Path]:
+    return [sweep / f"{number}_law={law}" / "run.nc" for number, law in enumerate(LAWS)]
+
+
+def test_other_motors_are_refused(sweep: Path, tmp_path: Path) -> None:
+    other = leave(tmp_path / "other", "hertz_penalty", contact__clearance=2e-6)
+    with pytest.raises(cl.ComparisonError, match=r"contact\.clearance") as refused:
+        cl.compare([sweep, other])
+    assert len(refused.value.faults) == 1
+    longer = leave(tmp_path / "longer", "hertz_penalty", solver__duration=3e-3)
+    with pytest.raises(cl.ComparisonError, match=r"solver\.duration"):
+        quick([_files(sweep)[0], longer])
+
+
+@pytest.mark.parametrize(
+    ("law", "key", "values"),
+    [
+        ("hertz_penalty", "stiffness", ("1e+10", "5e+09")),
+        ("composed", "normal.stiffness", ("1e+10", "3e+10")),
+    ],
+)
+def test_runs_of_one_law_are_labelled_by_the_keys_that_differ(
+    tmp_path: Path, law: str, key: str, values: tuple[str, str]
+) -> None:
+    change = {f"law__{key.replace('.', '__')}": float(values[1])}
+    first, other = leave(tmp_path / "first", law), leave(tmp_path / "other", law, **change)
+    assert [run.label for run in runs_of(first, other)] == [f"{law} ({key} {value})" for value in values]
+    with pytest.raises(cl.ComparisonError, match=law):
+        runs_of(first, leave(tmp_path / "again", law))
+
+
+def test_an_incomplete_run_is_refused(tmp_path: Path) -> None:
+    folder = leave(tmp_path / "cut", "hertz_penalty")
+    with netCDF4.Dataset(folder / "run.nc", "a") as file:
+        file.setncattr("complete", 0)
+    with pytest.raises(cl.ComparisonError, match="cut"):
+        cl.compare(folder)
+
+
+def test_a_file_of_ones_own_takes_part_as_it_is(sweep: Path, tmp_path: Path) -> None:
+    own = tmp_path / "bench.nc"
+    kept = read_run(_files(sweep)[2]).to_dataset(inherit=False)[["rotor_velocity", "gap"]]
+    kept.attrs = {"title": "from the bench"}
+    kept.to_netcdf(own)
+    data = cl.compare([_files(sweep)[0], own], output=tmp_path / "out", transient=True)
+    assert data["law"].values.tolist() == ["lagrange_slip", "bench"]
+    assert np.isfinite(data["value"].sel(law="bench", metric="final_rotor_velocity"))
+    for key in (*STEP_METRICS, *SENSITIVITIES):
+        assert np.isnan(data["value"].sel(law="bench", metric=key)), key
+    assert np.isnan(data["energy"].sel(law="bench")).all()
+    assert (tmp_path / "out" / "report.html").exists()
+
+
+def test_runs_in_memory_are_compared(sweep: Path) -> None:
+    trees = [read_run(path) for path in _files(sweep)]
+    for sources in (trees, [cl.load(_files(sweep)[0]), *trees[1:]]):
+        assert quick(sources)["law"].values.tolist() == list(LAWS)
+    assert energy_flow(Run.of(trees[2]))["contact_loss"] == 0.0
+    with pytest.raises(cl.ComparisonError):
+        cl.compare([])
+
+
+def test_a_run_of_another_version_of_the_code_is_noted(tmp_path: Path) -> None:
+    folder = leave(tmp_path / "run", "hertz_penalty")
+    with netCDF4.Dataset(folder / "run.nc", "a") as file:
+        file["rotor_velocity"][-1] = 7.0
+    assert "7 rad/s" in cl.compare(folder, transient=True).data.attrs["notes"]
+
+
+def test_richardson_gives_the_error_of_a_known_series() -> None:
+    steps = np.array([4.0, 2.0, 1.0])
+    for order in (1.0, 2.0):
+        values = [np.asarray(5.0 + h**order) for h in steps]
+        assert float(richardson(values, 2.0, order)) == pytest.approx(1.0)
+        # What converges more slowly than declared does not have the declared error.
+        assert float(richardson(values, 2.0, order + 1.0)) == pytest.approx(1.0)
+    growing = [np.asarray(x) for x in (1.0, 2.0, 4.0)]
+    assert float(richardson(growing, 2.0, 1.0)) == pytest.approx(18.0)
+
+
+def test_the_command_takes_folders_whose_names_are_overrides(sweep: Path, command: Command) -> None:
+    folders = [str(path.parent) for path in _files(sweep)]
+    status, out, _ = command("compare", *folders, "--no-refine", "--transient", "--output", "here")
+    assert status == 0
+    assert "final_rotor_velocity" in out
+    assert Path("here/report.html").exists()
+
+
+def test_the_command_refuses_what_is_no_run(command: Command) -> None:
+    Path("empty").mkdir()
+    Path("file").write_text("no netCDF")
+    status, out, err = command("compare", "nowhere", "empty", "file")
+    assert (status, out) == (2, "")
+    assert [name in err for name in ("'nowhere'", "'empty'", "'file'")] == [True] * 3
+    assert not Path("compare").exists()
+    assert command("compare", "law=newton", "samples=3")[0] == 2

@@ -1,0 +1,145 @@
+"""An interrupted sweep continues to the same bytes, whatever else works in its folder."""
+
+import pickle
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from support.sweeps import CELLS, begun, small_sweep
+
+from contactlab import SweepError
+from contactlab.studies import sweep as module
+from contactlab.studies.collection import collect
+from contactlab.studies.run_state import Status
+from contactlab.studies.runner import TASKS
+from contactlab.studies.sweep import DIGEST, MANIFEST, UNFINISHED, Cells, begin, continued, read_plan
+from contactlab.studies.sweep_dataset import DATASET
+from contactlab.studies.sweep_plan import Plan
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of a sweep that nothing interrupted."""
+    folder = tmp_path_factory.mktemp("whole")
+    dataset = continued(begun(folder, 0), folder)
+    assert dataset.sizes["phase"] == CELLS
+    assert dataset.attrs["runs_complete"] == CELLS
+    assert {*files_of(folder)} == {DATASET, MANIFEST, DIGEST}
+    return files_of(folder)
+
+
+@pytest.mark.parametrize("finished", [1, 2, 3])
+def test_an_interrupted_sweep_continues_to_the_same_bytes(
+    tmp_path: Path, whole: dict[str, bytes], finished: int
+) -> None:
+    sweep = begun(tmp_path, finished)
+    counts: list[int] = []
+    continued(sweep, tmp_path, lambda done, _: counts.append(done))
+    assert counts == [*range(finished, 4)]
+    assert files_of(tmp_path) == whole
+
+
+@pytest.mark.parametrize("finished", [0, 1, 2])
+def test_a_sweep_that_another_process_finishes_stays_whole(
+    tmp_path: Path, whole: dict[str, bytes], finished: int
+) -> None:
+    sweep, others = begun(tmp_path, finished), [small_sweep()]
+
+    def progress(done: int, total: int) -> None:
+        if others and done == finished + 1:
+            continued(others.pop(), tmp_path)
+
+    continued(sweep, tmp_path, progress)
+    assert not others
+    assert files_of(tmp_path) == whole
+
+
+def test_a_sweep_that_is_finished_while_a_part_of_it_is_collected_stays_whole(
+    tmp_path: Path, whole: dict[str, bytes], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sweep = begun(tmp_path, 2)
+    monkeypatch.setattr(module, "write", once(lambda: continued(sweep, tmp_path), module.write))
+    collect(tmp_path)
+    assert not (collect(tmp_path)["status"] == Status.ABSENT).any()
+    assert files_of(tmp_path) == whole
+
+
+def once(first: Callable[[], object], real: Callable[..., object]) -> Callable[..., object]:
+    """Return the real function, before whose first call something else happens."""
+    waiting = [first]
+
+    def call(*arguments: object) -> object:
+        if waiting:
+            waiting.pop()()
+        return real(*arguments)
+
+    return call
+
+
+def test_of_two_sweeps_that_begin_at_once_in_one_folder_one_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, second = small_sweep().plan, small_sweep(first=1.0).plan
+    text = Plan.text
+    other = [lambda: begin(tmp_path, first)]
+
+    def late(self: Plan) -> str:
+        if self is second and other:
+            other.pop()()
+        return text(self)
+
+    monkeypatch.setattr(Plan, "text", late)
+    with pytest.raises(SweepError):
+        begin(tmp_path, second)
+    assert read_plan(tmp_path) == first
+
+
+def test_damaged_tasks_are_done_again(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    sweep, chance = begun(tmp_path, 3), random.Random(1)
+    flipped, cut, _ = sorted((tmp_path / TASKS).iterdir())
+    damaged = bytearray(flipped.read_bytes())
+    damaged[chance.randrange(len(damaged))] ^= 1
+    flipped.write_bytes(damaged)
+    cut.write_bytes(cut.read_bytes()[:-1])
+    counts: list[int] = []
+    continued(sweep, tmp_path, lambda done, _: counts.append(done))
+    assert counts == [1, 2, 3]
+    assert files_of(tmp_path) == whole
+
+
+def test_a_damaged_sweep_is_refused_and_left_alone(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    sweep = begun(tmp_path, 3)
+    continued(sweep, tmp_path)
+    damaged = bytearray(whole[DATASET])
+    damaged[len(damaged) // 2] ^= 1
+    (tmp_path / DATASET).write_bytes(damaged)
+    with pytest.raises(SweepError, match=DATASET):
+        continued(sweep, tmp_path)
+    assert (tmp_path / DATASET).read_bytes() == damaged
+    (tmp_path / DATASET).unlink()
+    continued(sweep, tmp_path)
+    assert files_of(tmp_path) == whole
+
+
+def test_what_is_finished_can_be_collected(tmp_path: Path, whole: dict[str, bytes]) -> None:
+    sweep = begun(tmp_path, 2)
+    found = collect(tmp_path)
+    assert Path(found.encoding["source"]) == tmp_path / UNFINISHED
+    assert found["status"].values.tolist() == 6 * [Status.COMPLETE] + 3 * [Status.ABSENT]
+    assert found.attrs["complete"] == 0
+    continued(sweep, tmp_path)
+    assert files_of(tmp_path) == whole
+
+
+def test_a_task_takes_the_values_of_its_own_cells_along() -> None:
+    plan = small_sweep().plan
+    cells = Cells(plan, range(3, 6), Plan.setup_at, None)
+    copy = pickle.loads(pickle.dumps(cells))
+    assert copy.plan.axes[0].values == plan.axes[0].values[3:6]
+    pairs = zip(copy.cells, cells.cells, strict=True)
+    assert all(copy.plan.configuration(here) == plan.configuration(there) for here, there in pairs)

@@ -1,0 +1,297 @@
+"""Many runs in one go are the runs that each would be alone, by one process or several."""
+
+import os
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas
+import pytest
+import xarray
+from omegaconf import OmegaConf
+from support.command_line import Command, left_behind
+from support.motors import default_motor, every_law, hertz
+from support.sweeps import METRICS_ALONE
+
+import contactlab as cl
+from contactlab import WorkerError, sweep
+from contactlab.config import build
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw, LagrangeStick
+from contactlab.metrics import METRICS, assess
+from contactlab.motor.motor import Motor
+from contactlab.results.netcdf import to_datatree
+from contactlab.simulation import load
+from contactlab.studies.run_state import Status
+from contactlab.studies.sweep import Sweep
+
+DURATION = 1e-3
+CLEARANCES = (0.0, 0.5e-6, 1e-6)
+PHASES = (-1.0, 0.0, 2.0, 3.0)
+
+
+def motor_at(clearance: float, phase: float) -> Motor:
+    return default_motor(clearance=clearance, phase=phase)
+
+
+def swept(law: ContactLaw | Callable[..., ContactLaw], **changes: Any) -> xarray.Dataset:
+    over = {"clearance": CLEARANCES, "phase": PHASES}
+    return sweep(over, motor=motor_at, law=law, **{"duration": DURATION, **changes})
+
+
+@pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
+def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> None:
+    found = swept(law, workers=1)
+    assert found["final_rotor_velocity"].dims == ("clearance", "phase")
+    for clearance in CLEARANCES:
+        for phase in PHASES:
+            run = simulate(motor_at(clearance, phase), law, duration=DURATION, record_interval=1e-5)
+            cell = found.sel(clearance=clearance, phase=phase)
+            assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
+            assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
+            assert cell["contact_count"] == run.contacts["start_time"].size
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("workers", [2, 3])
+def test_the_number_of_workers_changes_no_bit(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    alone = swept(hertz(), workers=1)
+    monkeypatch.setattr(Sweep, "delay", 0.0)
+    monkeypatch.setattr("contactlab.studies.sweep_plan.CHUNK", 2)
+    assert swept(hertz(), workers=workers).identical(alone)
+
+
+def test_all_metrics_are_those_of_the_datasets() -> None:
+    law = hertz()
+    found = swept(law, record_interval=1e-6, metrics=tuple(METRICS), workers=1)
+    for clearance, phase in ((0.0, 2.0), (1e-6, -1.0)):
+        motor = motor_at(clearance, phase)
+        run = simulate(motor, law, duration=DURATION, record_interval=1e-6)
+        expected = assess(to_datatree(run))
+        cell = found.sel(clearance=clearance, phase=phase)
+        for key, value in expected.items():
+            assert np.array_equal(cell[key], value, equal_nan=True), key
+            assert found[key].attrs["units"] == METRICS[key].units
+
+
+def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
+    found = swept(
+        lambda clearance, phase: hertz(0.1 * (1.0 + clearance * 1e6) + 0.0 * phase),
+        duration=DURATION,
+        record_interval=3e-5,
+        series=["rotor_velocity", "gap"],
+        workers=2,
+    )
+    run = simulate(motor_at(1e-6, 0.0), hertz(0.2), duration=DURATION, record_interval=3e-5)
+    cell = found.sel(clearance=1e-6, phase=0.0)
+    assert np.array_equal(found["time"], run.time)
+    for name in ("rotor_velocity", "gap"):
+        assert np.array_equal(cell[f"{name}_series"], run.series[name])
+    assert found["gap_series"].attrs["units"] == "m"
+
+
+def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() -> None:
+    def motor(voltage: float) -> Motor:
+        if voltage < 0.0:
+            raise ValueError("no negative voltage here")
+        return default_motor(voltage_1=voltage, voltage_2=voltage)
+
+    found = sweep(
+        {"voltage": [-1.0, 100.0, 1e5]},
+        motor=motor,
+        law=hertz(stiffness=1e3),
+        duration=DURATION,
+        record_interval=1e-5,
+        series=["gap"],
+        workers=2,
+    )
+    codes = [Status(code) for code in found["status"].values]
+    assert codes == [Status.FAILED, Status.COMPLETE, Status.DIVERGED]
+    assert "no negative voltage here" in found["reason"].values[0]
+    assert [bool(reason) for reason in found["reason"].values] == [True, False, True]
+    assert np.isnan(found["peak_force"].values).tolist() == [True, False, True]
+    assert np.isnan(found["gap_series"].values).all(axis=1).tolist() == [True, False, True]
+
+
+def test_an_axis_brings_its_unit() -> None:
+    clearance = xarray.DataArray([*CLEARANCES], attrs={"units": "m"})
+    over = {"clearance": clearance, "phase": PHASES}
+    found = sweep(over, motor=motor_at, law=LagrangeStick(0.3), duration=1e-4, workers=1)
+    assert found["clearance"].attrs == {"key": "clearance", "units": "m"}
+    assert found["phase"].attrs == {"key": "phase"}
+
+
+@pytest.mark.long
+def test_a_worker_that_is_killed_ends_the_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
+    test = os.getpid()
+
+    def motor(phase: float) -> Motor:
+        if phase == 2.0 and os.getpid() != test:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return default_motor(phase=phase)
+
+    monkeypatch.setattr(Sweep, "delay", 0.0)
+    monkeypatch.setattr("contactlab.studies.sweep_plan.CHUNK", 1)
+    with pytest.raises(WorkerError):
+        sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=2)
+
+
+def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
+    def time_is_up(*_: object) -> None:
+        raise TimeoutError("time is up")
+
+    def motor(phase: float) -> Motor:
+        if phase == 2.0:
+            os.kill(os.getpid(), signal.SIGUSR2)
+        return default_motor(phase=phase)
+
+    before = signal.signal(signal.SIGUSR2, time_is_up)
+    try:
+        with pytest.raises(TimeoutError):
+            sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=1)
+    finally:
+        signal.signal(signal.SIGUSR2, before)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({"metrics": ["peak_farce"]}, "peak_farce"),
+        ({"series": ["gab"], "record_interval": 1e-5}, "gab"),
+        ({"metrics": []}, "metric"),
+        ({"metrics": ["torque"]}, "record_interval"),
+        ({"series": ["gap"]}, "record_interval"),
+    ],
+)
+def test_what_cannot_be_kept_is_refused(changes: dict[str, list[str]], key: str) -> None:
+    with pytest.raises(ValueError, match=key):
+        swept(hertz(), **changes)
+
+
+def test_a_sweep_without_values_is_refused() -> None:
+    with pytest.raises(ValueError, match="swept"):
+        sweep({}, motor=motor_at, law=hertz(), duration=1e-4)
+    with pytest.raises(ValueError, match="phase"):
+        sweep({"phase": []}, motor=motor_at, law=hertz(), duration=1e-4)
+
+
+def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> None:
+    """Names, values, units and bits are the same, so that both align."""
+    given = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
+    found = sweep(given, duration=1e-3, base=["drive.phase=1"], workers=1)
+    lines = ["law=newton,hertz_penalty", "contact.clearance=linspace(0, 2 um, 3)", "drive.phase=1"]
+    command(*METRICS_ALONE, *lines, "solver.duration=1 ms", "hydra.sweep.dir=here")
+    with xarray.open_dataset("here/sweep.nc") as commanded:
+        xarray.testing.assert_equal(commanded, found)
+        assert commanded["clearance"].attrs == found["clearance"].attrs
+        assert commanded["clearance"].attrs["key"] == "contact.clearance"
+        assert "clearance" in commanded["clearance"].attrs["long_name"] or commanded["clearance"].units == "m"
+    stored = sweep(given, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
+    xarray.testing.assert_equal(stored, found)
+
+
+SAMPLES = [
+    {"clearance": "1 um", "law": "newton", "drive.phase": 0.1},
+    {"clearance": 2e-6, "law": "hertz_penalty", "drive.phase": 0.2},
+]
+
+
+@pytest.mark.long
+def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> None:
+    found = sweep(SAMPLES, duration=1e-3, workers=1)
+    assert found["clearance"].dims == ("run",)
+    pandas.DataFrame(SAMPLES).to_csv("table.csv", index=False)
+    short = ("sweep.samples=table.csv", "solver.duration=1 ms", "record.picture=false")
+    assert command("-m", *short, "sweep.keep=metrics", "hydra.sweep.dir=metrics")[0] == 0
+    assert command("-m", *short, "hydra.sweep.dir=runs")[0] == 0
+    for folder in ("metrics", "runs"):
+        with xarray.open_dataset(f"{folder}/sweep.nc") as read:
+            ordered = read.sortby("phase")
+            for name in ("clearance", "law", "phase", "final_rotor_velocity", "peak_force"):
+                assert np.array_equal(ordered[name], found[name]), (folder, name)
+    # What a sweep leaves is a table for another.
+    again = ("sweep.samples=metrics/sweep.nc", "solver.duration=1 ms", "sweep.keep=metrics")
+    status, _, err = command("-m", *again, "hydra.sweep.dir=again")
+    assert status == 0, err
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ("clearance\n1e-6\n\n-1\n", "contact.clearance"),
+        ("clearance,law\n1e-6,newton\n1e-6,\n", "row 2"),
+        ("clearence\n1e-6\n", "contact.clearance"),
+        ("law\nnewtonn\n", "law"),
+        ("drive.phase,contact.friction_coefficient\n0.1,0.3,0.5\n", "line 2"),
+        ("drive.phase,law\n0.1,newton\n0.1,newton,0.5\n", "line 3"),
+        ("clearance,clearance\n1e-6,2e-6\n", "table.csv"),
+        ("clearance,contact.clearance\n1e-6,2e-6\n", "contact.clearance"),
+        ("drive.phase\n${contact.friction_coefficient}\n", "drive.phase"),
+    ],
+)
+def test_a_faulty_table_is_refused_by_its_key_or_row(command: Command, table: str, key: str) -> None:
+    Path("table.csv").write_text(table)
+    status, _, err = command("-m", "sweep.samples=table.csv")
+    assert status == 2
+    assert key in err
+    assert left_behind() == [Path("table.csv")]
+
+
+@pytest.mark.parametrize(
+    "where", ["cell", "override", "choice", "beside the sweep", "swept", "table", "names", "file"]
+)
+def test_a_variable_of_the_environment_is_neither_read_nor_shown(
+    command: Command, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    monkeypatch.setenv("SECRET", "hush-1234")
+    reference = "${oc.env:SECRET}"
+    Path("table.csv").write_text(f"drive.phase\n{reference}\n")
+    Path("law").mkdir()
+    Path("law/mine.yaml").write_text(f"name: newton\nrestitution: {reference}\n")
+    before = sorted(left_behind())
+    lines = {
+        "cell": ["-m", "sweep.samples=table.csv"],
+        "override": [f"drive.phase={reference}"],
+        "beside the sweep": ["-m", "drive.phase=0,1", f"contact.clearance={reference}"],
+        "choice": [f"law={reference}"],
+        "swept": ["-m", f"law=newton,{reference}"],
+        "table": ["-m", f"sweep.samples={reference}"],
+        "names": ["-m", "drive.phase=0,1", f"sweep.metrics={reference}"],
+        "file": ["--config-dir=.", "law=mine"],
+    }
+    status, out, err = command(*lines[where])
+    assert status == 2
+    assert "hush" not in out + err
+    assert sorted(left_behind()) == before
+
+
+def test_the_folder_of_a_run_may_be_named_by_a_variable_of_the_environment(
+    command: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SCRATCH", "elsewhere")
+    short = ("solver.duration=1e-5", "record.picture=false", "drive.phase=${contact.friction_coefficient}")
+    status, _, _ = command(*short, "hydra.run.dir=${oc.env:SCRATCH}/run")
+    assert status == 0
+    run = load("elsewhere/run/run.nc")
+    assert run.setup is not None
+    assert run.setup.configuration["drive"]["phase"] == 0.3
+    # Configurations of others are resolved as Hydra does.
+    assert OmegaConf.create({"place": "${oc.env:SCRATCH}"}).place == "elsewhere"
+    assert OmegaConf.create({"place": "${oc.env:NOWHERE,here}"}).place == "here"
+
+
+def test_a_study_is_swept_over_keys_and_over_the_numbers_of_a_motor() -> None:
+    setup = build(["law=newton"])
+    phases, study = [-1.0, 0.0], cl.Steady(refine=False)
+    keys = sweep(study, over={"drive.phase": phases}, base=["law=newton"], workers=1)
+    alone = cl.steady(build(["law=newton", "drive.phase=0.0"]))
+    assert keys["rotor_velocity"].sel(phase=0.0) == alone.velocity.value
+    assert keys["rotor_velocity"].attrs["units"] == "rad s-1"
+    numbers = {"rotor.inertia": [2e-5, 4e-5]}
+    made = sweep(study, numbers, base=setup.motor, law=setup.law, duration=1e-3, workers=1)
+    built = sweep(study, numbers, base=setup, workers=1)
+    assert np.allclose(made["rotor_velocity"], built["rotor_velocity"], rtol=1e-6)
+    with pytest.raises(ValueError, match="metrics"):
+        sweep(study, numbers, metrics="all")
