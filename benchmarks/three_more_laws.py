@@ -44,7 +44,7 @@ class TurningImpact(MultiplierLaw):
         restitution,
         turned,
     ):
-        """Give impulses [N s] and mode."""
+        """Return impulses [N s] and mode."""
         rate = normal_rate + restitution * min(gap_rate, 0.0)
         along = tangential_rate + turned * slip
         p_n, p_t, mode = stick_or_slip_impulse(rate, along, slip, d_nn, d_nt, d_tt, friction_coefficient)
@@ -67,7 +67,7 @@ class ViscoelasticImpact(MultiplierLaw):
     @staticmethod
     @kernel
     def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, loss):
-        """Give impulses [N s] and mode."""
+        """Return impulses [N s] and mode."""
         approach = min(gap_rate, 0.0)
         rate = normal_rate + max(1.0 - loss * (-approach) ** 0.2, 0.0) * approach
         return stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
@@ -101,7 +101,7 @@ class SlantingImpact(MultiplierLaw):
         restitution,
         slant,
     ):
-        """Give impulses [N s] and mode."""
+        """Return impulses [N s] and mode."""
         approach = min(gap_rate, 0.0)
         kept = exp(slant * abs(slip) / approach) if approach < 0.0 else 0.0
         rate = normal_rate + restitution * kept * approach

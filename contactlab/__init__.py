@@ -13,6 +13,8 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact
+from contactlab.inference.cross_validation import ValidationError as ValidationError
+from contactlab.inference.nested_sampling import NoSamplerError as NoSamplerError
 from contactlab.laws import (
     AgeingStick as AgeingStick,
     Archard as Archard,
@@ -66,6 +68,7 @@ from contactlab.laws import (
     law as law,
     law_names as law_names,
 )
+from contactlab.measured.table import MeasurementError as MeasurementError
 from contactlab.motor import (
     ContactGeometry as ContactGeometry,
     Drive as Drive,

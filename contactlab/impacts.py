@@ -33,7 +33,7 @@ from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
 from contactlab.laws.base import ContactLaw, MultiplierLaw
 from contactlab.results.netcdf import cf_attributes
-from contactlab.results.provenance import versions
+from contactlab.results.provenance import code_attributes
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES, Variable
 
@@ -248,11 +248,10 @@ class Impacts:
             {v.name: (v.dims, values[v.name], cf_attributes(v)) for v in kept},
             coords={"direction": directions, "other_direction": directions},
             attrs={
-                "Conventions": "CF-1.11",
+                **code_attributes(),
                 "title": f"Impacts under the contact law {law.title}",
                 "law": law.name,
                 "law_parameters": json.dumps(law.describe()),
-                **versions(),
             },
         )
         # Truth values and text have no unit.

@@ -72,7 +72,7 @@ def test_velocities_change_by_the_impulse_and_no_energy_comes_in(law: cl.Contact
 def test_many_at_once_are_each_by_itself_in_any_order_to_the_bit(law: cl.ContactLaw) -> None:
     matrices, rates = drawn(12, seed=1)
     many = velocities_after(law, matrices, rates)
-    alone = [velocities_after(law, *one)[0] for one in zip(matrices, rates, strict=True)]
+    alone = [velocities_after(law, *each)[0] for each in zip(matrices, rates, strict=True)]
     assert_array_equal(many, alone)
     order = np.random.default_rng(0).permutation(12)
     assert_array_equal(velocities_after(law, matrices[order], rates[order]), many[order])
@@ -106,14 +106,14 @@ def test_an_impact_is_that_of_the_whole_engine_on_a_body_of_the_same_matrix(law:
         assert motor.start is not None
         before = np.array([normal @ motor.start.velocity, along @ motor.start.velocity - 0.2])
         tight = {"tolerance": 1e-10}
-        found = cl.impact(law, rows @ rows.T, before, **tight)
+        result = cl.impact(law, rows @ rows.T, before, **tight)
         run = simulate(motor, law, duration=1e-3, record_interval=1e-3, contact_step=1.3e-6, **tight)
         assert run.complete
         assert run.contacts["duration"].size == 1
         for name in ("duration", "peak_normal_force", "max_penetration"):
-            assert_allclose(found[name], run.contacts[name], rtol=1e-7)
-        assert_allclose(found.velocity_after[0, 0], run.contacts["separation_velocity"][0], rtol=1e-8)
-        assert_allclose(found.velocity_after[0, 1], run.series["slip_velocity"][-1], rtol=0.0, atol=1e-8)
+            assert_allclose(result[name], run.contacts[name], rtol=1e-7)
+        assert_allclose(result.velocity_after[0, 0], run.contacts["separation_velocity"][0], rtol=1e-8)
+        assert_allclose(result.velocity_after[0, 1], run.series["slip_velocity"][-1], rtol=0.0, atol=1e-8)
 
 
 @pytest.mark.parametrize("name", sorted(LAWS))

@@ -104,7 +104,12 @@ def run(settings: DictConfig) -> int:
         section = validate(resolved(settings))
         over = section["sweep"]["over"]
         setups = setups_of(job.overrides, over) if over else {"": setup}
-        sys.exit(perform_study(study_of(section["study"]), setups, directory))
+        try:
+            status = perform_study(study_of(section["study"]), setups, directory)
+        # Hydra would print the job's arguments before it.
+        except RefusalError as refusal:
+            status = refuse([str(refusal)], refusal.status)
+        sys.exit(status)
     job = Job(key_of(setup), job.overrides, job.choices, setup.configuration)
     if swept and is_done(directory, job.key):
         return COMPLETE

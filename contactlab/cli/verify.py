@@ -62,7 +62,7 @@ def main(arguments: list[str]) -> int:
 
 def _row(claim: Claim, width: int) -> str:
     unit = "" if claim.units == "1" else f" [{claim.units}]"
-    words = shorten(claim.statement + unit, width, placeholder="...")
+    text = shorten(claim.statement + unit, width, placeholder="...")
     tolerance = f"{claim.tolerance:.1e}" if claim.relation == "=" else ""
     expected = f"{'' if claim.relation == '=' else claim.relation + ' '}{claim.expected:.9g}"
-    return f"{words:<{width}}" + NUMBERS.format(expected, f"{claim.found:.9g}", tolerance, claim.verdict)
+    return f"{text:<{width}}" + NUMBERS.format(expected, f"{claim.found:.9g}", tolerance, claim.verdict)

@@ -63,23 +63,23 @@ class Curve:
         return True
 
     def _known(self, name: str) -> tuple[list[float], list[float]]:
-        """Give shares and values of a quantity where it is known."""
+        """Return shares and values of a quantity where it is known."""
         known = sorted(share for share, point in self._points.items() if np.isfinite(point[name]))
         return known, [self._points[share][name] for share in known]
 
     def _bend(self) -> float | None:
-        """Give the middle of the longer interval at the sharpest bend; None where all are drawn."""
+        """Return the middle of the longer interval at the sharpest bend; None where all are drawn."""
         known, torques = self._known("torque")
         rows = zip(known, known[1:], known[2:], torques, torques[1:], torques[2:], strict=False)
-        worst, found = STRAIGHT * max(map(abs, torques), default=0.0), None
+        worst, result = STRAIGHT * max(map(abs, torques), default=0.0), None
         for a, b, c, at_a, at_b, at_c in rows:
             distance = abs(at_b - at_a - (at_c - at_a) * (b - a) / (c - a))
             if distance > worst and max(b - a, c - b) > 0.05:
-                worst, found = distance, 0.5 * (a + b if b - a > c - b else b + c)
-        return found
+                worst, result = distance, 0.5 * (a + b if b - a > c - b else b + c)
+        return result
 
     def _top(self, name: str) -> float | None:
-        """Give where the parabola through a quantity's greatest value and its neighbours has its top."""
+        """Return where the parabola through a quantity's greatest value and its neighbours has its top."""
         known, values = self._known(name)
         place = int(np.argmax(values)) if values else 0
         if not 0 < place < len(known) - 1:
@@ -89,7 +89,7 @@ class Curve:
         return float(np.clip(-0.5 * b / a, known[near][0], known[near][2])) if a < 0.0 else None
 
     def _crossing(self) -> float | None:
-        """Give where a line says that the torque falls through zero, unless a belt is there."""
+        """Return where a line says that the torque falls through zero, unless a belt is there."""
         known, torques = self._known("torque")
         limit = ZERO * max(map(abs, torques), default=0.0)
         rows = [*zip(pairwise(known), pairwise(torques), strict=True)]
@@ -101,13 +101,13 @@ class Curve:
 
 
 def greatest(points: Iterable[Point], name: str) -> Point | None:
-    """Give the point at which a quantity is greatest; None where it is nowhere known."""
+    """Return the point at which a quantity is greatest; None where it is nowhere known."""
     known = [point for point in points if np.isfinite(point[name])]
     return max(known, key=lambda point: point[name], default=None)
 
 
 def root(points: Iterable[Point]) -> Number:
-    """Give the greatest velocity at which the torque falls through zero [rad/s], and its error.
+    """Return the greatest velocity at which the torque falls through zero [rad/s], and its error.
 
     On the line between the belts next to it; its error is the distance from the nearer one, and what the
     error of the torque makes of it.

@@ -17,7 +17,7 @@ from contactlab.trajectory import Trajectory
 
 
 def modal_motion(run: Trajectory) -> tuple[Array, Array]:
-    """Give displacement [m kg^1/2] and velocity [m s^-1 kg^1/2] of every mode at the records of a run.
+    """Return displacement [m kg^1/2] and velocity [m s^-1 kg^1/2] of every mode at the records of a run.
 
     Each of shape (mode, time). A force that acts within a record interval is spread over it, which moves its
     impulse by half of the interval at most: the error falls with the square of it where the force is smooth.
@@ -43,7 +43,7 @@ def modal_motion(run: Trajectory) -> tuple[Array, Array]:
 
 
 def _contact_forces(run: Trajectory) -> Array:
-    """Give the mean force on every mode in each record interval [N kg^-1/2], shape (interval, mode)."""
+    """Return the mean force on every mode in each record interval [N kg^-1/2], shape (interval, mode)."""
     modes, lengths = run.motor.modes, run.motor.geometry
     middle = {name: 0.5 * (x[1:] + x[:-1]) for name, x in run.series.items() if name.startswith("tip_")}
     normal, tangential = (run.series[name][1:] for name in ("normal_force", "friction_force"))
@@ -58,7 +58,7 @@ def _contact_forces(run: Trajectory) -> Array:
 
 
 def currents(run: Trajectory) -> Array:
-    """Give the currents into both electrodes at the records of a run [A], shape (electrode, time).
+    """Return the currents into both electrodes at the records of a run [A], shape (electrode, time).
 
     I = dQ/dt of the charge, and the current in phase with the voltage that the dielectric's loss takes, as of
     a capacitance C_p (1 - i tan delta). Not a number where the capacitance is not known.
@@ -71,7 +71,7 @@ def currents(run: Trajectory) -> Array:
 
 
 def dielectric_loss(motor: Motor) -> float:
-    """Give the power that heats the patches' dielectric, sum omega C_p tan(delta) U^2 / 2 [W].
+    """Return the power that heats the patches' dielectric, sum omega C_p tan(delta) U^2 / 2 [W].
 
     The sum runs over electrodes and frequencies; tones of one frequency are one tone.
     """

@@ -54,7 +54,7 @@ class Measurement:
         return cls(section, run, records, None)
 
     def numbers(self) -> dict[str, Number]:
-        """Give every quantity of `quantities.POINT`, velocity and torque in the model's sense."""
+        """Return every quantity of `quantities.POINT`, velocity and torque in the model's sense."""
         speed, torque, output = self._shaft()
         drive, friction, contact = map(self._rate, ("drive_work", "friction_loss", "contact_loss"))
         damping = self._rate("damping_loss")
@@ -100,17 +100,17 @@ class Measurement:
         return (self.run.time.size - 1) // self.records
 
     def _mean(self, values: Array) -> Number:
-        """Give the mean of a value a period."""
+        """Return the mean of a value a period."""
         if self.closure is not None:
             return float(values.mean()), self.closure * float(np.abs(values).mean())
         return mean_with_error(values)
 
     def _rate(self, name: str) -> Number:
-        """Give the mean rate at which a series grows."""
+        """Return the mean rate at which a series grows."""
         return self._mean(np.diff(self.run.series[name][:: self.records]) / self._period)
 
     def _sampled(self, values: Array) -> Number:
-        """Give the mean of a value a record; its error shows what half as many records make of it."""
+        """Return the mean of a value a record; its error shows what half as many records make of it."""
         every = values.reshape(self._count, self.records)
         value, error = self._mean(every.mean(axis=1))
         return value, error + abs(float(every[:, 1::2].mean()) - value)
@@ -122,7 +122,7 @@ class Measurement:
         return np.bincount(np.minimum(when, count - 1), contacts[name], count).astype(float)
 
     def _shaft(self) -> tuple[Number, Number, Number]:
-        """Give velocity, torque less that of the rotor's damping, and power to the load."""
+        """Return velocity, torque less that of the rotor's damping, and power to the load."""
         belt = self.section.belt
         speed, error = (belt, 0.0) if belt is not None else self._rate("rotor_angle")
         friction = self.run.series["friction_force"][1:]
@@ -146,7 +146,7 @@ class Measurement:
         return float(stored / run.duration)
 
     def _electrical(self, drive: Number, output: Number) -> dict[str, Number]:
-        """Give what the electrodes take, and the efficiencies where there is an output."""
+        """Return what the electrodes take, and the efficiencies where there is an output."""
         dielectric = dielectric_loss(self.run.motor)
         active = drive[0] + dielectric, drive[1]
         squares = [self._sampled(each[1:] ** 2) for each in currents(self.run)]

@@ -44,11 +44,11 @@ class Point:
         return self.numbers.get(name, UNKNOWN)[0]
 
     def error(self, name: str) -> float:
-        """Give the error of a quantity."""
+        """Return the error of a quantity."""
         return self.numbers.get(name, UNKNOWN)[1]
 
     def turned(self, sense: float) -> "Point":
-        """Give the point with velocity and torque in the other sense, if that is negative."""
+        """Return the point with velocity and torque in the other sense, if that is negative."""
         signed = {name: (sense * self[name], self.error(name)) for name in ("velocity", "torque")}
         return replace(self, numbers=self.numbers and self.numbers | signed)
 
@@ -63,22 +63,22 @@ def operate(setup: Setup, belt: float | None = None) -> Point:
     short, long = LONGEST
     try:
         try:
-            found = converged(setup, belt=belt, longest=short)
+            result = converged(setup, belt=belt, longest=short)
         except NotSettledError:
-            found = converged(setup, belt=belt, longest=long)
-        measured = [Measurement.of(each) for each in found.steps]
+            result = converged(setup, belt=belt, longest=long)
+        measured = [Measurement.of(each) for each in result.steps]
     except (BrokenOffError, NotSettledError) as error:
         return Point(belt, "none", message=str(error))
-    levels = {id(each): one.numbers() for each, one in zip(found.steps, measured, strict=True)}
-    kinds = {each.kind for each in found.steps}
-    kind = found.best.kind if len(kinds) == 1 or "periodic" not in kinds else "periodic at some steps"
-    names = levels[id(found.best)]
-    numbers = {name: _limit(found, {key: every[name] for key, every in levels.items()}) for name in names}
+    levels = {id(each): item.numbers() for each, item in zip(result.steps, measured, strict=True)}
+    kinds = {each.kind for each in result.steps}
+    kind = result.best.kind if len(kinds) == 1 or "periodic" not in kinds else "periodic at some steps"
+    names = levels[id(result.best)]
+    numbers = {name: _limit(result, {key: every[name] for key, every in levels.items()}) for name in names}
     return Point(belt, kind, numbers, run=measured[-1].run)
 
 
 def _limit(found: Converged, levels: dict[int, Number]) -> Number:
-    """Give the finest of three numbers with its error; an infinite one where they grow without bound."""
+    """Return the finest of three numbers with its error; an infinite one where they grow without bound."""
     value, error = found.value(lambda each: levels[id(each)])
     before, last = np.diff([abs(number) for number, _ in levels.values()])
     if last > GROWS * before > 0.0 and last > NOTABLE * abs(value) + levels[id(found.best)][1]:

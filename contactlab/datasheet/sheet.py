@@ -84,7 +84,7 @@ def _roles(points: Sequence[Point]) -> list[str]:
 
 
 def _loads(points: Sequence[Point]) -> list[str]:
-    """Say what the load does at the points, by the quadrant of velocity and torque."""
+    """Return what the load does at the points, by the quadrant of velocity and torque."""
     quadrants = {(1, 1): "brakes", (-1, 1): "turns the motor back", (1, -1): "drives the motor on"}
     return [
         quadrants.get((np.sign(p["velocity"]), np.sign(p["torque"])), "") if p.belt else "" for p in points

@@ -34,7 +34,7 @@ DIED_DOWN: Final = 20.0
 
 
 def start_time(setup: Setup, velocity: float) -> Number:
-    """Give the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
+    """Return the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
 
     def once(setup: Setup) -> float:
         time, reached, _ = _until(PeriodMap(setup), STARTED * velocity)
@@ -46,7 +46,7 @@ def start_time(setup: Setup, velocity: float) -> Number:
 def stop_time(
     setup: Setup, settled: Motor, velocity: float, memory: Array | None = None
 ) -> tuple[Number, Number]:
-    """Give the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
+    """Return the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
 
     Args:
         setup: law and steps.
@@ -58,23 +58,23 @@ def stop_time(
         The time [s], infinite where nothing brakes the rotor any more, and the speed at which the tip leaves
         it [rad/s], zero where the contact stops it; with their errors.
     """
-    found, rotor = [], settled.rotor
+    result, rotor = [], settled.rotor
 
     def once(setup: Setup) -> float:
         clock = PeriodMap(replace(setup, motor=_silent(settled)))
         time, stopped, coasts = _until(clock, STOPPED * velocity, memory)
-        found.append(0.0 if stopped else abs(coasts))
+        result.append(0.0 if stopped else abs(coasts))
         if stopped:
             return time
         decay = rotor.damping / rotor.inertia
         return time + float(np.log(coasts / (STOPPED * velocity))) / decay if decay else np.inf
 
     time = _at_two_steps(setup, once)
-    return time, (found[1], abs(found[1] - found[0]))
+    return time, (result[1], abs(result[1] - result[0]))
 
 
 def holding_torque(setup: Setup, velocity: float) -> Number:
-    """Give the load that moves the rotor when the drive is off [N m], and its error.
+    """Return the load that moves the rotor when the drive is off [N m], and its error.
 
     The rotor is drawn through the contact of the resting resonator at the velocity without load: with
     Coulomb friction the torque is the same at any velocity, and the rotor holds against less. Much slower,
@@ -130,7 +130,7 @@ def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tupl
 
 
 def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Number:
-    """Give a number at half the step, and its error: the rest of a sequence of the law's order."""
+    """Return a number at half the step, and its error: the rest of a sequence of the law's order."""
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
     factor = FINER[control][1]
     finer = changed(setup, {control: (getattr(setup, control) or DEFAULT_TOLERANCE) / factor})

@@ -124,10 +124,10 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state.length = h
     stiffness = steepness * mobility(run, level, FIRST, FIRST)
     sweeps = 0
-    for held in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
+    for stored in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
         if sweeps == 0:
             _first_forces(run, law, stretch)
-            sweeps = _collocate(run, law, level, held == 1)
+            sweeps = _collocate(run, law, level, stored == 1)
     state.taken = 0.0
     state.sweeps += sweeps
     if sweeps == 0:
@@ -252,8 +252,8 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
 
     Gives the change of its moments, as a force on the rotor [N].
     """
-    state, step, answers = run.state, run.step, run.propagator.levels[level]
-    tip_q, tip_v = answers.tip_q, answers.tip_v
+    state, step, results = run.state, run.step, run.propagator.levels[level]
+    tip_q, tip_v = results.tip_q, results.tip_v
     u, th = step.u[i], step.th[i]
     u_rate, th_rate, rotor = step.u_rate[i], step.th_rate[i], step.rotor[i]
     for m in range(NODES):

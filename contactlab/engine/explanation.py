@@ -1,6 +1,6 @@
 """How a run ended, in a sentence: the value, the bound and the way out.
 
-Asked after the run has ended, at the state it ended in, so that a run that goes on pays nothing for it.
+Evaluator after the run has ended, at the state it ended in, so that a run that goes on pays nothing for it.
 """
 
 from collections.abc import Callable

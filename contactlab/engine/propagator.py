@@ -148,12 +148,12 @@ def step_length(propagator: Propagator, level: int) -> float:
 @inner_kernel
 def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
     """Fill one level: what every coordinate answers, and what the contact sees of all; once."""
-    answers, rule = propagator.levels[level], propagator.rule
-    if answers.built == 1:
+    results, rule = propagator.levels[level], propagator.rule
+    if results.built == 1:
         return
-    answers.built = 1
+    results.built = 1
     for i in range(NODES):
-        s = rule.nodes[i] * answers.length
+        s = rule.nodes[i] * results.length
         for k in range(plant.tone_count):
             turn = propagator.turns[level, k]
             turn.cosine[i] = cos(plant.tones[k].omega * s)
@@ -161,13 +161,13 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
         for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
             impulse_integrals(mode.stiffness, mode.damping, s, NODES, rule.integrals)
-            _fill(rule, mode, response, answers, i)
+            _fill(rule, mode, response, results, i)
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     omega = plant.tones[k].omega
-                    answer = response_from_rest(mode.stiffness, mode.damping, omega, s)
+                    result = response_from_rest(mode.stiffness, mode.damping, omega, s)
                     for part in range(4):
-                        propagator.driven[level, j, k].part[i, part] = answer[part]
+                        propagator.driven[level, j, k].part[i, part] = result[part]
 
 
 @merged_kernel

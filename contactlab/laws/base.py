@@ -102,7 +102,7 @@ class ContactLaw(Declared, Tangential):
         return self.name
 
     def on_rotor(self, radius: float) -> Self:
-        """Give the law with what follows from the radius of the rotor [m]; every run asks for it."""
+        """Return the law with what follows from the radius of the rotor [m]; every run asks for it."""
         return self
 
 

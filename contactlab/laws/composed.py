@@ -12,7 +12,7 @@ from contactlab.laws.normal import HertzPoint
 
 
 def _of_friction(name: str) -> Any:
-    """Give a property that is the friction's."""
+    """Return a property that is the friction's."""
     return property(lambda law: getattr(law.friction, name), doc="That of the friction.")
 
 

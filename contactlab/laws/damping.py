@@ -88,7 +88,7 @@ class LinearDamping(Damping):
 
 @cache
 def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
-    """Give the c [N s/m] at which a free impact has the restitution that is asked."""
+    """Return the c [N s/m] at which a free impact has the restitution that is asked."""
     if asked.restitution == 1.0:
         return 0.0
     mass, speed = asked.effective_mass, asked.impact_speed
@@ -105,7 +105,7 @@ def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
     energy = 0.5 * mass * speed**2
 
     def beyond(exponent: float) -> float:
-        """Give the logarithm of the energy that a depth stores, over that of the impact."""
+        """Return the logarithm of the energy that a depth stores, over that of the impact."""
         return float(np.log(elastic(10.0**exponent)[1] / energy))
 
     # Depth and speed are the units.
@@ -137,7 +137,7 @@ def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
 
 @cache
 def loss_number(restitution: float) -> float:
-    """Give D = a v at which a free impact has a restitution, 0 < e <= 1 [1].
+    """Return D = a v at which a free impact has a restitution, 0 < e <= 1 [1].
 
     With D = x/(1 + e x), x in (0, inf): (1 + e) D = ln(1 + (1 + e) x), free of cancellation. At the ends
     D is 1/e and 3/2 (1 - e) to double precision.

@@ -59,12 +59,12 @@ class Declared(ABC):
         check_fields(self, self.name)
 
     def effective(self) -> Iterator[tuple[str, float, Parameter | None]]:
-        """Give name ("part.name" for one of a part), value [SI] and declaration of what is not left open."""
+        """Yield name ("part.name" for one of a part), value [SI] and declaration of what is not left open."""
         kind: Any = type(self)
         for name, member in declared_fields(kind).items():
             value = getattr(self, name)
             if isinstance(value, Declared):
-                yield from ((f"{name}.{below}", x, said) for below, x, said in value.effective())
+                yield from ((f"{name}.{below}", x, text) for below, x, text in value.effective())
             elif value is not None:
                 yield name, value, member.parameter
 
@@ -93,15 +93,15 @@ class Declared(ABC):
         return function(*(np.array(v) if isinstance(v, tuple) else v for v in values))
 
     def describe(self) -> dict[str, float]:
-        """Give the effective parameters by name, SI."""
+        """Return the effective parameters by name, SI."""
         return {name: value for name, value, _ in self.effective()}
 
     def changed(self, name: str, value: float) -> Self:
-        """Give the law with another value of one parameter, or raise a ValueError if that is out of range."""
+        """Return the law with another value of a parameter, or raise a ValueError if that is out of range."""
         own: Any = self
         field, _, below = name.partition(".")
-        given: Any = getattr(own, field).changed(below, value) if below else value
-        return replace(own, **{field: given})  # type: ignore[no-any-return]
+        arguments: Any = getattr(own, field).changed(below, value) if below else value
+        return replace(own, **{field: arguments})  # type: ignore[no-any-return]
 
 
 def names_of(function: Any) -> tuple[str, ...]:
@@ -111,7 +111,7 @@ def names_of(function: Any) -> tuple[str, ...]:
 
 @cache
 def fault_of(kind: Any) -> str:
-    """Say what keeps a class from being a law or a part, as the end of a sentence; empty for a sound one."""
+    """Return why a class is no law or part, as the end of a sentence; empty for a sound one."""
     if isabstract(kind):
         return f"lacks {', '.join(sorted(kind.__abstractmethods__))}"
     # A subclass of a dataclass that says nothing of fields is one too.
@@ -136,7 +136,7 @@ def refuse_unsound(kind: type) -> None:
 
 @cache
 def members_of(owner: type[Declared]) -> dict[str, DeclaredField]:
-    """Give the fields by name, declared numbers and parts, or raise a ValueError on one that is neither."""
+    """Return the fields by name, declared numbers and parts, or raise a ValueError on one that is neither."""
     try:
         members = declared_fields(owner)
     # An annotation or a default is any expression of somebody else's.
@@ -154,6 +154,6 @@ def members_of(owner: type[Declared]) -> dict[str, DeclaredField]:
 
 
 def family_of(member: DeclaredField) -> str:
-    """Give the family of a field that is a part; empty for a number."""
+    """Return the family of a field that is a part; empty for a number."""
     is_part = isinstance(member.kind, type) and issubclass(member.kind, Declared)
     return str(member.kind.family) if is_part else ""

@@ -45,7 +45,7 @@ class HertzPenalty(PenaltyLaw):
             )
 
     def on_rotor(self, radius: float) -> "HertzPenalty":
-        """Give the law with the stiffness of its tip on a rotor of a radius [m], both of steel."""
+        """Return the law with the stiffness of its tip on a rotor of a radius [m], both of steel."""
         if self.tip_radius is None:
             return self
         stiffness = hertz_stiffness(self.tip_radius, radius)
@@ -61,7 +61,7 @@ class HertzPenalty(PenaltyLaw):
 def hertz_stiffness(
     tip_radius: float, rotor_radius: float, youngs_modulus: float = 210e9, poisson_ratio: float = 0.3
 ) -> float:
-    """Give K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
+    """Return K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
 
         1/E* = 2 (1 - nu^2) / E,   R_e = [ (1/r) (1/r + 1/R) ]^(-1/2)
 

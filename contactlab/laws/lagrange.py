@@ -76,14 +76,14 @@ def stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, 
 
 @inner_kernel
 def slip_impulse(normal_rate, s, mu, d_nn, d_nt):
-    """Give the impulses [N s] that leave no gap rate in a slip of the sign s, and the mode."""
+    """Return the impulses [N s] that leave no gap rate in a slip of the sign s, and the mode."""
     p_n = -normal_rate / (d_nn - s * mu * d_nt)
     return p_n, -s * mu * p_n, SLIP
 
 
 @inner_kernel
 def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
-    """Give the impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
+    """Return the impulses [N s] that leave neither gap rate nor slip, whatever their signs."""
     determinant = d_nn * d_tt - d_nt * d_nt
     p_n = (d_nt * tangential_rate - d_tt * normal_rate) / determinant
     return p_n, (d_nt * normal_rate - d_nn * tangential_rate) / determinant
@@ -93,7 +93,7 @@ def stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt):
 def wedges(
     normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float, mu: float
 ) -> bool:
-    """Tell whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
+    """Return whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
 
     Friction presses the bodies together more than the normal impulse parts them, mu |d_nt| > d_nn, and
     release, stick and a slip between the two all obey the law. None of them creates energy. The slip is no

@@ -64,7 +64,7 @@ PARTS: Mapping[str, Mapping[str, type[Part]]] = {
 
 
 def own(family: str = "") -> Mapping[str, type[Declared]]:
-    """Give the package's own of a family, the laws where it is empty."""
+    """Return the package's own of a family, the laws where it is empty."""
     return PARTS[family] if family else LAWS
 
 
@@ -93,20 +93,20 @@ class Origin(NamedTuple):
 
 @cache
 def origins(family: str = "") -> tuple[Origin, ...]:
-    """Give every entry of a family: the package's own, then others by name; some of those say their fault."""
-    version = next((found.version for found in distributions(name="contactlab")), "unknown")
+    """Return every entry of a family: the package's own, then others by name, with their faults."""
+    version = next((result.version for result in distributions(name="contactlab")), "unknown")
     ours = [Origin(name, _entry(owner), "contactlab", version) for name, owner in own(family).items()]
-    given = sorted(
+    arguments = sorted(
         Origin(point.name, f"{point.module}:{point.attr}", point.dist.name, point.dist.version)
         for point in entry_points(group=_group(family))
         if point.dist is not None
     )
-    count = Counter(origin.name for origin in given)
-    return *ours, *(each._replace(fault=_clash(each, family, count[each.name])) for each in given)
+    count = Counter(origin.name for origin in arguments)
+    return *ours, *(each._replace(fault=_clash(each, family, count[each.name])) for each in arguments)
 
 
 def law_names(family: str = "") -> list[str]:
-    """Give the names by which a law, or a part of a family, can be chosen, in their order.
+    """Return the names by which a law, or a part of a family, can be chosen, in their order.
 
     >>> import contactlab as cl
     >>> cl.law_names("damping")
@@ -117,40 +117,40 @@ def law_names(family: str = "") -> list[str]:
 
 def origin_of(name: str, family: str = "") -> Origin:
     """Tell where a law or part comes from, or say in a ValueError that none alone has the name."""
-    found = [origin for origin in origins(family) if origin.name == name]
-    for origin in found:
+    result = [origin for origin in origins(family) if origin.name == name]
+    for origin in result:
         if not origin.fault:
             return origin
-    raise ValueError(found[0].fault if found else _unknown(family, name))
+    raise ValueError(result[0].fault if result else _unknown(family, name))
 
 
 @cache
 def class_of(name: str, family: str = "") -> type[Declared]:
-    """Give the class of a law or part, importing it alone, or say in a ValueError what is wrong with it."""
+    """Return the class of a law or part, importing it alone, or say in a ValueError what is wrong with it."""
     origin, (kind, bases), cause = origin_of(name, family), _KINDS[family], None
     try:
-        found: Any = EntryPoint(name, origin.entry, _group(family)).load()
+        result: Any = EntryPoint(name, origin.entry, _group(family)).load()
     # Whatever a module of somebody else's does while it is imported, it is that law's fault alone.
     except (Exception, SystemExit) as error:
         cause, fault = error, f"cannot be imported ({type(error).__name__}: {error})"
     else:
-        if not isinstance(found, type) or not issubclass(found, bases):
+        if not isinstance(result, type) or not issubclass(result, bases):
             fault = f"is no subclass of contactlab.laws.{' or '.join(base.__name__ for base in bases)}"
-        elif not (fault := fault_of(found)) and found.name != name:
-            fault = f"calls itself {found.name!r}, which must be the name of its entry too"
+        elif not (fault := fault_of(result)) and result.name != name:
+            fault = f"calls itself {result.name!r}, which must be the name of its entry too"
     if fault:
         raise ValueError(
             f"The {kind} {name!r} of {origin} is not usable: {origin.entry} {fault}. Mend that package or "
             f"remove it by pip uninstall {origin.package}; other laws run."
         ) from cause
-    owner: type[Declared] = found
+    owner: type[Declared] = result
     return owner
 
 
 def law_class(name: str) -> type[ContactLaw]:
-    """Give a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
-    found: Any = class_of(name)
-    owner: type[ContactLaw] = found
+    """Return a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
+    result: Any = class_of(name)
+    owner: type[ContactLaw] = result
     return owner
 
 
@@ -175,23 +175,23 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
 
 
 def _made(family: str, name: str, parameters: dict[str, Any]) -> Any:
-    owner, said = class_of(name, family), f"The {_KINDS[family][0]} {name}"
+    owner, text = class_of(name, family), f"The {_KINDS[family][0]} {name}"
     members = members_of(owner)
-    for given, value in parameters.items():
-        if given not in members:
-            hint = suggestion(given, members, f"It has {', '.join(members) or 'none'}.")
-            raise TypeError(f"{said} has no parameter {given!r}. {hint}")
-        if (below := family_of(members[given])) and isinstance(value, str):
-            parameters[given] = _made(below, value, {})
-    needed = [one for one, member in members.items() if member.default is MISSING]
-    if lacking := ", ".join(one for one in needed if one not in parameters):
-        raise TypeError(f"{said} lacks {lacking}; without default it must be given.")
+    for parameter, value in parameters.items():
+        if parameter not in members:
+            hint = suggestion(parameter, members, f"It has {', '.join(members) or 'none'}.")
+            raise TypeError(f"{text} has no parameter {parameter!r}. {hint}")
+        if (below := family_of(members[parameter])) and isinstance(value, str):
+            parameters[parameter] = _made(below, value, {})
+    needed = [item for item, member in members.items() if member.default is MISSING]
+    if lacking := ", ".join(item for item in needed if item not in parameters):
+        raise TypeError(f"{text} lacks {lacking}; without default it must be given.")
     return owner(**parameters)
 
 
 def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coefficient: float) -> Any:
     """Make a law or a part from its section of a configuration, or raise what the law refuses it with."""
-    given: dict[str, Any] = {}
+    arguments: dict[str, Any] = {}
     for name, member in members_of(owner).items():
         value: Any = friction_coefficient if name == SHARED else values[name]
         if family := family_of(member):
@@ -199,12 +199,12 @@ def build_law(owner: type[Declared], values: Mapping[str, Any], friction_coeffic
         elif int in member.kinds and value is not None and value == value // 1:
             # One that is not whole the law refuses.
             value = int(value)
-        given[name] = value
-    return owner(**given)
+        arguments[name] = value
+    return owner(**arguments)
 
 
 def classes_in(values: Mapping[str, Any], family: str = "") -> Iterator[type[Declared]]:
-    """Give the classes of a law and of its parts as its section of a configuration chooses them."""
+    """Yield the classes of a law and of its parts as its section of a configuration chooses them."""
     owner = class_of(values["name"], family)
     yield owner
     for name, member in members_of(owner).items():
@@ -213,7 +213,7 @@ def classes_in(values: Mapping[str, Any], family: str = "") -> Iterator[type[Dec
 
 
 def classes_of(law: Declared) -> Iterator[type[Declared]]:
-    """Give the classes of a law and of its parts."""
+    """Yield the classes of a law and of its parts."""
     yield type(law)
     for value in vars(law).values():
         if isinstance(value, Declared):
@@ -221,12 +221,12 @@ def classes_of(law: Declared) -> Iterator[type[Declared]]:
 
 
 def takes_shared(values: Mapping[str, Any]) -> bool:
-    """Tell whether a law, or one of its parts as they are chosen, has the parameter that is the contact's."""
+    """Return whether a law, or one of its chosen parts, has the parameter that is the contact's."""
     return any(SHARED in members_of(owner) for owner in classes_in(values))
 
 
 def provenance(law: type[Declared], *parts: type[Declared]) -> str:
-    """Give package and version that a law comes from, and those of its parts that are from elsewhere.
+    """Return package and version that a law comes from, and those of its parts that are from elsewhere.
 
     Of one that no package brings it is the module.
     """
@@ -236,8 +236,8 @@ def provenance(law: type[Declared], *parts: type[Declared]) -> str:
 
 
 def _provenance(owner: type[Declared]) -> str:
-    found = origins(owner.family)
-    entries = {origin.entry: str(origin) for origin in reversed(found) if not origin.fault}
+    result = origins(owner.family)
+    entries = {origin.entry: str(origin) for origin in reversed(result) if not origin.fault}
     return entries.get(_entry(owner), owner.__module__)
 
 
@@ -251,12 +251,12 @@ def _entry(owner: type) -> str:
 
 def _unknown(family: str, name: str) -> str:
     known = law_names(family)
-    words = f"There is no {_KINDS[family][0]} {name!r}; it must be one of {', '.join(known)}."
-    return f"{words} {suggestion(name, known)}".rstrip()
+    text = f"There is no {_KINDS[family][0]} {name!r}; it must be one of {', '.join(known)}."
+    return f"{text} {suggestion(name, known)}".rstrip()
 
 
 def _clash(origin: Origin, family: str, count: int) -> str:
-    """Say why an entry of another package cannot be a law or part, whatever it names; empty if it can."""
+    """Return why an entry of another package cannot be a law or part, whatever it names; empty if it can."""
     kind = _KINDS[family][0]
     if origin.name in own(family):
         fault = "takes the name of one of contactlab's own, which stays what it is"

@@ -53,7 +53,7 @@ def rotor_momentum(run: Run) -> float:
     inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
     damping, torque = run.setting("rotor.damping"), run.setting("rotor.load_torque")
     fastest, push = np.abs(run.series("rotor_velocity")).max(), run.contacts("friction_impulse")
-    given = positive(radius * float(np.abs(push).sum()))
+    values = positive(radius * float(np.abs(push).sum()))
     load, damped = torque * run.gain("time"), damping * run.gain("rotor_angle")
     missing = inertia * run.gain("rotor_velocity") + radius * float(push.sum()) + load + damped
     # The angle of such a law follows the velocity to within h R sum|p_t| / J: what damping makes of that
@@ -62,8 +62,8 @@ def rotor_momentum(run: Run) -> float:
     corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
     # Where friction is the least of the terms, the others round off more than it weighs.
-    scale = max(given, inertia * float(fastest), abs(load), abs(damped))
-    return abs(missing) / max(scale, corrected * given / ROUND_OFF)
+    scale = max(values, inertia * float(fastest), abs(load), abs(damped))
+    return abs(missing) / max(scale, corrected * values / ROUND_OFF)
 
 
 @invariant(
@@ -215,5 +215,5 @@ def _has_limits(run: Run) -> bool:
 
 
 def _motion(run: Run) -> float:
-    """Give how far the tip goes in the normal direction [m], from the first record on."""
+    """Return how far the tip goes in the normal direction [m], from the first record on."""
     return positive(0.5 * float(np.ptp(run.series("tip_normal_displacement"))))

@@ -70,7 +70,7 @@ class Metric:
         return self.unit and f" [{self.unit[1:]}]"
 
     def verdict(self, value: float) -> str:
-        """Give one of its `words`, what is `absent` for a NaN, or REPORTED."""
+        """Return one of its `words`, what is `absent` for a NaN, or REPORTED."""
         if isnan(value):
             return self.absent
         if not self.threshold:
@@ -115,7 +115,7 @@ of_steps = partial(metric, catalogue=STEP_METRICS)
 def measured(
     catalogue: dict[str, Metric], subject: object, keys: Container[str] | None = None
 ) -> dict[str, float]:
-    """Give the value of every metric, or of some; NaN where it is not applicable or not a number."""
+    """Return the value of every metric, or of some; NaN where it is not applicable or not a number."""
     values = dict.fromkeys((key for key in catalogue if keys is None or key in keys), nan)
     # Numbers of a user's own may overflow on the way; the result says so.
     with np.errstate(all="ignore"):

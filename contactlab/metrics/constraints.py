@@ -20,7 +20,7 @@ of the wrong sign; a compliant law's error is smaller still."""
 
 
 def stiffness(run: Run) -> float:
-    """Give K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
+    """Return K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
     for family, owner in run.law_classes.items():
         for name, parameter in parameters_of(owner).items():
             value = run.law_parameters.get(f"{family}.{name}".removeprefix("."), 0.0)
@@ -30,7 +30,7 @@ def stiffness(run: Run) -> float:
 
 
 def tip_radius(run: Run) -> float:
-    """Give the radius of the tip [m]: as configured, or of a spherical steel tip with the law's stiffness.
+    """Return the radius of the tip [m]: as configured, or of a spherical steel tip with the law's stiffness.
 
     K = 4/3 E* sqrt(R_e), R_e = [(1/r) (1/r + 1/R)]^(-1/2), solved for 1/r.
     """
@@ -60,12 +60,12 @@ def penetration_over_amplitude(run: Run) -> float:
 
 
 def pulls(run: Run) -> bool:
-    """Tell whether the law that ran, or its normal force, declares that it pulls."""
+    """Return whether the law that ran, or its normal force, declares that it pulls."""
     return any(getattr(owner, "allows_tension", None) is True for owner in run.law_classes.values())
 
 
 def reaches_out(run: Run) -> bool:
-    """Tell whether what pulls has limits of its own, and so may act over an open gap."""
+    """Return whether what pulls has limits of its own, and so may act over an open gap."""
     pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
     return any(declares(owner, "limits") for owner in pulling)
 
@@ -78,7 +78,7 @@ def changes_side(force: Array) -> NDArray[np.bool_]:
 
 
 def cone(run: Run) -> tuple[float, float]:
-    """Give the largest |F|/N [1] and the cohesion beside N [N], as the law that ran declares them."""
+    """Return the largest |F|/N [1] and the cohesion beside N [N], as the law that ran declares them."""
     mu = run.setting("contact.friction_coefficient")
     for family in ("friction", ""):
         owner: Any = run.law_classes.get(family)
@@ -170,7 +170,7 @@ def normal_gain(run: Run) -> float:
 
 
 def _falls(run: Run, name: str) -> float:
-    """Give the falls of a loss that should only grow, over all changes of both of a contact's losses.
+    """Return the falls of a loss that should only grow, over all changes of both of a contact's losses.
 
     All falls together, as the largest would depend on the records and on how long the run is.
     """

@@ -33,7 +33,7 @@ ROACHE: Final = "Roache (1998), Verification and Validation in Computational Sci
 
 
 def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
-    """Give the error of the last of three values from steps that fall by a factor.
+    """Return the error of the last of three values from steps that fall by a factor.
 
     With differences that fall by the ratio q the rest of the series is q / (1 - q) times the last of
     them. The ratio is what is seen, but no better than the declared order promises; a sequence that does
@@ -49,7 +49,7 @@ def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
 
 
 def _exponent(ladder: Ladder, value: Callable[[Run], float], form: Any = float) -> float:
-    """Give the slope of the line through the logarithms of values over steps, or its size."""
+    """Return the slope of the line through the logarithms of values over steps, or its size."""
     needed(len(ladder) > 1)
     values = np.array([value(run) for _, run in ladder])
     needed(np.isfinite(values).all() and (values > 0.0).all())
@@ -93,7 +93,7 @@ for _value, _judged, _key, _symbol, _name, _except in (
 
 
 def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
-    """Give the rotor velocities of the three finest steps [rad/s], and the one ratio of these steps."""
+    """Return the rotor velocities of the three finest steps [rad/s], and the one ratio of these steps."""
     needed(len(ladder) > 2)
     (coarse, first), (middle, second), (fine, third) = ladder[-3:]
     needed(coarse > middle > fine > 0.0)
@@ -161,7 +161,7 @@ def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[st
 
 
 def _sensitivity(runs: Mapping[str, tuple[float, Run]], thing: str, value: Callable[[Run], float]) -> float:
-    """Give ((x_changed - x) / x) / amount."""
+    """Return ((x_changed - x) / x) / amount."""
     needed(thing in runs and runs[thing][0] != 0.0)
     amount, variant = runs[thing]
     before = value(runs["base"][1])
@@ -189,7 +189,7 @@ for _thing, _symbol, _base in (
 def assess_variants(
     base: xarray.DataTree | Run, **variants: tuple[float, xarray.DataTree | Run]
 ) -> dict[str, float]:
-    """Give how much a law's answers change with what is known least.
+    """Return how much a law's answers change with what is known least.
 
     Args:
         base: the run.

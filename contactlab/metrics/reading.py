@@ -24,16 +24,16 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
     """
     tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
     for fault in _faults(tree):
-        words = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
+        text = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
         raise ValueError(
-            f"{words} has {fault} The layout is that of a run.nc, which `contactlab` writes; a variable may "
+            f"{text} has {fault} The layout is that of a run.nc, which `contactlab` writes; a variable may "
             "be left out, never be misnamed."
         )
     return tree
 
 
 def is_complete(tree: xarray.DataTree) -> bool:
-    """Tell whether a dataset is of a run that reached its end; one of one's own need not say so."""
+    """Return whether a dataset is of a run that reached its end; one of one's own need not say so."""
     return bool(tree.attrs.get("complete", 1))
 
 
@@ -58,7 +58,7 @@ def _opened(path: Path) -> xarray.DataTree:
 
 
 def _faults(tree: xarray.DataTree) -> Iterator[str]:
-    """Say what a layout has that the metrics would misread, the first fault first."""
+    """Yield what a layout has that the metrics would misread, the first fault first."""
     root, names = tree.to_dataset(inherit=False), [variable.name for variable in _ROOT]
     if "time" not in root.variables or root["time"].dims != ("time",):
         yield "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds."
@@ -71,10 +71,10 @@ def _faults(tree: xarray.DataTree) -> Iterator[str]:
         )
     if root.variables.keys().isdisjoint(names):
         yield f"none of the time series; it must have at least one of {', '.join(names)}."
-    said = tree.attrs.get("complete", 1)
-    if np.size(said) != 1 or said not in (0, 1):
+    text = tree.attrs.get("complete", 1)
+    if np.size(text) != 1 or text not in (0, 1):
         yield (
-            f"the attribute complete = {said!r}; it must be 1 for a run that reached its end and 0 for "
+            f"the attribute complete = {text!r}; it must be 1 for a run that reached its end and 0 for "
             "another. Correct it, or leave it out."
         )
     if group := tree.children.get("contacts"):
@@ -82,13 +82,13 @@ def _faults(tree: xarray.DataTree) -> Iterator[str]:
 
 
 def _misread(found: xarray.Dataset, known: Iterable[Variable]) -> Iterator[str]:
-    """Say which known variables have other dimensions or units, or are no numbers."""
+    """Yield which known variables have other dimensions or units, or are no numbers."""
     for must in (variable for variable in known if variable.name in found.variables):
-        given = found[must.name]
-        units = given.attrs.get("units", must.units)
-        if given.dims != must.dims:
-            yield f"'{must.name}' over {given.dims}; it must be over {must.dims}."
-        if given.dtype.kind not in "fiu":
-            yield f"'{must.name}' as {given.dtype}; it must be real numbers in {must.units}."
+        values = found[must.name]
+        units = values.attrs.get("units", must.units)
+        if values.dims != must.dims:
+            yield f"'{must.name}' over {values.dims}; it must be over {must.dims}."
+        if values.dtype.kind not in "fiu":
+            yield f"'{must.name}' as {values.dtype}; it must be real numbers in {must.units}."
         if units != must.units:
             yield f"'{must.name}' in {units!r}; it must be in {must.units!r}. Convert the numbers too."

@@ -63,7 +63,7 @@ def restitution(run: Run) -> float:
 
 
 def effective_mass(run: Run) -> float:
-    """Give the mass that a normal impact meets, 1/D_nn of the undeformed motor [kg]."""
+    """Return the mass that a normal impact meets, 1/D_nn of the undeformed motor [kg]."""
     # The mass is the motor's: a law that is not installed here shall not stand in its way, nor a
     # tolerance that belongs to it.
     solver = run.configuration.get("solver")
@@ -157,10 +157,10 @@ def torque(run: Run) -> float:
 )
 def efficiency(run: Run) -> float:
     span = run.last_periods()
-    given, done = run.gain("drive_work", span), run.gain("load_work", span)
+    values, done = run.gain("drive_work", span), run.gain("load_work", span)
     # A load that drives is no load: what it gives is no share of what the drive gives.
-    needed(given > 0.0 <= done)
-    return done / given
+    needed(values > 0.0 <= done)
+    return done / values
 
 
 @without_records("W_f / W_d", "friction loss over work of the drive", usual=True)

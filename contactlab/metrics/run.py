@@ -39,16 +39,16 @@ def needed(held: object) -> None:
 
 
 def positive(scale: float) -> float:
-    """Give a scale to measure by; there is nothing to measure where it is not positive."""
+    """Return a scale to measure by; there is nothing to measure where it is not positive."""
     needed(scale > 0.0)
     return scale
 
 
 def declares(owner: Any, kernel: str) -> bool:
-    """Tell whether a law or a part has a kernel of its own where most have none: limits, or a moment."""
-    found = getattr_static(owner, kernel, None)
+    """Return whether a law or a part has a kernel of its own where most have none: limits, or a moment."""
+    result = getattr_static(owner, kernel, None)
     idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed, Damping)]
-    return found is not None and found not in idle
+    return result is not None and result not in idle
 
 
 @final
@@ -77,18 +77,18 @@ class Run:
         """Take a dataset in the layout of a run.nc, see `contactlab.metrics.read_run`, or a run as it is."""
         if isinstance(source, Run):
             return source
-        said, step = source.attrs, source.attrs.get("contact_step", 0.0)
+        text, step = source.attrs, source.attrs.get("contact_step", 0.0)
         parameters: dict[str, Any] = {}
         with suppress(ValueError, TypeError):
-            parameters = dict(json.loads(str(said.get("law_parameters", ""))))
+            parameters = dict(json.loads(str(text.get("law_parameters", ""))))
         return cls(
             columns=_values(source),
             rows=_values(source.children.get("contacts", xarray.DataTree())),
             configuration=configuration_of(source),
-            law=str(said.get("law", "")),
+            law=str(text.get("law", "")),
             law_parameters={k: x for k, x in parameters.items() if isinstance(x, int | float)},
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
-            attributes=said,
+            attributes=text,
             lasting=lasting_in(source.to_dataset(inherit=False).variables),
         )
 
@@ -138,25 +138,25 @@ class Run:
         return settling_of(self.columns, self.rows, period, self.lasting)
 
     def holds(self, *names: str) -> bool:
-        """Tell whether all of these stand at the root."""
+        """Return whether all of these stand at the root."""
         return set(names) <= self.columns.keys()
 
     def touches(self, *names: str) -> bool:
-        """Tell whether there is a contact, with all of these numbers."""
+        """Return whether there is a contact, with all of these numbers."""
         return all(name in self.rows and self.rows[name].size > 0 for name in names)
 
     def series(self, name: str) -> Array:
-        """Give a series over time, all of it finite."""
+        """Return a series over time, all of it finite."""
         needed(self.holds(name))
         return self._numbers(self.columns[name])
 
     def gain(self, name: str, span: slice = slice(None)) -> float:
-        """Give how much a series has grown over all or some of the records."""
+        """Return how much a series has grown over all or some of the records."""
         values = self.series(name)[span]
         return float(values[-1] - values[0])
 
     def contacts(self, name: str) -> Array:
-        """Give a column of the contacts, of which there is at least one; only a separation may be missing."""
+        """Return a column of the contacts, at least one; only a separation may be missing."""
         needed(self.touches(name))
         return self._numbers(self.rows[name], may_miss=name == "separation_velocity")
 
@@ -166,7 +166,7 @@ class Run:
         return numbers
 
     def setting(self, key: str) -> float:
-        """Give a number of the configuration by its full key, SI."""
+        """Return a number of the configuration by its full key, SI."""
         value = self.settings.get(key)
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise NotApplicableError
@@ -183,7 +183,7 @@ class Run:
             return {}
 
     def last_periods(self) -> slice:
-        """Give the records of the last whole drive periods that fit into the last quarter of the run.
+        """Return the records of the last whole drive periods that fit into the last quarter of the run.
 
         At least one period; where the drive's frequency is not known, the whole quarter. There are none in
         a run that is shorter than a drive period.
@@ -199,15 +199,15 @@ class Run:
         return slice(first, self.time.size)
 
     def amplitude(self, motion: Array) -> float:
-        """Give half of the range of a motion over the last whole drive periods, which is not zero."""
+        """Return half of the range of a motion over the last whole drive periods, which is not zero."""
         return positive(0.5 * float(np.ptp(motion[self.last_periods()])))
 
     def normal_amplitude(self) -> float:
-        """Give the amplitude of the tip's normal vibration [m]."""
+        """Return the amplitude of the tip's normal vibration [m]."""
         return self.amplitude(self.series("tip_normal_displacement"))
 
     def contact_force(self) -> float:
-        """Give the mean normal force while there is contact [N]: all impulses over all durations.
+        """Return the mean normal force while there is contact [N]: all impulses over all durations.
 
         The scale of forces: unlike the peak it does not depend on the step of a rigid law.
         """
@@ -216,5 +216,5 @@ class Run:
 
 
 def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
-    found = tree.to_dataset(inherit=False).variables
-    return {str(name): np.asarray(variable.values) for name, variable in found.items()}
+    result = tree.to_dataset(inherit=False).variables
+    return {str(name): np.asarray(variable.values) for name, variable in result.items()}

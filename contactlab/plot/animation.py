@@ -80,7 +80,7 @@ class Animation:
         return sorted({*first.tolist(), int(np.argmax(force))})
 
     def frame(self, number: int) -> NDArray[np.uint8]:
-        """Give the pixels of a frame: red, green, blue and opacity, shape (height, width, 4)."""
+        """Return the pixels of a frame: red, green, blue and opacity, shape (height, width, 4)."""
         with rc_context(_STYLE):
             self._move(number)
             self._canvas.restore_region(self._still)
@@ -95,12 +95,12 @@ class Animation:
         title = f"{law}: 1 s shows {prefixed(lasts / film_time, 's')}"
         if not reached_end(run.series.attrs):
             title += " \u2013 the run is incomplete"
-        words = (
+        text = (
             f"{prefixed(lasts, 's')} from t = {prefixed(run.start, 's')}; motion of the tip and angle of "
             f"the rotor drawn \u00d7 {self.film.magnification:g}"
         )
         self.figure.text(0.02, 0.975, title, va="top", fontsize=12)
-        self.figure.text(0.02, 0.925, words, va="top", fontsize=9, color="0.3")
+        self.figure.text(0.02, 0.925, text, va="top", fontsize=9, color="0.3")
 
     def _draw_scene(self) -> Axes:
         """Draw what of the scene stands still: the rotor without its marks, the tip's path, a scale."""
@@ -123,11 +123,11 @@ class Animation:
         axes.plot([left, left + bar], [low, low], color="black", linewidth=2.0, solid_capstyle="butt")
         touches = film.normal.any() or film.friction.any()
         longest = f", longest {film.peak:.3g} N" if touches else ": none"
-        words = (
+        text = (
             f"arrow: force on the rotor, mean since\nthe frame before{longest}\n"
             f"{prefixed(bar, 'm')} of the motor, {prefixed(bar / film.magnification, 'm')} of its motion"
         )
-        axes.text(left, low + 0.008 * size, words, va="bottom", fontsize=9)
+        axes.text(left, low + 0.008 * size, text, va="bottom", fontsize=9)
         top = (_BOTTOM + _HEIGHT - 0.015) * size
         axes.text(left, top, "rotor", va="top", fontsize=10, color="0.3")
         return axes
@@ -209,8 +209,8 @@ class Animation:
             ("friction on rotor", -film.friction, "N"),
             ("rotor velocity", film.velocity, "rad/s"),
         )
-        told = [f"{name} {_steady(values, number):>9} {units:<5}" for name, values, units in rows]
-        self.numbers.set_text("\n".join(told))
+        reported = [f"{name} {_steady(values, number):>9} {units:<5}" for name, values, units in rows]
+        self.numbers.set_text("\n".join(reported))
 
 
 def _steady(values: Array, number: int) -> str:
@@ -224,7 +224,7 @@ def _steady(values: Array, number: int) -> str:
 
 
 def arrow_outline(vector: Array, width: float) -> Array:
-    """Give the corners of an arrow from the origin, shape (7, 2); the fourth, its apex, is the vector itself.
+    """Return the corners of an arrow from the origin, shape (7, 2); the fourth, its apex, is the vector.
 
     One that is shorter than its head is a smaller head.
     """
@@ -240,12 +240,12 @@ def arrow_outline(vector: Array, width: float) -> Array:
 
 
 def _on_circle(angles: Array, radius: float) -> Array:
-    """Give points of a circle that touches the origin from above, shape (point, 2)."""
+    """Return points of a circle that touches the origin from above, shape (point, 2)."""
     return np.column_stack((np.sin(angles), 2.0 * np.sin(0.5 * angles) ** 2)) * radius
 
 
 def _marks(film: Film, number: int) -> Array:
-    """Give the marks at the rim, the first of every five a longer one; shape (mark, 2, 2)."""
+    """Return the marks at the rim, the first of every five a longer one; shape (mark, 2, 2)."""
     radius, size = film.run.radius, film.size
     turned = film.magnification * film.angle[number]
     if not np.isfinite(turned):
@@ -262,7 +262,7 @@ def _marks(film: Film, number: int) -> Array:
 
 
 def _pitch(film: Film) -> float:
-    """Give the angle between two marks, some 0.06 of the film's size.
+    """Return the angle between two marks, some 0.06 of the film's size.
 
     A rotor that turns by five of them or more turns by fives alone, so that the film of a settled motor that
     repeats itself begins where it ends. That they need not close on the rotor's circle is never seen.
@@ -276,7 +276,7 @@ def _pitch(film: Film) -> float:
 
 
 def _tip_outline(film: Film, number: int) -> Array:
-    """Give the tip as seen from its end, which is a point: a wedge and a bar that leaves the picture."""
+    """Return the tip as seen from its end, which is a point: a wedge and a bar that leaves the picture."""
     slope = film.magnification * film.slope[number]
     width, wedge, bottom = 0.022 * film.size, 0.05 * film.size, film.run.tip_length
     corners = ((0, 0), (-width, -wedge), (-width, -bottom), (width, -bottom), (width, -wedge))

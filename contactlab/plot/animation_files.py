@@ -67,7 +67,7 @@ class _Palette:
         self._nearest = np.full(1 << 24, -1, dtype=np.int16)
 
     def images(self, frames: Iterable[Pixels]) -> Iterator[Image.Image]:
-        """Give frames in these colours, the first whole, of every other one what has changed."""
+        """Yield frames in these colours, the first whole, of every other one what has changed."""
         before = None
         for pixels in frames:
             numbers = self._numbers(pixels)
@@ -78,7 +78,7 @@ class _Palette:
             yield image
 
     def _numbers(self, pixels: Pixels) -> NDArray[np.int16]:
-        """Give the nearest colour of every pixel."""
+        """Return the nearest colour of every pixel."""
         packed = _packed(pixels)
         new = np.unique(packed[self._nearest[packed] < 0])
         distances = ((_parts(new)[:, None, :] - self._colours) ** 2).sum(axis=2)
@@ -87,12 +87,12 @@ class _Palette:
 
 
 def _packed(pixels: Pixels) -> NDArray[np.int64]:
-    """Give every colour as one number."""
+    """Return every colour as one number."""
     return np.asarray(pixels.view("<u4")[:, :, 0] & 0xFFFFFF, dtype=np.int64)
 
 
 def _parts(packed: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Give red, green and blue of such numbers, shape (colour, 3)."""
+    """Return red, green and blue of such numbers, shape (colour, 3)."""
     return packed.astype("<u4")[:, None].view(np.uint8)[:, :3].astype(np.int64)
 
 
@@ -145,13 +145,13 @@ def _feed(command: list[str], images: Iterator[bytes]) -> None:
         try:
             for image in images:
                 process.stdin.write(image)
-            _, said = process.communicate()
+            _, text = process.communicate()
         except BrokenPipeError:
-            said = process.stderr.read() if process.stderr else b""
+            text = process.stderr.read() if process.stderr else b""
             process.wait()
         except BaseException:
             process.kill()
             raise
     if process.returncode:
-        lines = said.decode(errors="replace").strip().splitlines()
+        lines = text.decode(errors="replace").strip().splitlines()
         raise OSError(errno.EIO, f"the video encoder says: {lines[-1] if lines else 'nothing'}")

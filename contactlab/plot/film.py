@@ -65,7 +65,7 @@ class Film:
         return float(np.nanmax(np.hypot(self.normal, self.friction), initial=0.0)) or 1.0
 
     def tip_end(self, tangential: Array, gap: Array) -> Array:
-        """Give the points where tip ends are drawn [m], shape (point, 2)."""
+        """Return the points where tip ends are drawn [m], shape (point, 2)."""
         angle = self.magnification * tangential / self.run.radius
         height = self.magnification * gap
         # 1 - cos without cancellation.
@@ -75,13 +75,13 @@ class Film:
         )
 
     def axes_of_contact(self, frame: int) -> tuple[Array, Array]:
-        """Give the normal at the tip, from the rotor's centre, and the tangent in the picture."""
+        """Return the normal at the tip, from the rotor's centre, and the tangent in the picture."""
         angle = self.magnification * self.tangential[frame] / self.run.radius
         sine, cosine = np.sin(angle), np.cos(angle)
         return np.array((sine, -cosine)), np.array((cosine, sine))
 
     def force_on_rotor(self, frame: int) -> Array:
-        """Give the force on the rotor in the axes of the picture [N], shape (2,)."""
+        """Return the force on the rotor in the axes of the picture [N], shape (2,)."""
         normal, tangent = self.axes_of_contact(frame)
         return np.asarray(-self.normal[frame] * normal - self.friction[frame] * tangent)
 
@@ -148,7 +148,7 @@ def _magnification(reach: float, size: float) -> float:
 
 
 def _modes(edges: Array, run: Recording, spans: dict[str, Array]) -> NDArray[np.int8]:
-    """Give the contact mode of every interval between edges."""
+    """Return the contact mode of every interval between edges."""
     lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
     # A contact of no duration is one all the same.
     starts = np.searchsorted(run.contacts["start_time"].values, edges, side="right")
@@ -158,7 +158,7 @@ def _modes(edges: Array, run: Recording, spans: dict[str, Array]) -> NDArray[np.
 
 
 def _time_spent(time: Array, spans: Array) -> Array:
-    """Say how much of disjoint, ascending spans lies before a time."""
+    """Return how much of disjoint, ascending spans lies before a time."""
     if not spans.size:
         return np.zeros_like(time)
     lengths = spans[:, 1] - spans[:, 0]

@@ -97,8 +97,8 @@ def draw_basins(data: xarray.Dataset) -> Figure:
             shading="nearest",
             rasterized=True,
         )
-        for set_label, one in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-            set_label(one.attrs["long_name"] + _in_brackets(one))
+        for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+            set_label(each.attrs["long_name"] + _in_brackets(each))
         handles = [Patch(color=chosen[1 + i], label=_told(data.isel(attractor=i))) for i in range(count)]
         if int(data.attrs["unresolved"]):
             share = int(data.attrs["unresolved"]) / labels.size
@@ -117,7 +117,7 @@ def _told(attractor: xarray.Dataset) -> str:
 
 
 def _unit(values: xarray.DataArray) -> tuple[str, float]:
-    """Give the unit in which values are read best, empty for numbers, and its size in SI."""
+    """Return the unit in which values are read best, empty for numbers, and its size in SI."""
     units = values.attrs["units"]
     if units.isalpha():
         return prefixed_unit(float(np.abs(values).max()), units)
@@ -125,6 +125,6 @@ def _unit(values: xarray.DataArray) -> tuple[str, float]:
 
 
 def _in_brackets(values: xarray.DataArray) -> str:
-    """Give the unit of values as it stands at an axis."""
+    """Return the unit of values as it stands at an axis."""
     unit, _ = _unit(values)
     return f" ({unit})" if unit else ""

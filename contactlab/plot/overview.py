@@ -147,8 +147,8 @@ def _draw_velocity(axes: Axes, run: Recording) -> None:
 
 def _draw_steady(axes: Axes, settling: Settling) -> None:
     """Draw the estimated velocity of the steady state with its error, and say whether the run came there."""
-    words = settling.short.replace("-", "\u2212").replace("+\u2212", "\u00b1")
-    axes.set_title(words, loc="right", fontsize=7, pad=4)
+    names = settling.short.replace("-", "\u2212").replace("+\u2212", "\u00b1")
+    axes.set_title(names, loc="right", fontsize=7, pad=4)
     if settling.verdict == UNTOLD:
         return
     low, high = axes.get_ylim()
@@ -239,7 +239,7 @@ def _draw_force(axes: Axes, window: Recording) -> None:
 
 
 def _line(window: Recording) -> dict[str, Any]:
-    """Say how a motion is drawn: as a line, or as points where a line would invent it."""
+    """Return how a motion is drawn: as a line, or as points where a line would invent it."""
     points = {"linestyle": "none", "marker": "o", "markersize": 2.5}
     return {"color": "black", **(points if window.coarse else {})}
 

@@ -73,7 +73,7 @@ class Recording:
         return prefixed_unit(self.end - self.start, "s")
 
     def between(self, start: float, end: float) -> "Recording":
-        """Give a part; a start before the first record is the first record."""
+        """Return a part; a start before the first record is the first record."""
         start = max(start, float(self.time[0]))
         first = max(int(np.searchsorted(self.time, start, side="right")) - 1, 0)
         last = int(np.searchsorted(self.time, end)) + 1
@@ -88,7 +88,7 @@ class Recording:
         )
 
     def spans(self) -> dict[str, Array]:
-        """Give starts and ends of slip and of stick within the part [s], shape (span, 2)."""
+        """Return starts and ends of slip and of stick within the part [s], shape (span, 2)."""
         clipped = {}
         for mode, times in contact_spans(self.series, self.contacts).items():
             meets = (times[:, 1] >= self.start) & (times[:, 0] <= self.end)
@@ -111,8 +111,8 @@ def recording_of(tree: xarray.DataTree) -> Recording:
     try:
         contact, radius = configuration["contact"], float(configuration["rotor"]["radius"])
         tip_length, clearance = float(contact["tip_length"]), float(contact["clearance"])
-        told = configuration.get("drive", {}).get("frequency")
-        frequency = float(told or root["natural_frequency"].values[0])
+        reported = configuration.get("drive", {}).get("frequency")
+        frequency = float(reported or root["natural_frequency"].values[0])
     except (LookupError, TypeError, ValueError, AttributeError) as fault:
         raise UnfitRunError(
             "lacks contact.tip_length, contact.clearance, rotor.radius or drive.frequency in its attribute "
@@ -134,7 +134,7 @@ def recording_of(tree: xarray.DataTree) -> Recording:
 
 
 def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str, Array]:
-    """Give starts and ends of slip and of stick in the order of time [s], shape (span, 2).
+    """Return starts and ends of slip and of stick in the order of time [s], shape (span, 2).
 
     A contact begins and ends when its row says so; inside, the mode changes half-way between two
     records that differ. A contact without a record inside takes the mode of its larger part.
@@ -168,7 +168,7 @@ def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str,
 
 
 def extent(values: Array) -> tuple[float, float]:
-    """Give the middle and the width of the values that can be drawn; zeros where none can."""
+    """Return the middle and the width of the values that can be drawn; zeros where none can."""
     if not np.isfinite(values).any():
         return 0.0, 0.0
     least, most = float(np.nanmin(values)), float(np.nanmax(values))
@@ -181,7 +181,7 @@ def drawable(values: Array) -> Array:
 
 
 def envelope(x: Array, y: Array) -> tuple[Array, Array]:
-    """Give a line that looks the same on `COLUMNS` pixel columns, in four points a column.
+    """Return a line that looks the same on `COLUMNS` pixel columns, in four points a column.
 
     Every column keeps its first and its last point and spans its smallest to its largest value,
     so no peak is lost and no slope is drawn that is not there.
@@ -199,5 +199,5 @@ def envelope(x: Array, y: Array) -> tuple[Array, Array]:
 
 
 def steps(edges: Array, means: Array) -> tuple[Array, Array]:
-    """Give the line of means over intervals: horizontal over each, vertical between two."""
+    """Return the line of means over intervals: horizontal over each, vertical between two."""
     return envelope(np.repeat(edges, 2)[1:-1], np.repeat(drawable(means), 2))

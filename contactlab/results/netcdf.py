@@ -25,7 +25,7 @@ from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.motor import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
-from contactlab.results.provenance import checkout_state, code_digest, versions
+from contactlab.results.provenance import code_attributes
 from contactlab.settling.periods import drive_period, period_told
 from contactlab.settling.verdict import Settling, settling_of
 from contactlab.trajectory import Ending, Trajectory
@@ -199,14 +199,11 @@ def cf_attributes(variable: Variable) -> dict[str, object]:
 def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> dict[str, object]:
     """Return the attributes of the root, `complete` last."""
     law = trajectory.law
-    code = versions()
-    revision, dirty = checkout_state()
     period = drive_period(trajectory.motor.drive)
     columns = {**trajectory.series, variables.TIME.name: trajectory.time}
     return {
-        "Conventions": "CF-1.11",
+        **code_attributes(),
         "title": TITLE + law.title,
-        "source": f"contactlab {code['contactlab_version']}, numerical simulation",
         "references": f"{REFERENCES} Contact law: {law.source}.",
         "law": law.name,
         "law_origin": provenance(*classes_of(law)),
@@ -215,10 +212,6 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "contact_step": float(trajectory.contact_step),
         "record_interval": float(trajectory.record_interval),
         "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
-        **code,
-        "code_digest": code_digest(),
-        "git_revision": revision,
-        "git_dirty": dirty,
         "drive_period": period,
         **({} if trajectory.motor.preload is None else {"preloaded": 1}),
         **settling_of(columns, trajectory.contacts, period, trajectory.lasting).attributes,

@@ -76,7 +76,7 @@ def code_attributes() -> dict[str, str | int]:
 def checkout_state() -> tuple[str, int | str]:
     """Return revision and dirty flag of the checkout that this package runs from.
 
-    Asked once a process, since the code in memory does not change afterwards either.
+    Evaluator once a process, since the code in memory does not change afterwards either.
     """
     return git_state(Path(__file__).resolve().parents[2])
 

@@ -22,7 +22,7 @@ CLOCK: Final = 1e-9
 
 
 def drive_period(drive: Drive) -> float:
-    """Give the period of a drive [s]; zero where it has none."""
+    """Return the period of a drive [s]; zero where it has none."""
     try:
         return period_of(drive)
     except NoPeriodError:
@@ -30,16 +30,16 @@ def drive_period(drive: Drive) -> float:
 
 
 def period_told(configuration: Mapping[str, Any]) -> float:
-    """Give the period of the drive that a configuration tells [s]; of its first tone where it has no second.
+    """Return the drive's period in a configuration [s]; that of the first tone where it has no second.
 
     Zero where there is none.
     """
-    told = configuration.get("drive")
-    told = told if isinstance(told, Mapping) else {}
+    reported = configuration.get("drive")
+    reported = reported if isinstance(reported, Mapping) else {}
     try:
-        return drive_period(Drive.two_mode(**told))
+        return drive_period(Drive.two_mode(**reported))
     except (TypeError, ValueError):
-        first = told.get("frequency")
+        first = reported.get("frequency")
         return 1.0 / first if isinstance(first, int | float) and first > 0.0 else 0.0
 
 
@@ -100,8 +100,8 @@ class Recorded:
             raise UnknownError("some of the run's numbers are not finite")
         cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
         until = float(starts[cut].min(initial=time[-1]))
-        held = np.asarray(rows.get("duration", np.zeros(starts.size)), dtype=np.float64)
-        ended = starts + (held if held.size == starts.size else 0.0)
+        stored = np.asarray(rows.get("duration", np.zeros(starts.size)), dtype=np.float64)
+        ended = starts + (stored if stored.size == starts.size else 0.0)
         return cls(
             period, time, angle, velocity, gap, starts[~cut], ended[~cut], impulses[~cut], until, memory
         )
@@ -161,8 +161,8 @@ def periods_of(run: Recorded, least: int) -> Periods:
     end -= length if end > run.whole_until else 0.0
     count = floor((end - time[0]) / length + CLOCK)
     if count < least:
-        words = f"the run has {max(count, 0)} whole periods of the drive, and it takes {least} to tell"
-        raise UnknownError(words, longer=True)
+        text = f"the run has {max(count, 0)} whole periods of the drive, and it takes {least} to tell"
+        raise UnknownError(text, longer=True)
     ends = end - length * np.arange(count, -1, -1)
     bins = np.searchsorted(ends, run.start_time, side="right") - 1
     inside = (bins >= 0) & (bins < count)
@@ -187,7 +187,7 @@ def periods_of(run: Recorded, least: int) -> Periods:
 
 
 def _pause(phases: Array) -> float:
-    """Give the middle of the longest pause between touch-downs, in periods before the end."""
+    """Return the middle of the longest pause between touch-downs, in periods before the end."""
     phases = np.sort(phases % 1.0)
     if not phases.size:
         return 0.0
@@ -197,7 +197,7 @@ def _pause(phases: Array) -> float:
 
 
 def _angle_at(run: Recorded, times: Array) -> Array:
-    """Give the rotor's angle at times between records, by Hermite's cubic."""
+    """Return the rotor's angle at times between records, by Hermite's cubic."""
     after = np.clip(np.searchsorted(run.time, times), 1, run.time.size - 1)
     before = after - 1
     step = run.time[after] - run.time[before]

@@ -63,7 +63,7 @@ def mean_with_error(values: Array) -> Estimate:
 
 
 def trend(values: Array) -> tuple[float, float]:
-    """Give the change of a sequence along its line of regression, and the error of that change.
+    """Return the change of a sequence along its line of regression, and the error of that change.
 
     A mean over n values that spreads by s makes a slope that spreads by sqrt(12) s over the sequence.
     """
@@ -73,7 +73,7 @@ def trend(values: Array) -> tuple[float, float]:
 
 
 def repeats_after(states: Array, tolerance: float) -> int:
-    """Give the number of periods after which a motion repeats itself, 0 if it does not.
+    """Return the number of periods after which a motion repeats itself, 0 if it does not.
 
     Args:
         states: one a period, shape (period, quantity); the second half is looked at.
@@ -101,7 +101,7 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
     steps = np.arange(1, values.size + 1)
     lags = np.arange(1, values.size // 10 + 1)
     mean_square = values.mean() ** 2
-    found = []
+    result = []
     for c in np.random.default_rng(seed).uniform(np.pi / 5.0, 4.0 * np.pi / 5.0, ANGLES):
         p, q = np.cumsum(values * np.cos(c * steps)), np.cumsum(values * np.sin(c * steps))
         count = values.size - lags[-1]
@@ -110,8 +110,8 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
         )
         # Without what oscillates in any motion.
         moved -= mean_square * (1.0 - np.cos(c * lags)) / (1.0 - np.cos(c))
-        found.append(np.corrcoef(lags, moved)[0, 1])
-    return float(np.median(found))
+        result.append(np.corrcoef(lags, moved)[0, 1])
+    return float(np.median(result))
 
 
 def kind_without_period(values: Array) -> str:

@@ -100,7 +100,7 @@ def simulate_until_steady(
 
 
 def _to_record(start: dict[str, Any] | None, interval: float, until: float) -> float:
-    """Give the time that a run has to go on to end on the first record from then on, to the last bit."""
+    """Return the time that a run has to go on to end on the first record from then on, to the last bit."""
     now, origin = (float(start["end"]), float(start["origin"])) if start else (0.0, 0.0)
     if start and abs(now - (origin + round((now - origin) / interval) * interval)) > ON_GRID * interval:
         origin = now
@@ -113,17 +113,17 @@ def _to_record(start: dict[str, Any] | None, interval: float, until: float) -> f
 
 def _has_settled(run: Trajectory, period: float, precision: float) -> bool:
     columns = {**run.series, "time": run.time}
-    found = settling_of(columns, run.contacts, period, run.lasting)
-    return found.verdict == SETTLED and found.share <= precision
+    result = settling_of(columns, run.contacts, period, run.lasting)
+    return result.verdict == SETTLED and result.share <= precision
 
 
 def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:
-    """Give the progress of a run that goes on: that the engine is compiled was told before."""
+    """Return the progress of a run that goes on: that the engine is compiled was told before."""
     return progress and (lambda time: progress(time) if time > 0.0 else None)
 
 
 def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
-    """Give a run and what goes on from it as one; the contact that was cut is whole in the second."""
+    """Return a run and what goes on from it as one; the contact that was cut is whole in the second."""
     ended = ~np.isnan(first.contacts["separation_velocity"])
 
     def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:

@@ -117,7 +117,7 @@ class Settling:
 
     @property
     def _apart(self) -> str:
-        """Say how far the velocity at the end is from the estimate."""
+        """Return how far the velocity at the end is from the estimate."""
         if self.now * self.velocity < 0.0 or abs(self.velocity) <= self.error:
             return f"{self.now:.4g} rad/s at the end, against"
         share = abs(self.now / self.velocity - 1.0)
@@ -135,7 +135,7 @@ class Settling:
         )
 
     def way_out(self, end: float) -> str:
-        """Say how a motor that has not settled by the end of a run [s] may; empty where it has."""
+        """Return how a motor that has not settled by the end of a run [s] may; empty where it has."""
         if self.verdict == SETTLED or not self.longer:
             return ""
         longer = f"solver.until=steady solver.duration={10.0 * end:.1g}"
@@ -166,19 +166,19 @@ def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterabl
         run = periods_of(Recorded.of(columns, rows, period, lasting), LEAST_VALUES)
     except UnknownError as unknown:
         return Settling(reason=str(unknown), longer=unknown.longer)
-    found = approach(run.velocity)
-    swing = float(np.abs(run.velocity - found.now).max())
+    result = approach(run.velocity)
+    swing = float(np.abs(run.velocity - result.now).max())
     memory_share, flowing = _memory_of(run)
-    told = isfinite(found.error) and not flowing
+    reported = isfinite(result.error) and not flowing
     impulse = approach(run.impulse)
     touching = bool(run.touching[-max(run.touching.size // LATE, 1) :].any())
     return Settling(
-        found.limit if told else nan,
-        found.error + run.blur if not flowing else inf,
-        found.now,
-        found.drift,
+        result.limit if reported else nan,
+        result.error + run.blur if not flowing else inf,
+        result.now,
+        result.drift,
         abs(impulse.drift / impulse.now) if touching and impulse.now else 0.0,
-        max(abs(found.limit), run.ripple, AS_GOOD_AS_NONE * swing),
+        max(abs(result.limit), run.ripple, AS_GOOD_AS_NONE * swing),
         _kind_of(run) if touching else WITHOUT_CONTACT,
         flowing or ("" if touching else _still_nearing(run.least_gap)),
         memory_share=memory_share,
@@ -193,28 +193,28 @@ def _memory_of(run: Periods) -> tuple[float, str]:
     """
     share, reason = 0.0, ""
     for name, (values, ripple) in run.memory.items():
-        found = approach(values)
-        swing = float(np.abs(values - found.now).max())
-        scale = max(abs(found.limit), ripple, AS_GOOD_AS_NONE * swing)
-        off = abs(found.distance) + found.error
+        result = approach(values)
+        swing = float(np.abs(values - result.now).max())
+        scale = max(abs(result.limit), ripple, AS_GOOD_AS_NONE * swing)
+        off = abs(result.distance) + result.error
         own = off / scale if off > 0.0 else 0.0
         if own > max(share, SHARE):
-            limit = Estimate(found.limit, found.error).text(most=DIGITS)
+            limit = Estimate(result.limit, result.error).text(most=DIGITS)
             reason = (
-                f"the law's internal variable {name.removeprefix(INTERNAL)} is {found.now:.4g} at the end, "
-                f"changes by {abs(found.drift):.2g} per period, and tends to "
-                f"{limit if isfinite(found.error) else 'no value that the run shows'}"
+                f"the law's internal variable {name.removeprefix(INTERNAL)} is {result.now:.4g} at the end, "
+                f"changes by {abs(result.drift):.2g} per period, and tends to "
+                f"{limit if isfinite(result.error) else 'no value that the run shows'}"
             )
         share = max(share, own)
     return share, reason
 
 
 def _still_nearing(gap: Array) -> str:
-    """Say that a tip which is free may yet touch."""
-    found = approach(gap)
-    if found.distance <= 0.0 or found.limit - found.error > 0.0:
+    """Return that a tip which is free may yet touch."""
+    result = approach(gap)
+    if result.distance <= 0.0 or result.limit - result.error > 0.0:
         return ""
-    return f"the tip is free, but comes nearer to the rotor, of which it is {found.now:.2g} m clear at least"
+    return f"the tip is free, but comes nearer to the rotor, of which it is {result.now:.2g} m clear at least"
 
 
 def _kind_of(run: Periods) -> str:

@@ -118,7 +118,7 @@ def settled(
 
 
 def _warm_up(modes: NormalModes, period: float) -> int:
-    """Give the periods after which the slowest mode has all but forgotten how it started."""
+    """Return the periods after which the slowest mode has all but forgotten how it started."""
     half = 0.5 * modes.damping
     slowest = float((half - np.sqrt(np.maximum(half**2 - modes.stiffness, 0.0))).min())
     periods = -log(FORGOTTEN) / (slowest * period) if slowest > 0.0 else inf
@@ -159,7 +159,7 @@ def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
 
 
 def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
-    """Tell whether a motor goes to an orbit as it foretells, from where the motor was and from half the way.
+    """Return whether the motor follows the linearised map to an orbit, from its state and from half-way.
 
     The rotor is slow and everything else follows it; so the motor moves along a line, and cannot pass
     another place at which it would stay. There its way would be shorter than foretold.
@@ -177,7 +177,7 @@ def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
 
 
 def _foretold(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
-    """Tell whether a deviation from an orbit becomes what its multipliers make of it."""
+    """Return whether a deviation from an orbit becomes what its multipliers make of it."""
     deviation = before - orbit.state
     foretold = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
     missed = np.linalg.norm(after - orbit.state - foretold)
@@ -215,20 +215,20 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
 
 
 def _grows(values: Array) -> bool:
-    """Tell whether a sequence goes one way in all its steps, by more than round-off in all."""
+    """Return whether a sequence goes one way in all its steps, by more than round-off in all."""
     steps = np.diff(values)
     one_way = bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
     return one_way and bool(abs(values[-1] - values[0]) > SETTLED * np.abs(values).max())
 
 
 def _drifts(values: Array) -> bool:
-    """Tell whether a sequence has a trend, beyond its statistical error and beyond round-off."""
+    """Return whether a sequence has a trend, beyond its statistical error and beyond round-off."""
     change, error = trend(values)
     return bool(abs(change) > max(DRIFT * error, SETTLED * np.abs(values).max()))
 
 
 def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
-    """Give the free vibration, with the rotor as fast as load and damping let it."""
+    """Return the free vibration, with the rotor as fast as load and damping let it."""
     rotor, z = clock.setup.motor.rotor, clock.end_of(run)
     if clock.belt is None and rotor.damping > 0.0:
         z[-1] = -np.sqrt(rotor.inertia) * rotor.load_torque / rotor.damping
@@ -243,7 +243,7 @@ def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
 
 
 def _last_touch(run: Trajectory) -> float:
-    """Give the end of the last contact of a run [s]."""
+    """Return the end of the last contact of a run [s]."""
     ends = run.contacts["start_time"] + run.contacts["duration"]
     return float(ends.max(initial=-inf))
 
@@ -274,7 +274,7 @@ def _remembered(run: Trajectory) -> Array:
 
 
 def _strobes(run: Trajectory) -> Array:
-    """Give what is recorded of the state once a period, in parts of the largest, shape (period, quantity)."""
+    """Return the state once a period, each quantity over its largest, shape (period, quantity)."""
     series = {name: values[1:] for name, values in run.series.items()}
     energy = series["kinetic_energy"] + series["strain_energy"]
     inertia, most = run.motor.rotor.inertia, float(energy.max())

@@ -90,12 +90,12 @@ class Ball:
         return ball
 
     def distance(self, z: Array) -> float:
-        """Give |z - z_orbit|_M."""
+        """Return |z - z_orbit|_M."""
         x = z - self.orbit.state
         return float(np.sqrt(x @ self.norm @ x))
 
     def holds(self, z: Array) -> bool:
-        """Tell whether a state at the section of the orbit lies in the ball."""
+        """Return whether a state at the section of the orbit lies in the ball."""
         return self.distance(z) <= self.radius
 
     def _comes_nearer(self, x: Array, times: float) -> bool:
@@ -149,27 +149,29 @@ class Basins:
         return int(np.sum(self.labels == CANNOT_TELL))
 
     def to_xarray(self) -> xarray.Dataset:
-        """Give the labels over both coordinates, and what is known of each attractor."""
+        """Return the labels over both coordinates, and what is known of each attractor."""
         names = ["cannot_tell", *(f"attractor_{i}" for i in range(len(self.attractors)))]
         of_labels = flags("attractor to which the motor comes", names, first=CANNOT_TELL)
-        velocity = np.array([one.velocity for one in self.attractors]).reshape(-1, 2)
-        largest = [np.nan if one.orbit is None else abs(one.orbit.multipliers[0]) for one in self.attractors]
+        velocity = np.array([each.velocity for each in self.attractors]).reshape(-1, 2)
+        largest = [
+            np.nan if each.orbit is None else abs(each.orbit.multipliers[0]) for each in self.attractors
+        ]
         columns: dict[str, tuple[object, str, str]] = {
             "share": (list(self.shares), "1", "share of the starts that come to it"),
             "velocity": (velocity[:, 0], "rad s-1", "mean rotor velocity"),
             "velocity_error": (velocity[:, 1], "rad s-1", "statistical error of the mean"),
             "largest_multiplier": (largest, "1", "largest modulus of a multiplier; NaN without an orbit"),
-            "periods": ([one.periods for one in self.attractors], "1", "drive periods; 0 without an orbit"),
+            "periods": ([each.periods for each in self.attractors], "1", "drive periods; 0 without an orbit"),
         }
         data = xarray.Dataset(
             {n: ("attractor", v, {"units": u, "long_name": w}) for n, (v, u, w) in columns.items()}
         )
-        kinds = ["neutral" if is_neutral(one) and touches(one) else one.kind for one in self.attractors]
-        words = "kind of motion; the rotor of a neutral one keeps any velocity in a range"
-        data["kind"] = ("attractor", kinds, {"long_name": words})
+        kinds = ["neutral" if is_neutral(each) and touches(each) else each.kind for each in self.attractors]
+        text = "kind of motion; the rotor of a neutral one keeps any velocity in a range"
+        data["kind"] = ("attractor", kinds, {"long_name": text})
         for name, values in self.axes.items():
-            unit, words = COORDINATES[name]
-            data[name] = (name, values, {"units": unit, "long_name": words})
+            unit, text = COORDINATES[name]
+            data[name] = (name, values, {"units": unit, "long_name": text})
         data["label"] = (tuple(self.axes), self.labels, of_labels)
         data.attrs = {
             "title": f"Basins of attraction, {self.setup.law.title}",
@@ -187,7 +189,7 @@ class Basins:
 
 
 def default_axes(setup: Setup, count: int = 24) -> dict[str, Array]:
-    """Give the rotor's velocity and the phase of the drive, which nobody who switches a motor on can choose.
+    """Return the rotor's velocity and the drive's phase, which nobody chooses who switches a motor on.
 
     The velocity goes up to the largest of the tip along the rotor without contact, either way.
     """
@@ -228,18 +230,18 @@ def basins(
         UnboundedError: an internal variable of the law comes to no steady value.
     """
     setup = steady_setup(motor, law)
-    given = {name: np.asarray(v, dtype=np.float64) for name, v in (axes or default_axes(setup)).items()}
-    if len(given) != 2 or not given.keys() <= COORDINATES.keys():
+    coordinates = {name: np.asarray(v, dtype=np.float64) for name, v in (axes or default_axes(setup)).items()}
+    if len(coordinates) != 2 or not coordinates.keys() <= COORDINATES.keys():
         raise ValueError(
-            f"The coordinates of the start are {', '.join(given) or 'none'}; they must be two of "
+            f"The coordinates of the start are {', '.join(coordinates) or 'none'}; they must be two of "
             f"{', '.join(COORDINATES)}."
         )
-    shape = tuple(values.size for values in given.values())
+    shape = tuple(values.size for values in coordinates.values())
     labels = np.full(shape, CANNOT_TELL, dtype=np.int8)
-    found: list[Steady] = []
+    result: list[Steady] = []
     balls: list[Ball | None] = []
     for done, place in enumerate(np.ndindex(*shape)):
-        start = {name: float(values[i]) for (name, values), i in zip(given.items(), place, strict=True)}
+        start = {name: float(values[i]) for (name, values), i in zip(coordinates.items(), place, strict=True)}
         try:
             section, z = started(setup, start)
             label = _fallen_into(balls, section, z)
@@ -249,10 +251,10 @@ def basins(
                 reached = settled(there, None, begins, longest)
                 assert reached is not None
                 label = next(
-                    (i for i, other in enumerate(found) if _of_one_basin(other, reached)), len(found)
+                    (i for i, other in enumerate(result) if _of_one_basin(other, reached)), len(result)
                 )
-                if label == len(found):
-                    found.append(reached)
+                if label == len(result):
+                    result.append(reached)
                     orbit = reached.orbit
                     balls.append(Ball.around(orbit) if orbit is not None and touches(reached) else None)
             labels[place] = label
@@ -263,11 +265,11 @@ def basins(
             labels[place] = CANNOT_TELL
         if report is not None:
             report(done + 1)
-    return Basins(setup, given, labels, tuple(found))
+    return Basins(setup, coordinates, labels, tuple(result))
 
 
 def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]:
-    """Give the section and the state in which a motor starts that has these coordinates."""
+    """Return the section and the state in which a motor starts that has these coordinates."""
     motor = setup.motor
     modes = motor.modes
     zero = np.zeros(modes.stiffness.size)
@@ -283,7 +285,7 @@ def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]
 
 
 def is_neutral(one: Steady) -> bool:
-    """Tell whether a rotor keeps whatever velocity it has, within a range at least.
+    """Return whether a rotor keeps whatever velocity it has, within a range at least.
 
     That is so where nothing touches it, and where contacts of opposite slip take and give the same impulse.
     """
@@ -292,12 +294,12 @@ def is_neutral(one: Steady) -> bool:
 
 
 def _of_one_basin(one: Steady, other: Steady) -> bool:
-    """Tell whether two steady states are one, or of one family that nothing holds in its place."""
+    """Return whether two steady states are one, or of one family that nothing holds in its place."""
     return (is_neutral(one) and is_neutral(other) and touches(one) == touches(other)) or same(one, other)
 
 
 def _fallen_into(balls: list[Ball | None], section: PeriodMap, z: Array) -> int | None:
-    """Give the ball that a motion comes into first."""
+    """Return the ball that a motion comes into first."""
     known = [(i, ball) for i, ball in enumerate(balls) if ball is not None and ball.radius > 0.0]
     for periods in LOOKS if known else ():
         for i, ball in known:

@@ -30,7 +30,7 @@ CLEARLY: Final = 1.2
 
 
 def _tests(place: Place) -> dict[Mark, float]:
-    """Give what is zero where a multiplier is +1, where one is -1, and where two have the product 1."""
+    """Return what is zero where a multiplier is +1, where one is -1, and where two have the product 1."""
     multipliers = place.point.orbit.multipliers
     products = [1.0 - a * b for a, b in combinations(multipliers, 2)] or [1.0]
     return {
@@ -43,16 +43,16 @@ def _tests(place: Place) -> dict[Mark, float]:
 def events_between(last: Place, place: Place) -> Iterator[BranchPoint]:
     """Locate what happens between two places of a curve."""
     length = float(last.tangent @ (place.y - last.y))
-    found: list[tuple[float, BranchPoint]] = []
+    result: list[tuple[float, BranchPoint]] = []
     if last.point.contacts != place.point.contacts:
-        found.append(_grazing(last, place, length))
+        result.append(_grazing(last, place, length))
     before, after = _tests(last), _tests(place)
     for mark in before:
         if before[mark] * after[mark] < 0.0 and (event := _crossing(last, mark, length, before, after)):
             turns = last.tangent[-1] * place.tangent[-1] < 0.0
             name = Mark.BRANCHING if mark is Mark.FOLD and not turns else mark
-            found.append((event[0], replace(event[1], mark=name)))
-    for _, event_point in sorted(found, key=lambda pair: pair[0]):
+            result.append((event[0], replace(event[1], mark=name)))
+    for _, event_point in sorted(result, key=lambda pair: pair[0]):
         yield event_point
 
 
@@ -103,7 +103,7 @@ def _grazing(last: Place, place: Place, length: float) -> tuple[float, BranchPoi
 
 
 def end_of(place: Place, least: float, reach: float) -> str:
-    """Say why a branch goes no further than a place.
+    """Return why a branch goes no further than a place.
 
     Args:
         place: the last one.
@@ -138,18 +138,18 @@ def end_of(place: Place, least: float, reach: float) -> str:
 
 
 def _contacts_nearby(orbit: Orbit) -> set[int]:
-    """Give the numbers of contacts in the periods that begin near an orbit."""
+    """Return the numbers of contacts in the periods that begin near an orbit."""
     length = NEARBY * float(np.linalg.norm(orbit.state))
-    found = set()
+    result = set()
     for direction in np.eye(orbit.state.size):
         for side in (-length, length):
             with suppress(BrokenOffError, ValueError):
-                found.add(int(orbit.map.run(orbit.state + side * direction).contacts["start_time"].size))
-    return found
+                result.add(int(orbit.map.run(orbit.state + side * direction).contacts["start_time"].size))
+    return result
 
 
 def without_speed(points: Sequence[BranchPoint]) -> float:
-    """Give where the softest contact of a branch's last orbits would be without speed; NaN for nowhere."""
+    """Return where the softest contact of a branch's last orbits would be without speed; NaN for nowhere."""
     last = points[-1]
     for point in reversed(points):
         if point.contacts != last.contacts:

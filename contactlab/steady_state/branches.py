@@ -68,7 +68,7 @@ class Branch:
         return tuple(point for point in self.points if point.mark)
 
     def to_xarray(self) -> xarray.Dataset:
-        """Give a dataset over `point`, the multipliers over `multiplier`, the largest first."""
+        """Return a dataset over `point`, the multipliers over `multiplier`, the largest first."""
         multipliers = np.array([point.orbit.multipliers for point in self.points])
         columns: dict[str, tuple[str, str, Callable[[BranchPoint], float]]] = {
             "value": (self.unit, f"{self.parameter}, {self.meaning}", lambda p: p.value),
@@ -81,13 +81,13 @@ class Branch:
         }
         data = xarray.Dataset(
             {
-                name: ("point", [get(p) for p in self.points], {"units": unit, "long_name": words})
-                for name, (unit, words, get) in columns.items()
+                name: ("point", [get(p) for p in self.points], {"units": unit, "long_name": text})
+                for name, (unit, text, get) in columns.items()
             }
         )
         for name, part in {"real": multipliers.real, "imaginary": multipliers.imag}.items():
-            words = f"{name} part of the Floquet multipliers"
-            data[f"multiplier_{name}"] = (("point", "multiplier"), part, {"units": "1", "long_name": words})
+            text = f"{name} part of the Floquet multipliers"
+            data[f"multiplier_{name}"] = (("point", "multiplier"), part, {"units": "1", "long_name": text})
         largest = {"units": "1", "long_name": "largest modulus of a multiplier"}
         data["largest_multiplier"] = ("point", np.abs(multipliers[:, 0]), largest)
         stable = np.array([point.orbit.stable for point in self.points], dtype=np.int8)
@@ -170,7 +170,7 @@ def branch(
 
 
 def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
-    """Give the function from a value of a parameter to the period map of the motor that has it."""
+    """Return the function from a value of a parameter to the period map of the motor that has it."""
     if parameter == BELT:
         return lambda value: PeriodMap(setup, belt=value)
     values = flat(setup.configuration)
@@ -187,7 +187,7 @@ def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
 
 
 def unit_of(setup: Setup, parameter: str) -> str:
-    """Give the unit in which a parameter is written; a ConfigurationError says that it is none."""
+    """Return the unit in which a parameter is written; a ConfigurationError says that it is none."""
     return from_cf(_declared(setup, parameter)[0])
 
 
@@ -206,5 +206,5 @@ def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
             f"{parameter} is a whole number; a branch follows one that changes continuously, such as "
             "contact.clearance. `contactlab -m` runs whole numbers one by one."
         )
-    found = declared[parameter]
-    return found.units, found.meaning
+    result = declared[parameter]
+    return result.units, result.meaning

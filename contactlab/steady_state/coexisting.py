@@ -79,7 +79,7 @@ def attractors(
         UnboundedError: an internal variable of the law comes to no steady value.
     """
     setup = steady_setup(motor, law)
-    found: list[tuple[Steady, int]] = []
+    result: list[tuple[Steady, int]] = []
     for start in _starts(setup, count, seed, velocity, excitation):
         try:
             reached = steady(start, longest=longest)
@@ -87,17 +87,17 @@ def attractors(
             raise
         except (BrokenOffError, NotSettledError):
             continue
-        known = next((i for i, (other, _) in enumerate(found) if same(other, reached)), None)
+        known = next((i for i, (other, _) in enumerate(result) if same(other, reached)), None)
         if known is None:
-            found.append((replace(reached, setup=setup), 1))
+            result.append((replace(reached, setup=setup), 1))
         else:
-            found[known] = (found[known][0], found[known][1] + 1)
-    found.sort(key=lambda pair: -pair[1])
-    return tuple(Attractor(reached, times / count) for reached, times in found)
+            result[known] = (result[known][0], result[known][1] + 1)
+    result.sort(key=lambda pair: -pair[1])
+    return tuple(Attractor(reached, times / count) for reached, times in result)
 
 
 def same(one: Steady, other: Steady) -> bool:
-    """Tell whether two steady states of a motor are one: orbits by their states, others by their means."""
+    """Return whether two steady states of a motor are one: orbits by their states, others by their means."""
     if one.periods and other.periods and not (touches(one) or touches(other)):
         # A rotor that nothing touches keeps whatever velocity it has.
         return True
@@ -118,27 +118,27 @@ def same(one: Steady, other: Steady) -> bool:
 
 
 def touches(one: Steady) -> bool:
-    """Tell whether tip and rotor meet in a steady state."""
+    """Return whether tip and rotor meet in a steady state."""
     return bool(one.motion.contacts["start_time"].size)
 
 
 def at_phase(section: PeriodMap, z: Array, phase: float) -> Array:
-    """Give the state that follows one of a section when the drive next has another phase."""
+    """Return the state that follows one of a section when the drive next has another phase."""
     part = (phase - section.phase) % 1.0
     return section.end_of(section.run(z, part / section.periods)) if part else z
 
 
 def amplitudes(setup: Setup) -> Array:
-    """Give the amplitude of every mode's velocity without contact, tones added up [m/s kg^1/2]."""
+    """Return the amplitude of every mode's velocity without contact, tones added up [m/s kg^1/2]."""
     modes, drive = setup.motor.modes, setup.motor.drive
     rate = drive.angular_frequency
     stiffness, damping = modes.stiffness[:, None], modes.damping[:, None]
-    found = np.abs(modes.coupling @ drive.phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
-    return np.asarray(found.sum(axis=1))
+    result = np.abs(modes.coupling @ drive.phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
+    return np.asarray(result.sum(axis=1))
 
 
 def reach(setup: Setup) -> float:
-    """Give a bound of the tip's velocity along the rotor without contact, over the rotor's radius [rad/s]."""
+    """Return a bound of the free tip's velocity along the rotor, over the rotor's radius [rad/s]."""
     motor = setup.motor
     along = motor.geometry.tip_length * np.abs(motor.modes.tip_slope) @ amplitudes(setup)
     return float(along / motor.geometry.rotor_radius)
@@ -147,7 +147,7 @@ def reach(setup: Setup) -> float:
 def _starts(
     setup: Setup, count: int, seed: int, velocity: float | None, excitation: float
 ) -> Iterator[Setup]:
-    """Give the setup itself, and then with other starts."""
+    """Yield the setup itself, and then with other starts."""
     rng, motor = np.random.default_rng(seed), setup.motor
     fastest = reach(setup) if velocity is None else velocity
     modal = excitation * amplitudes(setup)

@@ -83,7 +83,7 @@ def follow(
 
 
 def _where_it_grazes(points: Sequence[BranchPoint], span: float) -> str:
-    """Say where a contact of a branch that ends where the map is not smooth would be without speed."""
+    """Return where a contact of a branch that ends where the map is not smooth would be without speed."""
     at = without_speed(points) if points[-1].orbit.roughness > SMOOTH else np.nan
     if not abs(at - points[-1].value) < NEAR * abs(span):
         return ""
@@ -91,15 +91,15 @@ def _where_it_grazes(points: Sequence[BranchPoint], span: float) -> str:
 
 
 def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, str]:
-    """Give the points one after another, and in the end the sentence why there are no more."""
+    """Yield the points one after another, and in the end the sentence why there are no more."""
     place = place_at(curve, y, np.eye(y.size)[-1])
     step = first
     yield place.point
     while True:
         last = _resectioned(place)
-        if (found := _next(last, step, first)) is None:
+        if (result := _next(last, step, first)) is None:
             return end_of(last, SHORTEST * first, CLOSELY * first)
-        place, step = found
+        place, step = result
         yield from events_between(last, place)
         yield place.point
         if end := _why_it_ends(last, place):
@@ -109,16 +109,16 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
 
 
 def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
-    """Give the next place and the step to try from there, or None where there is no step to it."""
+    """Return the next place and the step to try from there, or None where there is no step to it."""
     over = 1.0 if last.tangent[-1] > 0.0 else 0.0
     to_edge = (over - last.y[-1]) / last.tangent[-1] if last.tangent[-1] else np.inf
     while step >= SHORTEST * first:
-        found = _at_edge(last, over, to_edge) if to_edge <= step else last.ahead(step)
+        result = _at_edge(last, over, to_edge) if to_edge <= step else last.ahead(step)
         step = min(step, to_edge)
-        if found is not None:
-            place = place_at(last.curve, found[0], last.tangent)
+        if result is not None:
+            place = place_at(last.curve, result[0], last.tangent)
             if _is_near(last, place):
-                return place, min(LONGER * step, 2.0 * first) if found[1] <= EASY else step
+                return place, min(LONGER * step, 2.0 * first) if result[1] <= EASY else step
             if step < CLOSELY * first:
                 # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there.
                 same = last.point.contacts == place.point.contacts
@@ -128,7 +128,7 @@ def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
 
 
 def _why_it_ends(last: Place, place: Place) -> str:
-    """Say why a branch ends at a place that was reached; nothing where it goes on."""
+    """Return why a branch ends at a place that was reached; nothing where it goes on."""
     at = f"It ends at {place.point.value:.9g}"
     if place.y[-1] in (0.0, 1.0):
         return f"It ends where the range of the parameter does, at {place.point.value:.9g}."
@@ -142,7 +142,7 @@ def _why_it_ends(last: Place, place: Place) -> str:
 
 
 def _is_near(last: Place, place: Place) -> bool:
-    """Tell whether two places follow each other without a contact or a sharp turn between."""
+    """Return whether two places follow each other without a contact or a sharp turn between."""
     return last.point.contacts == place.point.contacts and bool(last.tangent @ place.tangent > LEAST_COSINE)
 
 
@@ -155,7 +155,7 @@ def _at_edge(place: Place, over: float, length: float) -> tuple[Array, int] | No
 
 
 def _resectioned(place: Place) -> Place:
-    """Give the same point at a section in the middle of the longest flight, where a contact came near."""
+    """Return the same point at a section in the middle of the longest flight, where a contact came near."""
     run, curve = place.point.run, place.curve
     begins = run.contacts["start_time"]
     if not begins.size:

@@ -82,17 +82,17 @@ class Curve:
     weights: tuple[float, ...] = ()
 
     def value(self, y: Array) -> float:
-        """Give the parameter."""
+        """Return the parameter."""
         return float(self.start + (self.end - self.start) * y[-1])
 
     def map_at(self, y: Array) -> PeriodMap:
-        """Give the period map of the parameter."""
+        """Return the period map of the parameter."""
         return replace(
             self.family(self.value(y)), phase=self.phase, periods=self.periods, weights=self.weights
         )
 
     def gap(self, y: Array) -> Array:
-        """Give (P(z) - z) / size; endless where the motor does not run from there."""
+        """Return (P(z) - z) / size; endless where the motor does not run from there."""
         z = y[:-1] * self.size
         try:
             return (self.map_at(y)(z) - z) / self.size
@@ -108,7 +108,7 @@ class Curve:
             return -1
 
     def moved(self, y: Array, phase: float) -> Array:
-        """Give the point at another section."""
+        """Return the point at another section."""
         section = self.map_at(y)
         part = (phase - self.phase) % 1.0
         z = section.end_of(section.run(y[:-1] * self.size, part / self.periods))
@@ -127,14 +127,14 @@ class Place:
     tangent: Array
 
     def ahead(self, length: float, corrections: int = MOST_CORRECTIONS) -> tuple[Array, int] | None:
-        """Give the point of the curve that lies ahead along the tangent, and its corrections."""
+        """Return the point of the curve that lies ahead along the tangent, and its corrections."""
         guess = self.y + length * self.tangent
         return corrected(self.curve.gap, self.derivative, self.tangent, guess, length, corrections)
 
     def further(self, length: float) -> "Place | None":
-        """Give the place that lies ahead on the curve."""
-        found = self.ahead(length)
-        return None if found is None else place_at(self.curve, found[0], self.tangent)
+        """Return the place that lies ahead on the curve."""
+        result = self.ahead(length)
+        return None if result is None else place_at(self.curve, result[0], self.tangent)
 
     def count_ahead(self, length: float) -> int:
         """Count how often tip and rotor touch in the period from a point ahead on the tangent."""
@@ -142,7 +142,7 @@ class Place:
 
 
 def place_at(curve: Curve, y: Array, heading: Array) -> Place:
-    """Give the place of a point, its tangent in the direction of the heading."""
+    """Return the place of a point, its tangent in the direction of the heading."""
     section = curve.map_at(y)
     orbit = Orbit.at(section, y[:-1] * curve.size)
     count = orbit.state.size

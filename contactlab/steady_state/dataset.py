@@ -11,7 +11,7 @@ from contactlab.results.provenance import code_attributes
 
 
 def attributes_of(setup: Setup) -> dict[str, object]:
-    """Give the global attributes of a dataset about a setup: law, configuration and code."""
+    """Return the global attributes of a dataset about a setup: law, configuration and code."""
     return {
         "references": f"{REFERENCES} Contact law: {setup.law.source}.",
         "law": setup.law.name,
@@ -21,6 +21,6 @@ def attributes_of(setup: Setup) -> dict[str, object]:
 
 
 def flags(meaning: str, names: Sequence[str], first: int = 0) -> dict[str, object]:
-    """Give the CF attributes of an enumerated quantity whose values begin with `first`."""
+    """Return the CF attributes of an enumerated quantity whose values begin with `first`."""
     values = np.arange(first, first + len(names), dtype=np.int8)
     return {"long_name": meaning, "flag_values": values, "flag_meanings": " ".join(names)}

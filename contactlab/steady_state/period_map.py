@@ -115,7 +115,7 @@ class PeriodMap:
         return np.concatenate([z[:after], z[after + self._weights.size :]])
 
     def velocity_of(self, z: Array) -> float:
-        """Give the rotor velocity of a state [rad/s]."""
+        """Return the rotor velocity of a state [rad/s]."""
         if self.belt is not None:
             return self.belt
         return float(z[-1] / np.sqrt(self.setup.motor.rotor.inertia))
@@ -146,11 +146,11 @@ class PeriodMap:
         return trajectory
 
     def end_of(self, run: Trajectory) -> Array:
-        """Give the state in which a run ended."""
+        """Return the state in which a run ended."""
         return self.state_of(run.final, float(run.series["rotor_velocity"][-1]), memory_at_end(run))
 
     def __call__(self, z: Array) -> Array:
-        """Give the state one period of the map later.
+        """Return the state one period of the map later.
 
         Raises:
             BrokenOffError: the run did not reach its end, or could not begin.
@@ -162,27 +162,27 @@ class PeriodMap:
         return np.asarray(ends[0])
 
     def ends(self, starts: Array) -> Array:
-        """Give the states one period of the map after others, shape (start, state): many for little more.
+        """Return the states one period of the map after others, shape (start, state): many for little more.
 
         Where a run did not reach its end, or could not begin, the state is no number.
         """
         return self._sent(starts)[0]
 
     def _sent(self, starts: Array) -> tuple[Array, tuple[str, ...]]:
-        """Give the states after others, and why one is no number."""
+        """Return the states after others, and why one is no number."""
         count, weights = self.scale.size, self._weights
         q, v = starts[:, :count] / self.scale, starts[:, count : 2 * count]
         memory, rotor = np.split(starts[:, 2 * count :], [weights.size], axis=1)
         root = np.sqrt(self.setup.motor.rotor.inertia)
-        held = np.full(len(starts), self.belt, np.float64)
-        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else held, memory / weights)
+        stored = np.full(len(starts), self.belt, np.float64)
+        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else stored, memory / weights)
         parts = [self.scale * ends.displacement, ends.velocity, weights * ends.memory]
         if self.belt is None:
             parts.append(root * ends.rotor_velocity[:, None])
         return np.hstack(parts), ends.messages
 
     def at(self, phase: float) -> "PeriodMap":
-        """Give the map with another section."""
+        """Return the map with another section."""
         return replace(self, phase=phase % 1.0)
 
 

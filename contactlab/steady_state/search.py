@@ -79,9 +79,9 @@ def steady(
         return _braked(setup, float(brake), begins, longest)
     if load is not None:
         setup = _loaded(setup, float(load))
-    found = settled(setup, belt, begins, longest)
-    assert found is not None
-    return found
+    result = settled(setup, belt, begins, longest)
+    assert result is not None
+    return result
 
 
 def steady_setup(
@@ -91,22 +91,22 @@ def steady_setup(
     tolerance: float | None = None,
 ) -> Setup:
     """Return the setup of a study of steady states, whose duration means nothing; see `steady`."""
-    given = {"contact_step": contact_step, "tolerance": tolerance}
-    given = {name: value for name, value in given.items() if value is not None}
-    return setup_of(motor, law, given if isinstance(motor, Setup) else given | {"duration": 1.0})
+    values = {"contact_step": contact_step, "tolerance": tolerance}
+    values = {name: value for name, value in values.items() if value is not None}
+    return setup_of(motor, law, values if isinstance(motor, Setup) else values | {"duration": 1.0})
 
 
 def _check(belt: float | None, load: float | None, brake: float | None, longest: int) -> None:
     """Refuse what makes no sense alone or together."""
     every = {"belt": belt, "load": load, "brake": brake}
-    given = {name: value for name, value in every.items() if value is not None}
-    for name, value in given.items():
+    values = {name: value for name, value in every.items() if value is not None}
+    for name, value in values.items():
         check_number(f"The {name}", value)
         if not isfinite(value):
             raise ValueError(f"The {name} is {value}; it must be finite.")
-    if len(given) > 1:
+    if len(values) > 1:
         raise ValueError(
-            f"{' and '.join(given)} are given; a rotor is held by a belt, or it carries a load, or a brake "
+            f"{' and '.join(values)} are given; a rotor is held by a belt, or it carries a load, or a brake "
             "is on it. Give one of them."
         )
     if brake is not None and brake <= 0.0:
@@ -117,10 +117,12 @@ def _check(belt: float | None, load: float | None, brake: float | None, longest:
 
 
 def _loaded(setup: Setup, torque: float) -> Setup:
-    """Give a setup with another load torque, which its configuration tells too."""
+    """Return a setup with another load torque, which its configuration tells too."""
     rotor = replace(setup.motor.rotor, load_torque=torque)
-    told = setup.configuration | {"rotor": {**setup.configuration.get("rotor", {}), "load_torque": torque}}
-    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=told)
+    reported = setup.configuration | {
+        "rotor": {**setup.configuration.get("rotor", {}), "load_torque": torque}
+    }
+    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=reported)
 
 
 def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
@@ -129,23 +131,23 @@ def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
     assert free is not None
     sense = float(np.sign(free.velocity[0])) if free.kind != "without contact" else 0.0
     loaded = _loaded(setup, sense * brake)
-    found = _turning(loaded, free, longest, sense) if sense else None
-    if found is None:
-        held = settled(loaded, 0.0, free.end, longest)
-        assert held is not None
-        found = replace(held, kind="standing")
+    result = _turning(loaded, free, longest, sense) if sense else None
+    if result is None:
+        stored = settled(loaded, 0.0, free.end, longest)
+        assert stored is not None
+        result = replace(stored, kind="standing")
         # At rest the torque may be larger than in the rotation that the brake has stopped.
-        if sense * held.torque[0] > brake:
-            found = _turning(loaded, held, longest, sense)
-    if found is None:
+        if sense * stored.torque[0] > brake:
+            result = _turning(loaded, stored, longest, sense)
+    if result is None:
         raise NotSettledError(
             f"A brake of {brake:.4g} N m stops the rotor and does not hold it; it must do both, or neither. "
             "Give another one, or rotor.damping."
         )
-    return replace(found, brake=brake)
+    return replace(result, brake=brake)
 
 
 def _turning(loaded: Setup, before: Steady, longest: int, sense: float) -> Steady | None:
     """Find how a rotor turns in its sense against a brake; None where it does not."""
-    found = settled(loaded, None, before.end, longest, sense)
-    return found if found is not None and sense * found.velocity[0] > 0.0 else None
+    result = settled(loaded, None, before.end, longest, sense)
+    return result if result is not None and sense * result.velocity[0] > 0.0 else None

@@ -70,8 +70,8 @@ class Orbit:
     @property
     def multipliers(self) -> NDArray[np.complex128]:
         """Floquet multipliers, eigenvalues of dP/dz, the largest first [1]."""
-        found = np.linalg.eigvals(self.jacobian).astype(complex)
-        return found[np.argsort(-np.abs(found), kind="stable")]
+        result = np.linalg.eigvals(self.jacobian).astype(complex)
+        return result[np.argsort(-np.abs(result), kind="stable")]
 
     @property
     def stable(self) -> bool:
@@ -121,24 +121,24 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
 
 
 def derivative_of(function: Callable[[Array], Array], at: Array, along: Array, step: float = STEP) -> Array:
-    """Give the derivative of a function along a direction, by a central difference."""
+    """Return the derivative of a function along a direction, by a central difference."""
     length = step * _size(at)
     return (function(at + length * along) - function(at - length * along)) / (2.0 * length)
 
 
 def updated(jacobian: Array, move: Array, change: Array) -> Array:
-    """Give the derivative next to another that foretells what a move changes (Broyden 1965)."""
+    """Return the derivative next to another that foretells what a move changes (Broyden 1965)."""
     return np.asarray(jacobian + np.outer(change - jacobian @ move, move) / (move @ move))
 
 
 def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
-    """Give dP/dz by forward differences from P(z), at half the price and to half the digits."""
+    """Return dP/dz by forward differences from P(z), at half the price and to half the digits."""
     length = STEP * _size(z)
     return np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
 
 
 def _ends(section: PeriodMap, starts: Array) -> Array:
-    """Give the states after others that lie together, or say that there is no derivative."""
+    """Return the states after others that lie together, or say that there is no derivative."""
     ends = section.ends(starts)
     if not np.isfinite(ends).all():
         raise NoOrbitError("the motor breaks off or does not run from next to it")
@@ -146,7 +146,7 @@ def _ends(section: PeriodMap, starts: Array) -> Array:
 
 
 def _gap(section: PeriodMap, z: Array) -> Array:
-    """Give P(z) - z; endless where the motor does not run from there."""
+    """Return P(z) - z; endless where the motor does not run from there."""
     try:
         return section(z) - z
     # A rigid law refuses a start inside the rotor.

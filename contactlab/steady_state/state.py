@@ -187,7 +187,7 @@ class Steady:
         return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity, memory_at_end(self.motion)
 
     def curves(self, records: int = 1000) -> Trajectory:
-        """Give one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""
+        """Return one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""
         if self.orbit is not None:
             return self.orbit.map.run(self.orbit.state, 1.0, records)
         phase, modal, velocity, memory = self.end

@@ -103,11 +103,11 @@ class Basins(Study):
         every = data.to_dataset()
         rows = [
             {
-                "share": float(one["share"]),
-                "motion": str(one["kind"].item()),
-                "velocity": Estimate(float(one["velocity"]), float(one["velocity_error"])),
+                "share": float(each["share"]),
+                "motion": str(each["kind"].item()),
+                "velocity": Estimate(float(each["velocity"]), float(each["velocity_error"])),
             }
-            for one in (every.isel(attractor=i) for i in range(every.sizes["attractor"]))
+            for each in (every.isel(attractor=i) for i in range(every.sizes["attractor"]))
         ]
         return {"attractors": table(rows, units={"velocity": "rad s-1"}, caption="Attractors")}
 

@@ -62,8 +62,8 @@ class Branch(Study):
         (setup,) = setups.values()
         span = RANGE.fullmatch(self.over or "")
         if span is None:
-            words = "study.over must be one range KEY=START..END, as in 'contact.clearance=1 um..4 um'."
-            raise ConfigurationError([words])
+            text = "study.over must be one range KEY=START..END, as in 'contact.clearance=1 um..4 um'."
+            raise ConfigurationError([text])
         if span["key"] == "belt" and self.belt is not None:
             raise ConfigurationError(
                 [f"study.belt is {self.belt:g} and {self.over} varies it. Leave one out."]
@@ -73,8 +73,8 @@ class Branch(Study):
             try:
                 ends.append(to_si(span[side].strip(), unit))
             except UnitError as error:
-                words = f"The {side} of {span['key']} is '{span[side]}', {error}."
-                raise ConfigurationError([words]) from error
+                text = f"The {side} of {span['key']} is '{span[side]}', {error}."
+                raise ConfigurationError([text]) from error
         return [Task("", _branch, (setup, span["key"], *ends, self.belt, self.step))]
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:

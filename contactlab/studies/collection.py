@@ -28,7 +28,6 @@ from contactlab.metrics import assess, is_complete, read_run
 from contactlab.parameter import Parameter
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
-from contactlab.results.provenance import checkout_state
 from contactlab.studies.run_state import RUNNING, Job, Status, read_state, status_of
 from contactlab.studies.sweep import collected, read_plan
 from contactlab.studies.sweep_dataset import (
@@ -199,12 +198,9 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         "reason": np.array([run.reason for run in runs]),
         "job": np.array([run.name for run in runs]),
     }
-    revision, dirty = checkout_state()
     attributes = {
         "law": " ".join(sorted({str(each["law.name"]) for each in known if "law.name" in each})),
         "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
-        "git_revision": revision,
-        "git_dirty": dirty,
     }
     return dataset_of(
         parameters([run.job for run in runs], all(run.asked for run in runs)),

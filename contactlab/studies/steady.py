@@ -79,8 +79,8 @@ class Steady(Study):
         several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
         sentences = [f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods."]
         if "brake" in about:
-            held = "holds the rotor" if about["kind"] == "standing" else "is overcome"
-            sentences.append(f"A brake of {about['brake']:.6g} N m {held}.")
+            stored = "holds the rotor" if about["kind"] == "standing" else "is overcome"
+            sentences.append(f"A brake of {about['brake']:.6g} N m {stored}.")
         if "multiplier_real" in group:
             largest = abs(complex(group["multiplier_real"][0], group["multiplier_imag"][0]))
             sentences.append(

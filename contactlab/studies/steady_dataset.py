@@ -19,7 +19,7 @@ NEUTRAL: Final = 1e7
 
 
 def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
-    """Give one orbit, or one period of another motion, as a tree like that of a run.
+    """Return one orbit, or one period of another motion, as a tree like that of a run.
 
     The group `steady` holds means with their errors, the Floquet multipliers where there is an orbit, and
     kind and section as attributes.
@@ -41,9 +41,9 @@ def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
         rate = found.value(methodcaller("average", name))
         numbers[f"{name}_rate"] = rate, "W", f"mean rate of {name.replace('_', ' ')}"
     variables: dict[str, Any] = {}
-    for name, ((value, error), units, words) in numbers.items():
-        variables[name] = (), value, {"units": units, "long_name": words}
-        variables[f"{name}_error"] = (), error, {"units": units, "long_name": f"error of the {words}"}
+    for name, ((value, error), units, names) in numbers.items():
+        variables[name] = (), value, {"units": units, "long_name": names}
+        variables[f"{name}_error"] = (), error, {"units": units, "long_name": f"error of the {names}"}
     attributes: dict[str, Any] = {"kind": best.kind, "periods": best.periods, "phase": best.phase}
     attributes["run_duration"] = best.setup.duration
     attributes |= {"warm_up": best.warm_up, found.control: json.dumps(found.values)}
@@ -52,12 +52,12 @@ def tree_of(found: Converged, records: int = 2000) -> xarray.DataTree:
     if best.orbit is not None:
         every = best.orbit.multipliers
         for part, values in (("real", every.real), ("imag", every.imag)):
-            words = f"{part} part of the Floquet multipliers"
-            variables[f"multiplier_{part}"] = "multiplier", values, {"units": "1", "long_name": words}
+            names = f"{part} part of the Floquet multipliers"
+            variables[f"multiplier_{part}"] = "multiplier", values, {"units": "1", "long_name": names}
         attributes |= {"roughness": best.orbit.roughness, "settling_time": best.orbit.settling_time}
     else:
         for name in ("slip_velocity", "rotor_velocity"):
-            said = {**tree[name].attrs, "long_name": f"{tree[name].attrs['long_name']}, once a period"}
-            variables[f"stroboscopic_{name}"] = "sample", best.motion.series[name][1:], said
+            text = {**tree[name].attrs, "long_name": f"{tree[name].attrs['long_name']}, once a period"}
+            variables[f"stroboscopic_{name}"] = "sample", best.motion.series[name][1:], text
     tree["steady"] = xarray.DataTree(xarray.Dataset(variables, attrs=attributes))
     return tree

@@ -15,7 +15,7 @@ from contactlab.arrays import Array
 from contactlab.config.nesting import Value
 from contactlab.metrics import METRICS
 from contactlab.results.netcdf import cf_attributes
-from contactlab.results.provenance import code_digest, versions
+from contactlab.results.provenance import code_attributes
 from contactlab.studies.run_state import Status
 from contactlab.studies.sweep_values import short_names
 from contactlab.variables import Variable
@@ -124,11 +124,8 @@ def dataset_of(
     if time.size:
         coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
     every = {
-        "Conventions": "CF-1.11",
+        **code_attributes(),
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
-        "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
-        **versions(),
-        "code_digest": code_digest(),
         "complete": int(bool(np.all(status == Status.COMPLETE))),
         "runs": int(status.size),
         **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},

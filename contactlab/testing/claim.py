@@ -50,7 +50,7 @@ class Claim:
         return "holds" if self.true else "FAILS"
 
     def excused(self, excuse: str) -> "Claim":
-        """Give the same claim, declared to be broken where there is an excuse."""
+        """Return the same claim, declared to be broken where there is an excuse."""
         return replace(self, excuse=excuse)
 
     def __str__(self) -> str:
@@ -92,7 +92,7 @@ Proof = Callable[..., Claims]
 
 
 def proofs_of(*modules: ModuleType) -> dict[str, Proof]:
-    """Give the public functions of modules that are annotated with `Claims`, in the order of the source."""
+    """Return the public functions of modules that are annotated with `Claims`, in the order of the source."""
     return {
         name: each
         for module in modules

@@ -35,13 +35,13 @@ resting = partial(block, height=-WEIGHT / SPRING, weight=WEIGHT)
 
 
 def rigid_laws(mu: float, e: float) -> list[tuple[ContactLaw, float]]:
-    """Give the rigid laws with their restitution."""
+    """Return the rigid laws with their restitution."""
     plastic = [(LagrangeStick(mu), 0.0), (LagrangeSlip(mu), 0.0)]
     return [*plastic, *((law(mu, e), e) for law in RESTITUTIONS)]
 
 
 def restitution(made: Trajectory) -> float:
-    """Give separation over approach of the first contact."""
+    """Return separation over approach of the first contact."""
     return -first(made, "separation_velocity") / first(made, "approach_velocity")
 
 
@@ -74,10 +74,10 @@ def dashpot_impacts(mass: float = 1e-2, speed: float = 0.5, ratio: float = 0.3) 
     b, w = ratio * rate, rate * sqrt(1.0 - ratio**2)
     expected = exp(-b / w * (pi - atan2(2.0 * b * w, w * w - b * b)))
     tuned, ball = LinearDamping(expected, mass, speed), block(mass, height=1e-6, gap_rate=-speed)
-    found = run(ball, Composed(spring, tuned), 1e-6 / speed + 2.0 * pi / w)
+    result = run(ball, Composed(spring, tuned), 1e-6 / speed + 2.0 * pi / w)
     solved = damping_coefficient(tuned, spring)
     yield close("dashpot: damping solved for", solved, 2.0 * b * mass, 1e-6, "N s m-1")
-    yield close("dashpot: restitution", restitution(found), expected, 1e-6, scale=1.0)
+    yield close("dashpot: restitution", restitution(result), expected, 1e-6, scale=1.0)
 
 
 def oblique_impacts(mass: float = 0.1, speed: float = 0.2, mu: float = 0.3) -> Claims:
@@ -89,8 +89,8 @@ def oblique_impacts(mass: float = 0.1, speed: float = 0.2, mu: float = 0.3) -> C
             made = run(ball, law, 1e-6 / speed + (10.0 * step if step else 2e-3), step)
             taken = kick if isinstance(law, LagrangeSlip) else min(abs(sideways), kick)
             left = sideways - np.sign(sideways) * taken
-            words = f"oblique impact that {word}, {law.name}: slip after it"
-            yield close(words, last(made, "slip_velocity"), left, 1e-9, "m s-1", abs(sideways))
+            text = f"oblique impact that {word}, {law.name}: slip after it"
+            yield close(text, last(made, "slip_velocity"), left, 1e-9, "m s-1", abs(sideways))
 
 
 def modal_impacts(seed: int = 1) -> Claims:
@@ -105,16 +105,16 @@ def modal_impacts(seed: int = 1) -> Claims:
     d_nn, d_nt, d_tt = g_n @ g_n, g_n @ g_t, g_t @ g_t + radius**2 / rotor.inertia
     touch = first(run(motor, LagrangeStick(0.0), 1e-8, INSTANT), "start_time")
     for law, e in rigid_laws(0.0, 0.6):
-        made, words = (run(motor, law, touch + INSTANT, INSTANT), f"modal impact, e = {e:g}, {law.name}")
+        made, text = (run(motor, law, touch + INSTANT, INSTANT), f"modal impact, e = {e:g}, {law.name}")
         speed = first(made, "approach_velocity")
         impulse, loss = -(1.0 + e) * speed / d_nn, 0.5 * (1.0 - e * e) * speed**2 / d_nn
-        yield close(f"{words}: impulse", first(made, "normal_impulse"), impulse, 1e-6, "N s")
-        yield close(f"{words}: energy loss", first(made, "energy_loss"), loss, 1e-6, "J")
+        yield close(f"{text}: impulse", first(made, "normal_impulse"), impulse, 1e-6, "N s")
+        yield close(f"{text}: energy loss", first(made, "energy_loss"), loss, 1e-6, "J")
     made = run(motor, LagrangeStick(100.0), touch + INSTANT, INSTANT)
     velocity = first(made, "approach_velocity"), float(made.series["slip_velocity"][0])
     lost = 0.5 * np.dot(velocity, np.linalg.solve([[d_nn, d_nt], [d_nt, d_tt]], velocity))
-    words = "modal impact that sticks, lagrange_stick: energy loss"
-    yield close(words, first(made, "energy_loss"), lost, 1e-6, "J")
+    text = "modal impact that sticks, lagrange_stick: energy loss"
+    yield close(text, first(made, "energy_loss"), lost, 1e-6, "J")
 
 
 def bouncing_ball(height: float = 0.05, e: float = 0.5, gravity: float = 9.81) -> Claims:
@@ -123,11 +123,11 @@ def bouncing_ball(height: float = 0.05, e: float = 0.5, gravity: float = 9.81) -
     rest = fall * (1.0 + e) / (1.0 - e)
     ball = block(1.0, height=height, weight=gravity)
     for law in RESTITUTIONS:
-        made, words = run(ball, law(0.0, e), rest + 1e-5, 1e-9), f"bouncing ball, {law.name}"
+        made, text = run(ball, law(0.0, e), rest + 1e-5, 1e-9), f"bouncing ball, {law.name}"
         starts = made.contacts["start_time"]
-        yield close(f"{words}: time of the first bounce", starts[0], fall, 1e-12, "s")
-        yield close(f"{words}: time at which it rests", starts[-1], rest, 1e-6, "s")
-        yield close(f"{words}: height at rest", last(made, "gap"), 0.0, 1e-12, scale=height)
+        yield close(f"{text}: time of the first bounce", starts[0], fall, 1e-12, "s")
+        yield close(f"{text}: time at which it rests", starts[-1], rest, 1e-6, "s")
+        yield close(f"{text}: height at rest", last(made, "gap"), 0.0, 1e-12, scale=height)
 
 
 def bilinear_oscillator(mass: float = 0.5, spring: float = 2e3, contact: float = 3e5) -> Claims:
@@ -135,10 +135,10 @@ def bilinear_oscillator(mass: float = 0.5, spring: float = 2e3, contact: float =
     touching = pi / sqrt((spring + contact) / mass)
     period = pi / sqrt(spring / mass) + touching
     motor = block(mass, height=1e-3, normal_stiffness=spring)
-    made, words = run(motor, Composed(Linear(contact)), 3.0 * period), "bilinear oscillator"
-    found = np.diff(made.contacts["start_time"])[0]
-    yield close(f"{words}: period", found, period, 1e-6, "s")
-    yield close(f"{words}: time in contact", first(made, "duration"), touching, 1e-6, "s")
+    made, text = run(motor, Composed(Linear(contact)), 3.0 * period), "bilinear oscillator"
+    result = np.diff(made.contacts["start_time"])[0]
+    yield close(f"{text}: period", result, period, 1e-6, "s")
+    yield close(f"{text}: time in contact", first(made, "duration"), touching, 1e-6, "s")
 
 
 def stops(mu: float = 0.2, velocity: float = 0.5, stiffness: float = 400.0) -> Claims:
@@ -152,27 +152,27 @@ def stops(mu: float = 0.2, velocity: float = 0.5, stiffness: float = 400.0) -> C
     start = 9.5 * dead
     compliant = Composed(Linear(SPRING), friction=Coulomb(mu))
     for law, height, error in ((compliant, -WEIGHT / SPRING, 1e-8), (LagrangeStick(mu), 0.0, 1e-4)):
-        motor, words = resting(height=height, velocity=velocity), f"sliding block, {law.name}"
+        motor, text = resting(height=height, velocity=velocity), f"sliding block, {law.name}"
         made = run(motor, law, 2.0 * stop, 1e-6, stop / 50.0)
         gone, after = way_of(made.series["tip_slope"]), made.time > 1.05 * stop
         # The belt takes the block's momentum, so heavy that it is.
         crept = np.ptp((gone - FLAT * made.series["rotor_angle"])[after])
         slid = first(made, "duration") - first(made, "stick_duration")
-        yield close(f"{words}: time until it stops", slid, stop, error, "s")
-        yield close(f"{words}: way until it stops", gone[-1], far, error, "m")
+        yield close(f"{text}: time until it stops", slid, stop, error, "s")
+        yield close(f"{text}: way until it stops", gone[-1], far, error, "m")
         slip = np.abs(made.series["slip_velocity"][after]).max()
-        yield at_most(f"{words}: slip after it", slip, 1e-15 * velocity, "m s-1")
-        yield at_most(f"{words}: creep after it", crept, 1e-15 * far, "m")
+        yield at_most(f"{text}: slip after it", slip, 1e-15 * velocity, "m s-1")
+        yield at_most(f"{text}: creep after it", crept, 1e-15 * far, "m")
 
-        motor, words = (resting(height=height, way=start, stiffness=stiffness), f"oscillator, {law.name}")
+        motor, text = (resting(height=height, way=start, stiffness=stiffness), f"oscillator, {law.name}")
         cycle, made = (run(motor, law, halves * half, 1e-5) for halves in (2.0, 6.0))
         passed, left = (way_of(each.series["tip_slope"])[-1] for each in (cycle, made))
-        yield close(f"{words}: decay in a cycle", start - passed, 4.0 * dead, error, "m")
-        yield close(f"{words}: where it rests", left, 0.5 * dead, 10.0 * error, "m")
+        yield close(f"{text}: decay in a cycle", start - passed, 4.0 * dead, error, "m")
+        yield close(f"{text}: where it rests", left, 0.5 * dead, 10.0 * error, "m")
         slid = first(made, "duration") - first(made, "stick_duration")
-        yield close(f"{words}: time until it rests", slid, 5.0 * half, error, "s")
+        yield close(f"{text}: time until it rests", slid, 5.0 * half, error, "s")
         slip = abs(last(made, "slip_velocity"))
-        yield at_most(f"{words}: slip at rest", slip, 1e-15 * start * sqrt(stiffness), "m s-1")
+        yield at_most(f"{text}: slip at rest", slip, 1e-15 * start * sqrt(stiffness), "m s-1")
 
 
 def belt_stick_slip(static: float = 0.5, kinetic: float = 0.3, belt: float = 0.1) -> Claims:
@@ -213,8 +213,8 @@ def friction_oscillator(ratio: float = 0.8, share: float = 0.3) -> Claims:
     law = Composed(Linear(SPRING), friction=Coulomb(mu))
     made = run(motor, law, 100.0 / frequency, 1e-2, 1.0 / frequency)
     # In a cycle the friction works along 4 X: no need to catch the turning points.
-    found = np.diff(made.series["friction_loss"])[-1] / (4.0 * mu * WEIGHT)
-    yield close("oscillator with friction: amplitude", found, expected, 1e-6, "m")
+    result = np.diff(made.series["friction_loss"])[-1] / (4.0 * mu * WEIGHT)
+    yield close("oscillator with friction: amplitude", result, expected, 1e-6, "m")
 
 
 def achieved_restitution(mass: float = 2e-3, speed: float = 0.1) -> Claims:
@@ -229,16 +229,16 @@ def achieved_restitution(mass: float = 2e-3, speed: float = 0.1) -> Claims:
             continue
         for damping in (*tuned, LankaraniNikravesh(0.7), Flores(0.25)):
             made = run(ball, Composed(spring, damping, Coulomb(0.0)), 1e-6 / speed + 1e-3)
-            words, rebound = f"restitution of {damping.name} in {spring.name}", restitution(made)
-            yield close(words, rebound, damping.restitution, 1e-6, scale=1.0)
+            text, rebound = f"restitution of {damping.name} in {spring.name}", restitution(made)
+            yield close(text, rebound, damping.restitution, 1e-6, scale=1.0)
 
 
 def regularised_creep(share: float = 0.6, mu: float = 0.3, creep: float = 1e-3) -> Claims:
     """A block under the share p of the friction that could hold it creeps at v_0 p / sqrt(1 - p^2)."""
     law = Composed(Linear(SPRING), friction=Regularised(mu, creep))
-    found = last(run(resting(push=share * mu * WEIGHT), law, 0.02, 1e-4), "slip_velocity")
+    result = last(run(resting(push=share * mu * WEIGHT), law, 0.02, 1e-4), "slip_velocity")
     expected = creep * share / sqrt(1.0 - share**2)
-    yield close("regularised friction: velocity of creep", found, expected, 1e-6, "m s-1")
+    yield close("regularised friction: velocity of creep", result, expected, 1e-6, "m s-1")
 
 
 def spring_and_slider(mu: float = 0.3, ratio: float = 0.5) -> Claims:

@@ -31,8 +31,8 @@ from contactlab.testing.published import published
 
 def declares_what_it_breaks(bench: Bench) -> Claims:
     """A violation is declared by the name of a property, and with a reason."""
-    given = bench.law.violations
-    odd = sorted(name for name in given if name not in PROPERTIES or not given[name])
+    values = bench.law.violations
+    odd = sorted(name for name in values if name not in PROPERTIES or not values[name])
     yield at_most(f"declared violations without property or reason {odd}", len(odd), 0)
 
 
@@ -52,7 +52,7 @@ against what others found, and the contract of a law, of which each takes a `Ben
 
 
 def claims_of(proof: Callable[[], Claims], excuse: str = "") -> list[Claim]:
-    """Give the claims of a proof, an excuse put to those that it is for: the broken ones, or all.
+    """Return the claims of a proof, an excuse put to those that it is for: the broken ones, or all.
 
     A law that is refused, raises, or whose run does not reach its end breaks the proof, excuse or not.
     """
@@ -61,14 +61,14 @@ def claims_of(proof: Callable[[], Claims], excuse: str = "") -> list[Claim]:
     # The kernel is asked without the engine around it, and may raise anything.
     except Exception as error:
         known = isinstance(error, RuntimeError | ValueError | TypeError)
-        words = str(error) if known else f"{type(error).__name__}: {error}"
-        return [at_most(f"runs that fail: {' '.join(words.split())}", 1, 0)]
+        text = str(error) if known else f"{type(error).__name__}: {error}"
+        return [at_most(f"runs that fail: {' '.join(text.split())}", 1, 0)]
     broken = any(not claim.true for claim in claims)
     return [c if broken and c.true else c.excused(excuse) for c in claims]
 
 
 def check(bench: Bench, name: str) -> list[Claim]:
-    """Give the claims of one property, with the reason why the law declares to break it, if it does."""
+    """Return the claims of one property, with the reason why the law declares to break it, if it does."""
     law = bench.law
     excuse = law.violations.get(name, "")
     if name == "no_tension" and law.allows_tension:
@@ -122,7 +122,7 @@ def invariants_of(run: xarray.DataTree) -> Claims:
 
 
 def all_claims() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
-    """Give every heading and the function of its claims: the catalogues, then the contract of every law."""
+    """Yield every heading and the function of its claims: the catalogues, then the contract of every law."""
     of_laws = (proof for proofs in published().values() for proof in proofs.values())
     for proof in (*CLOSED_FORMS.values(), *REFERENCES.values(), *of_laws):
         yield (proof.__doc__ or "").partition("\n")[0], partial(claims_of, proof)

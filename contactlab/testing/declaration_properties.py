@@ -16,8 +16,8 @@ from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.parameter import declared_fields, from_cf
-from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claims, at_most
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.kernel_properties import TINY, Worst, drawn_steps, states_of
 from contactlab.testing.plants import Bench
 
@@ -44,12 +44,12 @@ def reads_what_it_declares(bench: Bench) -> Claims:
     """Every parameter that a law declares changes some answer of its kernels."""
     law, unread = bench.law, []
     benches = [bench, *(replace(bench, law=other) for other in _elsewhere(law))]
-    answers = [_answers(each.law, each) for each in benches]
-    for name, value, said in law.effective():
+    results = [_answers(each.law, each) for each in benches]
+    for name, value, text in law.effective():
         # How many pieces there are, the number of the variables shows.
-        if said is None or isinstance(value, int):
+        if text is None or isinstance(value, int):
             continue
-        if not any(_acts(name, each, before) for each, before in zip(benches, answers, strict=True)):
+        if not any(_acts(name, each, before) for each, before in zip(benches, results, strict=True)):
             unread.append(name)
     yield at_most(f"parameters that no kernel reads {unread}", len(unread), 0)
 
@@ -75,8 +75,8 @@ def answers_scale_with_units(bench: Bench) -> Claims:
     law, worst = bench.law, Worst()
     other = _in_other_units(law)
     pairs = zip(_named_answers(other, bench, scaled=True), _named_answers(law, bench), strict=True)
-    for (given, _), (expected, kind) in pairs:
-        missed = abs(given / _scale(kind) - expected) / (abs(expected) + TINY)
+    for (values, _), (expected, kind) in pairs:
+        missed = abs(values / _scale(kind) - expected) / (abs(expected) + TINY)
         worst.take("answers in other units less those in SI, relative", missed, 1e-9)
     yield from worst.values()
 
@@ -89,7 +89,7 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
     part: NormalForce = law.normal
     count = len(law.friction.internal_variables)
     kernel = "elastic" if part.force is None else "force"
-    names = [one.name for one in part.internal_variables]
+    names = [item.name for item in part.internal_variables]
     for gap, rate, _, _, kept in states_of(bench):
         depth, z = -gap, kept[count:].copy()
         known: dict[str, Any] = {
@@ -107,7 +107,7 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
 
         step = 1e-4 * abs(depth) + 1e-14
         _, _, stiffness, slope, *_ = answer(depth)
-        for words, place, declared in (("stiffness", 0, stiffness), ("slope of the stiffness", 2, slope)):
+        for text, place, declared in (("stiffness", 0, stiffness), ("slope of the stiffness", 2, slope)):
             coarse, fine = (
                 (answer(depth + h)[place] - answer(depth - h)[place]) / (2.0 * h) for h in (step, 0.5 * step)
             )
@@ -115,7 +115,7 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
             error = 2.0 * abs(coarse - fine) + 1e-13 * abs(answer(depth)[place]) / step
             size = abs(fine) + abs(declared) + TINY
             missed = max(abs(declared - fine) - error, 0.0) / size
-            worst.take(f"{words} less the difference of the force, relative", missed, DIFFERENCE)
+            worst.take(f"{text} less the difference of the force, relative", missed, DIFFERENCE)
     yield from worst.values()
 
 
@@ -128,9 +128,9 @@ def friction_stores_what_it_gives(bench: Bench) -> Claims:
     law, worst = bench.law, Worst()
     if not isinstance(law, PenaltyLaw) or law.friction_kind != RATE_DEPENDENT:
         return
-    asked = Asked(law)
-    gap = min(asked.limits(asked.initial)) - 1e-6
-    normal = asked.force(gap, 0.0, SMALL_SLIP, 0.0, asked.initial)[0]
+    evaluator = Evaluator(law)
+    gap = min(evaluator.limits(evaluator.initial)) - 1e-6
+    normal = evaluator.force(gap, 0.0, SMALL_SLIP, 0.0, evaluator.initial)[0]
     if not normal > 0.0:
         return
     span = 1e-12
@@ -138,7 +138,7 @@ def friction_stores_what_it_gives(bench: Bench) -> Claims:
     while span < 1e-3 and not loaded:
         # The first span at whose end a good part of the friction has built up.
         span *= 2.0
-        path = _loaded(asked, gap, normal, span)
+        path = _loaded(evaluator, gap, normal, span)
         if abs(path[LOADING // 2][0]) > 0.2 * law.friction_limit * normal:
             loaded = path
     if not loaded:
@@ -154,26 +154,26 @@ def friction_stores_what_it_gives(bench: Bench) -> Claims:
     yield from worst.values()
 
 
-def _loaded(asked: Asked, gap: float, normal: float, span: float) -> list[tuple[float, float]]:
-    """Give friction [N] and its stored energy [J] along a slip of a span [m] forwards and back."""
-    kept, found = asked.initial.copy(), []
+def _loaded(evaluator: Evaluator, gap: float, normal: float, span: float) -> list[tuple[float, float]]:
+    """Return friction [N] and its stored energy [J] along a slip of a span [m] forwards and back."""
+    kept, result = evaluator.initial.copy(), []
     length = span / (LOADING // 2) / SMALL_SLIP
     for i in range(LOADING + 1):
         slip = SMALL_SLIP if i < LOADING // 2 else -SMALL_SLIP
-        friction, _, stored, _ = asked.friction(gap, 0.0, slip, normal, kept)
-        found.append((float(friction), float(stored)))
+        friction, _, stored, _ = evaluator.friction(gap, 0.0, slip, normal, kept)
+        result.append((float(friction), float(stored)))
         for _ in range(20):
-            first = asked.rates(gap, 0.0, slip, normal, kept)
-            middle = asked.rates(gap, 0.0, slip, normal, kept + 0.5 * length / 20 * first)
+            first = evaluator.rates(gap, 0.0, slip, normal, kept)
+            middle = evaluator.rates(gap, 0.0, slip, normal, kept + 0.5 * length / 20 * first)
             kept = kept + length / 20 * middle
-    return found
+    return result
 
 
 def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
-    """Give the law with other numbers than its own: with an arm of no stiffness its time has no say."""
+    """Yield the law with other numbers than its own: with an arm of no stiffness its time has no say."""
     other = law
-    for name, value, said in law.effective():
-        if said is not None and not isinstance(value, int):
+    for name, value, text in law.effective():
+        if text is not None and not isinstance(value, int):
             for instead in (1.3 * value,) if value != 0.0 else (1.0, 1e-3):
                 with suppress(ValueError, TypeError):
                     other = other.changed(name, instead)
@@ -182,22 +182,22 @@ def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
 
 
 def _answers(law: ContactLaw, bench: Bench) -> Array:
-    """Give all that the kernels of a law answer to the states of a bench, after long histories too."""
-    asked = Asked(law)
+    """Return all that the kernels of a law answer to the states of a bench, after long histories too."""
+    evaluator = Evaluator(law)
     with np.errstate(all="ignore"):
-        found = [value for longer in LONGER for value, _ in _named_answers(law, bench, longer)]
+        result = [value for longer in LONGER for value, _ in _named_answers(law, bench, longer)]
         # What units do not tell: the signs of guards, and moments, of which few laws have any.
         for gap, rate, slip, speed, kept in [] if bench.rigid else states_of(bench):
-            normal = asked.force(gap, rate, slip, speed, kept)[0]
-            found += asked.guards(gap, rate, slip, normal, kept).tolist()
-            found += asked.moments(1e-4, 0.1, gap, normal, kept)
-        return np.array(found)
+            normal = evaluator.force(gap, rate, slip, speed, kept)[0]
+            result += evaluator.guards(gap, rate, slip, normal, kept).tolist()
+            result += evaluator.moments(1e-4, 0.1, gap, normal, kept)
+        return np.array(result)
 
 
 def _named_answers(
     law: ContactLaw, bench: Bench, longer: float = 1.0, scaled: bool = False
 ) -> Iterator[tuple[float, str]]:
-    """Give answers of a law, with their units, to the states of a bench, or to these in other units.
+    """Yield answers of a law, with their units, to the states of a bench, or to these in other units.
 
     What has been kept is larger by a factor than what the history of the bench's law leads to, and impacts
     are slower by it.
@@ -206,41 +206,43 @@ def _named_answers(
     def put(value: float, units: str) -> float:
         return value * _scale(units) if scaled else value
 
-    asked, variables = Asked(law), bench.law.internal_variables
+    evaluator, variables = Evaluator(law), bench.law.internal_variables
     if longer == LONGER[-1]:
         # What is declared of the variables has the law's own numbers in it.
-        yield from zip(asked.initial.tolist(), (one.units for one in variables), strict=True)
-    yield from (_of_steps if bench.rigid else _of_states)(asked, bench, longer, put)
+        yield from zip(evaluator.initial.tolist(), (item.units for item in variables), strict=True)
+    yield from (_of_steps if bench.rigid else _of_states)(evaluator, bench, longer, put)
 
 
-def _of_steps(asked: Asked, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
-    """Give the answers of a rigid law to drawn steps."""
+def _of_steps(evaluator: Evaluator, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
+    """Yield the answers of a rigid law to drawn steps."""
     usual, kinds = bench.law, (*["m s-1"] * 4, *["kg-1"] * 3)
-    kept = np.array([put(one.initial + longer - 1.0, one.units) for one in usual.internal_variables])
+    kept = np.array([put(item.initial + longer - 1.0, item.units) for item in usual.internal_variables])
     length = put(usual.default_contact_step, "s")
     for step in islice(drawn_steps(usual.friction_limit), 200):
         own = tuple(put(x, unit) for x, unit in zip(step, kinds, strict=True))
-        p_n, p_t, _ = asked.solve(own, length, step[2] < 0.0, kept)
+        p_n, p_t, _ = evaluator.solve(own, length, step[2] < 0.0, kept)
         yield from ((p_n, "N s"), (p_t, "N s"))
-        rates = asked.rates(0.0, own[0], own[1], p_n / length, kept).tolist()
-        yield from zip(rates, (_per_second(one.units) for one in usual.internal_variables), strict=True)
+        rates = evaluator.rates(0.0, own[0], own[1], p_n / length, kept).tolist()
+        yield from zip(rates, (_per_second(item.units) for item in usual.internal_variables), strict=True)
 
 
-def _of_states(asked: Asked, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
-    """Give the answers of a compliant law to the states that its history leads to."""
-    units = [one.units for one in bench.law.internal_variables]
+def _of_states(evaluator: Evaluator, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
+    """Yield the answers of a compliant law to the states that its history leads to."""
+    units = [item.units for item in bench.law.internal_variables]
     for gap, rate, slip, speed, before in states_of(bench):
         kept = np.array([put(longer * x, unit) for x, unit in zip(before, units, strict=True)])
         place = put(gap, "m"), put(rate, "m s-1"), put(slip, "m s-1")
-        normal, bound, stored, loss = asked.force(*place, put(speed / longer, "m s-1"), kept)
+        normal, bound, stored, loss = evaluator.force(*place, put(speed / longer, "m s-1"), kept)
         yield from ((normal, "N"), (bound, "N"), (stored, "J"), (loss, "W"))
-        if asked.has_friction:
-            drag, _, held, _ = asked.friction(*place, normal, kept)
-            yield from ((drag, "N"), (held, "J"))
+        if evaluator.has_friction:
+            drag, _, energy, _ = evaluator.friction(*place, normal, kept)
+            yield from ((drag, "N"), (energy, "J"))
         if units:
-            yield from zip(asked.rates(*place, normal, kept).tolist(), map(_per_second, units), strict=True)
-            yield from zip(asked.jumped(AT_TOUCH, *place, normal, kept).tolist(), units, strict=True)
-        yield from ((limit, "m") for limit in asked.limits(kept))
+            rates = evaluator.rates(*place, normal, kept)
+            jumped = evaluator.jumped(AT_TOUCH, *place, normal, kept)
+            yield from zip(rates.tolist(), map(_per_second, units), strict=True)
+            yield from zip(jumped.tolist(), units, strict=True)
+        yield from ((limit, "m") for limit in evaluator.limits(kept))
 
 
 def _per_second(unit: str) -> str:
@@ -249,7 +251,7 @@ def _per_second(unit: str) -> str:
 
 @cache
 def _scale(units: str) -> float:
-    """Give what a number in SI units is multiplied by to be one in other units of `SCALES`."""
+    """Return what a number in SI units is multiplied by to be one in other units of `SCALES`."""
     scale = 1.0
     for name, power in dimensions(from_cf(units)).items():
         scale *= SCALES[name] ** power
@@ -257,14 +259,14 @@ def _scale(units: str) -> float:
 
 
 def _in_other_units(owner: Any) -> Any:
-    """Give a law or a part with every declared number in other units of length, mass and time."""
+    """Return a law or a part with every declared number in other units of length, mass and time."""
     changed: dict[str, Any] = {}
     kind: type = type(owner)
     declared = declared_fields(kind)
     for field in fields(owner):
-        value, said = getattr(owner, field.name), declared[field.name].parameter
+        value, text = getattr(owner, field.name), declared[field.name].parameter
         if is_dataclass(value):
             changed[field.name] = _in_other_units(value)
-        elif isinstance(value, float) and said is not None:
-            changed[field.name] = value * _scale(said.units)
+        elif isinstance(value, float) and text is not None:
+            changed[field.name] = value * _scale(text.units)
     return replace(owner, **changed)

@@ -47,11 +47,11 @@ class Flight:
     th: Phasors
 
     def at(self, time: Array | float) -> tuple[Array, Array]:
-        """Give gap [m] and gap rate [m/s], shape of the time, good to their own round-off."""
+        """Return gap [m] and gap rate [m/s], shape of the time, good to their own round-off."""
         return self._gap_and_rate(np.exp(np.multiply.outer(time, self.exponents)))
 
     def round_off(self, time: float, steps: int) -> float:
-        """Give what float64 leaves uncertain of the gap [m] at a time [s] that was reached in so many steps.
+        """Return the round-off of the gap [m] at a time [s] that was reached in so many steps.
 
         A phase that has grown to |exponent| t is rounded by eps |exponent| t, and with it the rate of
         its term, which moves the slowest mode by its round-off over that mode's own rate. Operations
@@ -69,12 +69,12 @@ class Flight:
         return float(eps * (gap + geometry.clearance))
 
     def with_clearance(self, clearance: float) -> "Flight":
-        """Give the same vibration under a rotor at another distance [m]."""
+        """Return the same vibration under a rotor at another distance [m]."""
         geometry = replace(self.motor.geometry, clearance=clearance)
         return replace(self, motor=replace(self.motor, geometry=geometry))
 
     def lowered_to(self, gap: float, when: float) -> "Flight":
-        """Give the same vibration with the clearance at which the gap [m] at a time [s] has this value."""
+        """Return the same vibration with the clearance at which the gap [m] at a time [s] has this value."""
         flight = self
         for _ in range(3):
             # The gap follows the clearance but for the slope of the normal, 1e-8 and less.
@@ -83,7 +83,7 @@ class Flight:
         return flight
 
     def on_grid(self, duration: float) -> tuple[Array, Array, Array]:
-        """Give times [s], gaps [m] and gap rates [m/s]; at rest the rate is zero, not its round-off."""
+        """Return times [s], gaps [m] and gap rates [m/s]; at rest the rate is zero, not its round-off."""
         fastest = float(np.abs(self.exponents).max())
         # 16 points while the fastest exponential turns or decays by one: 100 a period.
         side = int(np.ceil(np.sqrt(16.0 * fastest * duration + 1.0)))
@@ -97,7 +97,7 @@ class Flight:
         return step * np.arange(side * side, dtype=np.float64), gap, rate
 
     def minima(self, duration: float) -> tuple[Array, Array]:
-        """Give times [s] and gaps [m] of the gap's local minima in (0, duration)."""
+        """Return times [s] and gaps [m] of the gap's local minima in (0, duration)."""
         time, _, rate = self.on_grid(duration)
         return self._turns(time, rate)
 
@@ -110,7 +110,7 @@ class Flight:
         return turn, self.at(turn)[0]
 
     def first_touch(self, duration: float) -> float | None:
-        """Give the time at which the gap first falls to zero [s], between grid points too, or None."""
+        """Return the time at which the gap first falls to zero [s], between grid points too, or None."""
         time, gap, rate = self.on_grid(duration)
         turns, dips = self._turns(time, rate)
         end = min([*time[gap <= 0.0], *turns[dips <= 0.0]], default=None)
@@ -136,7 +136,7 @@ class Flight:
 
 
 def flight_of(motor: Motor) -> Flight:
-    """Give the closed flight of a motor from rest."""
+    """Return the closed flight of a motor from rest."""
     modes = motor.modes
     tones = 1j * motor.drive.angular_frequency
     k, c = modes.stiffness[:, None], modes.damping[:, None]
@@ -154,7 +154,7 @@ def flight_of(motor: Motor) -> Flight:
 
 
 def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
-    """Give the weakest drive whose tip, from rest, has these derivatives at an instant [s].
+    """Return the weakest drive whose tip, from rest, has these derivatives at an instant [s].
 
     u and th have the orders 0, 1, ... [m/s^n], [rad/s^n], equally many; NaN leaves one free. The motion is
     linear in the phasors, four real unknowns to each tone [Hz]: they follow from a linear system of least
@@ -163,24 +163,24 @@ def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, t
     order = np.arange(u.size)
     reals = np.eye(2 * frequency.size)
     units: Phasors = np.concatenate([reals, 1j * reals]).reshape(-1, 2, frequency.size)
-    answers = []
+    results = []
     for unit in units:
         flight = flight_of(Motor(modes, Drive(frequency, unit)))
         waves = np.exp(flight.exponents * when)[:, None] * flight.exponents[:, None] ** order
-        answers.append(np.concatenate([(flight.u @ waves).real, (flight.th @ waves).real]))
+        results.append(np.concatenate([(flight.u @ waves).real, (flight.th @ waves).real]))
     # Derivatives in the time of the fastest tone, so that all are of one size.
     scale = np.tile((2.0 * np.pi * frequency.max()) ** -order.astype(np.float64), 2)
     wanted = np.concatenate([u, th]) * scale
-    given = ~np.isnan(wanted)
-    system = (np.array(answers).T * scale[:, None])[given]
-    sizes = np.linalg.lstsq(system, wanted[given], rcond=None)[0]
+    values = ~np.isnan(wanted)
+    system = (np.array(results).T * scale[:, None])[values]
+    sizes = np.linalg.lstsq(system, wanted[values], rcond=None)[0]
     return Drive(frequency, np.tensordot(sizes, units, axes=1))
 
 
 def double_well(
     modes: NormalModes, frequency: Array, when: float, half: float, barrier: float, tilt: float
 ) -> Flight:
-    """Give a flight whose gap has two minima, `half` before and after an instant [s], that stand at zero.
+    """Return a flight whose gap has two minima, `half` before and after an instant [s], that stand at zero.
 
         g(when + x) = barrier ((x/half)^2 - 1)^2 + tilt x / half
 
@@ -244,7 +244,7 @@ def random_flight(seed: int, number: int) -> tuple[str, Flight]:
 
 
 def _grazing(rng: np.random.Generator, far: Flight, when: float, low: float, high: float) -> Flight:
-    """Give a flight that dips or misses at a time [s] by 10^low to 10^high [m], or the far one."""
+    """Return a flight that dips or misses at a time [s] by 10^low to 10^high [m], or the far one."""
     miss = float(rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(low, high))
     close = far.lowered_to(miss, when)
     # Tones that only ever pull the tip away leave no room for a clearance.
@@ -252,7 +252,7 @@ def _grazing(rng: np.random.Generator, far: Flight, when: float, low: float, hig
 
 
 def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
-    """Give two minima 0.2 to 0.6 rad of the fastest tone apart, from 20 us on, tilted up to the barrier."""
+    """Return two minima 0.2 to 0.6 rad of the fastest tone apart, from 20 us on, tilted up to the barrier."""
     frequency = 4e3 * (np.arange(5) + rng.uniform(0.2, 1.0, 5))
     half = rng.uniform(0.1, 0.3) / (2.0 * np.pi * frequency.max())
     when = rng.uniform(2e-5, 3e-4)

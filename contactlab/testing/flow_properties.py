@@ -7,8 +7,8 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
-from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claims, at_most
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flows import Instant, flow_of
 from contactlab.testing.kernel_properties import TINY, Worst
 from contactlab.testing.plants import Bench
@@ -23,11 +23,13 @@ LOCATED = 1e-6
 """Error of what is found at an instant that is located, as a share of the largest."""
 
 
-def slope(energy: Callable[[Instant], float], asked: Asked, at: Instant, span: Array) -> tuple[float, float]:
-    """Give dV/dt [W] of an energy along the flow that a law's own rates make, and the difference's error."""
-    normal = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
-    rates = asked.rates(at.gap, at.rate, at.slip, normal, at.kept)
-    ends = asked.limits(at.kept)
+def slope(
+    energy: Callable[[Instant], float], evaluator: Evaluator, at: Instant, span: Array
+) -> tuple[float, float]:
+    """Return dV/dt [W] of an energy along the flow of a law's own rates, and the difference's error."""
+    normal = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
+    rates = evaluator.rates(at.gap, at.rate, at.slip, normal, at.kept)
+    ends = evaluator.limits(at.kept)
     times = [0.01 * at.path.duration, *(abs(at.gap - each) / (abs(at.rate) + TINY) for each in ends)]
     times += [float(size / (abs(rate) + TINY)) for size, rate in zip(span, rates, strict=True) if size > 0.0]
     h = NUDGE * min(times)
@@ -41,28 +43,28 @@ def slope(energy: Callable[[Instant], float], asked: Asked, at: Instant, span: A
     return fine, 2.0 * abs(coarse - fine) + 1e-14 * abs(energy(at)) / h
 
 
-def energy_of(asked: Asked, at: Instant) -> float:
-    """Give what the normal direction stores [J]."""
-    return float(asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)[2])
+def energy_of(evaluator: Evaluator, at: Instant) -> float:
+    """Return what the normal direction stores [J]."""
+    return float(evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[2])
 
 
-def held_of(asked: Asked, at: Instant) -> float:
-    """Give what friction stores [J]."""
-    normal = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
-    return float(asked.friction(at.gap, at.rate, at.slip, normal, at.kept)[2])
+def held_of(evaluator: Evaluator, at: Instant) -> float:
+    """Return what friction stores [J]."""
+    normal = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
+    return float(evaluator.friction(at.gap, at.rate, at.slip, normal, at.kept)[2])
 
 
 def losses_of(bench: Bench) -> tuple[Worst, Worst]:
-    """Give the losses that are negative along a law's flows: of the normal direction, and of friction."""
+    """Return the losses that are negative along a law's flows: of the normal direction, and of friction."""
     flow, pressed, dragged = flow_of(bench), Worst(), Worst()
-    asked = Asked(bench.law)
+    evaluator = Evaluator(bench.law)
     for at in flow.instants:
-        normal, _, _, loss = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)
+        normal, _, _, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
         size = abs(normal * at.rate) + abs(loss) + TINY
         pressed.take("negative normal loss along a flow, over the power", -loss / size)
-        if asked.has_friction:
-            drag = asked.friction(at.gap, at.rate, at.slip, normal, at.kept)[0]
-            change, error = slope(partial(held_of, asked), asked, at, flow.span)
+        if evaluator.has_friction:
+            drag = evaluator.friction(at.gap, at.rate, at.slip, normal, at.kept)[0]
+            change, error = slope(partial(held_of, evaluator), evaluator, at, flow.span)
             power = abs(drag * at.slip) + abs(change) + TINY
             gained = max(drag * at.slip + change - error, 0.0) / power
             dragged.take("energy that friction makes along a flow, over the power", gained, DIFFERENCE)
@@ -75,10 +77,10 @@ def flow_keeps_the_ledger(bench: Bench) -> Claims:
     if not flow.instants:
         yield from _walked(bench)
         return
-    asked, largest = Asked(bench.law), TINY
+    evaluator, largest = Evaluator(bench.law), TINY
     for at in flow.instants:
-        normal, _, stored, loss = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)
-        change, error = slope(partial(energy_of, asked), asked, at, flow.span)
+        normal, _, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
+        change, error = slope(partial(energy_of, evaluator), evaluator, at, flow.span)
         power = abs(normal * at.rate) + abs(change) + abs(loss) + TINY
         missed = max(abs(change + normal * at.rate + loss) - error, 0.0) / power
         worst.take("dV/dt less -N gdot - loss along a flow, over the power", missed, DIFFERENCE)
@@ -86,14 +88,14 @@ def flow_keeps_the_ledger(bench: Bench) -> Claims:
     left, path = 0.0, None
     for jump in flow.jumps:
         # A new path begins with nothing, and so does a contact that remembers nothing of the one before.
-        fresh = jump.at.path is not path or np.array_equal(jump.at.kept, asked.initial)
+        fresh = jump.at.path is not path or np.array_equal(jump.at.kept, evaluator.initial)
         path = jump.at.path
         if jump.event == AT_TOUCH:
-            found = energy_of(asked, jump.at) - (0.0 if fresh else left)
-            words = "energy that a touch-down finds beyond what a release has left, over the largest"
-            worst.take(words, found / largest, LOCATED)
+            result = energy_of(evaluator, jump.at) - (0.0 if fresh else left)
+            text = "energy that a touch-down finds beyond what a release has left, over the largest"
+            worst.take(text, result / largest, LOCATED)
         elif jump.event == AT_RELEASE:
-            left = energy_of(asked, jump.at)
+            left = energy_of(evaluator, jump.at)
     yield from _walked(bench)
     yield from worst.values()
 
@@ -109,10 +111,10 @@ def jumps_lose(bench: Bench) -> Claims:
     flow, worst = flow_of(bench), Worst()
     if not flow.jumps:
         return
-    asked = Asked(bench.law)
+    evaluator = Evaluator(bench.law)
 
     def stored(at: Instant) -> float:
-        return energy_of(asked, at) + (held_of(asked, at) if asked.has_friction else 0.0)
+        return energy_of(evaluator, at) + (held_of(evaluator, at) if evaluator.has_friction else 0.0)
 
     largest = max([abs(stored(at)) for at in flow.instants], default=0.0) + TINY
     for jump in flow.jumps:
@@ -130,20 +132,20 @@ def guards_let_go(bench: Bench) -> Claims:
     law, flow, worst = bench.law, flow_of(bench), Worst()
     if not law.guards:
         return
-    asked = Asked(law)
+    evaluator = Evaluator(law)
     yield at_most(f"drawn paths on which a guard does not let go {flow.chatter}", len(flow.chatter), 0)
     for jump in flow.jumps:
         if jump.event < 0:
             continue
         at = jump.at
-        normal = asked.force(at.gap, at.rate, at.slip, at.speed, jump.kept)[0]
-        rates = asked.rates(at.gap, at.rate, at.slip, normal, jump.kept)
+        normal = evaluator.force(at.gap, at.rate, at.slip, at.speed, jump.kept)[0]
+        rates = evaluator.rates(at.gap, at.rate, at.slip, normal, jump.kept)
         # A rate that has just changed its sign is zero there, and has it a moment later.
         soon = 1e-6 * at.path.duration
         gap, rate, slip = at.path.at(at.time + soon)
         kept = jump.kept + soon * rates
-        normal = asked.force(gap, rate, slip, at.speed, kept)[0]
-        fallen = -asked.guards(gap, rate, slip, normal, kept)[jump.event]
+        normal = evaluator.force(gap, rate, slip, at.speed, kept)[0]
+        fallen = -evaluator.guards(gap, rate, slip, normal, kept)[jump.event]
         worst.take(
             "guard below zero after its own jump, over its size", fallen / flow.largest[jump.event], 0.0
         )
@@ -157,7 +159,7 @@ def limits_in_order(bench: Bench) -> Claims:
     if bench.law.limits is None:
         return
     flow = flow_of(bench)
-    limits = np.array([Asked(bench.law).limits(np.array(_initial(bench))), *flow.limits])
+    limits = np.array([Evaluator(bench.law).limits(np.array(_initial(bench))), *flow.limits])
     odd = int((~np.isfinite(limits)).any(axis=1).sum())
     yield at_most(f"drawn paths that it cannot be followed on {flow.faults}", len(flow.faults), 0)
     yield at_most("limits that are no numbers", odd, 0)
@@ -167,7 +169,7 @@ def limits_in_order(bench: Bench) -> Claims:
 
 
 def _initial(bench: Bench) -> list[float]:
-    return [one.initial for one in bench.law.internal_variables]
+    return [item.initial for item in bench.law.internal_variables]
 
 
 def memory_is_its_own(bench: Bench) -> Claims:
@@ -176,38 +178,38 @@ def memory_is_its_own(bench: Bench) -> Claims:
     if not flow.instants:
         return
     changed = wild = 0
-    lured = [Asked(bench.law, lure) for lure in (np.nan, 1.0, -1.0)]
+    lured = [Evaluator(bench.law, lure) for lure in (np.nan, 1.0, -1.0)]
     for at in flow.instants:
-        answers = [_all_of(asked, at) for asked in lured]
-        changed += any(repr(answer) != repr(answers[0]) for answer in answers)
-        wild += not np.isfinite(answers[0]).all()
+        results = [_all_of(evaluator, at) for evaluator in lured]
+        changed += any(repr(result) != repr(results[0]) for result in results)
+        wild += not np.isfinite(results[0]).all()
     yield at_most("answers that change with what lies beyond the memory", changed, 0)
     yield at_most("answers that are no numbers", wild, 0)
 
 
-def _all_of(asked: Asked, at: Instant) -> list[float]:
-    """Give every answer that all kernels have to a state."""
-    normal, bound, stored, loss = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)
+def _all_of(evaluator: Evaluator, at: Instant) -> list[float]:
+    """Return every answer that all kernels have to a state."""
+    normal, bound, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
     state = at.gap, at.rate, at.slip, normal, at.kept
-    found = [normal, bound, stored, loss, *asked.rates(*state), *asked.limits(at.kept)]
-    if asked.law.guards:
-        found += asked.guards(*state).tolist()
-    if asked.has_friction:
-        found += asked.friction(*state)
-    for event in range(AT_TOUCH, asked.law.guards):
-        found += asked.jumped(event, *state).tolist()
-    return [float(each) for each in found]
+    result = [normal, bound, stored, loss, *evaluator.rates(*state), *evaluator.limits(at.kept)]
+    if evaluator.law.guards:
+        result += evaluator.guards(*state).tolist()
+    if evaluator.has_friction:
+        result += evaluator.friction(*state)
+    for event in range(AT_TOUCH, evaluator.law.guards):
+        result += evaluator.jumped(event, *state).tolist()
+    return [float(each) for each in result]
 
 
 def image_of(bench: Bench) -> Worst:
-    """Give how unlike a law is in the mirror, where odd variables change their signs as the slip does."""
+    """Return how unlike a law is in the mirror, where odd variables change their signs as the slip does."""
     flow, worst = flow_of(bench), Worst()
-    asked = Asked(bench.law)
-    parity = np.array([one.parity for one in bench.law.internal_variables], dtype=np.float64)
+    evaluator = Evaluator(bench.law)
+    parity = np.array([item.parity for item in bench.law.internal_variables], dtype=np.float64)
     for at in flow.instants:
         sides = [
-            (asked, at, 1.0, np.ones(parity.size)),
-            (asked, at._replace(slip=-at.slip, kept=parity * at.kept), -1.0, parity),
+            (evaluator, at, 1.0, np.ones(parity.size)),
+            (evaluator, at._replace(slip=-at.slip, kept=parity * at.kept), -1.0, parity),
         ]
         here, there = (np.array(_signed(*side)) for side in sides)
         apart = np.abs(here - there) / (np.abs(here) + np.abs(there) + TINY)
@@ -215,16 +217,16 @@ def image_of(bench: Bench) -> Worst:
     return worst
 
 
-def _signed(asked: Asked, at: Instant, side: float, signs: Array) -> list[float]:
-    """Give the answers to a state, those that change their signs in the mirror with theirs."""
-    normal, bound, stored, loss = asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)
+def _signed(evaluator: Evaluator, at: Instant, side: float, signs: Array) -> list[float]:
+    """Return the answers to a state, those that change their signs in the mirror with theirs."""
+    normal, bound, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
     state = at.gap, at.rate, at.slip, normal, at.kept
-    found = [normal, bound, stored, loss, *(signs * asked.rates(*state)), *asked.limits(at.kept)]
-    if asked.law.guards:
-        found += asked.guards(*state).tolist()
-    if asked.has_friction:
-        drag, _, held, stiffness = asked.friction(*state)
-        found += [side * drag, held, stiffness]
-    for event in range(AT_TOUCH, asked.law.guards):
-        found += (signs * asked.jumped(event, *state)).tolist()
-    return [float(each) for each in found]
+    result = [normal, bound, stored, loss, *(signs * evaluator.rates(*state)), *evaluator.limits(at.kept)]
+    if evaluator.law.guards:
+        result += evaluator.guards(*state).tolist()
+    if evaluator.has_friction:
+        drag, _, held, stiffness = evaluator.friction(*state)
+        result += [side * drag, held, stiffness]
+    for event in range(AT_TOUCH, evaluator.law.guards):
+        result += (signs * evaluator.jumped(event, *state)).tolist()
+    return [float(each) for each in result]

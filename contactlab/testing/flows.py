@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 from contactlab.arrays import Array
 from contactlab.laws.base import ELASTOPLASTIC, SET_VALUED, PenaltyLaw
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
-from contactlab.testing.asking import Asked
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.paths import GRID, Path, drawn_path, root
 from contactlab.testing.plants import Bench
 
@@ -68,59 +68,59 @@ class Flow:
     lowest: Array = field(default_factory=lambda: np.zeros(0))  # and of what is beside an event of its own
     span: Array = field(default_factory=lambda: np.zeros(0))  # of what is kept
 
-    def see(self, asked: Asked, at: Instant, guards: Array, every: bool) -> None:
+    def see(self, evaluator: Evaluator, at: Instant, guards: Array, every: bool) -> None:
         """Take the state at the end of a step."""
         self.span = np.maximum(self.span, np.abs(at.kept))
         self.largest = np.maximum(self.largest, np.abs(guards))
         self.lowest = np.minimum(self.lowest, guards)
         if every:
             self.instants.append(at)
-            self.limits.append(asked.limits(at.kept))
+            self.limits.append(evaluator.limits(at.kept))
 
 
 @final
 class Walker:
     """Take a compliant law along one path."""
 
-    def __init__(self, asked: Asked, path: Path, flow: Flow) -> None:
-        self.asked, self.path, self.flow = asked, path, flow
-        self.kept, self.speed, self.events, self.fired = asked.initial.copy(), 0.0, 0, 0
+    def __init__(self, evaluator: Evaluator, path: Path, flow: Flow) -> None:
+        self.evaluator, self.path, self.flow = evaluator, path, flow
+        self.kept, self.speed, self.events, self.fired = evaluator.initial.copy(), 0.0, 0, 0
         self.in_contact, self.forgotten = False, True
-        lives = [one.life == "run" for one in asked.variables]
+        lives = [each.life == "run" for each in evaluator.variables]
         self.lasting = np.array(lives, dtype=bool)
-        law = asked.law
+        law = evaluator.law
         self.set_valued = law.friction_kind == SET_VALUED
         self.slides = law.friction_kind == ELASTOPLASTIC
 
     def state(self, time: float, kept: Array) -> Instant:
-        """Give the state at a time; a contact ends where it does, whatever round-off says."""
+        """Return the state at a time; a contact ends where it does, whatever round-off says."""
         gap, rate, slip = self.path.at(time)
         if self.in_contact:
-            gap = min(gap, self.asked.limits(kept)[1])
+            gap = min(gap, self.evaluator.limits(kept)[1])
         return Instant(self.path, time, gap, rate, slip, self.speed, kept)
 
     def normal(self, at: Instant) -> float:
-        """Give the normal force, none out of contact [N]."""
+        """Return the normal force, none out of contact [N]."""
         if not self.in_contact:
             return 0.0
-        return float(self.asked.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0])
+        return float(self.evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0])
 
     def rates(self, time: float, kept: Array) -> Array:
-        """Give the rates of what is kept; in flight only what has the life of the run has any."""
+        """Return the rates of what is kept; in flight only what has the life of the run has any."""
         if not kept.size or not (self.in_contact or self.lasting.any()):
             return np.zeros(kept.size)
         at = self.state(time, kept)
         slip = at.slip if self.in_contact else 0.0
-        found = self.asked.rates(at.gap, at.rate, slip, self.normal(at), kept)
-        return found if self.in_contact else np.where(self.lasting, found, 0.0)
+        result = self.evaluator.rates(at.gap, at.rate, slip, self.normal(at), kept)
+        return result if self.in_contact else np.where(self.lasting, result, 0.0)
 
     def guards(self, time: float, kept: Array) -> Array:
-        """Give all guards at a time."""
+        """Return all guards at a time."""
         at = self.state(time, kept)
-        return self.asked.guards(at.gap, at.rate, at.slip, self.normal(at), kept)
+        return self.evaluator.guards(at.gap, at.rate, at.slip, self.normal(at), kept)
 
     def flown(self, time: float, length: float, parts: int) -> Array:
-        """Give what is kept a length of time later, by so many steps of Runge and Kutta.
+        """Return what is kept a length of time later, by so many steps of Runge and Kutta.
 
         Where the most steps are too few for a fast relaxation, by an implicit method.
         """
@@ -137,34 +137,34 @@ class Walker:
         return self._slid(time + length, kept)
 
     def _reach(self, time: float, length: float) -> Array:
-        """Give how far what is kept can have come: explicit steps that are too long lead beyond."""
+        """Return how far what is kept can have come: explicit steps that are too long lead beyond."""
         away: Array = np.abs(self.kept) + 10.0 * np.abs(self.rates(time, self.kept)) * length
         return away + 1e3 * self.path.depth
 
     def _relaxed(self, time: float, length: float) -> Array:
-        """Give what is kept a length of time later, by an implicit method for fast relaxation."""
+        """Return what is kept a length of time later, by an implicit method for fast relaxation."""
         if length <= 0.0:
             return self.kept
         size = np.maximum(np.abs(self.kept), np.abs(self.path.depth * np.ones(self.kept.size)))
-        found = solve_ivp(
+        result = solve_ivp(
             self.rates, (time, time + length), self.kept, method="Radau", rtol=1e-8, atol=1e-12 * size
         )
-        return np.asarray(found.y[:, -1]) if found.success else np.full(self.kept.size, np.nan)
+        return np.asarray(result.y[:, -1]) if result.success else np.full(self.kept.size, np.nan)
 
     def _slid(self, time: float, kept: Array) -> Array:
         """Keep the stretch of a spring on the bound of its slider."""
         if not (self.slides and self.in_contact):
             return kept
         at = self.state(time, kept)
-        normal, bound, _, _ = self.asked.force(at.gap, at.rate, at.slip, at.speed, kept)
-        stiffness = self.asked.friction(at.gap, at.rate, at.slip, normal, kept)[3]
+        normal, bound, _, _ = self.evaluator.force(at.gap, at.rate, at.slip, at.speed, kept)
+        stiffness = self.evaluator.friction(at.gap, at.rate, at.slip, normal, kept)[3]
         most = bound / stiffness if stiffness > 0.0 else 0.0
         kept = kept.copy()
         kept[0] = min(max(kept[0], -most), most)
         return kept
 
     def parts(self, time: float, length: float) -> int:
-        """Give the steps that a length of time is cut into, by how fast each variable relaxes."""
+        """Return the steps that a length of time is cut into, by how fast each variable relaxes."""
         if not self.kept.size:
             return 1
         rates, fastest = self.rates(time, self.kept), 0.0
@@ -188,9 +188,9 @@ class Walker:
                 slips = path.at(0.5 * (start + end))[2] != 0.0
                 self.happens(AT_SLIP if slips else AT_STICK, start)
             self.advance(start, end)
-            if self.in_contact and path.at(end)[0] < self.asked.limits(self.kept)[1]:
+            if self.in_contact and path.at(end)[0] < self.evaluator.limits(self.kept)[1]:
                 at = self.state(end, self.kept)
-                self.flow.see(self.asked, at, self.guards(end, self.kept), i % ASKED == 0)
+                self.flow.see(self.evaluator, at, self.guards(end, self.kept), i % ASKED == 0)
             if not np.isfinite(self.kept).all():
                 self.flow.faults.append(f"what it remembers becomes {self.kept.tolist()}")
                 return
@@ -211,13 +211,13 @@ class Walker:
         at = self.state(time, self.kept)
         # Nothing slips where stick begins or ends.
         at = at._replace(slip=0.0) if event in (AT_SLIP, AT_STICK) else at
-        after = self.asked.jumped(event, at.gap, at.rate, at.slip, self.normal(at), self.kept)
+        after = self.evaluator.jumped(event, at.gap, at.rate, at.slip, self.normal(at), self.kept)
         self.flow.jumps.append(Jump(event, at, after))
         self.kept, self.events, self.fired = after, self.events + 1, self.fired + (event >= 0)
 
     def _in_flight(self, time: float, end: float) -> float:
-        asked = self.asked
-        begin, anew = asked.limits(self.kept)[0], asked.limits(self._fresh())[0]
+        evaluator = self.evaluator
+        begin, anew = evaluator.limits(self.kept)[0], evaluator.limits(self._fresh())[0]
         gap = self.path.at(end)[0]
         if self.forgotten:
             begin = anew
@@ -239,8 +239,8 @@ class Walker:
         return touch
 
     def _fresh(self) -> Array:
-        """Give what is left of a contact that is forgotten."""
-        return np.where(self.lasting, self.kept, self.asked.initial)
+        """Return what is left of a contact that is forgotten."""
+        return np.where(self.lasting, self.kept, self.evaluator.initial)
 
     def _in_contact(self, time: float, end: float) -> float:
         parts = self.parts(time, end - time)
@@ -250,7 +250,7 @@ class Walker:
 
         def open_by(t: float) -> float:
             kept = after(t)
-            return self.path.at(t)[0] - self.asked.limits(kept)[1]
+            return self.path.at(t)[0] - self.evaluator.limits(kept)[1]
 
         def falls(k: int) -> Callable[[float], float]:
             return lambda t: float(self.guards(t, after(t))[k])
@@ -278,10 +278,10 @@ def flow_of(bench: Bench) -> Flow:
     law, flow = bench.law, Flow()
     if not isinstance(law, PenaltyLaw) or (not law.internal_variables and law.limits is None):
         return flow
-    asked = Asked(law)
+    evaluator = Evaluator(law)
     flow.span = np.zeros(len(law.internal_variables))
     flow.largest, flow.lowest = np.zeros(law.guards), np.zeros(law.guards)
     for number in range(PATHS):
-        path = drawn_path(number, asked.limits(asked.initial)[0])
-        Walker(asked, path, flow).walk()
+        path = drawn_path(number, evaluator.limits(evaluator.initial)[0])
+        Walker(evaluator, path, flow).walk()
     return flow

@@ -14,8 +14,8 @@ from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
 from contactlab.laws.consistency import contradictions
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
-from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claim, Claims, at_most
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flows import flow_of
 from contactlab.testing.plants import Bench
 
@@ -49,11 +49,11 @@ def drawn_states() -> Iterator[tuple[float, float, float, float]]:
 
 
 def states_of(bench: Bench) -> list[State]:
-    """Give states of a compliant contact: drawn ones, or those that what it remembers leads to."""
+    """Return states of a compliant contact: drawn ones, or those that what it remembers leads to."""
     instants = flow_of(bench).instants
     if instants:
         return [(at.gap, at.rate, at.slip, at.speed, at.kept) for at in instants]
-    initial = np.array([one.initial for one in bench.law.internal_variables], dtype=np.float64)
+    initial = np.array([each.initial for each in bench.law.internal_variables], dtype=np.float64)
     return [(*state, initial) for state in drawn_states()]
 
 
@@ -83,43 +83,43 @@ def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
 def declares_its_parameters(bench: Bench) -> Claims:
     """Every field has symbol, unit and meaning, what is out of range is refused, words are there."""
     law, taken = bench.law, []
-    declared = {name: said for name, _, said in law.effective() if said is not None}
-    said = {name for name, given in declared.items() if given.symbol and given.units}
-    missing = [name for name in law.describe() if name not in said]
-    words = [word for word in law.WORDS if not getattr(law, word, "")]
+    declared = {name: field for name, _, field in law.effective() if field is not None}
+    documented = {name for name, field in declared.items() if field.symbol and field.units}
+    missing = [name for name in law.describe() if name not in documented]
+    names = [word for word in law.WORDS if not getattr(law, word, "")]
     for name in declared:
         # A number of pieces refuses what is not whole as of another kind.
         with suppress(ValueError, TypeError):
             law.changed(name, inf)
             taken.append(name)
     yield at_most(f"parameters without declaration {missing}", len(missing), 0)
-    yield at_most(f"declarations that are missing {words}", len(words), 0)
+    yield at_most(f"declarations that are missing {names}", len(names), 0)
     yield at_most(f"parameters that take an infinite value {taken}", len(taken), 0)
 
 
 def calls_leave_no_trace(bench: Bench) -> Claims:
     """Answers are finite, and the same in one order and in another with two more calls before each."""
-    law, asked, changed, unsound = bench.law, Asked(bench.law), 0, 0
+    law, evaluator, changed, unsound = bench.law, Evaluator(bench.law), 0, 0
     kernels: list[Callable[..., Any]]
     states: list[Any]
     if bench.rigid:
-        length, kept = law.default_contact_step, asked.initial
+        length, kept = law.default_contact_step, evaluator.initial
         states = [*drawn_steps(law.friction_limit)]
-        kernels = [lambda *step: asked.solve(step, length, step[2] < 0.0, kept)]
+        kernels = [lambda *step: evaluator.solve(step, length, step[2] < 0.0, kept)]
     else:
-        states, kernels = [*states_of(bench)], [asked.force]
-        if asked.has_friction:
-            kernels.append(asked.friction)
+        states, kernels = [*states_of(bench)], [evaluator.force]
+        if evaluator.has_friction:
+            kernels.append(evaluator.friction)
         if law.internal_variables:
-            kernels.append(lambda *state: asked.rates(*state).tolist())
+            kernels.append(lambda *state: evaluator.rates(*state).tolist())
     for kernel in kernels:
-        answers = [kernel(*state) for state in states]
-        for state, answer in [*zip(states, answers, strict=True)][::-1]:
+        results = [kernel(*state) for state in states]
+        for state, result in [*zip(states, results, strict=True)][::-1]:
             first, second, third, *others = state
             kernel(1.5 * first, -second, -third, *others)
             kernel(0.5 * first, 2.0 * second, 0.0, *others)
-            changed += not np.array_equal(kernel(*state), answer, equal_nan=True)
-        unsound += sum(not np.isfinite(answer).all() for answer in answers)
+            changed += not np.array_equal(kernel(*state), result, equal_nan=True)
+        unsound += sum(not np.isfinite(result).all() for result in results)
     yield at_most("answers that change when asked again", changed, 0)
     yield at_most("answers that are no finite numbers", unsound, 0)
 
@@ -135,13 +135,13 @@ def kernel_is_consistent(bench: Bench) -> Claims:
     if not isinstance(law, PenaltyLaw):
         yield from answers_of(bench)["kernel_is_consistent"].values()
         return
-    found, asked = [*contradictions(law)], Asked(law)
-    yield at_most(f"contradictions in what is said of friction {found}", len(found), 0)
+    result, evaluator = [*contradictions(law)], Evaluator(law)
+    yield at_most(f"contradictions in what is said of friction {result}", len(result), 0)
     limit, offset = law.friction_limit, law.friction_offset
     for gap, rate, slip, speed, kept in states_of(bench):
-        normal, bound, _, loss = asked.force(gap, rate, slip, speed, kept)
+        normal, bound, _, loss = evaluator.force(gap, rate, slip, speed, kept)
         ahead, behind = (gap * (1.0 + s * 1e-4) for s in (1.0, -1.0))
-        energies = [asked.force(g, rate, slip, speed, kept)[2] for g in (ahead, behind)]
+        energies = [evaluator.force(g, rate, slip, speed, kept)[2] for g in (ahead, behind)]
         slope = (energies[0] - energies[1]) / (ahead - behind)
         size = abs(normal) + abs(slope) + TINY
         power = size * abs(rate) + abs(loss)
@@ -154,23 +154,23 @@ def kernel_is_consistent(bench: Bench) -> Claims:
             # Central differences of V: (h/gap)^2 and less.
             miss = abs(loss + (normal + slope) * rate) / power
             worst.take("loss less -(N + dV/dg) gdot, over the power", miss, 1e-6)
-        if asked.has_friction:
-            _judge_friction(asked, (gap, rate, slip, normal, kept), worst)
+        if evaluator.has_friction:
+            _judge_friction(evaluator, (gap, rate, slip, normal, kept), worst)
     yield from worst.values()
 
 
-def _judge_friction(asked: Asked, state: State, worst: Worst) -> None:
+def _judge_friction(evaluator: Evaluator, state: State, worst: Worst) -> None:
     """Take what a kernel of friction says of one state; there the fourth number is the normal force [N]."""
     gap, rate, slip, normal, kept = state
-    count, first = variables_of_friction(asked.law), kept.copy()
-    first[:count] = asked.initial[:count]
-    drag, _, energy, stiffness = asked.friction(gap, rate, slip, normal, kept)
-    fresh, _, at_once, _ = asked.friction(gap, rate, slip, normal, first)
-    z = float(kept[0]) if asked.own else 0.0
+    count, first = variables_of_friction(evaluator.law), kept.copy()
+    first[:count] = evaluator.initial[:count]
+    drag, _, energy, stiffness = evaluator.friction(gap, rate, slip, normal, kept)
+    fresh, _, at_once, _ = evaluator.friction(gap, rate, slip, normal, first)
+    z = float(kept[0]) if evaluator.own else 0.0
     size = abs(drag) + stiffness * abs(z) + abs(normal) + TINY
     stored = max(-energy / (size * 1e-6), abs(at_once) / size)
     worst.take("energy stored at first, or negative, over the force", stored)
-    if asked.law.friction_kind == ELASTOPLASTIC:
+    if evaluator.law.friction_kind == ELASTOPLASTIC:
         misses = abs(drag + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / (abs(z) + TINY)
         worst.take("spring less -k z and 1/2 k z^2, over the force", max(misses) / size)
     else:
@@ -179,7 +179,7 @@ def _judge_friction(asked: Asked, state: State, worst: Worst) -> None:
 
 
 def variables_of_friction(law: ContactLaw) -> int:
-    """Give how many internal variables are the friction's: the first, or all where the law is one piece."""
+    """Return how many internal variables are the friction's: the first, or all where the law is one piece."""
     return len(law.friction.internal_variables if isinstance(law, Composed) else law.internal_variables)
 
 
@@ -190,17 +190,17 @@ def answers_of(bench: Bench) -> dict[str, Worst]:
     Beyond the critical friction, mu |d_nt| >= d_nn, an approach may have no answer and what opens by
     itself may be held (Painleve); there the law may release or hold, and a run tells of both.
     """
-    law, asked, length = bench.law, Asked(bench.law), bench.law.default_contact_step
+    law, evaluator, length = bench.law, Evaluator(bench.law), bench.law.default_contact_step
     limit, offset = law.friction_limit, law.friction_offset
     sound, opposed, lossy = Worst(), Worst(), Worst()
-    kept, before = asked.initial.copy(), SLIP
+    kept, before = evaluator.initial.copy(), SLIP
     for step in drawn_steps(limit):
         rate, end_slip, gap_rate, slip, d_nn, d_nt, d_tt = step
         critical, impact = limit * abs(d_nt) >= d_nn, gap_rate < 0.0
         if impact:
             # An impact begins a contact, with whatever the ones before have left.
-            kept = asked.jumped(AT_TOUCH, 0.0, gap_rate, slip, 0.0, kept)
-        p_n, p_t, mode = asked.solve(step, length, impact, kept)
+            kept = evaluator.jumped(AT_TOUCH, 0.0, gap_rate, slip, 0.0, kept)
+        p_n, p_t, mode = evaluator.solve(step, length, impact, kept)
         finite = isfinite(p_n) and isfinite(p_t)
         sound.take("answers without numbers or mode", not finite or mode not in (SLIP, STICK), 0)
         if not finite:
@@ -223,10 +223,10 @@ def answers_of(bench: Bench) -> dict[str, Worst]:
         lossy.take("energy made by an impact, over impulse times velocity", power)
         if law.internal_variables:
             force, left_slip = p_n / length, 0.0 if mode == STICK else left_slip
-            kept = kept + length * asked.rates(0.0, left, left_slip, force, kept)
+            kept = kept + length * evaluator.rates(0.0, left, left_slip, force, kept)
             if mode != before:
                 event = AT_STICK if mode == STICK else AT_SLIP
-                kept = asked.jumped(event, 0.0, left, left_slip, force, kept)
+                kept = evaluator.jumped(event, 0.0, left, left_slip, force, kept)
             before = mode
             sound.take("internal variables that are no numbers", not np.isfinite(kept).all(), 0)
     return {"kernel_is_consistent": sound, "friction_opposes_slip": opposed, "dissipates": lossy}

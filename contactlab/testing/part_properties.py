@@ -7,8 +7,8 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import AT_TOUCH
-from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claims
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.kernel_properties import TINY, Worst, states_of
 from contactlab.testing.plants import Bench
 
@@ -18,18 +18,22 @@ def parts_keep_apart(bench: Bench) -> Claims:
     law, worst = bench.law, Worst()
     if not isinstance(law, Composed):
         return
-    asked = Asked(law)
+    evaluator = Evaluator(law)
     for gap, rate, slip, speed, kept in states_of(bench):
         expected = answers_of_parts(law, gap, rate, slip, speed, kept)
-        found = [*asked.force(gap, rate, slip, speed, kept)]
-        state = gap, rate, slip, found[0], kept
-        if asked.has_friction:
-            found += asked.friction(*state)
-        found += [*asked.rates(*state)[asked.own :], *asked.guards(*state), *asked.limits(kept)]
+        result = [*evaluator.force(gap, rate, slip, speed, kept)]
+        state = gap, rate, slip, result[0], kept
+        if evaluator.has_friction:
+            result += evaluator.friction(*state)
+        result += [
+            *evaluator.rates(*state)[evaluator.own :],
+            *evaluator.guards(*state),
+            *evaluator.limits(kept),
+        ]
         for event in range(AT_TOUCH, law.guards):
-            found += asked.jumped(event, *state)[asked.own :].tolist()
-        for one, other in zip(found, expected, strict=True):
-            apart = abs(one - other) / (abs(one) + abs(other) + TINY)
+            result += evaluator.jumped(event, *state)[evaluator.own :].tolist()
+        for item, other in zip(result, expected, strict=True):
+            apart = abs(item - other) / (abs(item) + abs(other) + TINY)
             worst.take("answers of the composed law less those of its parts alone, relative", apart)
     yield from worst.values()
 
@@ -53,19 +57,21 @@ def answers_of_parts(
     pressing = {**state, **bent, "normal": alone}
     two_sided = drag.bounds is not None
     bound = drag.evaluate("bounds", **pressing)[1] if two_sided else drag.evaluate("bound", **pressing)
-    answers = [alone, bound, stored, lost + (spring - alone) * rate]
+    results = [alone, bound, stored, lost + (spring - alone) * rate]
     swept = {**state, **bent, "normal": alone, "normal_stiffness": stiffness}
     swept["normal_stiffness_rate"] = -slope * rate
     if drag.state is not None:
-        given = drag.evaluate("state", **swept)
-        answers += (given[0], 0.0, *given[1:]) if len(drag.internal_variables) > drag.coupled else given
+        arguments = drag.evaluate("state", **swept)
+        results += (
+            (arguments[0], 0.0, *arguments[1:]) if len(drag.internal_variables) > drag.coupled else arguments
+        )
     sides = ((drag, swept, kept[:count]), (part, {**state, **pressed}, kept[count:]))
     for each, known, own in sides:
         for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
-            answers.append(0.0 if each.rate is None else each.evaluate("rate", **known, which=k))
+            results.append(0.0 if each.rate is None else each.evaluate("rate", **known, which=k))
     for each, known, _ in sides:
-        answers += [each.evaluate("guard", **known, which=k) for k in range(each.guards)]
-    answers += (0.0, 0.0) if part.limits is None else part.evaluate("limits", **state, **pressed)
+        results += [each.evaluate("guard", **known, which=k) for k in range(each.guards)]
+    results += (0.0, 0.0) if part.limits is None else part.evaluate("limits", **state, **pressed)
     for event in range(AT_TOUCH, law.guards):
         for each, known, own in sides:
             mine = event if event < 0 or each is drag else event - drag.guards
@@ -73,8 +79,8 @@ def answers_of_parts(
             for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
                 as_it_was = theirs or each.jump is None
                 jumped = float(own[k]) if as_it_was else each.evaluate("jump", **known, which=k, event=mine)
-                answers.append(jumped)
-    return answers
+                results.append(jumped)
+    return results
 
 
 def _variables_of(part: Any, values: Array) -> dict[str, Any]:

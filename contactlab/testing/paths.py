@@ -36,7 +36,7 @@ class Path:
     slip_waves: Waves
 
     def at(self, time: float) -> tuple[float, float, float]:
-        """Give all three."""
+        """Return all three."""
         gap, rate = self.begin, 0.0
         for share, omega, phase in self.waves:
             gap -= self.depth * share * sin(omega * time + phase)
@@ -48,7 +48,7 @@ class Path:
         return sum(share * sin(omega * time + phase) for share, omega, phase in self.slip_waves)
 
     def switches(self) -> Array:
-        """Give the times at which stick begins or ends, in their order."""
+        """Return the times at which stick begins or ends, in their order."""
 
         def swing(time: float) -> float:
             return abs(self._swing(time)) - DEAD
@@ -75,7 +75,7 @@ def drawn_path(number: int, begin: float) -> Path:
 
 
 def root(function: Callable[[float], float], start: float, end: float) -> float:
-    """Give where a function that has two signs at the ends is zero, or the end that is zero already."""
+    """Return where a function that has two signs at the ends is zero, or the end that is zero already."""
     if function(start) * function(end) >= 0.0:
         return end
     return float(brentq(function, start, end, xtol=1e-18, rtol=1e-13))

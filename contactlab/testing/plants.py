@@ -19,7 +19,7 @@ from contactlab.trajectory import Trajectory
 
 
 def paper_motor() -> Motor:
-    """Give the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
+    """Return the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
     return Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -pi / 5.0))
 
 
@@ -50,7 +50,7 @@ def attempt(
 
 
 def completed(trajectory: Trajectory) -> Trajectory:
-    """Give a run back that has reached its end, or raise a RuntimeError with the reason why it has not."""
+    """Return a run back that has reached its end, or raise a RuntimeError with the reason why it has not."""
     if not trajectory.ending.reached_end:
         raise RuntimeError(f"{trajectory.law.name}: {trajectory.message}")
     return trajectory
@@ -62,12 +62,12 @@ def run(*of_attempt: Any, **named: Any) -> Trajectory:
 
 
 def first(trajectory: Trajectory, name: str) -> float:
-    """Give a column of the first contact."""
+    """Return a column of the first contact."""
     return float(trajectory.contacts[name][0])
 
 
 def last(trajectory: Trajectory, name: str) -> float:
-    """Give the last record of a series."""
+    """Return the last record of a series."""
     return float(trajectory.series[name][-1])
 
 

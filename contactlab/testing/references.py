@@ -66,14 +66,14 @@ def judge(flight: Flight) -> dict[str, float]:
     expected = flight.first_touch(DURATION)
     end = DURATION if expected is None else min(expected + 2e-6, DURATION)
     made = run(flight.motor, HertzPenalty(stiffness=1e10, friction_coefficient=0.0), end)
-    found, error, excess = made.contacts["start_time"], 0.0, -inf
-    if expected is not None and found.size > 0:
-        error = float(found[0]) - expected
+    result, error, excess = made.contacts["start_time"], 0.0, -inf
+    if expected is not None and result.size > 0:
+        error = float(result[0]) - expected
         rate = abs(float(flight.at(expected)[1]))
         excess = abs(error) - flight.round_off(expected, made.statistics["flight_steps"]) / rate
-    elif expected is not None or found.size > 0:
+    elif expected is not None or result.size > 0:
         excess = inf
-    fault = "missed" if found.size == 0 else "late" if error > 0.0 else "invented"
+    fault = "missed" if result.size == 0 else "late" if error > 0.0 else "invented"
     # Round-off of the time itself is left.
     faults = {name: excess > 1e-15 and name == fault for name in FAULTS}
     return {"touched": expected is not None, **faults, "error": abs(error), "excess": excess}
@@ -106,12 +106,12 @@ def tally(flights: pd.DataFrame) -> pd.DataFrame:
 
 def random_touchdowns(flights: int = 1000, seed: int = 0) -> Claims:
     """Flights that touch, graze by less than a nanometre, dip twice, or dip between two samples."""
-    for kind, found in tally(judged(seed, range(flights))).iterrows():
-        words = f"random flights, {kind}"
-        yield at_least(f"{words}: of them touch", found["touched"], 1)
+    for kind, result in tally(judged(seed, range(flights))).iterrows():
+        text = f"random flights, {kind}"
+        yield at_least(f"{text}: of them touch", result["touched"], 1)
         for fault in FAULTS:
-            statement = f"{words}: touch-downs {fault} of {found['flights']:.0f} flights"
-            yield at_most(statement, found[fault], 0)
+            statement = f"{text}: touch-downs {fault} of {result['flights']:.0f} flights"
+            yield at_most(statement, result[fault], 0)
 
 
 def printed_table() -> Claims:
@@ -121,23 +121,23 @@ def printed_table() -> Claims:
         couplings, frequencies = TABLE_1[placement]
         coupling, frequency = resonator.matrices.coupling, resonator.modes.natural_frequency
         for i, printed in enumerate(couplings):
-            words = f"Table 1, {placement}: coupling {i + 1}1"
-            yield Claim(words, printed, float(coupling[i, 0]), 0.5e-3, units="N V-1")
+            text = f"Table 1, {placement}: coupling {i + 1}1"
+            yield Claim(text, printed, float(coupling[i, 0]), 0.5e-3, units="N V-1")
         for i, printed in enumerate(frequencies):
-            words = f"Table 1, {placement}: frequency {i + 1}"
-            yield Claim(words, printed, float(frequency[i]), 5.0, units="Hz")
+            text = f"Table 1, {placement}: frequency {i + 1}"
+            yield Claim(text, printed, float(frequency[i]), 5.0, units="Hz")
 
 
 def compliant_case_a() -> Claims:
     """The Hertz contact at default settings."""
     for mu, expected in HERTZ_CASE_A.items():
         made = run(paper_motor(), HertzPenalty(1e10, mu), CASE_A_DURATION)
-        words = f"case A, hertz_penalty, mu {mu:g}"
-        yield close(f"{words}: contacts", made.contacts["duration"].size, 16, 0.0)
+        text = f"case A, hertz_penalty, mu {mu:g}"
+        yield close(f"{text}: contacts", made.contacts["duration"].size, 16, 0.0)
         for value, (name, (digit, units)) in zip(expected, DIGITS.items(), strict=True):
             # Without friction there is none to round off.
             left = digit if value else 0.0
-            yield Claim(f"{words}: {name}", value, _measure(made, name), left, units=units)
+            yield Claim(f"{text}: {name}", value, _measure(made, name), left, units=units)
 
 
 def rigid_case_a() -> Claims:
@@ -147,14 +147,14 @@ def rigid_case_a() -> Claims:
         [run(paper_motor(), law, CASE_A_DURATION, size) for size in (step, 0.5 * step)] for law, step in steps
     )
     for name, (value, left, units) in RIGID_CASE_A.items():
-        found = 2.0 * _measure(fine, name) - _measure(coarse, name)
-        words = f"case A, lagrange_stick, step to zero: {name}"
-        yield Claim(words, value, found, left, units=units)
-    found, words = last(finest, "rotor_velocity"), "case A, lagrange_slip"
+        result = 2.0 * _measure(fine, name) - _measure(coarse, name)
+        text = f"case A, lagrange_stick, step to zero: {name}"
+        yield Claim(text, value, result, left, units=units)
+    result, text = last(finest, "rotor_velocity"), "case A, lagrange_slip"
     # The limit of the slip-only law in the paper's time stepping.
-    yield Claim(f"{words}, step 10 ns: velocity", -0.4836, found, 1e-4, units="rad s-1")
+    yield Claim(f"{text}, step 10 ns: velocity", -0.4836, result, 1e-4, units="rad s-1")
     peaks = [float(made.contacts["peak_normal_force"].max()) for made in (slipping, finest)]
-    yield close(f"{words}: peak force at half the step", peaks[1] / peaks[0], 2.0, 1e-3)
+    yield close(f"{text}: peak force at half the step", peaks[1] / peaks[0], 2.0, 1e-3)
 
 
 def _measure(made: Trajectory, name: str) -> float:

@@ -20,8 +20,8 @@ RECORDS = 150
 
 def repeats_bit_for_bit(bench: Bench) -> Claims:
     """The same run twice."""
-    found = _differing(bench, bench.motor)
-    yield at_most(f"quantities that differ when run again {found}", len(found), 0)
+    result = _differing(bench, bench.motor)
+    yield at_most(f"quantities that differ when run again {result}", len(result), 0)
 
 
 def goes_on(bench: Bench) -> Claims:
@@ -71,8 +71,8 @@ def mirrors(bench: Bench) -> Claims:
     moving = ("tip_tangential_displacement", "tip_slope", "rotor_velocity", "rotor_angle")
     odd = [f"internal_{each.name}" for each in bench.law.internal_variables if each.parity == ODD]
     signed = (*moving, "slip_velocity", "friction_force", "friction_impulse", *odd)
-    found = _differing(bench, replace(motor, modes=modes, rotor=turned), signed)
-    yield at_most(f"quantities that differ in the mirror {found}", len(found), 0)
+    result = _differing(bench, replace(motor, modes=modes, rotor=turned), signed)
+    yield at_most(f"quantities that differ in the mirror {result}", len(result), 0)
 
 
 def _differing(bench: Bench, motor: Motor, mirrored: tuple[str, ...] = ()) -> list[str]:

@@ -10,8 +10,8 @@ from contactlab.laws import PenaltyLaw
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.metrics.constraints import changes_side
 from contactlab.motor.geometry import contact_frame
-from contactlab.testing.asking import Asked
 from contactlab.testing.claim import Claims, at_least, at_most, close
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flights import flight_of
 from contactlab.testing.flow_properties import losses_of
 from contactlab.testing.kernel_properties import TINY, answers_of
@@ -27,28 +27,28 @@ STEP_ERROR = 1e-5
 
 def no_force_when_open(bench: Bench) -> Claims:
     """No force in an interval that no contact reaches into."""
-    for words, made in bench.runs.items():
+    for text, made in bench.runs.items():
         start, end = made.contacts["start_time"][:, None], made.time[1:]
         stop = start + made.contacts["duration"][:, None]
         # A release at the very end of one interval may round into the next.
         slack = 1e-12 * made.time[-1]
         touched = ((start <= end + slack) & (stop >= made.time[:-1] - slack)).any(axis=0)
         force = np.abs(made.series["normal_force"]) + np.abs(made.series["friction_force"])
-        found = force[1:][~touched].max(initial=force[0])
-        yield at_most(f"force between contacts, {words}", found, 0.0, "N")
+        result = force[1:][~touched].max(initial=force[0])
+        yield at_most(f"force between contacts, {text}", result, 0.0, "N")
 
 
 def no_tension(bench: Bench) -> Claims:
     """N >= 0."""
-    for words, made in bench.runs.items():
+    for text, made in bench.runs.items():
         force = made.series["normal_force"]
         pull = -force.min() / max(force.max(), TINY)
-        yield at_most(f"pull, {words}, over the peak force", pull, STEP_ERROR)
+        yield at_most(f"pull, {text}, over the peak force", pull, STEP_ERROR)
 
 
 def inside_the_cone(bench: Bench) -> Claims:
     """|F| <= mu (|N| + C) over every record interval, which for a rigid law is shorter than a step."""
-    for words, made in bench.runs.items():
+    for text, made in bench.runs.items():
         normal, friction = (np.abs(made.series[f"{n}_force"]) for n in ("normal", "friction"))
         # Forces are read as differences of impulses, which round off.
         cone = bench.law.friction_limit * (normal + bench.law.friction_offset)
@@ -59,7 +59,7 @@ def inside_the_cone(bench: Bench) -> Claims:
         excess = (friction - cone)[judged].max(initial=0.0) / max(normal.max(), TINY)
         # Friction has a kink where the force begins to pull, and no step ends there.
         bound = 1e-6 if bench.law.allows_tension else 1e-8
-        yield at_most(f"friction over its bound, {words}, over the peak force", excess, bound)
+        yield at_most(f"friction over its bound, {text}, over the peak force", excess, bound)
 
 
 def friction_opposes_slip(bench: Bench) -> Claims:
@@ -67,23 +67,23 @@ def friction_opposes_slip(bench: Bench) -> Claims:
 
     What a friction with a memory stores is part of that work, along drawn flows too.
     """
-    found = answers_of(bench)["friction_opposes_slip"] if bench.rigid else losses_of(bench)[1]
-    yield from found.values()
-    for words, made in bench.runs.items():
+    result = answers_of(bench)["friction_opposes_slip"] if bench.rigid else losses_of(bench)[1]
+    yield from result.values()
+    for text, made in bench.runs.items():
         gained = _gained(np.diff(made.series["friction_loss"]))
-        yield at_most(f"work of friction, {words}, over all friction loss", gained, STEP_ERROR)
+        yield at_most(f"work of friction, {text}, over all friction loss", gained, STEP_ERROR)
 
 
 def dissipates(bench: Bench) -> Claims:
     """Every contact loses energy; a compliant one at every instant, a rigid one in any impact."""
     yield from (answers_of(bench)["dissipates"] if bench.rigid else losses_of(bench)[0]).values()
-    for words, made in bench.runs.items():
+    for text, made in bench.runs.items():
         if not bench.rigid:
             normal, friction = (np.diff(made.series[f"{n}_loss"]) for n in ("contact", "friction"))
             gained = _gained(normal, float(np.abs(friction).sum()))
-            yield at_most(f"work of normal losses, {words}, over all losses", gained, STEP_ERROR)
+            yield at_most(f"work of normal losses, {text}, over all losses", gained, STEP_ERROR)
         gain = _gained(made.contacts["energy_loss"])
-        yield at_most(f"energy from a contact, {words}, over all losses", gain, 1e-9)
+        yield at_most(f"energy from a contact, {text}, over all losses", gain, 1e-9)
 
 
 def stick_is_exact(bench: Bench) -> Claims:
@@ -91,13 +91,13 @@ def stick_is_exact(bench: Bench) -> Claims:
     law, depth, weight, end = bench.law, 0.0, WEIGHT, 2e-3
     push = 0.4 * law.friction_limit * weight
     if isinstance(law, PenaltyLaw):
-        asked = Asked(law)
-        begin, depths = asked.limits(asked.initial)[0], 10.0 ** np.arange(-8.0, 1.0)
-        kept = asked.jumped(AT_TOUCH, begin, 0.0, 0.0, 0.0, asked.initial)
+        evaluator = Evaluator(law)
+        begin, depths = evaluator.limits(evaluator.initial)[0], 10.0 ** np.arange(-8.0, 1.0)
+        kept = evaluator.jumped(AT_TOUCH, begin, 0.0, 0.0, 0.0, evaluator.initial)
         # From shallow to deep: how deep the law is valid is not known.
-        answers = ((float(d), asked.force(-d, 0.0, 0.0, 0.0, kept)) for d in depths)
+        results = ((float(d), evaluator.force(-d, 0.0, 0.0, 0.0, kept)) for d in depths)
         depth, weight, bound = next(
-            ((d, normal, bound) for d, (normal, bound, _, _) in answers if normal > 1e-3), (0.0, 0.0, 0.0)
+            ((d, normal, bound) for d, (normal, bound, _, _) in results if normal > 1e-3), (0.0, 0.0, 0.0)
         )
         if weight == 0.0:
             raise RuntimeError(f"{law.name}: its normal force carries no weight at any penetration.")
@@ -116,21 +116,21 @@ def stick_is_exact(bench: Bench) -> Claims:
 
 def ledger_closes(bench: Bench) -> Claims:
     """E(t) - E(0) = drive_work - losses - load_work + residual, every term its own quadrature."""
-    for words, made in bench.runs.items():
+    for text, made in bench.runs.items():
         energy = made.series["kinetic_energy"] + made.series["strain_energy"]
         scale = max(energy.max(), np.abs(made.series["drive_work"]).max())
         residual = np.abs(made.series["energy_residual"]).max() / scale
-        yield at_most(f"ledger residual, {words}, over the energy", residual, bench.balance)
+        yield at_most(f"ledger residual, {text}, over the energy", residual, bench.balance)
 
 
 def contacts_sum_to_the_losses(bench: Bench) -> Claims:
     """Every loss of friction and contact is that of one contact, what it stored and lost later with it."""
-    for words, made in bench.runs.items():
+    for text, made in bench.runs.items():
         rows = made.contacts["energy_loss"]
         lost = sum(np.diff(made.series[f"{name}_loss"][[0, -1]])[0] for name in ("friction", "contact"))
         energy = made.series["kinetic_energy"] + made.series["strain_energy"]
         scale = max(float(np.abs(rows).sum()), 1e-6 * float(energy.max()))
-        yield close(f"losses of the contacts, {words}", float(rows.sum()), float(lost), 1e-9, "J", scale)
+        yield close(f"losses of the contacts, {text}", float(rows.sum()), float(lost), 1e-9, "J", scale)
 
 
 def impulse_is_momentum(bench: Bench) -> Claims:
@@ -148,12 +148,12 @@ def impulse_is_momentum(bench: Bench) -> Claims:
         np.searchsorted(contacts["start_time"] + length, made.time + 1e-12 * made.time[-1])
         for length in (0.0, contacts["duration"])
     )
-    given = np.append(0.0, np.cumsum(contacts["friction_impulse"]))[ended]
+    value = np.append(0.0, np.cumsum(contacts["friction_impulse"]))[ended]
     belt = FLAT * series["rotor_velocity"]
     tip = series["slip_velocity"] + belt
     scale = max(np.abs(contacts["friction_impulse"]).max(), MASS * np.abs(tip).max())
     for name, momentum, sign in (("block", MASS * tip, 1.0), ("belt", BELT_MASS * belt, -1.0)):
-        missing = np.abs(momentum - momentum[0] - sign * given)[begun == ended].max()
+        missing = np.abs(momentum - momentum[0] - sign * value)[begun == ended].max()
         yield at_most(f"momentum of a {name} less its friction impulses", missing / scale, 1e-9)
 
 
@@ -171,9 +171,9 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     series, push, end = made.series, made.contacts["friction_impulse"], made.time[-1]
     gained = rotor.inertia * (series["rotor_velocity"][-1] - rotor.initial_velocity)
     torque = rotor.load_torque * end + rotor.damping * series["rotor_angle"][-1]
-    given, scale = -radius * push.sum() - torque, max(radius * np.abs(push).sum(), TINY)
-    words = "momentum of the rotor against friction impulses, in all"
-    yield close(words, gained, given, 1e-9, "N m s", scale)
+    value, scale = -radius * push.sum() - torque, max(radius * np.abs(push).sum(), TINY)
+    text = "momentum of the rotor against friction impulses, in all"
+    yield close(text, gained, value, 1e-9, "N m s", scale)
 
     flight, names = flight_of(motor), {"tip_normal_displacement": "m", "tip_slope": "rad"}
     rows = motor.modes.tip_displacement, motor.modes.tip_slope
@@ -190,9 +190,9 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     answer = ((np.exp(first * late) - np.exp(second * late)) / (first - second)).real
     driven = (answer * (np.transpose(rows) @ acted)).sum(axis=1)
     for name, row, free in zip(names, rows, (flight.u, flight.th), strict=True):
-        found = (np.exp(flight.exponents * end) @ free).real + row @ driven
-        scale, words = np.abs(series[name]).max(), f"{name} under the recorded forces"
-        yield close(words, found, series[name][-1], bench.balance, names[name], scale)
+        result = (np.exp(flight.exponents * end) @ free).real + row @ driven
+        scale, text = np.abs(series[name]).max(), f"{name} under the recorded forces"
+        yield close(text, result, series[name][-1], bench.balance, names[name], scale)
 
 
 def converges(bench: Bench) -> Claims:
@@ -220,12 +220,12 @@ def converges(bench: Bench) -> Claims:
 
 
 def _ends(made: Trajectory) -> Array:
-    """Give where a run ends, and its impulses."""
+    """Return where a run ends, and its impulses."""
     ends = ("rotor_velocity", "tip_slope", "tip_normal_displacement")
     impulses = (made.contacts[f"{way}_impulse"].sum() for way in ("normal", "friction"))
     return np.array([*(made.series[name][-1] for name in ends), *impulses])
 
 
 def _gained(losses: Array, others: float = 0.0) -> float:
-    """Give the largest gain over all losses, of which some may be others' [J]."""
+    """Return the largest gain over all losses, of which some may be others' [J]."""
     return float(max(-losses.min(), 0.0) / max(np.abs(losses).sum() + others, TINY))

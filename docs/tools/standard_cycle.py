@@ -149,15 +149,15 @@ def _cycle(law: PenaltyLaw) -> Curves:
 
 def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
     """What a law remembers in a run, each variable over its largest value."""
-    found = []
+    result = []
     for variable in trajectory.law.internal_variables:
         values = trajectory.series[f"internal_{variable.name}"]
         most = float(np.abs(values).max())
         unit = "" if variable.units == "1" else f" {variable.units}"
-        said = variable.symbol or variable.name
-        words = said if most in (0.0, 1.0) else f"{said} / {most:.2g}{unit}"
-        found.append((words, values / most if most else values))
-    return tuple(found)
+        text = variable.symbol or variable.name
+        names = text if most in (0.0, 1.0) else f"{text} / {most:.2g}{unit}"
+        result.append((names, values / most if most else values))
+    return tuple(result)
 
 
 def _tidy(energy: float) -> str:
@@ -181,7 +181,7 @@ def _impacts(law: MultiplierLaw) -> Curves:
     ends = [d_nn * p_n + d_nt * p_t for p_n, p_t in (answers(APPROACH, s) for s in slips)]
     # Round-off of a plastic impact is none, whatever its sign.
     rebound = np.round((np.array(ends) - APPROACH) / APPROACH, 9) + 0.0
-    words = (
+    text = (
         f"In the standard impacts at {APPROACH} m/s: rebound over approach {rebound.min():.3f} to "
         f"{rebound.max():.3f}, largest friction impulse {np.abs(friction).max() * 1e6:.3g} µN s."
     )
@@ -190,7 +190,7 @@ def _impacts(law: MultiplierLaw) -> Curves:
         right=(slips, friction * 1e6),
         left_words=("approach [m/s]", "normal impulse [µN s]"),
         right_words=("slip before the impact [m/s]", "friction impulse [µN s]"),
-        numbers=words,
+        numbers=text,
         time=np.empty(0),
     )
     return _with_stick_slip(curves, law) if law.internal_variables else curves

@@ -107,8 +107,8 @@ def test_the_measured_example_is_explained_by_the_law_that_it_names_and_by_no_ot
     def left(restitution: float) -> float:
         """Mean square of what the law leaves, in standard deviations of gap rate and slip."""
         law = cl.Newton(friction_coefficient=0.25, restitution=restitution)
-        found = cl.impact(law, impacts.delassus, impacts.velocity_before)
-        rest = found.velocity_after.values - impacts.velocity_after
+        result = cl.impact(law, impacts.delassus, impacts.velocity_before)
+        rest = result.velocity_after.values - impacts.velocity_after
         return float(np.einsum("ij,ijk,ik->i", rest, np.linalg.inv(impacts.covariance), rest).mean() / 2.0)
 
     assert left(0.6) == pytest.approx(1.0, abs=0.35)

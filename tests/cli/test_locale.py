@@ -34,29 +34,29 @@ Told = tuple[Path, dict[tuple[str, ...], tuple[str, str]]]
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Told:
     """A folder, and errors and statuses of commands by their arguments; the run alone leaves anything."""
     folder = tmp_path_factory.mktemp("plain")
-    given = [*((word,) for word in MICRO.values()), *(("-m", word) for word in SWEEP.values())]
-    given += [RUN]
+    values = [*((word,) for word in MICRO.values()), *(("-m", word) for word in SWEEP.values())]
+    values += [RUN]
     done = subprocess.run(
         [sys.executable, "-c", ONE_AFTER_ANOTHER],
         cwd=folder,
         env={**os.environ, **PLAIN},
-        input=b"\n".join(b"\0".join(map(os.fsencode, words)) for words in given),
+        input=b"\n".join(b"\0".join(map(os.fsencode, text)) for text in values),
         capture_output=True,
         check=False,
     )
-    *told, after = done.stderr.decode("ascii").split("\0")
+    *reported, after = done.stderr.decode("ascii").split("\0")
     assert (done.returncode, after) == (0, ""), after
     assert [path.name for path in folder.iterdir()] == ["here"]
-    return folder, dict(zip(given, zip(told[::2], told[1::2], strict=True), strict=True))
+    return folder, dict(zip(values, zip(reported[::2], reported[1::2], strict=True), strict=True))
 
 
 @pytest.mark.parametrize("sign", SIGNS)
 def test_a_micro_sign_is_read_and_shown_in_a_plain_locale(sign: str, plain: Told) -> None:
-    _, told = plain
+    _, reported = plain
     shown = sign.encode("ascii", "backslashreplace").decode()
-    err, status = told[(MICRO[sign],)]
+    err, status = reported[(MICRO[sign],)]
     assert err.startswith(f"contact.clearance is '-1 {shown}m' (-1e-06 m); it must be at least")
     assert status == "2"
-    err, status = told["-m", SWEEP[sign]]
+    err, status = reported["-m", SWEEP[sign]]
     assert err.startswith("contact.clearance is -1e-06 m; it must be at least")
     assert status == "2"

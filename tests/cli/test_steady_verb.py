@@ -11,23 +11,23 @@ import contactlab as cl
 
 
 def test_the_verb_prints_and_writes_what_python_finds(command: Command) -> None:
-    words = ["law=newton", "contact.clearance=2 um"]
-    status, out, _ = command("steady", *words, "--load", "-0.5 mN*m", "--output", "here")
+    text = ["law=newton", "contact.clearance=2 um"]
+    status, out, _ = command("steady", *text, "--load", "-0.5 mN*m", "--output", "here")
     assert status == 0
     assert sorted(path.name for path in Path("here").iterdir()) == [
         "quantities.csv", "quantities.tex", "report.html", "steady.nc", "steady.pdf", "steady.png"
     ]  # fmt: skip
     assert "periodic" in out
-    found = cl.converged(cl.build(words), load=-5e-4)
+    result = cl.converged(cl.build(text), load=-5e-4)
     with xarray.open_datatree("here/steady.nc") as tree:
         group = tree["steady"].dataset
-        assert float(group["rotor_velocity"]) == found.velocity[0]
-        assert float(group["rotor_velocity_error"]) == found.velocity[1]
+        assert float(group["rotor_velocity"]) == result.velocity[0]
+        assert float(group["rotor_velocity_error"]) == result.velocity[1]
         assert np.hypot(group["multiplier_real"], group["multiplier_imag"]).max() < 1.0
         assert tree["steady"].attrs["kind"] == "periodic"
         orbit = tree.to_dataset()["rotor_velocity"].values
         assert orbit[-1] == pytest.approx(orbit[0], rel=1e-8)
-        assert f"{found.velocity[0]:.3f}"[:5] in out
+        assert f"{result.velocity[0]:.3f}"[:5] in out
         assert "load_torque: -0.0005" in tree.attrs["configuration"]
 
 

@@ -42,8 +42,8 @@ def test_the_exit_status_is_the_verdict(
         yield "One claim", lambda: [claim]
 
     monkeypatch.setattr(GROUPS, groups)
-    found, out, _ = command("verify")
-    assert found == status
+    result, out, _ = command("verify")
+    assert result == status
     assert words in out
 
 

@@ -10,7 +10,7 @@ from support.command_line import Command, left_behind
 
 from contactlab import compilation
 from contactlab.compilation import Compiled
-from contactlab.engine import loop
+from contactlab.engine.preparation import SECONDS
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def test_every_kind_of_law_is_warmed_up_and_then_there(command: Command) -> None
     status, out, err = command("warm-up")
     assert (status, err) == (0, "")
     *kinds, _ = out.splitlines()
-    assert {line.partition("  ")[0] for line in kinds} == loop.SECONDS.keys()
+    assert {line.partition("  ")[0] for line in kinds} == SECONDS.keys()
     assert left_behind() == []
 
 
@@ -42,8 +42,8 @@ def test_the_first_function_announces_what_is_compiled_and_the_end_tells_how_lon
     compiled = Compiled("the engine for rigid laws", 20.0)
     assert capsys.readouterr().err == ""
     compiled.on_start(made("one"))
-    said = "contactlab: compiling the engine for rigid laws, once for an installation: about 20 s.\n"
-    assert capsys.readouterr().err == said
+    text = "contactlab: compiling the engine for rigid laws, once for an installation: about 20 s.\n"
+    assert capsys.readouterr().err == text
     for name in ("one", "two"):
         clocks["wall"] += 8.0
         compiled.on_start(made(name))

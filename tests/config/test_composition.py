@@ -77,9 +77,9 @@ def test_a_file_has_precedence_over_what_is_declared(command: Command, tmp_path:
     (tmp_path / "law/mine.yaml").write_text("name: newton\nrestitution: 0.4\n", encoding="utf-8")
     status, out, err = command("--config-dir", str(tmp_path), "law=mine", "--cfg", "job")
     assert status == 0, err
-    found = yaml.safe_load(out)
-    assert found["rotor"] == {"radius": 0.05, "inertia": 2e-5}
-    assert found["law"] == {"name": "newton", "restitution": 0.4}
+    result = yaml.safe_load(out)
+    assert result["rotor"] == {"radius": 0.05, "inertia": 2e-5}
+    assert result["law"] == {"name": "newton", "restitution": 0.4}
     assert compose()["rotor"] == composed()["rotor"]
 
 

@@ -182,7 +182,7 @@ def test_missing_keys_and_groups_are_told() -> None:
 
 
 def test_all_faults_come_at_once_those_between_keys_included() -> None:
-    found = faults(
+    result = faults(
         {
             "law.tip_radius": 5e-3,
             "contact.clearance": -1e-6,
@@ -194,7 +194,7 @@ def test_all_faults_come_at_once_those_between_keys_included() -> None:
             "motor": {},
         }
     )
-    starts = [fault.split()[0] for fault in found]
+    starts = [fault.split()[0] for fault in result]
     assert sorted(starts) == [
         "contact.clearance",
         "drive.amplitude",
@@ -205,7 +205,7 @@ def test_all_faults_come_at_once_those_between_keys_included() -> None:
         "resonator.shapes",
         "solver.contact_step",
     ]
-    assert str(ConfigurationError(found)).splitlines() == found
+    assert str(ConfigurationError(result)).splitlines() == result
 
 
 def test_as_many_records_as_fit_are_admitted() -> None:
@@ -242,17 +242,17 @@ def test_every_key_of_conf_is_explained_in_the_line_above() -> None:
 
 def keys_of(section: dict[str, Any], path: str) -> set[str]:
     """Full keys of a configuration."""
-    found = set()
+    result = set()
     for name, value in section.items():
         key = f"{path}{name}"
-        found |= keys_of(value, f"{key}.") if isinstance(value, dict) else {key}
-    return found
+        result |= keys_of(value, f"{key}.") if isinstance(value, dict) else {key}
+    return result
 
 
 def test_conf_gives_every_key_a_default() -> None:
-    given = set()
+    values = set()
     for group in groups():
         choice = {"law": "composed"} if group.startswith("law/") else {}
         for option in options(group):
-            given |= keys_of(composed(**choice | {group: option}), "")
-    assert given == set(known_keys())
+            values |= keys_of(composed(**choice | {group: option}), "")
+    assert values == set(known_keys())

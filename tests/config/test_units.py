@@ -105,7 +105,7 @@ def printed_units() -> list[str]:
     owners = [type(getattr(contactlab.build().motor, name)) for name in ("geometry", "rotor")]
     owners += [law for family in ("", "normal", "damping", "friction") for law in own(family).values()]
     owners += [contactlab.Steel, contactlab.Piezoceramic, contactlab.RitzResonator]
-    return sorted({said.unit for owner in owners for said in parameters_of(owner).values()} - {"1"})
+    return sorted({message.unit for owner in owners for message in parameters_of(owner).values()} - {"1"})
 
 
 @pytest.mark.parametrize("unit", printed_units())

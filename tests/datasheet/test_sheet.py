@@ -69,9 +69,9 @@ def test_a_load_that_brakes_is_told_from_one_that_drives() -> None:
 
 
 def test_the_motor_in_the_mirror_has_the_same_sheet_in_the_other_sense() -> None:
-    one, other = (operate(cl.build(["law=hertz_penalty", f"drive.phase={phase}"]), belt) for phase, belt in (
+    each, other = (operate(cl.build(["law=hertz_penalty", f"drive.phase={phase}"]), belt) for phase, belt in (
         (-np.pi / 5.0, -1.0), (-np.pi / 5.0 + np.pi / 2.0, 1.0)))  # fmt: skip
-    turned = one.turned(-1.0)
+    turned = each.turned(-1.0)
     for name in ("velocity", "torque", "output_power", "active_power", "apparent_power", "peak_force"):
         assert turned[name] == pytest.approx(other[name], rel=1e-6)
 

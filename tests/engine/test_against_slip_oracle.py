@@ -50,7 +50,7 @@ def test_engine_and_paper_stepping_tend_to_the_same_limit(name: str) -> None:
     series, impulse = runs[-1].series, runs[-1].contacts["normal_impulse"].sum()
     names = ("rotor_velocity", "tip_normal_displacement")
     sizes = np.array([*(np.abs(series[k]).max() for k in names), impulse, impulse])
-    found, scatter = limit(
+    result, scatter = limit(
         [
             [
                 *(r.series[k][-1] for k in names),
@@ -65,6 +65,6 @@ def test_engine_and_paper_stepping_tend_to_the_same_limit(name: str) -> None:
     uncertainty = np.hypot(scatter, other_scatter)
     # The chatter must not be what lets them agree.
     assert np.all(uncertainty <= 2e-3 * sizes)
-    assert np.all(np.abs(found - expected) <= 3.0 * uncertainty + SECOND_ORDER * sizes)
+    assert np.all(np.abs(result - expected) <= 3.0 * uncertainty + SECOND_ORDER * sizes)
     for made, reference in zip(runs, references, strict=True):
         assert made.contacts["start_time"].size == len(reference.starts)

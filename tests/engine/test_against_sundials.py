@@ -18,14 +18,14 @@ RTOL = 1e-11
 
 def shares(foreign: CvodeRun, ours: Trajectory) -> dict[str, float]:
     """How far CVODE is from us, as a share of how far each quantity goes if it goes anywhere."""
-    found = {}
+    result = {}
     for k in ("rotor_velocity", "tip_normal_displacement", "tip_slope"):
         travel = float(np.abs(ours.series[k]).max())
-        found[k] = abs(getattr(foreign, k) - final(ours, k)) / (travel or 1.0)
+        result[k] = abs(getattr(foreign, k) - final(ours, k)) / (travel or 1.0)
     impulse = total(ours, "normal_impulse")
     for k in ("normal_impulse", "friction_impulse"):
-        found[k] = abs(getattr(foreign, k) - total(ours, k)) / (impulse or 1.0)
-    return found
+        result[k] = abs(getattr(foreign, k) - total(ours, k)) / (impulse or 1.0)
+    return result
 
 
 @pytest.mark.parametrize("name", MOTORS)

@@ -13,7 +13,7 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised
 from contactlab.laws.normal import HertzPoint, Linear
-from contactlab.testing.asking import Asked
+from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.plants import block, way_of
 from contactlab.trajectory import Trajectory
 
@@ -41,8 +41,8 @@ def test_error_of_a_bound_that_varies_within_a_step_falls_with_the_tolerance(nam
             tolerance=tolerance,
         ).series
         velocity = series["slip_velocity"][-1] + belt.belt_velocity
-        found = np.array([way_of(series["tip_slope"])[-1], velocity])
-        errors.append(np.abs((found - expected) / [1e-4, 0.1]).max())
+        result = np.array([way_of(series["tip_slope"])[-1], velocity])
+        errors.append(np.abs((result - expected) / [1e-4, 0.1]).max())
         excess = np.abs(series["friction_force"]) - belt.law.static_friction * series["normal_force"]
         assert excess.max() <= 1e-9 * series["normal_force"].max()
     assert errors[0] < 1e-5, errors
@@ -88,8 +88,8 @@ def test_no_contact_ends_while_it_approaches_at_any_tolerance(seed: int) -> None
 def test_a_start_that_is_pressed_in_and_opens_keeps_its_first_force(law: Composed) -> None:
     motor = block(1e-3, height=-1e-6, gap_rate=0.02)
     trajectory = simulate(motor, law, duration=1e-4, record_interval=1e-6)
-    asked = Asked(law)
-    first = asked.force(-1e-6, 0.02, 0.0, 0.0, asked.initial)[0]
+    evaluator = Evaluator(law)
+    first = evaluator.force(-1e-6, 0.02, 0.0, 0.0, evaluator.initial)[0]
     assert first > 0.0
     assert trajectory.contacts["peak_normal_force"][0] == pytest.approx(first, rel=1e-12)
     assert trajectory.contacts["max_penetration"][0] == pytest.approx(1e-6, rel=1e-12)

@@ -45,9 +45,9 @@ def ringing_setup(law: str, step: float | None = None) -> Setup:
 
 
 def run_of(setup: Setup) -> Trajectory:
-    found = setup.run(record_interval=1e-5)
-    assert found.ending.reached_end, found.message
-    return found
+    result = setup.run(record_interval=1e-5)
+    assert result.ending.reached_end, result.message
+    return result
 
 
 def openness(trajectory: Trajectory) -> float:
@@ -91,10 +91,10 @@ def test_a_configuration_records_the_step_it_runs_with_which_is_its_own_where_it
 
 @pytest.mark.parametrize("law", ["newton", "lagrange_stick", "poisson", "stronge"])
 def test_the_ledger_of_a_ringing_motor_closes(law: str) -> None:
-    found = openness(run_of(ringing_setup(law)))
+    result = openness(run_of(ringing_setup(law)))
     coarse = openness(run_of(ringing_setup(law, 5e-8)))
     assert coarse > 5e-3
-    assert found < 2e-3
+    assert result < 2e-3
 
 
 @pytest.mark.parametrize("step", [1e-13, 1e-17, 1e-20, 1e-22])
@@ -102,15 +102,15 @@ def test_the_ledger_of_a_ringing_motor_closes(law: str) -> None:
 def test_however_short_a_step_the_contact_closes_and_turns(law: ContactLaw, step: float) -> None:
     # Of a hundred steps; a belt without friction, and hardly a force yet where the law is compliant.
     duration = 100.0 * step
-    found = simulate(
+    result = simulate(
         block(1e-3, gap_rate=-0.1), law, duration=duration, record_interval=duration, contact_step=step
     )
-    assert found.complete, found.message
-    assert found.contacts["start_time"].tolist()[:1] == [0.0]
+    assert result.complete, result.message
+    assert result.contacts["start_time"].tolist()[:1] == [0.0]
     if isinstance(law, MultiplierLaw):
-        assert found.contacts["normal_impulse"][0] >= 1e-4 * (1.0 - 1e-9)
+        assert result.contacts["normal_impulse"][0] >= 1e-4 * (1.0 - 1e-9)
     else:
-        assert found.contacts["max_penetration"][0] == pytest.approx(0.1 * duration, rel=1e-6)
+        assert result.contacts["max_penetration"][0] == pytest.approx(0.1 * duration, rel=1e-6)
 
 
 @pytest.mark.parametrize("step", [1e-17, 1e-300])

@@ -198,8 +198,8 @@ def test_what_ran_before_changes_no_bit(monkeypatch: pytest.MonkeyPatch) -> None
     ]
 
     def angle(law: ContactLaw, step: float, change: dict[str, float]) -> float:
-        given = {"duration": 1e-3, "record_interval": 1e-3, "contact_step": step}
-        return final(simulate(default_motor(**change), law, **given), "rotor_angle")
+        values = {"duration": 1e-3, "record_interval": 1e-3, "contact_step": step}
+        return final(simulate(default_motor(**change), law, **values), "rotor_angle")
 
     cases = [(law, step, change) for law in every_law() for step in (1e-7, 2e-7) for change in changes]
     shared = [angle(*case) for case in cases]

@@ -42,8 +42,8 @@ def cuts(law: ContactLaw) -> dict[str, int]:
     """Records at which the run is in flight, in contact, and in stick where the law sticks."""
     modes = uncut(law).contact_mode
     # Not the first of its kind: much has happened before.
-    found = {name: np.flatnonzero(modes == mode) for mode, name in enumerate(("flight", "slip", "stick"))}
-    return {name: int(at[2 * at.size // 3]) for name, at in found.items() if at.size}
+    result = {name: np.flatnonzero(modes == mode) for mode, name in enumerate(("flight", "slip", "stick"))}
+    return {name: int(at[2 * at.size // 3]) for name, at in result.items() if at.size}
 
 
 def assert_goes_on(whole: Trajectory, first: Trajectory, second: Trajectory, at: int) -> None:

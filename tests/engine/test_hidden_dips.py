@@ -65,8 +65,8 @@ def assert_found(flight: Flight, law: ContactLaw, duration: float, interval: flo
     rate = abs(float(flight.at(expected)[1]))
     digit = flight.round_off(expected, trajectory.statistics["flight_steps"]) / rate
     assert digit < 1e-11
-    found = trajectory.contacts["start_time"]
-    assert found[0] == pytest.approx(expected, rel=0.0, abs=1e-15 + digit)
+    result = trajectory.contacts["start_time"]
+    assert result[0] == pytest.approx(expected, rel=0.0, abs=1e-15 + digit)
 
 
 @laws
@@ -135,10 +135,10 @@ def test_a_dip_within_the_very_first_step_is_found(law: ContactLaw) -> None:
 def test_a_tangential_graze_is_decided_down_to_round_off(law: ContactLaw, miss: float) -> None:
     when, step = middle_of_step(law, 30)
     flight = flight_of(shaped_motor(when)).lowered_to(miss, when)
-    found = run(flight.motor, law, when + 0.4 * step, step).contacts["start_time"]
-    assert found.size == (1 if miss < 0.0 else 0)
+    result = run(flight.motor, law, when + 0.4 * step, step).contacts["start_time"]
+    assert result.size == (1 if miss < 0.0 else 0)
     # The rate is 2e-8 m/s there, and the dip 20 ps wide.
-    assert np.all(np.abs(found - when) < 2e-11)
+    assert np.all(np.abs(result - when) < 2e-11)
 
 
 def test_an_elastic_dip_is_left_where_the_flight_leaves_it() -> None:

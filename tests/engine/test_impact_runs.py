@@ -15,10 +15,10 @@ all_laws = pytest.mark.parametrize("law", [Newton, Poisson, Stronge, MoreauJean]
 @pytest.mark.parametrize("law", [Newton, Poisson, Stronge], ids=lambda law: law.name)
 def test_without_restitution_the_motor_runs_as_with_lagrange_stick(law: Law) -> None:
     motor = paper_motor()
-    found, expected = (run(motor, x, MOTOR_DURATION) for x in (law(0.3, 0.0), LagrangeStick(0.3)))
+    result, expected = (run(motor, x, MOTOR_DURATION) for x in (law(0.3, 0.0), LagrangeStick(0.3)))
     for name in ("start_time", "normal_impulse", "friction_impulse", "energy_loss"):
         column = expected.contacts[name]
-        assert found.contacts[name] == pytest.approx(column, rel=1e-9), name
+        assert result.contacts[name] == pytest.approx(column, rel=1e-9), name
     assert column.size >= 5
 
 

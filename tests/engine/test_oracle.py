@@ -33,8 +33,8 @@ def test_hertz_of_case_a_ends_where_the_reference_ends(mu: float) -> None:
 def test_rigid_contact_of_case_a_ends_where_the_reference_ends() -> None:
     made = RigidJudge(OracleMotor(frequency=3210.0), newton(0.3, 0.0), Rough(0.3), 1e-10).run(DURATION)
     assert len(made.starts) == 16
-    found = made.rotor_velocity, sum(made.normal_impulses), sum(made.durations)
-    assert found == pytest.approx([value for value, _, _ in RIGID_CASE_A.values()], rel=2e-6)
+    result = made.rotor_velocity, sum(made.normal_impulses), sum(made.durations)
+    assert result == pytest.approx([value for value, _, _ in RIGID_CASE_A.values()], rel=2e-6)
 
 
 def test_friction_impulse_is_what_the_rotor_gained() -> None:

@@ -59,27 +59,27 @@ def test_no_contact_of_a_point_mass_with_strong_friction_makes_energy(law: str) 
     sections["drive"] |= {"voltage_1": 600.0, "voltage_2": 600.0}
     sections["solver"] |= {"duration": 3e-3}
     setup = build(sections)
-    found = setup.run(record_interval=1e-5)
-    assert found.complete, found.message
-    loss = found.contacts["energy_loss"]
+    result = setup.run(record_interval=1e-5)
+    assert result.complete, result.message
+    loss = result.contacts["energy_loss"]
     assert loss.size > 5
     assert loss.min() > 0.0
 
 
 def test_slip_alone_has_no_answer_to_an_approach_and_the_run_says_so() -> None:
-    found = run(leaning_strut(0.1, -40.0), LagrangeSlip(1.0))
-    assert found.ending is Ending.INCONSISTENT
-    assert not found.complete
+    result = run(leaning_strut(0.1, -40.0), LagrangeSlip(1.0))
+    assert result.ending is Ending.INCONSISTENT
+    assert not result.complete
     # It stops at the touch-down: nothing has gone into the rotor.
-    assert found.contacts["start_time"].size == 1
-    assert found.time[-1] <= found.contacts["start_time"][0]
+    assert result.contacts["start_time"].size == 1
+    assert result.time[-1] <= result.contacts["start_time"][0]
 
 
 @pytest.mark.parametrize(("spin", "mu"), [(40.0, 1.0), (-40.0, 0.3)])
 def test_the_other_direction_and_less_friction_are_answered_by_slip_alone(spin: float, mu: float) -> None:
-    found = run(leaning_strut(0.1, spin), LagrangeSlip(mu))
-    assert found.complete, found.message
-    assert found.series["gap"].min() > -0.1 * STEP
+    result = run(leaning_strut(0.1, spin), LagrangeSlip(mu))
+    assert result.complete, result.message
+    assert result.series["gap"].min() > -0.1 * STEP
 
 
 @pytest.mark.parametrize(
@@ -87,21 +87,21 @@ def test_the_other_direction_and_less_friction_are_answered_by_slip_alone(spin: 
 )
 @pytest.mark.parametrize("spin", [40.0, -40.0])
 def test_laws_with_stick_answer_every_approach(law: MultiplierLaw, spin: float) -> None:
-    found = run(leaning_strut(0.1, spin), law)
-    assert found.complete, found.message
-    assert found.contacts["normal_impulse"][0] > 0.0
-    assert found.series["gap"].min() > -0.1 * STEP
+    result = run(leaning_strut(0.1, spin), law)
+    assert result.complete, result.message
+    assert result.contacts["normal_impulse"][0] > 0.0
+    assert result.series["gap"].min() > -0.1 * STEP
 
 
 def test_a_strut_that_jams_holds_a_rotor_and_the_run_counts_its_steps() -> None:
     # The load alone holds it: friction presses more than what parts the bodies, inside the cone.
     wedged = leaning_strut(1e-3, 0.0, parting=1.0, load_torque=50.0 * INERTIA / RADIUS)
-    held = run(wedged, LagrangeStick(1.0))
-    assert held.complete, held.message
-    assert held.contacts["duration"].size == 1
-    assert held.contact_mode[-1] == 2
-    assert abs(held.series["rotor_velocity"][-1]) < 1e-12
-    assert held.statistics["wedged_steps"] > 90
+    stored = run(wedged, LagrangeStick(1.0))
+    assert stored.complete, stored.message
+    assert stored.contacts["duration"].size == 1
+    assert stored.contact_mode[-1] == 2
+    assert abs(stored.series["rotor_velocity"][-1]) < 1e-12
+    assert stored.statistics["wedged_steps"] > 90
     # With too little friction it opens.
     released = run(wedged, LagrangeStick(0.3))
     assert released.contact_mode[-1] == 0

@@ -105,14 +105,14 @@ def test_a_contact_begins_where_the_law_says_as_safely_as_at_zero(number: int) -
     # It starts open, whatever the clearance.
     begin = min((-1e-7, 2e-9, 1e-10)[number % 3], 0.5 * float(gaps[0]))
     made = attempt(flight.motor, Ledge(begin=begin, end=begin), DURATION)
-    found = made.contacts["start_time"]
+    result = made.contacts["start_time"]
     closed = grid[gaps <= begin]
-    if found.size == 0:
+    if result.size == 0:
         assert closed.size == 0
         return
-    assert found[0] <= (closed[0] if closed.size else DURATION)
-    assert abs(float(flight.at(found[0])[0]) - begin) < 1e-16
-    assert (gaps[grid < found[0]] > begin).all()
+    assert result[0] <= (closed[0] if closed.size else DURATION)
+    assert abs(float(flight.at(result[0])[0]) - begin) < 1e-16
+    assert (gaps[grid < result[0]] > begin).all()
 
 
 def test_a_contact_ends_where_the_law_says() -> None:

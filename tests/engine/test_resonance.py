@@ -50,10 +50,10 @@ def test_the_answer_from_rest_is_that_of_the_power_series(
     weights = (1j * omega) ** np.arange(terms)
     # The force exp(i omega s) is a sum of (i omega)^d s^d / d!, whose answers are I_(d+1) and I_d.
     q, v = weights @ integrals[2:], weights @ integrals[1:-1]
-    found = response_from_rest(rate**2, damping, omega, time)
+    result = response_from_rest(rate**2, damping, omega, time)
     eps = np.finfo(np.float64).eps
-    assert abs(complex(*found[:2]) - q) <= 8.0 * eps * time / rate
-    assert abs(complex(*found[2:]) - v) <= 8.0 * eps * max(turns, 1.0) * time
+    assert abs(complex(*result[:2]) - q) <= 8.0 * eps * time / rate
+    assert abs(complex(*result[2:]) - v) <= 8.0 * eps * max(turns, 1.0) * time
 
 
 def test_the_weaker_the_damping_the_less_it_matters() -> None:

@@ -115,7 +115,7 @@ def consistent_answers(step: Step, margin: float = 0.0) -> list[tuple[float, flo
         if growth != 0.0:
             p_n = -step.normal_rate / growth
             candidates.append((p_n, -s * step.mu * p_n, s))
-    answers = []
+    results = []
     for p_n, p_t, s in candidates:
         error = margin * step.round_off(p_n, p_t)
         normal, slip = step.after(p_n, p_t)
@@ -126,8 +126,8 @@ def consistent_answers(step: Step, margin: float = 0.0) -> list[tuple[float, flo
         else:
             obeys = p_n > 0.0 and s * slip >= -error
         if obeys:
-            answers.append((p_n, p_t))
-    return answers
+            results.append((p_n, p_t))
+    return results
 
 
 def broken(law: Law, step: Step) -> list[str]:
@@ -140,7 +140,7 @@ def broken(law: Law, step: Step) -> list[str]:
     # A rebound may make energy and a slip be reversed in an impact; where contact lasts, nothing may.
     lasts = step.gap_rate == 0.0 and law is not LagrangeSlip
     jams = np.sign(step.slip) * step.mu * step.d_nt >= step.d_nn
-    found = {
+    result = {
         "pulls, or is not finite": not p_n >= 0.0,
         "leaves the cone": abs(p_t) > step.mu * p_n * (1.0 + 1e-14),
         "penetrates": normal < -error and not (law is LagrangeSlip and jams),
@@ -151,7 +151,7 @@ def broken(law: Law, step: Step) -> list[str]:
         and min(step.normal_rate, step.gap_rate) >= 0.0
         and step.mu * abs(step.d_nt) < step.d_nn,
     }
-    return [name for name, is_so in found.items() if is_so]
+    return [name for name, is_so in result.items() if is_so]
 
 
 def test_these_are_all_rigid_laws() -> None:
@@ -162,8 +162,8 @@ def test_these_are_all_rigid_laws() -> None:
 
 @laws
 def test_an_answer_breaks_nothing_that_its_law_does_not_declare(law: Law) -> None:
-    found = [(names, step) for step in MANY if (names := broken(law, step))]
-    assert found[:3] == []
+    result = [(names, step) for step in MANY if (names := broken(law, step))]
+    assert result[:3] == []
 
 
 @laws
@@ -174,16 +174,16 @@ def test_an_answer_is_the_mirror_image_of_that_to_the_mirrored_step(law: Law) ->
 
 
 def test_the_law_with_stick_gives_one_of_these_answers() -> None:
-    held = released = 0
+    stored = released = 0
     for step in MANY:
-        found = answer_of(LagrangeStick, step)[:2]
-        answers = consistent_answers(step, 1.0)
-        size = max(abs(x) for answer in answers for x in answer)
-        assert any(found == pytest.approx(x, rel=1e-6, abs=1e-9 * size) for x in answers), step
+        result = answer_of(LagrangeStick, step)[:2]
+        results = consistent_answers(step, 1.0)
+        size = max(abs(x) for value in results for x in value)
+        assert any(result == pytest.approx(x, rel=1e-6, abs=1e-9 * size) for x in results), step
         if len(consistent_answers(step, -1.0)) == 3:
-            held += found[0] > 0.0
-            released += found[0] == 0.0
-    assert min(held, released) > 20
+            stored += result[0] > 0.0
+            released += result[0] == 0.0
+    assert min(stored, released) > 20
 
 
 def test_what_stuck_is_held_and_what_slid_is_released() -> None:

@@ -18,8 +18,8 @@ def momentum(law: ContactLaw, damping: float, torque: float, passed_on: float = 
     rotor = dataclasses.replace(motor.rotor, damping=damping, load_torque=torque)
     motor = dataclasses.replace(motor, rotor=rotor)
     run = simulate(motor, law, duration=3e-3, record_interval=1e-5)
-    told = run.contacts["friction_impulse"] * passed_on
-    run = dataclasses.replace(run, contacts={**run.contacts, "friction_impulse": told})
+    reported = run.contacts["friction_impulse"] * passed_on
+    run = dataclasses.replace(run, contacts={**run.contacts, "friction_impulse": reported})
     radius = motor.geometry.rotor_radius
     facts = {"rotor": {"radius": radius, **dataclasses.asdict(rotor)}}
     return assess(Run.of_trajectory(run, facts), ["rotor_momentum"])["rotor_momentum"]
@@ -29,9 +29,9 @@ def momentum(law: ContactLaw, damping: float, torque: float, passed_on: float = 
 @pytest.mark.parametrize("torque", [0.0, 1e-3])
 @pytest.mark.parametrize("damping", [0.0, 1.0, 20.0, 200.0, 1e4])
 def test_a_damped_rotor_fails_no_sound_law(law: ContactLaw, damping: float, torque: float) -> None:
-    found = momentum(law, damping, torque)
-    assert np.isnan(found) or found <= METRICS["rotor_momentum"].bound
-    assert np.isfinite(found) or damping > 200.0
+    result = momentum(law, damping, torque)
+    assert np.isnan(result) or result <= METRICS["rotor_momentum"].bound
+    assert np.isfinite(result) or damping > 200.0
 
 
 @pytest.mark.parametrize("damping", [0.0, 1.0, 20.0])

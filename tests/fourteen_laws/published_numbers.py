@@ -17,7 +17,7 @@ ball = block(MASS, height=1e-6, gap_rate=-SPEED)
 
 
 def rebound(law) -> float:
-    """Give the restitution of the ball's first impact."""
+    """Return the restitution of the ball's first impact."""
     return first(run(ball, law, 1e-3), "separation_velocity") / SPEED
 
 
@@ -39,15 +39,15 @@ def turning_impact(beta: float = 0.4) -> Claims:
     law = TurningImpact(MU, 0.5, beta)
     for slip, expected in ((0.02, -beta * 0.02), (0.2, 0.2 - MU * 1.5 * SPEED)):
         thrown = block(MASS, height=1e-6, gap_rate=-SPEED, velocity=slip)
-        found = last(run(thrown, law, 1.1e-5, 1e-9), "slip_velocity")
-        yield close(f"turning_impact: slip after {slip:g} m/s", found, expected, 1e-9, "m s-1")
+        result = last(run(thrown, law, 1.1e-5, 1e-9), "slip_velocity")
+        yield close(f"turning_impact: slip after {slip:g} m/s", result, expected, 1e-9, "m s-1")
 
 
 def viscoelastic_impact(loss: float = 0.5) -> Claims:
     """Each impact has e = 1 - C v^(1/5) of its own speed (Kuwabara and Kono 1987)."""
     dropped = block(1.0, height=0.05, weight=9.81)
     speeds = -run(dropped, ViscoelasticImpact(0.0, loss), 0.27, 1e-9).contacts["approach_velocity"][:3]
-    for one, other in zip(speeds, np.diff(speeds), strict=False):
+    for each, other in zip(speeds, np.diff(speeds), strict=False):
         yield close(
-            f"viscoelastic_impact: e at {one:.3g} m/s", 1.0 + other / one, 1.0 - loss * one**0.2, 1e-6
+            f"viscoelastic_impact: e at {each:.3g} m/s", 1.0 + other / each, 1.0 - loss * each**0.2, 1e-6
         )

@@ -155,8 +155,8 @@ def test_elliptic_contact_is_hertz_by_quadrature(ratio: float) -> None:
     normal = HertzElliptic(2e-3 * ratio, 2e-3)
     depth = 1e-6
     force = normal.evaluate("elastic", depth=depth)[0]
-    found = hertz_approach(2e-3 * ratio, 2e-3, normal.effective_modulus, force)
-    assert_allclose(found, depth, rtol=1e-8)
+    result = hertz_approach(2e-3 * ratio, 2e-3, normal.effective_modulus, force)
+    assert_allclose(result, depth, rtol=1e-8)
 
 
 @pytest.mark.parametrize("ratio", [1e6, 1e9, 1e12])
@@ -189,8 +189,8 @@ def test_line_contact_of_steel_is_palmgrens_rule() -> None:
     length, force = 10.0, 500.0
     depth = 3.84e-5 * force**0.9 / length**0.8 * 1e-3
     normal = Line(length * 1e-3)
-    found = normal.evaluate("elastic", depth=depth)[0]
-    assert_allclose(found, force, rtol=0.03)
+    result = normal.evaluate("elastic", depth=depth)[0]
+    assert_allclose(result, force, rtol=0.03)
 
 
 @settings(max_examples=25, deadline=None)
@@ -247,7 +247,7 @@ def test_elasto_plastic_friction_does_not_drift_where_lugre_does() -> None:
 
 def test_parameters_are_declared_by_dotted_names_and_can_be_changed() -> None:
     law = Composed(damping=LinearDamping(0.5))
-    assert set(law.describe()) == {name for name, _, said in law.effective() if said}
+    assert set(law.describe()) == {name for name, _, text in law.effective() if text}
     assert law.changed("normal.stiffness", 3e9).normal == HertzPoint(3e9)
     assert law.changed("damping.restitution", 0.9).damping.describe()["restitution"] == 0.9
     with pytest.raises(ValueError, match="stiffness is -1"):

@@ -21,14 +21,14 @@ def names() -> dict[str, Any]:
 
 def laws_of(names: dict[str, Any]) -> dict[str, ContactLaw]:
     """The laws of the page, parts in a composed one."""
-    found: dict[str, ContactLaw] = {}
+    result: dict[str, ContactLaw] = {}
     for word, made in names.items():
         if isinstance(made, type) and made.__module__ == "writing_laws":
             if issubclass(made, ContactLaw):
-                found[word] = made()
+                result[word] = made()
             elif issubclass(made, NormalForce | Friction):
-                found[word] = Composed(**{made.family: made()})
-    return found
+                result[word] = Composed(**{made.family: made()})
+    return result
 
 
 def test_every_block_of_the_guide_runs_in_order(names: dict[str, Any]) -> None:

@@ -71,10 +71,10 @@ def test_without_friction_every_restitution_is_that_of_the_gap_rate(
     law: Law, normal: float, tangential: float, e: float, drawn: tuple[float, Delassus]
 ) -> None:
     _, d = drawn
-    answer = answer_of(law(0.0, e), normal, tangential, d)
-    assert answer[1] == 0.0
-    end, _ = after(normal, tangential, d, answer)
-    assert end == pytest.approx(-e * normal, abs=round_off(normal, tangential, d, answer))
+    result = answer_of(law(0.0, e), normal, tangential, d)
+    assert result[1] == 0.0
+    end, _ = after(normal, tangential, d, result)
+    assert end == pytest.approx(-e * normal, abs=round_off(normal, tangential, d, result))
 
 
 @settings(deadline=None)
@@ -88,8 +88,8 @@ def test_where_slip_does_not_end_newton_poisson_and_stronge_are_one(
     slip = max((mu * d[2] - d[1]) * p_n, 0.0) * (1.0 + more) + 1e-6
     expected = (p_n, -mu * p_n)
     for law in (Newton, Poisson, Stronge):
-        answer = answer_of(law(mu, e), normal, slip, d)
-        assert answer[:2] == pytest.approx(expected, rel=1e-9, abs=0.0), law.name
+        result = answer_of(law(mu, e), normal, slip, d)
+        assert result[:2] == pytest.approx(expected, rel=1e-9, abs=0.0), law.name
 
 
 def test_where_slip_reverses_the_restitutions_differ_and_newtons_creates_energy() -> None:
@@ -102,9 +102,9 @@ def test_where_slip_reverses_the_restitutions_differ_and_newtons_creates_energy(
         @ np.linalg.solve([[REVERSING[0], REVERSING[1]], [REVERSING[1], REVERSING[2]]], [normal, slip])
     )
     for law in (Newton, Poisson, Stronge):
-        answer = answer_of(law(mu, e), normal, slip, REVERSING)
-        gains[law] = energy_change(normal, slip, REVERSING, answer) / before
-        ends[law] = after(normal, slip, REVERSING, answer)[0]
+        result = answer_of(law(mu, e), normal, slip, REVERSING)
+        gains[law] = energy_change(normal, slip, REVERSING, result) / before
+        ends[law] = after(normal, slip, REVERSING, result)[0]
     print("energy made, over that of the contact velocity:", {k.name: gains[k] for k in gains})
     # Newton's ends the slip: v' D^-1 v = (e v_n)^2 d_tt/det, against v_n^2/d_nn at this slip.
     assert gains[Newton] == pytest.approx(e**2 * 1.0 / 0.36 - 1.0, rel=1e-12)
@@ -127,12 +127,12 @@ def test_a_process_with_friction_creates_no_energy(
     drawn: tuple[float, Delassus],
 ) -> None:
     mu, d = drawn
-    answer = answer_of(law(mu, e), normal, tangential, d)
-    error = round_off(normal, tangential, d, answer)
-    assert answer[0] > 0.0
-    assert abs(answer[1]) <= mu * answer[0] * (1.0 + 1e-15)
-    assert after(normal, tangential, d, answer)[0] >= -error
-    assert energy_change(normal, tangential, d, answer) <= (answer[0] + abs(answer[1])) * error
+    result = answer_of(law(mu, e), normal, tangential, d)
+    error = round_off(normal, tangential, d, result)
+    assert result[0] > 0.0
+    assert abs(result[1]) <= mu * result[0] * (1.0 + 1e-15)
+    assert after(normal, tangential, d, result)[0] >= -error
+    assert energy_change(normal, tangential, d, result) <= (result[0] + abs(result[1])) * error
 
 
 @settings(deadline=None)
@@ -142,9 +142,9 @@ def test_the_normal_impulse_of_stronge_gives_back_the_square_of_e_of_its_work(
 ) -> None:
     # The plastic impact of the same process is its compression.
     mu, d = drawn
-    answers = [answer_of(Stronge(mu, k), normal, tangential, d) for k in (0.0, e)]
-    taken, kept = (-_normal_work(normal, tangential, mu, d, answer[0]) for answer in answers)
-    error = max(answer[0] * round_off(normal, tangential, d, answer) for answer in answers)
+    results = [answer_of(Stronge(mu, k), normal, tangential, d) for k in (0.0, e)]
+    taken, kept = (-_normal_work(normal, tangential, mu, d, result[0]) for result in results)
+    error = max(result[0] * round_off(normal, tangential, d, result) for result in results)
     assert kept == pytest.approx((1.0 - e * e) * taken, abs=error)
 
 
@@ -190,13 +190,13 @@ def test_the_closed_form_is_the_process_in_small_steps(law: type[Poisson] | type
         d = (d_nn, d_nt, d_tt)
         normal, slip = -0.1, rng.normal() * 0.1
         chosen = law(mu, e)
-        answer = answer_of(chosen, normal, slip, d)
+        result = answer_of(chosen, normal, slip, d)
         for k, count in enumerate(counts):
             p_n, p_t = _brute(chosen, normal, slip, d, -normal / d_nn / count)
-            error = max(abs(p_n - answer[0]), abs(p_t - answer[1])) / answer[0]
+            error = max(abs(p_n - result[0]), abs(p_t - result[1])) / result[0]
             errors[k] = max(errors[k], error)
-        turned = slip * after(normal, slip, d, answer)[1] < -1e-12
-        seen.add((bool(turned), answer[2] == STICK))
+        turned = slip * after(normal, slip, d, result)[1] < -1e-12
+        seen.add((bool(turned), result[2] == STICK))
     order = -np.polyfit(np.log(counts), np.log(errors), 1)[0]
     print(f"{law.name}: worst impulse in small steps, relative: {errors}, order {order:.3f}")
     # The instants of a process lie somewhere in a step: the worst of many cases falls with the step, but
@@ -218,10 +218,10 @@ def test_without_restitution_an_impact_is_the_plastic_one(
     plastic = solve_of(LagrangeStick(mu), normal, tangential, normal, tangential, *d)
     chosen = law(mu, 0.0)
     # Whatever part of the approach is there at the start of the step.
-    found = solve_of(chosen, normal, tangential, begun * normal, tangential, *d)
+    result = solve_of(chosen, normal, tangential, begun * normal, tangential, *d)
     error = round_off(normal, tangential, d, plastic)
-    assert found[0] == pytest.approx(plastic[0], abs=error / (d[0] - d[1] ** 2 / d[2]))
-    assert after(normal, tangential, d, found) == pytest.approx(
+    assert result[0] == pytest.approx(plastic[0], abs=error / (d[0] - d[1] ** 2 / d[2]))
+    assert after(normal, tangential, d, result) == pytest.approx(
         after(normal, tangential, d, plastic), abs=error
     )
 
@@ -232,11 +232,11 @@ def test_without_restitution_an_impact_is_the_plastic_one(
 def test_contact_that_lasts_has_no_restitution(law: Law, gap_rate: float, d: Delassus) -> None:
     chosen, plastic = law(0.6, 0.8), LagrangeStick(0.6)
     for slip in (-1e-3, 0.0, 1e-3):
-        asked = (-1e-3, slip, gap_rate, slip, *d)
-        found = solve_of(chosen, *asked)
-        expected = solve_of(plastic, *asked)
-        assert found[2] == expected[2]
-        assert found[:2] == pytest.approx(expected[:2], rel=1e-12, abs=1e-20)
+        requested = (-1e-3, slip, gap_rate, slip, *d)
+        result = solve_of(chosen, *requested)
+        expected = solve_of(plastic, *requested)
+        assert result[2] == expected[2]
+        assert result[:2] == pytest.approx(expected[:2], rel=1e-12, abs=1e-20)
 
 
 @all_laws

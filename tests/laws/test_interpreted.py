@@ -98,12 +98,12 @@ def test_laws_of_both_families_give_the_same_bits_without_machine_code(tmp_path:
     line = ("-W", "error", "script.py")
     assert not python(tmp_path, *line, "interpreted.npz", str(DURATION), jit=False)
     python(tmp_path, *line, "compiled.npz", str(DURATION))
-    with np.load(tmp_path / "interpreted.npz") as found:
+    with np.load(tmp_path / "interpreted.npz") as result:
         with np.load(tmp_path / "compiled.npz") as compiled:
-            assert {name.split()[0] for name in found} == set("0123")
+            assert {name.split()[0] for name in result} == set("0123")
             for name in compiled:
-                np.testing.assert_array_equal(found[name], compiled[name], err_msg=name)
+                np.testing.assert_array_equal(result[name], compiled[name], err_msg=name)
         for number, run in enumerate(runs):
             assert run.contacts["start_time"].size > 0
             for name, column in columns_of(run).items():
-                np.testing.assert_array_equal(found[f"{number} {name}"], column, err_msg=name)
+                np.testing.assert_array_equal(result[f"{number} {name}"], column, err_msg=name)

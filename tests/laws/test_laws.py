@@ -105,10 +105,10 @@ def test_hertz_stiffness_on_the_rotor_is_the_elliptical_one_within_half_a_percen
 def test_stick_law_ends_the_approach_inside_the_cone(
     normal: float, tangential: float, mu: float, d: Delassus
 ) -> None:
-    answer = stick_law(mu, normal, tangential, d)
-    p_n, p_t, mode = answer
-    gap_rate, slip = after(normal, tangential, d, answer)
-    round_off = 1e-12 * size(normal, tangential, d, answer) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
+    result = stick_law(mu, normal, tangential, d)
+    p_n, p_t, mode = result
+    gap_rate, slip = after(normal, tangential, d, result)
+    round_off = 1e-12 * size(normal, tangential, d, result) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
     assert p_n > 0.0
     assert abs(gap_rate) <= round_off
     assert abs(p_t) <= mu * p_n * (1.0 + 1e-15)
@@ -123,10 +123,10 @@ def test_stick_law_ends_the_approach_inside_the_cone(
 @settings(deadline=None)
 @given(approach, rate, friction, delassus())
 def test_stick_law_never_gains_energy(normal: float, tangential: float, mu: float, d: Delassus) -> None:
-    answer = stick_law(mu, normal, tangential, d)
-    p_n, p_t, _ = answer
-    round_off = 1e-12 * size(normal, tangential, d, answer) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
-    assert energy_change(normal, tangential, d, answer) <= (p_n + abs(p_t)) * round_off
+    result = stick_law(mu, normal, tangential, d)
+    p_n, p_t, _ = result
+    round_off = 1e-12 * size(normal, tangential, d, result) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
+    assert energy_change(normal, tangential, d, result) <= (p_n + abs(p_t)) * round_off
 
 
 def test_contact_on_the_surface_of_the_cone_still_sticks() -> None:
@@ -151,13 +151,13 @@ def test_slip_law_rubs_against_the_slip_it_began_with(
 ) -> None:
     # Without mu |D_nt| < D_nn slip has no solution of its own (Painleve), in this law or any.
     assume(mu * abs(d[1]) < 0.9 * d[0])
-    answer = slip_law(mu, normal, tangential, slip, d)
-    p_n, p_t, mode = answer
+    result = slip_law(mu, normal, tangential, slip, d)
+    p_n, p_t, mode = result
     assert mode == SLIP
     assert p_n > 0.0
     assert p_t == pytest.approx(-np.sign(slip) * mu * p_n, rel=1e-15)
-    round_off = 1e-12 * size(normal, tangential, d, answer)
-    assert abs(after(normal, tangential, d, answer)[0]) <= round_off
+    round_off = 1e-12 * size(normal, tangential, d, result)
+    assert abs(after(normal, tangential, d, result)[0]) <= round_off
 
 
 def test_slip_law_creates_energy_when_it_reverses_a_slip_with_strong_friction() -> None:
@@ -185,11 +185,11 @@ def test_the_stiffness_of_a_hertz_law_follows_from_its_tip_and_the_rotor() -> No
     assert law.on_rotor(25e-3) == HertzPenalty(hertz_stiffness(5e-3, 25e-3))
     assert HertzPenalty(2e9).on_rotor(25e-3) == HertzPenalty(2e9)
     motor = paper_motor()
-    found = simulate(motor, law, duration=1e-4, record_interval=1e-6)
+    result = simulate(motor, law, duration=1e-4, record_interval=1e-6)
     known = law.on_rotor(motor.geometry.rotor_radius)
-    assert found.law == known
+    assert result.law == known
     expected = simulate(motor, known, duration=1e-4, record_interval=1e-6)
-    np.testing.assert_array_equal(found.series["gap"], expected.series["gap"])
+    np.testing.assert_array_equal(result.series["gap"], expected.series["gap"])
 
 
 @pytest.mark.parametrize("given", [{"stiffness": None}, {"tip_radius": 5e-3}])

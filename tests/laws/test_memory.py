@@ -32,10 +32,10 @@ def test_the_energy_of_a_stretched_spring_is_stored_and_not_lost() -> None:
     rate = np.sqrt(ratio * STIFFNESS)
     time = np.arange(series["gap"].size) * period / 64.0
     way = push / (ratio * STIFFNESS) * (1.0 - np.cos(rate * time))
-    held = 0.5 * ratio * STIFFNESS * way**2
+    stored = 0.5 * ratio * STIFFNESS * way**2
     pressed = 0.5 * WEIGHT**2 / STIFFNESS
-    assert_allclose(series["contact_energy"] - pressed, held, atol=1e-6 * held.max())
-    assert np.abs(series["friction_loss"]).max() < 1e-6 * held.max()
+    assert_allclose(series["contact_energy"] - pressed, stored, atol=1e-6 * stored.max())
+    assert np.abs(series["friction_loss"]).max() < 1e-6 * stored.max()
 
 
 @REMEMBERING

@@ -140,8 +140,8 @@ def test_broken_laws_harm_no_other(results: Results, elsewhere: Elsewhere) -> No
 
 @pytest.mark.long
 def test_a_sweep_runs_over_it_and_the_packages_own(elsewhere: Elsewhere) -> None:
-    words = ("law=power_law,hertz_penalty", *QUIET, "hydra.sweep.dir=sweep")
-    status, _, err = elsewhere.command("-m", *words)
+    text = ("law=power_law,hertz_penalty", *QUIET, "hydra.sweep.dir=sweep")
+    status, _, err = elsewhere.command("-m", *text)
     assert status == 0, err
     runs = sorted((elsewhere.folder / "sweep").glob("*/run.nc"))
     assert [law_of(run)[0] for run in runs] == ["hertz_penalty", "power_law"]

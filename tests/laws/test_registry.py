@@ -42,16 +42,16 @@ def test_every_law_of_the_package_is_found_by_its_name() -> None:
 def test_every_law_and_part_that_is_written_is_in_a_table() -> None:
     home = Path(laws.__file__).parent
     written = {
-        found
+        result
         for path in home.rglob("*.py")
-        for found in re.findall(
+        for result in re.findall(
             r"^@final\n@dataclass\(frozen=True\)\nclass (\w+)\(",
             path.read_text(encoding="utf-8"),
             re.MULTILINE,
         )
     }
     tables = LAWS, *PARTS.values()
-    assert written == {found.__name__ for table in tables for found in table.values()}
+    assert written == {result.__name__ for table in tables for result in table.values()}
     for family, table in PARTS.items():
         assert all(part.name == name and part.family == family for name, part in table.items())
 

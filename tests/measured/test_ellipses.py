@@ -61,7 +61,7 @@ def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_t
     table = scipy.io.loadmat(ELLIPSES)["bounce_array"].ravel()
     states, normal, tangential = (np.vstack(table[name]) for name in ("states", "n", "d"))
     inertia = MASS * sum(axis**2 for axis in AXES) / 4.0
-    words = f"# mass_x: {MASS} kg\n# mass_y: {MASS} kg\n# mass_angle: {inertia!r} kg m^2\n"
+    text = f"# mass_x: {MASS} kg\n# mass_y: {MASS} kg\n# mass_angle: {inertia!r} kg m^2\n"
     columns = {"flag": [int(flags.any()) for flags in table["flags"]]}
     for at, (name, velocity, arm) in enumerate(
         [("x", "m/s", ""), ("y", "m/s", ""), ("angle", "rad/s", " [m]")]
@@ -71,21 +71,21 @@ def test_through_the_format_the_sign_as_printed_is_refused_and_the_other_gives_t
         columns[f"normal_{name}{arm}"] = normal[:, at]
         columns[f"tangential_{name}{arm}"] = tangential[:, at] * (sign if at == 2 else 1.0)
     path = tmp_path / "ellipses.csv"
-    path.write_text(words + pandas.DataFrame(columns).to_csv(index=False))
+    path.write_text(text + pandas.DataFrame(columns).to_csv(index=False))
     if sign > 0.0:
         with pytest.raises(ValueError, match="tangential_angle"):
             read_impacts(path)
     else:
-        found = read_impacts(path)
-        assert found.left_out == ellipses.left_out
+        result = read_impacts(path)
+        assert result.left_out == ellipses.left_out
         for name in ("delassus", "velocity_before", "velocity_after", "kinetic_energy", "outside", "number"):
-            assert getattr(found, name) == pytest.approx(getattr(ellipses, name), rel=1e-9, abs=1e-12), name
+            assert getattr(result, name) == pytest.approx(getattr(ellipses, name), rel=1e-9, abs=1e-12), name
 
 
 def _usual(name: str) -> tuple[LawPredictor, Callable[[float, float], np.ndarray]]:
     """A rigid law, and its parameters from restitution and friction coefficient."""
-    model = next(one for one in usual_laws() if one.label == name)
-    places = [one.name for one in model.free]
+    model = next(each for each in usual_laws() if each.label == name)
+    places = [each.name for each in model.free]
     return model, lambda e, mu: np.array([{"restitution": e, "friction_coefficient": mu}[n] for n in places])
 
 
@@ -103,8 +103,8 @@ def test_poissons_friction_coefficient_depends_on_what_is_minimised(
         errors = ellipses.errors(model.velocities_after(values(*x), ellipses)) * weight
         return float((errors**power).mean())
 
-    found = minimize(misfit, [0.54, 0.17], method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-10})
-    assert found.x[1] == pytest.approx(expected, abs=1e-3)
+    result = minimize(misfit, [0.54, 0.17], method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-10})
+    assert result.x[1] == pytest.approx(expected, abs=1e-3)
 
 
 def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses: MeasuredImpacts) -> None:
@@ -114,9 +114,9 @@ def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses:
     fold = folds_of(np.arange(len(ellipses)), 5, 0)
     for expected, after in ((0.2815, fixed), (0.2846, lambda p: with_constant_impulse(ellipses, p))):
         errors = np.empty(len(ellipses))
-        for held in range(5):
-            fitted = fold != held
-            found = min(
+        for stored in range(5):
+            fitted = fold != stored
+            result = min(
                 (
                     minimize(
                         lambda p, m=after, f=fitted: ellipses.errors(m(p))[f].mean(), s, method="Nelder-Mead"
@@ -125,7 +125,7 @@ def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses:
                 ),
                 key=lambda one: one.fun,
             )
-            errors[~fitted] = ellipses.errors(after(found.x))[~fitted]
+            errors[~fitted] = ellipses.errors(after(result.x))[~fitted]
         assert errors.mean() == pytest.approx(expected, abs=5e-4)
 
 
@@ -150,14 +150,14 @@ def test_a_restitution_of_slip_or_incidence_gains_less_than_tangential_complianc
     fold = folds_of(np.arange(len(ellipses)), 5, 0)
 
     def held_out(part: np.ndarray) -> float:
-        found = np.empty(len(ellipses))
-        for held in range(5):
-            sums = [errors[:, :, (fold != held) & (part == k)].sum(axis=2) for k in range(part.max() + 1)]
-            mu = int(np.sum([one.min(axis=0) for one in sums], axis=0).argmin())
-            for k, one in enumerate(sums):
-                here = (fold == held) & (part == k)
-                found[here] = errors[one[:, mu].argmin(), mu, here]
-        return float(found.mean())
+        result = np.empty(len(ellipses))
+        for stored in range(5):
+            sums = [errors[:, :, (fold != stored) & (part == k)].sum(axis=2) for k in range(part.max() + 1)]
+            mu = int(np.sum([each.min(axis=0) for each in sums], axis=0).argmin())
+            for k, each in enumerate(sums):
+                here = (fold == stored) & (part == k)
+                result[here] = errors[each[:, mu].argmin(), mu, here]
+        return float(result.mean())
 
     def eighths(of: np.ndarray) -> np.ndarray:
         return np.searchsorted(np.quantile(of, np.arange(1, 8) / 8), of, side="right")

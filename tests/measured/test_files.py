@@ -23,7 +23,7 @@ WORD = st.text(st.characters(categories=("L", "N", "P", "Zs"), exclude_character
 
 
 def same(one: MeasuredImpacts, other: MeasuredImpacts, but: tuple[str, ...] = ()) -> bool:
-    """Tell whether two have the same bits."""
+    """Return whether two have the same bits."""
     names = [field.name for field in fields(one) if field.name not in but]
     pairs = [(getattr(one, name), getattr(other, name)) for name in names]
     return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
@@ -38,25 +38,25 @@ def test_what_is_written_is_read_again_to_the_last_bit(
     path = tmp_path / f"impacts{suffix}"
     made = replace(made, title=title or "impacts", source=source, notes=("One.", "Two, of it."))
     write_impacts(made, path)
-    found = read_impacts(path)
-    assert same(made, found, but=("notes",))
-    assert found.notes[:2] == made.notes
-    write_impacts(found, path)
-    assert same(found, read_impacts(path))
+    result = read_impacts(path)
+    assert same(made, result, but=("notes",))
+    assert result.notes[:2] == made.notes
+    write_impacts(result, path)
+    assert same(result, read_impacts(path))
 
 
 def test_the_delassus_matrix_is_that_of_a_computation_by_hand(tmp_path: Path) -> None:
     """1/m + c^2/I on the diagonal, c_n c_t / I off it; u = G v."""
-    found = read_impacts(body_file(tmp_path))
+    result = read_impacts(body_file(tmp_path))
     expected = [[1 / 0.04 + 4e-6 / 1.8e-5, 6e-5 / 1.8e-5], [6e-5 / 1.8e-5, 1 / 0.04 + 9e-4 / 1.8e-5]]
-    assert found.delassus == pytest.approx(np.array([expected, expected]), rel=1e-14)
-    assert found.velocity_before == pytest.approx(np.array([[-2.0, 0.5], [-1.906, 0.01]]), rel=1e-14)
-    assert found.kinetic_energy == pytest.approx(
+    assert result.delassus == pytest.approx(np.array([expected, expected]), rel=1e-14)
+    assert result.velocity_before == pytest.approx(np.array([[-2.0, 0.5], [-1.906, 0.01]]), rel=1e-14)
+    assert result.kinetic_energy == pytest.approx(
         [0.02 * 4.25, 0.02 * (0.01 + 3.61) + 0.9e-5 * 9.0], rel=1e-14
     )
-    assert found.velocity_after[0] == pytest.approx([1.05 + 2e-3 * 2.3, 0.32 + 0.03 * 2.3], rel=1e-14)
-    assert found.covariance is None
-    assert (found.title, found.left_out, found.number.tolist()) == ("Two drops", 0, [1, 2])
+    assert result.velocity_after[0] == pytest.approx([1.05 + 2e-3 * 2.3, 0.32 + 0.03 * 2.3], rel=1e-14)
+    assert result.covariance is None
+    assert (result.title, result.left_out, result.number.tolist()) == ("Two drops", 0, [1, 2])
 
 
 def test_the_error_is_that_of_the_bodies_in_the_norm_of_the_kinetic_energy() -> None:
@@ -138,8 +138,8 @@ def test_flagged_impacts_are_counted_and_not_looked_at(tmp_path: Path) -> None:
         second=f"{BODY['second']},,FALSE",
         third="nan,1,1,1,1,1,0,true",
     )
-    found = read_impacts(path)
-    assert (len(found), found.left_out, found.number.tolist()) == (1, 2, [2])
+    result = read_impacts(path)
+    assert (len(result), result.left_out, result.number.tolist()) == (1, 2, [2])
 
 
 def test_two_bodies_with_six_coordinates_are_one_contact(tmp_path: Path) -> None:
@@ -161,13 +161,13 @@ def test_two_bodies_with_six_coordinates_are_one_contact(tmp_path: Path) -> None
             columns[f"tangential_{coordinate}"] = ((), tangential, {"units": "m"} if angle else {})
     path = tmp_path / "two.nc"
     xarray.Dataset(columns, attrs={"jacobian": "checked", "history": "any tool"}).to_netcdf(path)
-    found = read_impacts(path)
+    result = read_impacts(path)
     nn = sum(1 / mass + 0.005**2 / (1e-4 * mass) for mass in masses.values())
     tt = sum(1 / mass + arms[body] ** 2 / (1e-4 * mass) for body, mass in masses.items())
     nt = sum(0.005 * arms[body] / (1e-4 * mass) for body, mass in masses.items())
-    assert found.delassus[0] == pytest.approx(np.array([[nn, nt], [nt, tt]]), rel=1e-13)
-    assert found.velocity_before[0] == pytest.approx([-1.0, 0.0])
-    assert found.outside[0] > 0.0
+    assert result.delassus[0] == pytest.approx(np.array([[nn, nt], [nt, tt]]), rel=1e-13)
+    assert result.velocity_before[0] == pytest.approx([-1.0, 0.0])
+    assert result.outside[0] > 0.0
 
 
 def test_covariances_go_through_the_jacobian(tmp_path: Path) -> None:
@@ -203,9 +203,9 @@ def test_a_table_of_pandas_is_a_file(tmp_path: Path) -> None:
     for name, unit in {"before_gap_rate": "m/s", "after_gap_rate": "m/s", "delassus_nn": "1/kg"}.items():
         data[name].attrs["units"] = unit
     data.to_netcdf(tmp_path / "table.nc")
-    found = read_impacts(tmp_path / "table.nc")
-    assert found.velocity_before[:, 0].tolist() == [-1.0, -2.0]
-    assert found.number.tolist() == [0, 1]
+    result = read_impacts(tmp_path / "table.nc")
+    assert result.velocity_before[:, 0].tolist() == [-1.0, -2.0]
+    assert result.number.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize("language", ["csv", "python"])
@@ -216,16 +216,16 @@ def test_the_examples_of_the_page_are_read(
     monkeypatch.chdir(tmp_path)
     if language == "csv":
         Path("drops.csv").write_text(examples[0])
-        found = read_impacts(Path("drops.csv"))
-        assert (len(found), found.left_out, found.title) == (3, 1, "A disc on a table")
+        result = read_impacts(Path("drops.csv"))
+        assert (len(result), result.left_out, result.title) == (3, 1, "A disc on a table")
         # The page's own reading of it.
         exec(re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL)[0])
     else:
         exec(examples[1])
-        found = read_impacts(Path("ball.nc"))
-        assert (len(found), found.source) == (3, "Example, nobody measured it")
-        assert found.delassus[0].tolist() == [[200.0, 0.0], [0.0, 700.0]]
-        assert found.notes == ()
+        result = read_impacts(Path("ball.nc"))
+        assert (len(result), result.source) == (3, "Example, nobody measured it")
+        assert result.delassus[0].tolist() == [[200.0, 0.0], [0.0, 700.0]]
+        assert result.notes == ()
 
 
 @pytest.mark.parametrize("column", [*BODY_COLUMNS, *CONTACT_COLUMNS[2:], *OTHER_COLUMNS])

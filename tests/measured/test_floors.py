@@ -26,7 +26,7 @@ def admitted(impacts: MeasuredImpacts, place: int, mu: float | None, impulse: np
 
 @pytest.mark.parametrize("mu", [None, 0.0, 0.2, 1.0])
 def test_the_best_admissible_impulse_is_that_of_a_general_optimiser(mu: float | None) -> None:
-    found = best_admissible_impulses(IMPACTS, mu)
+    result = best_admissible_impulses(IMPACTS, mu)
     free = best_impulses(IMPACTS)
     for place in range(len(IMPACTS)):
         delassus = IMPACTS.delassus[place]
@@ -42,8 +42,8 @@ def test_the_best_admissible_impulse_is_that_of_a_general_optimiser(mu: float | 
             method="SLSQP",
             options={"ftol": 1e-14, "maxiter": 300},
         )
-        mine = (found[place] - free[place]) @ delassus @ (found[place] - free[place])
-        assert min(admitted(IMPACTS, place, mu, found[place])) >= -2e-9
+        mine = (result[place] - free[place]) @ delassus @ (result[place] - free[place])
+        assert min(admitted(IMPACTS, place, mu, result[place])) >= -2e-9
         assert mine <= oracle.fun + 1e-7
         # The optimiser keeps the bounds to its own tolerance alone.
         assert mine >= oracle.fun - 1e-5
@@ -76,7 +76,7 @@ def test_the_noise_that_was_put_in_is_estimated_from_what_no_impulse_makes() -> 
     impacts = drawn_impacts(2000, 3)
     made = replace(impacts, delassus=bodies.delassus(), outside=bodies.outside())
     put_in = 0.05**2 * bodies.mass[0, 0, 0]
-    found = noise_from_outside(made, 3)[:, 0, 0] / made.delassus[:, 0, 0]
-    assert found == pytest.approx(np.full(2000, put_in), rel=0.15)
+    result = noise_from_outside(made, 3)[:, 0, 0] / made.delassus[:, 0, 0]
+    assert result == pytest.approx(np.full(2000, put_in), rel=0.15)
     with pytest.raises(ValueError, match="2 coordinates"):
         noise_from_outside(made, 2)

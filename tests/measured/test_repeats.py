@@ -56,10 +56,10 @@ def test_labels_are_written_and_read_again(tmp_path, ending):
     impacts = replace(drawn_impacts(8, seed=1), measurement=np.array([1, 1, 2, 2, 3, 3, 4, 4]))
     impacts = impacts.part(impacts.velocity_after[:, 0] > 0.0)
     write_impacts(impacts, tmp_path / f"data.{ending}")
-    found = read_impacts(tmp_path / f"data.{ending}")
+    value = read_impacts(tmp_path / f"data.{ending}")
 
-    assert found.measurement.tolist() == impacts.measurement.tolist()
-    assert digest_of(found) != digest_of(replace(found, measurement=None))
+    assert value.measurement.tolist() == impacts.measurement.tolist()
+    assert digest_of(value) != digest_of(replace(value, measurement=None))
 
 
 def test_a_validation_holds_copies_and_repeats_out_together_and_warns_of_copies():

@@ -32,12 +32,12 @@ def written(tmp_path, change=lambda data: data):
 
 
 def test_units_are_converted_and_one_error_stands_for_all_times(tmp_path):
-    found = read_series(written(tmp_path))
+    result = read_series(written(tmp_path))
 
-    assert found.values["gap"][0] == pytest.approx(1e-6)
-    np.testing.assert_allclose(found.errors["gap"], np.full(10, 1e-7))
-    assert found.configuration == {"law": {"name": "newton"}}
-    assert found.attributes["title"] == "ours"
+    assert result.values["gap"][0] == pytest.approx(1e-6)
+    np.testing.assert_allclose(result.errors["gap"], np.full(10, 1e-7))
+    assert result.configuration == {"law": {"name": "newton"}}
+    assert result.attributes["title"] == "ours"
 
 
 def test_what_is_written_is_read_again_to_the_last_bit(tmp_path):
@@ -53,10 +53,10 @@ def test_what_is_written_is_read_again_to_the_last_bit(tmp_path):
 def test_a_run_is_a_file_of_measured_series(tmp_path):
     run = cl.simulate(cl.build(["solver.duration=2e-4", "record.interval=1e-5", "law=newton"]))
     run.save(tmp_path / "run.nc")
-    found = read_series(tmp_path / "run.nc").only(["gap", "normal_force"])
+    result = read_series(tmp_path / "run.nc").only(["gap", "normal_force"])
 
-    assert found.values["gap"].tobytes() == run["gap"].values.tobytes()
-    assert found.configuration["law"]["name"] == "newton"
+    assert result.values["gap"].tobytes() == run["gap"].values.tobytes()
+    assert result.configuration["law"]["name"] == "newton"
     with pytest.raises(ValueError, match="rotor_velocty"):
         read_series(tmp_path / "run.nc").only(["rotor_velocty"])
 
@@ -110,13 +110,13 @@ def text(tmp_path, content):
 @pytest.mark.parametrize("separator", [",", ";", "\t"])
 def test_a_series_in_csv_is_read_with_its_units_converted(tmp_path, separator):
     head = "# title: ours\n# rotor_velocity_error: 3 rpm\ntime [ms],rotor_velocity [rpm],gap [um]\n"
-    found = read(text(tmp_path, (head + ROWS).replace(",", separator)))
+    result = read(text(tmp_path, (head + ROWS).replace(",", separator)))
 
-    np.testing.assert_allclose(found.time, np.arange(10) * 1e-3, rtol=1e-15)
-    np.testing.assert_allclose(found.values["rotor_velocity"], -np.arange(10) * np.pi / 3, rtol=1e-15)
-    np.testing.assert_allclose(found.values["gap"], np.arange(10) * 0.25e-6, rtol=1e-15)
-    np.testing.assert_allclose(found.errors["rotor_velocity"], np.full(10, 0.1 * np.pi), rtol=1e-15)
-    assert (found.attributes, len(found.digest)) == ({"title": "ours"}, 64)
+    np.testing.assert_allclose(result.time, np.arange(10) * 1e-3, rtol=1e-15)
+    np.testing.assert_allclose(result.values["rotor_velocity"], -np.arange(10) * np.pi / 3, rtol=1e-15)
+    np.testing.assert_allclose(result.values["gap"], np.arange(10) * 0.25e-6, rtol=1e-15)
+    np.testing.assert_allclose(result.errors["rotor_velocity"], np.full(10, 0.1 * np.pi), rtol=1e-15)
+    assert (result.attributes, len(result.digest)) == ({"title": "ours"}, 64)
 
 
 def test_a_series_is_the_same_from_csv_and_from_netcdf(tmp_path):

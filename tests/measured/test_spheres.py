@@ -43,17 +43,17 @@ def test_a_rigid_law_leaves_five_sevenths_in_stick_and_never_less(
     rigid: type[cl.Newton], mu: float, e: float
 ) -> None:
     """Friction that ends with the slip has D <= 2/7 v_t; that of sliding is mu (1 + e) v_n."""
-    found = answers(rigid(mu, e), ANGLES)["tangential_restitution"]
+    result = answers(rigid(mu, e), ANGLES)["tangential_restitution"]
     sliding = 1.0 - mu * (1.0 + e) / np.tan(np.radians(ANGLES))
-    np.testing.assert_allclose(found, np.maximum(RIGID_STICK, sliding), rtol=1e-12)
+    np.testing.assert_allclose(result, np.maximum(RIGID_STICK, sliding), rtol=1e-12)
 
 
 def test_sliding_is_that_of_the_closed_form_with_microslip_too() -> None:
     steep = np.array([40.0, 55.0, 80.0])
     sliding = 1.0 - spheres.FRICTION * (1.0 + spheres.RESTITUTION) / np.tan(np.radians(steep))
     patch = spheres.microslip(ALUMINA_ON_GLASS.effective, ALUMINA_ON_GLASS.stiffness_ratio)
-    for found, within in ((patch(steep), 1e-4), (answers(law(cl.Mindlin(spheres.FRICTION)), steep), 1e-6)):
-        np.testing.assert_allclose(found["tangential_restitution"], sliding, rtol=within)
+    for result, within in ((patch(steep), 1e-4), (answers(law(cl.Mindlin(spheres.FRICTION)), steep), 1e-6)):
+        np.testing.assert_allclose(result["tangential_restitution"], sliding, rtol=within)
 
 
 def test_mindlins_ratio_is_that_of_equal_bodies_and_lies_between_theirs() -> None:
@@ -67,12 +67,12 @@ def test_each_of_the_three_quantities_tells_the_other_two() -> None:
     angle, taken = 25.0, 0.4
     v_n, v_t = spheres.SPEED * cos(radians(angle)), spheres.SPEED * sin(radians(angle))
     after = np.array([[0.98 * v_n, v_t - 3.5 * taken]])
-    found = spheres.quantities(spheres.approach(np.array([angle])), after)
-    left = float(found["tangential_restitution"][0])
+    result = spheres.quantities(spheres.approach(np.array([angle])), after)
+    left = float(result["tangential_restitution"][0])
     assert v_t * (1.0 - left) == pytest.approx(taken)
-    rebound = float(found["rebound_angle_deg"][0])
+    rebound = float(result["rebound_angle_deg"][0])
     assert tan(radians(rebound)) == pytest.approx(left * tan(radians(angle)) / 0.98)
-    assert found["spin_rad_per_s"] * spheres.RADIUS * 0.4 == pytest.approx(taken)
+    assert result["spin_rad_per_s"] * spheres.RADIUS * 0.4 == pytest.approx(taken)
 
 
 @present
@@ -118,10 +118,10 @@ def test_the_more_of_the_contact_may_slip_by_itself_the_less_is_left_of_the_misf
         spheres.microslip(ALUMINA_ON_GLASS.effective, kappa),
         spheres.floor(rebounds),
     )
-    found = [spheres.rms(spheres.misfits(rebounds, model)[0]) for model in models]
-    assert found == sorted(found, reverse=True)
-    assert found[1] < 0.75 * found[0]
-    assert found[2] < 0.5 * found[1]
+    result = [spheres.rms(spheres.misfits(rebounds, model)[0]) for model in models]
+    assert result == sorted(result, reverse=True)
+    assert result[1] < 0.75 * result[0]
+    assert result[2] < 0.5 * result[1]
 
 
 @pytest.mark.parametrize(

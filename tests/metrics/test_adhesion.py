@@ -91,8 +91,8 @@ def test_cohesion_that_is_declared_widens_the_cone() -> None:
     assert (cone(plain), cone(cohesive)) == ((0.3, 0.0), (0.3, 2.0))
     # 0.3 of 4 N, and of 2 N more.
     for friction, narrow, wide in ((1.1, True, True), (1.5, False, True), (2.0, False, False)):
-        for name, given, inside in (("coulomb", {}, narrow), ("cohesive", {"cohesion": 2.0}, wide)):
-            value = found(made("hertz_point", name, friction, **given), "cone_excess")
+        for name, values, inside in (("coulomb", {}, narrow), ("cohesive", {"cohesion": 2.0}, wide)):
+            value = found(made("hertz_point", name, friction, **values), "cone_excess")
             assert (value == 0.0) is inside
 
 

@@ -17,9 +17,9 @@ def test_a_ladder_needs_three_steps_in_one_ratio_for_an_order() -> None:
     two = assess_steps([(h, trees[h]) for h in RIGID_STEPS[:2]])
     assert not isnan(two["peak_force_exponent"])
     uneven = assess_steps([(h, trees[h]) for h in (2.5e-7, 1e-7, 5e-8)])
-    for found in (two, uneven):
+    for result in (two, uneven):
         for key in ("velocity_order", "extrapolated_rotor_velocity", "velocity_error"):
-            assert STEP_METRICS[key].verdict(found[key]) == NOT_APPLICABLE
+            assert STEP_METRICS[key].verdict(result[key]) == NOT_APPLICABLE
     for few in ([], [(1e-7, trees[1e-7])]):
         assert all(isnan(value) for value in assess_steps(few).values())
 
@@ -39,11 +39,11 @@ def turning(velocity: float) -> xarray.DataTree:
 
 def test_the_order_of_a_power_is_its_exponent_and_its_limit_is_exact() -> None:
     runs = [(h, turning(-3.0 + 5.0 * h**1.5)) for h in (0.4, 0.2, 0.1)]
-    found = assess_steps(runs)
-    assert found["velocity_order"] == pytest.approx(1.5)
-    assert found["extrapolated_rotor_velocity"] == pytest.approx(-3.0)
+    result = assess_steps(runs)
+    assert result["velocity_order"] == pytest.approx(1.5)
+    assert result["extrapolated_rotor_velocity"] == pytest.approx(-3.0)
     fine = -3.0 + 5.0 * 0.1**1.5
-    assert found["velocity_error"] == pytest.approx(abs((fine + 3.0) / fine))
+    assert result["velocity_error"] == pytest.approx(abs((fine + 3.0) / fine))
 
 
 @pytest.mark.parametrize("velocities", [(1.0, 1.2, 1.1), (1.0, 1.1, 1.3), (1.1, 1.1, 1.1)])
@@ -51,26 +51,26 @@ def test_differences_that_change_sign_or_grow_have_no_order_but_a_range(
     velocities: tuple[float, ...],
 ) -> None:
     runs = [(h, turning(v)) for h, v in zip((0.4, 0.2, 0.1), velocities, strict=True)]
-    found = assess_steps(runs)
-    assert isnan(found["velocity_order"])
-    assert isnan(found["extrapolated_rotor_velocity"])
+    result = assess_steps(runs)
+    assert isnan(result["velocity_order"])
+    assert isnan(result["extrapolated_rotor_velocity"])
     span = max(velocities) - min(velocities)
-    assert found["velocity_error"] == pytest.approx(span / velocities[-1], abs=1e-14)
+    assert result["velocity_error"] == pytest.approx(span / velocities[-1], abs=1e-14)
 
 
 def test_an_order_too_low_to_be_trusted_is_told_but_not_extrapolated() -> None:
-    found = assess_steps([(0.4, turning(1.3)), (0.2, turning(1.2)), (0.1, turning(1.11))])
-    assert found["velocity_order"] == pytest.approx(np.log2(0.1 / 0.09))
-    assert isnan(found["extrapolated_rotor_velocity"])
-    assert found["velocity_error"] == pytest.approx(0.19 / 1.11)
+    result = assess_steps([(0.4, turning(1.3)), (0.2, turning(1.2)), (0.1, turning(1.11))])
+    assert result["velocity_order"] == pytest.approx(np.log2(0.1 / 0.09))
+    assert isnan(result["extrapolated_rotor_velocity"])
+    assert result["velocity_error"] == pytest.approx(0.19 / 1.11)
 
 
 def test_sensitivities_are_relative_changes() -> None:
     base = turning(2.0)
-    found = assess_variants(base, basis=(1.0, turning(1.5)), friction=(0.1, turning(2.1)))
-    assert list(found) == list(SENSITIVITIES)
-    assert found["rotor_velocity_by_basis"] == pytest.approx(-0.25)
-    assert found["rotor_velocity_by_friction"] == pytest.approx(0.5)
-    assert isnan(found["peak_force_by_basis"])
+    result = assess_variants(base, basis=(1.0, turning(1.5)), friction=(0.1, turning(2.1)))
+    assert list(result) == list(SENSITIVITIES)
+    assert result["rotor_velocity_by_basis"] == pytest.approx(-0.25)
+    assert result["rotor_velocity_by_friction"] == pytest.approx(0.5)
+    assert isnan(result["peak_force_by_basis"])
     assert all(isnan(value) for value in assess_variants(base).values())
     assert isnan(assess_variants(base, friction=(0.0, base))["rotor_velocity_by_friction"])

@@ -37,9 +37,9 @@ def ladder(law: str, interval: float) -> dict[str, float]:
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
 @pytest.mark.parametrize("law", STEPS)
 def test_the_scorecard_tells_the_papers_laws_apart_as_the_paper_does(law: str, interval: float) -> None:
-    one = assess(case_a_tree(law, None, interval))
-    assert failed(one | ladder(law, interval)) == set()
-    assert (one["slip_reversal"] > 0.9) == (law == "lagrange_slip")
+    each = assess(case_a_tree(law, None, interval))
+    assert failed(each | ladder(law, interval)) == set()
+    assert (each["slip_reversal"] > 0.9) == (law == "lagrange_slip")
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
@@ -48,18 +48,18 @@ def test_the_default_run_has_the_same_verdicts(law: str, interval: float) -> Non
     default = configured(
         law, drive={"frequency": None}, solver={"duration": 0.02}, record={"interval": interval}
     )
-    found = assess(datatree(default))
-    assert failed(found) <= ({"friction_work"} if law == "lagrange_slip" else set())
-    assert (found["slip_reversal"] > 0.5) == (law == "lagrange_slip")
+    result = assess(datatree(default))
+    assert failed(result) <= ({"friction_work"} if law == "lagrange_slip" else set())
+    assert (result["slip_reversal"] > 0.5) == (law == "lagrange_slip")
 
 
 @pytest.mark.parametrize("law", STEPS)
 @pytest.mark.parametrize("motor", VARIED)
 def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
-    found = assess(datatree(configured(law, **VARIED[motor])))
-    assert failed(found) <= ({"friction_work"} if law == "lagrange_slip" else set())
+    result = assess(datatree(configured(law, **VARIED[motor])))
+    assert failed(result) <= ({"friction_work"} if law == "lagrange_slip" else set())
     if law == "lagrange_slip" and motor in GIVING:
-        assert len(failed(found)) == GIVING[motor]
+        assert len(failed(result)) == GIVING[motor]
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
@@ -72,36 +72,36 @@ def test_single_precision_has_the_same_verdicts(law: str, interval: float) -> No
 
 def test_the_peak_of_rigid_laws_goes_as_one_over_the_step_and_their_impulse_stays() -> None:
     for law in ("lagrange_slip", "lagrange_stick"):
-        found = ladder(law, 1e-6)
+        result = ladder(law, 1e-6)
         # The impulse of the largest impact converges with the step.
-        assert found["peak_force_exponent"] == pytest.approx(-1.0, abs=0.01)
+        assert result["peak_force_exponent"] == pytest.approx(-1.0, abs=0.01)
         # An impulse has no peak force that could converge.
-        assert isnan(found["peak_force_step_dependence"])
-        assert found["impulse_step_dependence"] < 1e-3
-    found = ladder("hertz_penalty", 1e-6)
-    assert found["peak_force_step_dependence"] < 1e-6
+        assert isnan(result["peak_force_step_dependence"])
+        assert result["impulse_step_dependence"] < 1e-3
+    result = ladder("hertz_penalty", 1e-6)
+    assert result["peak_force_step_dependence"] < 1e-6
 
 
 def test_tangential_restitution_reverses_slips_and_takes_energy() -> None:
     """What a compliance gives back: nine in ten impacts reverse the slip, and friction makes no energy."""
     sections = configured("chatterjee_ruina")
     sections["law"] |= {"tangential_restitution": 0.8}
-    found = assess(datatree(sections))
-    assert found["slip_reversal"] > 0.9
-    assert found["friction_work"] == 0.0
-    assert failed(found) == set()
+    result = assess(datatree(sections))
+    assert result["slip_reversal"] > 0.9
+    assert result["friction_work"] == 0.0
+    assert failed(result) == set()
 
 
 def test_rigid_stick_shows_its_order() -> None:
-    found = ladder("lagrange_stick", 1e-6)
-    assert found["velocity_order"] == pytest.approx(1.0, abs=0.05)
+    result = ladder("lagrange_stick", 1e-6)
+    assert result["velocity_order"] == pytest.approx(1.0, abs=0.05)
     # The error of the finest step is the distance to the limit, and half of that of the step before.
     fine, coarse = (
         assess(case_a_tree("lagrange_stick", h, 1e-6))["rotor_velocity"] for h in RIGID_STEPS[:0:-1]
     )
-    exact = found["extrapolated_rotor_velocity"]
+    exact = result["extrapolated_rotor_velocity"]
     assert abs(fine - exact) == pytest.approx(0.5 * abs(coarse - exact), rel=0.1)
-    assert found["velocity_error"] == pytest.approx(abs(fine / exact - 1.0), rel=0.05)
+    assert result["velocity_error"] == pytest.approx(abs(fine / exact - 1.0), rel=0.05)
 
 
 def test_a_contact_lasts_longer_than_hertzs_free_impact_by_little() -> None:
@@ -138,10 +138,10 @@ def test_laws_of_restitution_neither_reverse_the_slip_nor_make_energy(law: str) 
 def test_frictions_fail_where_they_declare_a_violation(friction: str, lines: set[str]) -> None:
     sections = composed(**{"law": "composed", "law/friction": friction})
     tree = datatree(configured("composed", law=sections["law"], **LOADED))
-    found = assess(tree)
-    assert failed(found) == lines
+    result = assess(tree)
+    assert failed(result) == lines
     # A spring that gives way while it holds is no drift.
-    assert isnan(found["stick_slip"]) == (friction != "coulomb")
+    assert isnan(result["stick_slip"]) == (friction != "coulomb")
     declared = PARTS["friction"][friction].violations
     assert bool(lines) == ("friction_opposes_slip" in declared)
 
@@ -150,8 +150,8 @@ def test_a_tip_radius_of_five_millimetres_is_found_again_from_the_stiffness_it_g
     tip = {"stiffness": None, "tip_radius": 5e-3}
     tree = datatree(configured("hertz_penalty", law=tip))
     depth = float(tree["contacts"]["max_penetration"].max())
-    found = assess(tree)["penetration_over_radius"]
-    assert found == pytest.approx(depth / 5e-3, rel=1e-9)
+    result = assess(tree)["penetration_over_radius"]
+    assert result == pytest.approx(depth / 5e-3, rel=1e-9)
 
 
 def test_the_bandwidth_of_a_smooth_force_does_not_depend_on_the_records() -> None:
@@ -166,20 +166,20 @@ def test_the_bandwidth_of_a_smooth_force_does_not_depend_on_the_records() -> Non
 
 def test_a_run_recorded_at_its_ends_only_has_every_metric_that_takes_no_records() -> None:
     tree = datatree(configured("lagrange_stick", record={"interval": DURATION}))
-    found, full = assess(tree), assess(case_a_tree("lagrange_stick", None, 1e-6))
+    result, full = assess(tree), assess(case_a_tree("lagrange_stick", None, 1e-6))
     assert tree["time"].size == 2
-    assert failed(found) == set()
-    assert found["impulse_balance"] < 1e-12
+    assert failed(result) == set()
+    assert result["impulse_balance"] < 1e-12
     for key, metric in METRICS.items():
-        assert metric.needs_records or found[key] == full[key], key
+        assert metric.needs_records or result[key] == full[key], key
         assert not (metric.usual and metric.needs_records), key
-    assert isnan(found["slip_reversal"])
-    assert isnan(found["rotor_velocity"])
+    assert isnan(result["slip_reversal"])
+    assert isnan(result["rotor_velocity"])
 
 
 def test_a_motor_that_never_touches_has_no_contact_to_judge() -> None:
     far = configured("lagrange_stick", contact={"clearance": 1e-3}, record={"interval": 1e-6})
-    found = assess(datatree(far))
-    assert failed(found) == set()
-    assert isnan(found["peak_force"])
-    assert found["energy_residual"] < 1e-9
+    result = assess(datatree(far))
+    assert failed(result) == set()
+    assert isnan(result["peak_force"])
+    assert result["energy_residual"] < 1e-9

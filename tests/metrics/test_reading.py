@@ -31,17 +31,17 @@ def test_a_file_gives_what_its_tree_gives_and_is_closed_again(tmp_path: Path) ->
 def test_what_contactlab_writes_is_read(tmp_path: Path) -> None:
     path = tmp_path / "run.nc"
     write_tree(to_datatree(synthetic_trajectory(), {"drive": {"frequency": 3210.0}}), path)
-    found = assess(read_run(str(path)))
-    assert found["peak_force"] == 9.0
-    assert found["contact_duration"] == pytest.approx(60e-6)
+    result = assess(read_run(str(path)))
+    assert result["peak_force"] == 9.0
+    assert result["contact_duration"] == pytest.approx(60e-6)
 
 
 def test_a_file_with_half_of_the_variables_has_half_of_the_metrics(tmp_path: Path) -> None:
     without = (*(name for name in series() if "force" not in name), "approach_velocity")
     half = saved(tree(without=without, configuration={}, law="", law_parameters=""), tmp_path)
-    found = assess(read_run(half))
-    assert list(found) == list(METRICS)
-    known = {key for key, value in found.items() if not isnan(value)}
+    result = assess(read_run(half))
+    assert list(result) == list(METRICS)
+    known = {key for key, value in result.items() if not isnan(value)}
     assert known == {
         "impulse_balance",
         "phantom_contacts",
@@ -65,9 +65,9 @@ def test_any_variable_may_be_missing(name: str) -> None:
 
 
 def test_a_file_without_contacts_still_judges_the_work_of_friction() -> None:
-    found = assess(read_run(tree(without=("contacts",))))
-    assert found["friction_gain"] == 0.0
-    assert isnan(found["peak_force"])
+    result = assess(read_run(tree(without=("contacts",))))
+    assert result["friction_gain"] == 0.0
+    assert isnan(result["peak_force"])
 
 
 @pytest.mark.parametrize(
@@ -88,9 +88,9 @@ def test_attributes_that_say_nothing_make_metrics_not_applicable(attributes: dic
 def test_a_gap_in_a_series_makes_what_needs_it_not_applicable() -> None:
     force = series()["normal_force"].copy()
     force[7] = nan
-    found = assess(read_run(tree({"normal_force": force})))
-    assert isnan(found["tension"])
-    assert found["peak_force"] == 32.0
+    result = assess(read_run(tree({"normal_force": force})))
+    assert isnan(result["tension"])
+    assert result["peak_force"] == 32.0
 
 
 def test_a_text_file_is_told_so(tmp_path: Path) -> None:
@@ -164,6 +164,6 @@ def test_units_that_are_not_told_are_taken_as_they_must_be() -> None:
 def test_the_configuration_of_a_file_is_found(tmp_path: Path) -> None:
     path = saved(tree(), tmp_path)
     copy = Path(shutil.copy(path, tmp_path / "copy.nc"))
-    found = assess(read_run(copy))
-    assert found["cone_excess"] == 0.0
+    result = assess(read_run(copy))
+    assert result["cone_excess"] == 0.0
     assert CONFIGURATION["contact"]["friction_coefficient"] == 0.25

@@ -108,11 +108,11 @@ def one_peak() -> np.ndarray:
 
 
 def test_every_metric_is_measured_and_an_honest_dataset_fails_none() -> None:
-    found = assess(tree())
-    assert list(found) == list(METRICS)
+    result = assess(tree())
+    assert list(result) == list(METRICS)
     for key, answer in ANSWERS.items():
-        assert found[key] == pytest.approx(answer, rel=1e-12, abs=1e-14, nan_ok=True), key
-    assert failed(found) == []
+        assert result[key] == pytest.approx(answer, rel=1e-12, abs=1e-14, nan_ok=True), key
+    assert failed(result) == []
 
 
 @pytest.mark.parametrize("catalogue", [METRICS, STEP_METRICS, SENSITIVITIES])
@@ -225,34 +225,34 @@ SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force"
 def test_a_change_has_its_answer_and_fails_no_other_line(
     given: dict[str, Any], key: str, answer: float, fails: list[str] | None
 ) -> None:
-    found = assess(tree(**given))
-    assert found[key] == pytest.approx(answer, rel=1e-12, abs=1e-14, nan_ok=True)
-    assert fails is None or failed(found) == fails
+    result = assess(tree(**given))
+    assert result[key] == pytest.approx(answer, rel=1e-12, abs=1e-14, nan_ok=True)
+    assert fails is None or failed(result) == fails
 
 
 def test_penetration_is_measured_by_the_radius_of_a_tip_with_the_laws_stiffness() -> None:
     unknown = configured("law", tip_radius=None)
     parameters = json.dumps({"stiffness": hertz_stiffness(5e-3, 0.5)})
     depth = {"max_penetration": np.array([1e-6, 2e-6])}
-    found = assess(tree(table=depth, configuration=unknown, law_parameters=parameters))
-    assert found["penetration_over_radius"] == pytest.approx(2e-6 / 5e-3, rel=1e-9)
+    result = assess(tree(table=depth, configuration=unknown, law_parameters=parameters))
+    assert result["penetration_over_radius"] == pytest.approx(2e-6 / 5e-3, rel=1e-9)
     without = assess(tree(configuration=unknown, law="lagrange_stick"))
     assert isnan(without["penetration_over_radius"])
 
 
 def test_without_friction_there_is_no_slip_to_reverse() -> None:
     none = {"friction_impulse": np.zeros(2)}
-    found = assess(tree({"friction_force": all_of(0.0)}, table=none))
-    assert isnan(found["slip_reversal"])
-    assert isnan(found["rotor_momentum"])
+    result = assess(tree({"friction_force": all_of(0.0)}, table=none))
+    assert isnan(result["slip_reversal"])
+    assert isnan(result["rotor_momentum"])
 
 
 def test_the_mean_velocity_is_of_whole_periods_in_the_last_quarter() -> None:
     # A run of three periods: the last one, though it is longer than a quarter.
     slow = configured("drive", frequency=3.0)
     angle = np.where(TIME[85] >= TIME, 0.0, TIME - TIME[85])
-    found = assess(tree({"rotor_angle": angle}, configuration=slow))
-    assert found["rotor_velocity"] == pytest.approx(1.0)
+    result = assess(tree({"rotor_angle": angle}, configuration=slow))
+    assert result["rotor_velocity"] == pytest.approx(1.0)
     # Of a run that is shorter than a period there is none.
     shorter = configured("drive", frequency=0.5)
     assert isnan(assess(tree(configuration=shorter))["rotor_velocity"])
@@ -267,8 +267,8 @@ def test_contacts_that_never_were_leave_what_needs_them_not_applicable() -> None
     quiet = dict.fromkeys((*still, "rotor_angle", "contact_mode"), all_of(0.0))
     quiet["kinetic_energy"] = 6.0 * TIME
     quiet["gap"] = all_of(1.0 / 16.0)
-    found = assess(tree(quiet, table=none))
-    applicable = {key for key, value in found.items() if not isnan(value)}
+    result = assess(tree(quiet, table=none))
+    applicable = {key for key, value in result.items() if not isnan(value)}
     assert applicable == {
         "energy_residual",
         "missed_contact",
@@ -280,7 +280,7 @@ def test_contacts_that_never_were_leave_what_needs_them_not_applicable() -> None
         "friction_share",
         "normal_loss_share",
     }
-    assert failed(found) == []
+    assert failed(result) == []
 
 
 def test_two_intervals_of_touching_are_what_the_helper_says() -> None:

@@ -67,8 +67,8 @@ def test_a_cantilever_has_the_textbooks_modes() -> None:
     length, thickness, steel = 0.1, 1e-3, cl.Steel()
     motor = cl.cantilever(length, 0.01, thickness, modes=20)
     unit = sqrt(steel.youngs_modulus * thickness**2 / (12.0 * steel.density)) / length**2 / (2.0 * pi)
-    found = motor.modes.natural_frequency / unit
-    assert_allclose(found[:4], [3.51602, 22.0345, 61.6972, 120.902], rtol=1e-5)
+    result = motor.modes.natural_frequency / unit
+    assert_allclose(result[:4], [3.51602, 22.0345, 61.6972, 120.902], rtol=1e-5)
     # Under a force at its end L^3 / 3 E I; the slope L^2 / 2 E I, of which modes beyond n have 0.13 / n^2.
     modes, rigidity = motor.modes, steel.youngs_modulus * 0.01 * thickness**3 / 12.0
     deflection = (modes.tip_displacement**2 / modes.stiffness).sum()

@@ -54,9 +54,9 @@ def test_without_patches_and_tip_inertia_both_bases_agree() -> None:
     # Curvature jumps at patch edges and under a tip that resists turning; without either, only the
     # shear force jumps, under the tip's mass, and forty shapes follow that.
     bare = Piezoceramic(bending_modulus=1e-3, density=1e-9)
-    given = {"piezoceramic": bare, "tip_inertia": 0.0}
-    few = FiniteElementResonator(kept_modes=4, static_correction=False, **given).modes
-    many = RitzResonator(shapes=40, **given).modes
+    value = {"piezoceramic": bare, "tip_inertia": 0.0}
+    few = FiniteElementResonator(kept_modes=4, static_correction=False, **value).modes
+    many = RitzResonator(shapes=40, **value).modes
     assert few.natural_frequency == pytest.approx(many.natural_frequency[:4], rel=2e-5)
     for name in ("tip_displacement", "tip_slope"):
         ours, theirs = np.abs(getattr(few, name)), np.abs(getattr(many, name)[:4])
@@ -66,9 +66,9 @@ def test_without_patches_and_tip_inertia_both_bases_agree() -> None:
 def test_couplings_without_patch_stiffness_are_those_of_the_papers_basis() -> None:
     # No tip either: then modes and shapes are the same functions, in the same scale.
     smooth = Piezoceramic(bending_modulus=1e-3, density=1e-9)
-    given = {"piezoceramic": smooth, "tip_mass": 0.0, "tip_inertia": 0.0}
-    modes = FiniteElementResonator(kept_modes=6, static_correction=False, **given).modes
-    shapes = RitzResonator(shapes=6, **given).modes.shape_coupling
+    value = {"piezoceramic": smooth, "tip_mass": 0.0, "tip_inertia": 0.0}
+    modes = FiniteElementResonator(kept_modes=6, static_correction=False, **value).modes
+    shapes = RitzResonator(shapes=6, **value).modes.shape_coupling
     assert np.abs(modes.shape_coupling) == pytest.approx(np.abs(shapes), rel=2e-4)
 
 
@@ -122,12 +122,12 @@ def test_modes_that_round_off_makes_are_refused(basis: PatchedBeam, changes: dic
     "basis", [FiniteElementResonator(kept_modes=12), RitzResonator(shapes=40)], ids=["fe", "ritz"]
 )
 def test_modes_do_not_depend_on_the_number_of_threads(basis: PatchedBeam) -> None:
-    found = []
+    result = []
     for threads in (1, 2):
         with threadpool_limits(threads, user_api="blas"):
-            found.append(vars(replace(basis).modes))
-    for name, values in found[0].items():
-        assert np.array_equal(values, found[1][name]), name
+            result.append(vars(replace(basis).modes))
+    for name, values in result[0].items():
+        assert np.array_equal(values, result[1][name]), name
 
 
 @pytest.mark.parametrize("kept", [0, 41])

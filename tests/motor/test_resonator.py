@@ -54,8 +54,8 @@ def test_identified_numbers_are_met(
     changes: dict[str, float], frequencies: list[float], couplings: list[float]
 ) -> None:
     modes = default_resonator(**changes).modes
-    found = modes.natural_frequency[: len(frequencies)]
-    assert found == pytest.approx(frequencies, rel=2e-4 if "shapes" in changes else 1e-6)
+    result = modes.natural_frequency[: len(frequencies)]
+    assert result == pytest.approx(frequencies, rel=2e-4 if "shapes" in changes else 1e-6)
     assert modes.shape_coupling[: len(couplings), 0] == pytest.approx(couplings, abs=5e-6)
 
 

@@ -116,12 +116,12 @@ class Judge:
         self, t: float, y: np.ndarray, modes: tuple[int, int], speed: float
     ) -> list[tuple[str, int, Callable[[float, np.ndarray], float]]]:
         """Kind, number and function (falling through zero) of every event of a phase."""
-        parts, found = self.parts, []
+        parts, result = self.parts, []
 
         def add(kind: str, k: int, value: Callable[[Contact, np.ndarray], float]) -> None:
             start = value(self.mechanics.contact(t, y), y)
             offset = max(-start, 0.0) + SHORTEST
-            found.append((kind, k, lambda t, y: value(self.mechanics.contact(t, y), y) + offset))
+            result.append((kind, k, lambda t, y: value(self.mechanics.contact(t, y), y) + offset))
 
         def depth(c: Contact, y: np.ndarray) -> float:
             return -c.gap - float(y[self.third])
@@ -136,7 +136,7 @@ class Judge:
                 return float(f(at, z_f))
 
             add("friction", k, of)
-        return found
+        return result
 
     def dwell(self, run: JudgedRun, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
         """One contact from its touch-down to its release or `end` [s]."""

@@ -42,10 +42,10 @@ class Flight:
         scale = np.ones(2 * n + 4)
         scale[:n], scale[n : 2 * n] = 1e6, 1e6 / w
         self.matrix, self.scale = scale[:, None] * a / scale, scale
-        one = expm(self.matrix * STEP)
+        each = expm(self.matrix * STEP)
         powers = [np.eye(2 * n + 4)]
         for _ in range(BLOCK):
-            powers.append(one @ powers[-1])
+            powers.append(each @ powers[-1])
         self.powers = np.array(powers)
 
     def start(self, t: float, y: np.ndarray) -> np.ndarray:

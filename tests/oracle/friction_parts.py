@@ -233,10 +233,10 @@ class Iwan(Friction):
 
     def switches(self, mode: int, z: list[float]) -> list[Switch]:
         sign, j = int(copysign(1, mode)), abs(mode) - 1
-        found: list[Switch] = [lambda at, z: sign * at.slip]
+        result: list[Switch] = [lambda at, z: sign * at.slip]
         if j < len(z):
-            found.append(lambda at, z: self.limits[j] - sign * z[j])
-        return found
+            result.append(lambda at, z: self.limits[j] - sign * z[j])
+        return result
 
     def switched(self, mode: int, k: int, at: At, z: list[float]) -> tuple[int, list[float]]:
         sign, j = int(copysign(1, mode)), abs(mode) - 1

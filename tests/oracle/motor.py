@@ -102,8 +102,8 @@ class Mechanics:
         # One product gives u, slope and their rates.
         self.tip_map = np.zeros((4, 2 * n))
         self.tip_map[:2, :n] = self.tip_map[2:, n:] = res.tip
-        given = motor.frequency
-        self.frequency = float(natural_frequencies(res)[0] if given is None else given)
+        values = motor.frequency
+        self.frequency = float(natural_frequencies(res)[0] if values is None else values)
 
     def initial_state(self) -> np.ndarray:
         """At rest, undeformed, the rotor at its initial velocity."""

@@ -82,18 +82,18 @@ def held_and_load(beam: SteppedBeam, omega: float, lifting: bool) -> tuple[np.nd
 def natural_frequencies(beam: SteppedBeam, highest: float) -> np.ndarray:
     """All undamped natural frequencies [Hz] up to the highest, of both symmetries, ascending."""
     undamped = beam._replace(alpha=0.0, beta=0.0)
-    found = []
+    result = []
     for lifting in (True, False):
 
         def determinant(frequency: float, lifting: bool = lifting) -> float:
-            _, held, load = held_and_load(undamped, 2.0 * np.pi * frequency, lifting)
-            return float((held[0] * load[1] - held[1] * load[0]).real)
+            _, stored, load = held_and_load(undamped, 2.0 * np.pi * frequency, lifting)
+            return float((stored[0] * load[1] - stored[1] * load[0]).real)
 
         grid = np.geomspace(10.0, highest, 2000)
         values = np.array([determinant(f) for f in grid])
         for i in np.flatnonzero(values[:-1] * values[1:] < 0.0):
-            found.append(brentq(determinant, grid[i], grid[i + 1], xtol=1e-12, rtol=1e-14))
-    return np.sort(found)
+            result.append(brentq(determinant, grid[i], grid[i + 1], xtol=1e-12, rtol=1e-14))
+    return np.sort(result)
 
 
 def response(beam: SteppedBeam, frequency: float, lifting: bool) -> tuple[complex, complex]:
@@ -101,8 +101,8 @@ def response(beam: SteppedBeam, frequency: float, lifting: bool) -> tuple[comple
 
     u in m/N and m/V, or theta in rad/(N m) and rad/V.
     """
-    motion, held, load = held_and_load(beam, 2.0 * np.pi * frequency, lifting)
-    system = np.array([held[:2], load[:2]])
+    motion, stored, load = held_and_load(beam, 2.0 * np.pi * frequency, lifting)
+    system = np.array([stored[:2], load[:2]])
     compliance = motion[:2] @ np.linalg.solve(system, [0.0, 1.0])
-    driven = motion[2] - motion[:2] @ np.linalg.solve(system, [held[2], load[2]])
+    driven = motion[2] - motion[:2] @ np.linalg.solve(system, [stored[2], load[2]])
     return complex(compliance), complex(driven)

@@ -90,8 +90,8 @@ def test_a_shorter_run_is_shown_whole() -> None:
 
 
 def test_a_drive_without_a_frequency_is_driven_at_the_first_natural_frequency() -> None:
-    told = {**CONFIGURATION, "drive": {"frequency": None}}
-    window = shown(tree := to_datatree(synthetic_trajectory(), told))
+    reported = {**CONFIGURATION, "drive": {"frequency": None}}
+    window = shown(tree := to_datatree(synthetic_trajectory(), reported))
     first = float(tree["natural_frequency"][0])
     assert window.end - window.start == pytest.approx(3.0 / first)
 

@@ -85,31 +85,31 @@ def figure(tree: xarray.DataTree) -> Figure:
 
 def shades(axes: Axes) -> dict[str, list[tuple[float, float]]]:
     """Left and right ends of the shaded spans of a panel, by mode."""
-    found = {}
+    result = {}
     for collection in axes.collections:
         if isinstance(collection, PolyCollection) and collection.get_label() in COLOURS:
             corners = [path.vertices[:, 0] for path in collection.get_paths()]
-            found[str(collection.get_label())] = [(float(c.min()), float(c.max())) for c in corners]
+            result[str(collection.get_label())] = [(float(c.min()), float(c.max())) for c in corners]
             colour = collection.get_facecolor()[0][:3] if corners else None
             assert colour is None or tuple(colour) == to_rgb(COLOURS[str(collection.get_label())])
-    return found
+    return result
 
 
 def texts(figure: Figure) -> list[Bbox]:
     """The boxes of all visible texts in a drawn picture."""
     figure.canvas.draw()
-    found = list(figure.texts)
+    result = list(figure.texts)
     for axes in figure.axes:
-        found += [axes.title, axes.xaxis.label, axes.yaxis.label, *axes.texts]
-        found += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
-        found.append(axes._right_title)
+        result += [axes.title, axes.xaxis.label, axes.yaxis.label, *axes.texts]
+        result += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
+        result.append(axes._right_title)
         for axis in (axes.xaxis, axes.yaxis):
             low, high = sorted(axis.get_view_interval())
             ticks = axis.get_major_ticks()
-            found += [t.label1 for t in ticks if low <= t.get_loc() <= high and t.label1.get_visible()]
+            result += [t.label1 for t in ticks if low <= t.get_loc() <= high and t.label1.get_visible()]
         legend = axes.get_legend()
-        found += legend.get_texts() if legend else []
-    return [text.get_window_extent() for text in found if text.get_text() and text.get_visible()]
+        result += legend.get_texts() if legend else []
+    return [text.get_window_extent() for text in result if text.get_text() and text.get_visible()]
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -34,12 +34,12 @@ addEventListener('message', (e) => { document.getElementById('found').textConten
 
 @pytest.fixture(scope="module")
 def browser() -> str:
-    found = next((path for name in NAMES if (path := shutil.which(name))), None)
-    if found is None:
+    result = next((path for name in NAMES if (path := shutil.which(name))), None)
+    if result is None:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(
             "There is no Chromium to open the report in; on Debian, apt-get install chromium brings one."
         )
-    return found
+    return result
 
 
 @pytest.fixture(scope="module")
@@ -84,15 +84,15 @@ def test_nothing_is_wider_than_the_page(
     frame = tmp_path / "frame.html"
     frame.write_text(FRAME % size, encoding="utf-8")
     shown = _open(browser, frame, (1400, 1000), "--dump-dom")
-    found = json.loads(unescape(re.findall(r'<pre id="found">(.*?)</pre>', shown, re.S)[0]))
-    assert found["width"] == size[0]
-    assert found["scroll"] <= size[0]
-    assert found["out"] == []
-    assert len(found["pictures"]) == 6
-    assert min(found["pictures"]) > 500
-    assert found["small"] >= 12.0
+    result = json.loads(unescape(re.findall(r'<pre id="found">(.*?)</pre>', shown, re.S)[0]))
+    assert result["width"] == size[0]
+    assert result["scroll"] <= size[0]
+    assert result["out"] == []
+    assert len(result["pictures"]) == 6
+    assert min(result["pictures"]) > 500
+    assert result["small"] >= 12.0
     # On the phone the table scrolls inside its box.
-    assert size[0] > 500 or max(found["boxes"]) > 0
+    assert size[0] > 500 or max(result["boxes"]) > 0
 
 
 def test_a_screenshot_shows_it(browser: str, report: Path, tmp_path: Path) -> None:

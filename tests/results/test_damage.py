@@ -37,8 +37,8 @@ def test_a_number_that_was_changed_in_place_reaches_no_metric(tmp_path: Path) ->
     changed = text.replace(b"radius: 0.025", b"radius: 0.075")
     assert changed != text
     file.write_bytes(changed)
-    found = collect(tmp_path)
-    assert found["status"].values.tolist() == [Status.FAILED]
+    result = collect(tmp_path)
+    assert result["status"].values.tolist() == [Status.FAILED]
     with pytest.raises(SweepError, match="complete"):
         collect(tmp_path, series=["gap"])
     with pytest.raises(ComparisonError, match=r"run\.nc"):

@@ -76,8 +76,8 @@ def path(trajectory: Trajectory, tmp_path_factory: pytest.TempPathFactory) -> Pa
 
 def test_root_has_the_contracted_names_dimensions_and_units(path: Path) -> None:
     with xarray.open_dataset(path) as root:
-        found = {name: (array.dims, array.attrs["units"]) for name, array in root.items()}
-        assert found == ROOT
+        result = {name: (array.dims, array.attrs["units"]) for name, array in root.items()}
+        assert result == ROOT
         assert root["time"].dims == ("time",)
         assert root["time"].attrs["units"] == "s"
         assert root.sizes["electrode"] == 2

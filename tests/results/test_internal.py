@@ -80,15 +80,15 @@ def test_a_run_records_the_stretch_and_what_every_contact_left_of_it(tmp_path: P
 
 
 def test_a_sweep_keeps_them_and_has_none_where_a_law_has_none(tmp_path: Path) -> None:
-    asked = {"series": ["internal_stretch"], "workers": 1}
-    found = cl.sweep(FRICTIONS, base=BASE, **asked)
+    requested = {"series": ["internal_stretch"], "workers": 1}
+    result = cl.sweep(FRICTIONS, base=BASE, **requested)
     run = cl.simulate(cl.build([*BASE, "law/friction=mindlin"]))
-    kept = found["internal_stretch_series"]
+    kept = result["internal_stretch_series"]
     assert kept.attrs["units"] == "m"
     np.testing.assert_array_equal(kept.sel(friction="mindlin"), run["internal_stretch"])
     assert np.isnan(kept.sel(friction="coulomb")).all()
 
-    cl.sweep(FRICTIONS, base=BASE, folder=tmp_path, **asked)
+    cl.sweep(FRICTIONS, base=BASE, folder=tmp_path, **requested)
     with xarray.open_datatree(tmp_path / "sweep.nc", decode_times=False) as tree:
         np.testing.assert_array_equal(tree["series/internal_stretch"], kept)
 

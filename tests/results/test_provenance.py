@@ -84,11 +84,11 @@ def test_a_missing_git_is_no_failure(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
 
 def test_versions_are_those_of_the_installed_packages() -> None:
-    found = versions()
-    assert found["python_version"] == platform.python_version()
+    result = versions()
+    assert result["python_version"] == platform.python_version()
     for package in ("numpy", "scipy", "numba", "xarray", "netCDF4"):
-        assert found[f"{package}_version"] == version(package)
-    assert "contactlab_version" in found
+        assert result[f"{package}_version"] == version(package)
+    assert "contactlab_version" in result
 
 
 def test_a_package_without_metadata_is_unknown(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,9 +22,9 @@ def test_the_free_reach_is_what_a_settled_tip_bridges(clearance: float) -> None:
 
 
 def test_a_summary_has_the_law_contacts_forces_and_ledger_of_the_run() -> None:
-    found = summary_of(to_datatree(synthetic_trajectory(), CONFIGURATION))
-    assert {"law", "contacts", "rotor velocity", "peak normal force"} <= found.keys()
-    assert found["peak normal force"] == "9 N"
+    result = summary_of(to_datatree(synthetic_trajectory(), CONFIGURATION))
+    assert {"law", "contacts", "rotor velocity", "peak normal force"} <= result.keys()
+    assert result["peak normal force"] == "9 N"
 
 
 @pytest.mark.parametrize("records", [1, 2])

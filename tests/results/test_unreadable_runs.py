@@ -40,10 +40,10 @@ def test_a_law_that_is_no_longer_installed_harms_no_other_run(tmp_path: Path) ->
     gone = sound(1e-6) | {"law": {"name": "gone", "hardness": 1.0}}
     left_run(tmp_path / "1", gone, {"law": "gone"}, law="gone")
     left_run(tmp_path / "2", sound(1e-6), {"law": "hertz_penalty"})
-    found = collect(tmp_path)
-    assert found.sizes == {"law": 2}
-    assert (found["status"] == Status.COMPLETE).all()
-    assert found["peak_force"].notnull().all()
+    result = collect(tmp_path)
+    assert result.sizes == {"law": 2}
+    assert (result["status"] == Status.COMPLETE).all()
+    assert result["peak_force"].notnull().all()
 
 
 @pytest.mark.parametrize("text", [None, 5, [1], {"law": {"name": ["x"]}}, {"status": 1, "a/b": 2}])
@@ -65,9 +65,9 @@ def test_a_state_that_is_none_harms_no_other_run(tmp_path: Path, change: dict[st
     left_run(tmp_path / "2", sound(2e-6), {})
     state = tmp_path / "1" / "state.json"
     state.write_text(json.dumps(json.loads(state.read_text()) | change))
-    found = collect(tmp_path)
-    assert found["status"].size == 2
-    assert int((found["status"] == Status.COMPLETE).sum()) >= 1
+    result = collect(tmp_path)
+    assert result["status"].size == 2
+    assert int((result["status"] == Status.COMPLETE).sum()) >= 1
 
 
 @pytest.mark.parametrize("said", ["yes", "1", 2, -1, float("nan"), [1, 1]])
@@ -80,8 +80,8 @@ def test_complete_is_one_or_zero(tmp_path: Path, said: object) -> None:
         compare([tmp_path / "1"], refine=False)
     for name in ("1", "2"):
         (tmp_path / name / "state.json").unlink()
-    found = collect(tmp_path)
-    assert sorted(found["status"].values.ravel().tolist()) == [Status.COMPLETE, Status.FAILED]
+    result = collect(tmp_path)
+    assert sorted(result["status"].values.ravel().tolist()) == [Status.COMPLETE, Status.FAILED]
 
 
 @pytest.mark.parametrize(("said", "meant"), [(1, True), (1.0, True), (0, False), (None, True)])
@@ -100,5 +100,5 @@ def test_files_of_ones_own_by_our_names_harm_nothing(command: Command, simulatio
     (folder("2e-06") / "state.json").write_text('{"state": "complete"}')
     Path("sweep/mine").mkdir()
     Path("sweep/mine/state.json").write_text("no json")
-    found = collect("sweep")
-    assert sorted(found["status"].values.ravel().tolist()) == [0, 0, Status.FAILED]
+    result = collect("sweep")
+    assert sorted(result["status"].values.ravel().tolist()) == [0, 0, Status.FAILED]

@@ -50,21 +50,21 @@ def judged(impulses: Array, velocities: Array | None = None) -> Settling:
 def logistic(rate: float, count: int = 800) -> Array:
     """The logistic map, whose periods and chaos are known: 2 from 3, 4 from 3.449, chaos beyond 3.57."""
     x = 0.4
-    found = np.empty(count + 1000)
-    for i in range(found.size):
-        found[i] = x = rate * x * (1.0 - x)
-    return found[1000:]
+    result = np.empty(count + 1000)
+    for i in range(result.size):
+        result[i] = x = rate * x * (1.0 - x)
+    return result[1000:]
 
 
 def test_the_mean_of_a_period_is_that_of_the_closed_form_wherever_records_fall() -> None:
     for interval in (PERIOD / 9.1, PERIOD / 70.3):
         columns = lag(50.0, interval)
-        found = periods_of(Recorded.of(columns, {}, PERIOD), 40)
-        ends = columns["time"][-1] - PERIOD * np.arange(found.velocity.size, -1, -1)
+        result = periods_of(Recorded.of(columns, {}, PERIOD), 40)
+        ends = columns["time"][-1] - PERIOD * np.arange(result.velocity.size, -1, -1)
         exact = LIMIT - SWING * TIME_CONSTANT * np.diff(np.exp(-ends / TIME_CONSTANT)) / PERIOD
         # Hermite's cubic: h^4/384 of the fourth derivative of the angle, at both ends of a period.
         bound = 2.0 * interval**4 / 384.0 * SWING / TIME_CONSTANT**3 / PERIOD
-        assert np.abs(found.velocity - exact).max() <= bound + 1e-12
+        assert np.abs(result.velocity - exact).max() <= bound + 1e-12
 
 
 @pytest.mark.parametrize("phase", [0.0, 0.37, 0.999])
@@ -72,19 +72,19 @@ def test_no_contact_is_counted_in_the_wrong_period_and_none_that_the_end_cuts(ph
     impulses = np.arange(1.0, 61.0)
     rows = contacts(impulses, phase)
     rows["separation_velocity"][-1] = nan
-    found = periods_of(Recorded.of(lag(60.0, PERIOD / 20), rows, PERIOD), 40)
-    assert np.array_equal(np.diff(found.impulse), np.ones(found.impulse.size - 1))
-    assert found.impulse[-1] == 59.0
+    result = periods_of(Recorded.of(lag(60.0, PERIOD / 20), rows, PERIOD), 40)
+    assert np.array_equal(np.diff(result.impulse), np.ones(result.impulse.size - 1))
+    assert result.impulse[-1] == 59.0
 
 
 def test_an_exponential_approach_is_followed_to_its_limit() -> None:
     rates, count = (0.5, 1.0, 3.0, 12.0), 128
     for rate in rates:
         values = 5.0 - 4.0 * np.exp(-rate * np.arange(count) / count)
-        found = approach(values)
-        assert abs(found.limit - 5.0) <= found.error
-        assert found.now == pytest.approx(values[-1], abs=1e-2)
-        assert found.drift == pytest.approx(values[-1] - values[-2], rel=0.1)
+        result = approach(values)
+        assert abs(result.limit - 5.0) <= result.error
+        assert result.now == pytest.approx(values[-1], abs=1e-2)
+        assert result.drift == pytest.approx(values[-1] - values[-2], rel=0.1)
 
 
 def test_the_error_covers_the_limit_of_nineteen_in_twenty_sequences_that_scatter() -> None:
@@ -94,8 +94,8 @@ def test_the_error_covers_the_limit_of_nineteen_in_twenty_sequences_that_scatter
         rate, memory, noise = rng.uniform(0.5, 20.0), rng.uniform(0.0, 0.9), 10.0 ** rng.uniform(-6.0, -1.0)
         scatter = lfilter([1.0], [1.0, -memory], rng.normal(size=count + 100))[100:] * sqrt(1.0 - memory**2)
         values = 1.0 - np.exp(-rate * np.arange(count) / count) + noise * scatter
-        found = approach(values)
-        covered.append(abs(found.limit - 1.0) <= found.error)
+        result = approach(values)
+        covered.append(abs(result.limit - 1.0) <= result.error)
     assert np.mean(covered) >= 0.94
 
 
@@ -129,19 +129,19 @@ def test_a_rotor_that_is_on_its_way_is_told_from_one_that_has_arrived() -> None:
     ],
 )
 def test_what_cannot_be_told_is_not_told(columns: dict[str, Array], period: float, words: str) -> None:
-    found = settling_of(columns, {}, period)
-    assert (found.verdict, found.motion) == ("cannot tell", "")
-    assert words in found.sentence
-    assert found.attributes["settled"] == -1
+    result = settling_of(columns, {}, period)
+    assert (result.verdict, result.motion) == ("cannot tell", "")
+    assert words in result.sentence
+    assert result.attributes["settled"] == -1
 
 
 def test_a_tip_that_still_comes_nearer_may_yet_touch() -> None:
     columns = lag(250.0, PERIOD / 20)
     columns["gap"] = 1e-6 * (1.2 * np.exp(-columns["time"] / 0.05) - 0.2)
     assert columns["gap"][-1] > 0.0
-    found = settling_of(columns, {}, PERIOD)
-    assert found.verdict == "cannot tell"
-    assert "comes nearer to the rotor" in found.sentence
+    result = settling_of(columns, {}, PERIOD)
+    assert result.verdict == "cannot tell"
+    assert "comes nearer to the rotor" in result.sentence
 
 
 @pytest.mark.parametrize("separation", [nan, 0.1])
@@ -151,10 +151,10 @@ def test_a_tip_that_stays_in_contact_is_not_free(separation: float) -> None:
     end = columns["time"][-1]
     columns["gap"] = 1e-6 * (1.2 * np.exp(-columns["time"] / 0.05) - 1.5)
     rows = {"start_time": 1e-5, "duration": end, "normal_impulse": 1.0, "separation_velocity": separation}
-    found = settling_of(columns, {name: np.array([value]) for name, value in rows.items()}, PERIOD)
-    assert found.reason == ""
-    assert found.verdict == "settled"
-    assert found.motion == "period one"
+    result = settling_of(columns, {name: np.array([value]) for name, value in rows.items()}, PERIOD)
+    assert result.reason == ""
+    assert result.verdict == "settled"
+    assert result.motion == "period one"
 
 
 @pytest.mark.parametrize(
@@ -174,15 +174,15 @@ def test_a_tip_that_stays_in_contact_is_not_free(separation: float) -> None:
     ],
 )
 def test_the_kind_of_a_motion_is_that_of_the_map_that_makes_it(impulses: Array, kind: str) -> None:
-    found = judged(impulses)
-    assert found.verdict == "settled"
-    assert found.motion == kind
+    result = judged(impulses)
+    assert result.verdict == "settled"
+    assert result.motion == kind
 
 
 def test_no_kind_is_claimed_of_what_has_not_settled() -> None:
     on_its_way = 1.0 - np.exp(-np.arange(100.0) / 50.0)
-    found = judged(np.ones(100), on_its_way)
-    assert (found.verdict, found.motion) == ("not settled", "")
+    result = judged(np.ones(100), on_its_way)
+    assert (result.verdict, result.motion) == ("not settled", "")
 
 
 def test_tones_that_repeat_together_have_a_period_and_silent_ones_do_not_count() -> None:
@@ -224,10 +224,10 @@ def misses(law: str) -> list[float]:
         columns = {name: values[records] for name, values in whole.columns.items()}
         # The contact that such an end would cut is counted as a whole one.
         rows = {name: values[begun] for name, values in whole.rows.items()}
-        found = settling_of(columns, rows, period_of(setup.motor.drive))
-        off.append(abs(found.velocity - truth(law)) / found.error)
-        assert found.verdict == ("settled" if found.share <= 0.01 else "not settled")
-    assert found.sentence.startswith("settled: period one")
+        result = settling_of(columns, rows, period_of(setup.motor.drive))
+        off.append(abs(result.velocity - truth(law)) / result.error)
+        assert result.verdict == ("settled" if result.share <= 0.01 else "not settled")
+    assert result.sentence.startswith("settled: period one")
     return off
 
 
@@ -252,12 +252,12 @@ def test_the_error_covers_what_nineteen_in_twenty_motors_come_to_in_the_long_run
             "record.interval": 1e-5,
         }
         setup = cl.build([f"{key}={value}" for key, value in values.items()])
-        found = Run.of_trajectory(setup.run(), setup.configuration).settling
+        result = Run.of_trajectory(setup.run(), setup.configuration).settling
         late = np.diff(setup.run(duration=0.8, record_interval=0.1).series["rotor_angle"][-3:]) / 0.1
         doubt, mean = float(np.ptp(late)), float(late.mean())
-        if doubt > 1e-3 * abs(mean) or not found.error <= 0.5 * abs(found.velocity):
+        if doubt > 1e-3 * abs(mean) or not result.error <= 0.5 * abs(result.velocity):
             continue
-        covered.append(abs(found.velocity - mean) <= found.error + doubt)
+        covered.append(abs(result.velocity - mean) <= result.error + doubt)
     assert len(covered) >= 30
     assert np.mean(covered) >= 0.9
 

@@ -19,13 +19,13 @@ def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
 
 @pytest.mark.parametrize("memory", [0.1, 5.0, 40.0])
 def test_the_error_of_a_mean_holds_in_nineteen_of_twenty_cases(memory: float) -> None:
-    found = [mean_with_error(autoregressive(memory, 2000, seed)) for seed in range(200)]
-    inside = np.mean([abs(mean - 1.0) <= error for mean, error in found])
+    result = [mean_with_error(autoregressive(memory, 2000, seed)) for seed in range(200)]
+    inside = np.mean([abs(mean - 1.0) <= error for mean, error in result])
     assert inside > 0.88
     # And is no larger than it has to be.
     share = np.exp(-1.0 / memory)
     spread = 1.0 / (1.0 - share) / np.sqrt(2000)
-    assert np.median([error for _, error in found]) < 3.0 * spread
+    assert np.median([error for _, error in result]) < 3.0 * spread
 
 
 def test_a_constant_has_no_error_and_a_line_has_its_slope() -> None:

@@ -196,8 +196,8 @@ class Cluster:
         patience = time.monotonic() + PATIENCE
         while not ready():
             if self._daemons[name].poll() is not None or time.monotonic() > patience:
-                words = (self._folder / f"{name}.out").read_text().strip().splitlines()[-3:]
-                raise ClusterError(f"{name} does not come up: {' '.join(words)} {MEND}")
+                phrase = (self._folder / f"{name}.out").read_text().strip().splitlines()[-3:]
+                raise ClusterError(f"{name} does not come up: {' '.join(phrase)} {MEND}")
             time.sleep(0.1)
 
     def _end_all(self) -> None:
@@ -238,13 +238,13 @@ def running_cluster() -> Iterator[Cluster]:
 def _find_programs() -> dict[str, str]:
     # A user's path need not have the daemons on it.
     path = os.pathsep.join([os.environ.get("PATH", os.defpath), "/usr/sbin", "/sbin"])
-    found = {name: shutil.which(name, path=path) for name in PROGRAMS}
-    if absent := [name for name, program in found.items() if program is None]:
+    result = {name: shutil.which(name, path=path) for name in PROGRAMS}
+    if absent := [name for name, program in result.items() if program is None]:
         raise ClusterError(
             f"No SLURM can be started here, there is no {', '.join(absent)}; on Debian, "
             "apt-get install slurm-wlm munge brings them."
         )
-    return {name: program for name, program in found.items() if program}
+    return {name: program for name, program in result.items() if program}
 
 
 def _environment() -> dict[str, str]:

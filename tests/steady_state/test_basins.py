@@ -30,12 +30,12 @@ def test_a_motor_with_one_attractor_comes_to_it_from_every_start() -> None:
 
 def test_a_symmetric_motor_runs_either_way_as_it_was_started() -> None:
     """The mirror image of a motion is a motion, so that to each velocity belongs the opposite one."""
-    found = [cl.steady(cl.build([*SYMMETRIC, f"rotor.initial_velocity={start}"])) for start in (-2.0, 2.0)]
-    backward, forward = (one.velocity[0] for one in found)
+    result = [cl.steady(cl.build([*SYMMETRIC, f"rotor.initial_velocity={start}"])) for start in (-2.0, 2.0)]
+    backward, forward = (each.velocity[0] for each in result)
     assert forward == pytest.approx(0.80145, rel=1e-4)
     assert backward == pytest.approx(-forward, rel=1e-6)
-    assert not same(*found)
-    assert same(found[1], cl.steady(cl.build([*SYMMETRIC, "rotor.initial_velocity=3"])))
+    assert not same(*result)
+    assert same(result[1], cl.steady(cl.build([*SYMMETRIC, "rotor.initial_velocity=3"])))
 
 
 def test_motions_that_begin_in_a_ball_come_to_its_orbit() -> None:
@@ -57,31 +57,31 @@ def test_motions_that_begin_in_a_ball_come_to_its_orbit() -> None:
 def test_a_map_says_of_every_start_what_its_run_says() -> None:
     """Between grazing and fold a motion with contact and one without are both there."""
     axes = {"tip_displacement": np.array([-3e-6, 3e-6]), "tip_velocity": np.array([-0.15, 0.1])}
-    found = basins(cl.build([*HYSTERETIC, "rotor.initial_velocity=1.7"]), axes)
-    assert found.unresolved == 0
-    assert sum(found.shares) == 1.0
-    kinds = {one.kind: i for i, one in enumerate(found.attractors)}
+    result = basins(cl.build([*HYSTERETIC, "rotor.initial_velocity=1.7"]), axes)
+    assert result.unresolved == 0
+    assert sum(result.shares) == 1.0
+    kinds = {each.kind: i for i, each in enumerate(result.attractors)}
     assert kinds.keys() == {"periodic", "without contact"}
-    running = found.attractors[kinds["periodic"]]
+    running = result.attractors[kinds["periodic"]]
     assert running.orbit is not None
     assert running.orbit.stable
     assert not is_neutral(running)
-    for place in np.ndindex(found.labels.shape):
+    for place in np.ndindex(result.labels.shape):
         start = {name: float(values[i]) for (name, values), i in zip(axes.items(), place, strict=True)}
-        section, z = started(found.setup, start)
+        section, z = started(result.setup, start)
         late = section.run(z, 1500).contacts["start_time"]
         ran = "periodic" if late.size and late[-1] > 1490 * section.period else "without contact"
-        assert found.labels[place] == kinds[ran]
-    data = found.to_xarray()
+        assert result.labels[place] == kinds[ran]
+    data = result.to_xarray()
     assert data.label.dims == ("tip_displacement", "tip_velocity")
     assert data.attrs["unresolved"] == 0
 
 
 def test_starts_inside_the_rotor_are_counted_as_no_start() -> None:
     axes = {"tip_displacement": np.array([0.0, 8e-6]), "rotor_velocity": np.array([-1.0])}
-    found = basins(cl.build(["law=newton"]), axes)
-    assert found.unresolved == 1
-    assert found.shares == (0.5,)
+    result = basins(cl.build(["law=newton"]), axes)
+    assert result.unresolved == 1
+    assert result.shares == (0.5,)
 
 
 def test_rotors_that_nothing_touches_are_in_one_state_whatever_their_velocity() -> None:

@@ -80,14 +80,14 @@ def bounce(restitution: float, gamma: float) -> cl.Steady:
 @pytest.mark.parametrize(("restitution", "share"), [(0.5, 0.4), (0.5, 0.97), (0.8, 0.8)])
 def test_multipliers_of_a_bounce_are_those_of_its_closed_form(restitution: float, share: float) -> None:
     gamma = gamma_at(restitution, share * doubling(restitution))
-    found, expected = bounce(restitution, gamma), multipliers_of(restitution, gamma)
-    assert (found.kind, found.periods) == ("periodic", 1)
-    assert found.orbit is not None
+    result, expected = bounce(restitution, gamma), multipliers_of(restitution, gamma)
+    assert (result.kind, result.periods) == ("periodic", 1)
+    assert result.orbit is not None
     # Beside them are those of the way along the table.
     aside = np.exp(np.roots([1.0, ASIDE[1], ASIDE[0]]) * PERIOD)
     for value in (*expected, *aside):
-        assert np.abs(found.orbit.multipliers - value).min() < 1e-6
-    assert found.motion.contacts["approach_velocity"] == pytest.approx(
+        assert np.abs(result.orbit.multipliers - value).min() < 1e-6
+    assert result.motion.contacts["approach_velocity"] == pytest.approx(
         -G * PERIOD / (1.0 + restitution), rel=1e-6
     )
 
@@ -106,9 +106,9 @@ def test_the_period_doubles_where_a_multiplier_is_minus_one(restitution: float) 
 
 def test_impacts_lose_what_the_restitution_says() -> None:
     restitution = 0.8
-    found = bounce(restitution, gamma_at(restitution, 0.5 * doubling(restitution)))
+    result = bounce(restitution, gamma_at(restitution, 0.5 * doubling(restitution)))
     approach = G * PERIOD / (1.0 + restitution)
     lost = 0.5 * (1.0 - restitution**2) * approach**2 / PERIOD
-    assert found.average("contact_loss")[0] == pytest.approx(lost, rel=1e-6)
+    assert result.average("contact_loss")[0] == pytest.approx(lost, rel=1e-6)
     # What the table gives: its force moves with the ball in its frame.
-    assert found.average("drive_work")[0] == pytest.approx(lost, rel=1e-6)
+    assert result.average("drive_work")[0] == pytest.approx(lost, rel=1e-6)

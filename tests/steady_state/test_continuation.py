@@ -32,22 +32,22 @@ def test_the_branch_folds_beyond_the_clearance_that_the_tip_bridges_without_cont
     assert fold.value == pytest.approx(3.898598e-6, rel=1e-5)
     assert over_clearance.points[0].orbit.stable
     assert not over_clearance.points[-1].orbit.stable
-    told = float(over_clearance.end.partition("without speed at ")[2].partition(":")[0])
-    assert told == pytest.approx(3.892455e-6, rel=2e-4)
+    reported = float(over_clearance.end.partition("without speed at ")[2].partition(":")[0])
+    assert reported == pytest.approx(3.892455e-6, rel=2e-4)
 
 
 def test_a_branch_passes_through_the_steady_state_of_a_motor() -> None:
     """By shooting from rest, and by continuation over the phase of the drive from another motor."""
-    found = cl.branch(cl.build(["law=newton"]), "drive.phase", -0.8, -0.6, step=0.5)
+    result = cl.branch(cl.build(["law=newton"]), "drive.phase", -0.8, -0.6, step=0.5)
     steady = cl.steady(cl.build(["law=newton", "drive.phase=-0.6"]))
-    assert found.points[-1].value == -0.6
-    assert found.points[-1].velocity == pytest.approx(steady.velocity[0], rel=1e-6)
+    assert result.points[-1].value == -0.6
+    assert result.points[-1].velocity == pytest.approx(steady.velocity[0], rel=1e-6)
 
 
 def test_a_branch_over_the_frequency_keeps_its_orbits_closed() -> None:
     """Where period and section change with it."""
-    found = cl.branch(cl.build(["law=newton"]), "drive.frequency", 3210.0, 3260.0, step=0.5)
-    last = found.points[-1]
+    result = cl.branch(cl.build(["law=newton"]), "drive.frequency", 3210.0, 3260.0, step=0.5)
+    last = result.points[-1]
     assert last.orbit.map.period == pytest.approx(1.0 / 3260.0, rel=1e-12)
     assert last.velocity == pytest.approx(
         cl.steady(cl.build(["law=newton", "drive.frequency=3260"])).velocity[0], rel=1e-6
@@ -57,8 +57,8 @@ def test_a_branch_over_the_frequency_keeps_its_orbits_closed() -> None:
 def test_the_torque_of_a_belt_vanishes_at_the_velocity_of_the_free_rotor() -> None:
     """But for the ripple of the velocity, which the belt has not."""
     setup = cl.build(["law=newton"])
-    found = cl.branch(setup, "belt", -4.0, -2.0, step=0.2)
-    velocity, torque = (np.array([getattr(p, name) for p in found.points]) for name in ("value", "torque"))
+    result = cl.branch(setup, "belt", -4.0, -2.0, step=0.2)
+    velocity, torque = (np.array([getattr(p, name) for p in result.points]) for name in ("value", "torque"))
     assert np.all(np.diff(torque) < 0.0)
     free = float(np.interp(0.0, -torque, velocity))
     assert free == pytest.approx(cl.steady(setup).velocity[0], rel=2e-2)

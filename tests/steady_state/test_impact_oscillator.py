@@ -63,11 +63,11 @@ def test_a_motion_of_one_impact_has_the_multipliers_of_the_closed_form(
 
 def test_the_period_of_the_oscillator_doubles_where_shaw_and_holmes_say() -> None:
     """Where 1 + tr + det = 0, and the other multiplier is e^2 there, without damping, negative."""
-    found = branch(oscillator, 2.6, 2.7)
+    result = branch(oscillator, 2.6, 2.7)
     published = doubling_between(oscillator, 2.6, 2.7)
-    assert only(found, Mark.PERIOD_DOUBLING) == pytest.approx(published, rel=1e-6)
+    assert only(result, Mark.PERIOD_DOUBLING) == pytest.approx(published, rel=1e-6)
     assert published == pytest.approx(2.653348, abs=1e-6)
-    event = next(point for point in found.points if point.mark)
+    event = next(point for point in result.points if point.mark)
     assert np.sort(event.orbit.multipliers.real) == pytest.approx([-1.0, -(0.8**2)], abs=1e-6)
 
 
@@ -88,12 +88,12 @@ def test_a_branch_goes_through_a_fold_and_comes_back_unstable(bouncing: Followed
 
 def test_a_branch_of_impacts_ends_in_the_grazing_of_the_motion_without() -> None:
     """The impact loses its speed where the stop stands at the amplitude |X| of the response."""
-    found = branch(damped, 0.1, 0.16)
+    result = branch(damped, 0.1, 0.16)
     grazing = damped(0.0).grazing_stop
-    assert found.points[-1].value == pytest.approx(grazing, rel=1e-2)
-    assert "1 contact a period, 0 within 0.0001 of its state" in found.end
-    told = float(found.end.partition("without speed at ")[2].partition(":")[0])
-    assert told == pytest.approx(grazing, rel=1e-6)
+    assert result.points[-1].value == pytest.approx(grazing, rel=1e-2)
+    assert "1 contact a period, 0 within 0.0001 of its state" in result.end
+    reported = float(result.end.partition("without speed at ")[2].partition(":")[0])
+    assert reported == pytest.approx(grazing, rel=1e-6)
 
 
 def test_a_motion_that_swings_free_ends_where_it_reaches_the_stop() -> None:
@@ -101,7 +101,7 @@ def test_a_motion_that_swings_free_ends_where_it_reaches_the_stop() -> None:
     section = PeriodMap(damped(0.2).setup(), belt=0.0)
     response = damped(0.2).response
     free = orbit_from(section, np.array([response.real, -2.8 * response.imag]))
-    found = follow(lambda stop: PeriodMap(damped(stop).setup(), belt=0.0), free, 0.2, 0.1)
-    assert "0 contacts a period before and would have 1 beyond" in found.end
-    told = float(found.end.partition("ends at ")[2].partition(" ")[0])
-    assert told == pytest.approx(damped(0.0).grazing_stop, rel=1e-6)
+    result = follow(lambda stop: PeriodMap(damped(stop).setup(), belt=0.0), free, 0.2, 0.1)
+    assert "0 contacts a period before and would have 1 beyond" in result.end
+    reported = float(result.end.partition("ends at ")[2].partition(" ")[0])
+    assert reported == pytest.approx(damped(0.0).grazing_stop, rel=1e-6)

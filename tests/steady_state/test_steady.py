@@ -36,12 +36,12 @@ NEGATIVE, POSITIVE, RIGID = (), ("contact.clearance=3 um",), ("law=newton",)
 
 @pytest.mark.parametrize("overrides", [NEGATIVE, POSITIVE, RIGID])
 def test_a_motor_on_its_orbit_stays_there_and_comes_to_it_from_elsewhere(overrides: tuple[str, ...]) -> None:
-    found = free(*overrides)
-    assert found.kind == "periodic"
-    assert found.orbit is not None
-    velocity = found.velocity[0]
-    for start in (found, (found.end[1], 1.5 * velocity)):
-        again = cl.steady(found.setup, start=start).velocity[0]
+    result = free(*overrides)
+    assert result.kind == "periodic"
+    assert result.orbit is not None
+    velocity = result.velocity[0]
+    for start in (result, (result.end[1], 1.5 * velocity)):
+        again = cl.steady(result.setup, start=start).velocity[0]
         assert again == pytest.approx(velocity, rel=1e-8)
 
 
@@ -80,16 +80,16 @@ def test_multipliers_hang_on_no_step_of_their_differences(overrides: tuple[str, 
 
 @pytest.mark.parametrize("overrides", [NEGATIVE, RIGID, ("law=lagrange_stick", "rotor.damping=1e-4")])
 def test_what_the_drive_gives_is_lost_or_taken_from_the_rotor(overrides: tuple[str, ...]) -> None:
-    found = cl.steady(setup_of(*overrides), load=-1e-3)
+    result = cl.steady(setup_of(*overrides), load=-1e-3)
     losses = ("damping_loss", "friction_loss", "contact_loss", "load_work")
-    drive = found.average("drive_work")[0]
+    drive = result.average("drive_work")[0]
     # The rigid laws put the tip back onto the closed gap, which is in no term.
-    assert sum(found.average(name)[0] for name in losses) == pytest.approx(drive, rel=2e-4)
-    rotor, velocity = found.setup.motor.rotor, found.velocity[0]
-    assert rotor.load_torque == found.setup.configuration["rotor"]["load_torque"] == -1e-3
+    assert sum(result.average(name)[0] for name in losses) == pytest.approx(drive, rel=2e-4)
+    rotor, velocity = result.setup.motor.rotor, result.velocity[0]
+    assert rotor.load_torque == result.setup.configuration["rotor"]["load_torque"] == -1e-3
     torque = rotor.load_torque + rotor.damping * velocity
-    assert found.torque[0] == pytest.approx(torque, abs=1e-9)
-    assert found.average("load_work")[0] == pytest.approx(-1e-3 * velocity, rel=1e-6)
+    assert result.torque[0] == pytest.approx(torque, abs=1e-9)
+    assert result.average("load_work")[0] == pytest.approx(-1e-3 * velocity, rel=1e-6)
 
 
 @pytest.mark.parametrize("overrides", [NEGATIVE, POSITIVE])
@@ -107,30 +107,34 @@ def test_a_brake_slows_either_rotation_and_beyond_the_holding_torque_the_rotor_s
 
 
 def test_a_belt_as_fast_as_the_free_rotor_is_hardly_pushed() -> None:
-    found = free()
-    ripple = float(np.abs(found.curves().series["rotor_velocity"] - found.velocity[0]).max())
-    on_belt = cl.steady(found.setup, belt=found.velocity[0])
-    slope = held().torque[0] / found.velocity[0]
-    assert on_belt.velocity == (found.velocity[0], 0.0)
+    result = free()
+    ripple = float(np.abs(result.curves().series["rotor_velocity"] - result.velocity[0]).max())
+    on_belt = cl.steady(result.setup, belt=result.velocity[0])
+    slope = held().torque[0] / result.velocity[0]
+    assert on_belt.velocity == (result.velocity[0], 0.0)
     assert abs(on_belt.torque[0] / slope) < ripple
 
 
 def test_a_belt_gives_the_slope_that_the_rotor_settles_by() -> None:
-    found, step = free(*RIGID), 0.1
-    v = found.velocity[0]
-    before, after = (cl.steady(found.setup, belt=v + s).torque[0] for s in (-step, step))
+    result, step = free(*RIGID), 0.1
+    v = result.velocity[0]
+    before, after = (cl.steady(result.setup, belt=v + s).torque[0] for s in (-step, step))
     slow = -(after - before) / (2.0 * step)
-    assert found.orbit is not None
+    assert result.orbit is not None
     # The rotor is slow and the resonator fast, but not endlessly so.
-    settling = found.setup.motor.rotor.inertia / slow
-    assert found.orbit.settling_time == pytest.approx(settling, rel=0.05)
+    settling = result.setup.motor.rotor.inertia / slow
+    assert result.orbit.settling_time == pytest.approx(settling, rel=0.05)
 
 
 def test_without_contact_the_rotor_keeps_its_velocity_or_that_of_load_and_damping() -> None:
     far = ("contact.clearance=100 um", "rotor.initial_velocity=2")
-    found = free(*far)
-    assert (found.kind, found.contact_share, found.peak_force) == ("without contact", (0.0, 0.0), (0.0, 0.0))
-    assert found.velocity[0] == pytest.approx(2.0, rel=1e-12)
+    result = free(*far)
+    assert (result.kind, result.contact_share, result.peak_force) == (
+        "without contact",
+        (0.0, 0.0),
+        (0.0, 0.0),
+    )
+    assert result.velocity[0] == pytest.approx(2.0, rel=1e-12)
     damped = cl.steady(setup_of(*far, "rotor.damping=1e-5"), load=1e-5)
     assert damped.velocity[0] == pytest.approx(-1.0, rel=1e-9)
     with pytest.raises(NotSettledError, match="nothing holds it against its load"):
@@ -141,13 +145,13 @@ def test_without_contact_the_rotor_keeps_its_velocity_or_that_of_load_and_dampin
     "overrides", [("drive.voltage_2=0",), ("drive.frequency_ratio=1.5", "rotor.damping=1e-3")]
 )
 def test_a_drive_of_one_tone_or_of_a_broken_ratio_has_its_period(overrides: tuple[str, ...]) -> None:
-    found = free(*overrides)
-    assert found.kind == "periodic"
-    frequency = found.setup.motor.drive.frequency
-    assert found.period * frequency == pytest.approx(np.round(found.period * frequency), abs=1e-9)
-    again = found.setup.run(duration=600 * found.period, record_interval=found.period)
-    velocity = np.diff(again.series["rotor_angle"])[-1] / found.period
-    assert velocity == pytest.approx(found.velocity[0], abs=1e-4)
+    result = free(*overrides)
+    assert result.kind == "periodic"
+    frequency = result.setup.motor.drive.frequency
+    assert result.period * frequency == pytest.approx(np.round(result.period * frequency), abs=1e-9)
+    again = result.setup.run(duration=600 * result.period, record_interval=result.period)
+    velocity = np.diff(again.series["rotor_angle"])[-1] / result.period
+    assert velocity == pytest.approx(result.velocity[0], abs=1e-4)
 
 
 @pytest.mark.parametrize("law", [cl.HertzPenalty(1e10, 0.3), cl.LagrangeStick(0.3)])
@@ -156,13 +160,13 @@ def test_a_motor_pressed_together_has_means_and_no_multipliers(law: cl.ContactLa
     # Far more than what the drive lifts.
     pressed = replace(motor, preload=60.0 * motor.modes.tip_displacement)
     pressed = replace(pressed, geometry=replace(motor.geometry, clearance=0.0))
-    found = cl.steady(pressed, law, contact_step=5e-7, longest=200)
-    assert (found.kind, found.orbit) == ("periodic", None)
-    assert found.contact_share.value == pytest.approx(1.0, abs=1e-9)
-    assert found.average("normal_force")[0] > 0.0
+    result = cl.steady(pressed, law, contact_step=5e-7, longest=200)
+    assert (result.kind, result.orbit) == ("periodic", None)
+    assert result.contact_share.value == pytest.approx(1.0, abs=1e-9)
+    assert result.average("normal_force")[0] > 0.0
     # What turns the rotor is what its damping takes.
-    torque = motor.rotor.damping * found.velocity[0]
-    assert found.torque[0] == pytest.approx(torque, abs=1e-6)
+    torque = motor.rotor.damping * result.velocity[0]
+    assert result.torque[0] == pytest.approx(torque, abs=1e-6)
 
 
 def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> None:
@@ -177,9 +181,9 @@ def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> N
     drive = cl.Drive(np.array([100.0]), np.array([[10.0], [0.0]], dtype=complex))
     geometry = cl.ContactGeometry(FLAT, FLAT, 5e-6)
     motor = cl.Motor(modes, drive, geometry, cl.Rotor(inertia=FLAT**2))
-    found = cl.steady(motor, cl.HertzPenalty(1e10, 0.3), belt=0.0)
-    assert found.kind == "periodic"
-    assert found.contact_share.value > 0.0
+    result = cl.steady(motor, cl.HertzPenalty(1e10, 0.3), belt=0.0)
+    assert result.kind == "periodic"
+    assert result.contact_share.value > 0.0
 
 
 def test_what_steps_leave_is_told_with_the_mean() -> None:
@@ -276,7 +280,7 @@ def test_what_a_setup_has_of_its_own_is_not_given_beside_it(refused: dict[str, A
 
 
 def test_the_peak_of_a_motion_without_period_has_no_known_error() -> None:
-    found = cl.steady(setup_of("law=newton", "resonator=finite_element"), longest=200)
-    chaotic = replace(found.details, orbit=None, periods=0)
-    assert chaotic.peak_force.value == found.peak_force.value
+    result = cl.steady(setup_of("law=newton", "resonator=finite_element"), longest=200)
+    chaotic = replace(result.details, orbit=None, periods=0)
+    assert chaotic.peak_force.value == result.peak_force.value
     assert np.isnan(chaotic.peak_force.error)

@@ -25,24 +25,24 @@ SLOW = (*PRONY, "law.normal.first_time=1e-3", "law.normal.first_stiffness=2e7")
 @pytest.mark.parametrize(("law", "settled"), [(FAST, 0.4), (SLOW, 0.5)])
 def test_a_memory_of_the_run_settles_where_a_long_run_does(law: tuple[str, ...], settled: float) -> None:
     setup = cl.build([*law, "solver.tolerance=1e-9"])
-    found = cl.steady(setup)
-    assert found.orbit is not None
+    result = cl.steady(setup)
+    assert result.orbit is not None
     # All that the run has left of its way.
-    assert settled > 20.0 * found.orbit.settling_time
+    assert settled > 20.0 * result.orbit.settling_time
     period = period_of(setup.motor.drive)
     made = setup.run(duration=round(settled / period) * period, record_interval=period)
-    assert found.velocity[0] == pytest.approx(np.diff(made.series["rotor_angle"])[-1] / period, rel=1e-8)
+    assert result.velocity[0] == pytest.approx(np.diff(made.series["rotor_angle"])[-1] / period, rel=1e-8)
 
 
 @pytest.mark.parametrize("time", [2e-4, 5e-2])
 def test_the_multiplier_of_a_memory_is_that_of_its_decay(time: float) -> None:
     """What decays by itself, dz/dt = -z/T, and acts on nothing has the multiplier exp(-period/T)."""
     setup = cl.build()
-    found = cl.steady(setup.motor, Cooling(time=time), belt=-2.0)
-    assert found.orbit is not None
-    own = np.exp(-found.orbit.map.period / time)
-    assert np.abs(found.orbit.multipliers - own).min() < 1e-9
-    assert found.end[3] == pytest.approx(0.0, abs=1e-8)
+    result = cl.steady(setup.motor, Cooling(time=time), belt=-2.0)
+    assert result.orbit is not None
+    own = np.exp(-result.orbit.map.period / time)
+    assert np.abs(result.orbit.multipliers - own).min() < 1e-9
+    assert result.end[3] == pytest.approx(0.0, abs=1e-8)
 
 
 def test_states_with_a_memory_end_where_runs_from_them_end() -> None:
@@ -78,9 +78,9 @@ def test_basins_and_branches_are_those_of_the_whole_state() -> None:
     setup = cl.build(FAST)
     settled = cl.steady(setup).velocity[0]
     axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0, 0.4])}
-    found = cl.basins(setup, axes)
-    assert found.shares == (1.0,)
-    assert found.attractors[0].velocity[0] == pytest.approx(settled, rel=1e-8)
+    result = cl.basins(setup, axes)
+    assert result.shares == (1.0,)
+    assert result.attractors[0].velocity[0] == pytest.approx(settled, rel=1e-8)
     branch = cl.branch(setup, "law.normal.first_time", 1e-4, 2e-4)
     assert branch.points[0].velocity == pytest.approx(settled, rel=1e-8)
     end = cl.steady(cl.build([*PRONY, "law.normal.first_time=2e-4"])).velocity[0]
@@ -113,6 +113,6 @@ def test_a_dent_that_is_not_cleared_is_part_of_the_state() -> None:
 
 @pytest.mark.parametrize("number", cases(range(60), (0, 1, 4, 7)))
 def test_random_motors_settle_where_a_run_of_a_second_does_or_are_refused(number: int) -> None:
-    found = outcome(number)
-    assert found.kind != "without", found.reason
-    assert found.agrees, found
+    result = outcome(number)
+    assert result.kind != "without", result.reason
+    assert result.agrees, result

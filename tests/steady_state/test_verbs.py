@@ -10,8 +10,8 @@ MOTOR = ("law=newton", "contact.clearance=3 um")
 
 
 def test_the_command_follows_a_branch_and_leaves_dataset_and_picture(command: Command) -> None:
-    words = ("drive.phase=-40 deg..-36 deg", "law=newton", "--step", "0.5", "--output", "here")
-    status, out, err = command("branch", *words)
+    text = ("drive.phase=-40 deg..-36 deg", "law=newton", "--step", "0.5", "--output", "here")
+    status, out, err = command("branch", *text)
     assert (status, err) == (0, "")
     assert "-3.0507" in out
     assert out.isascii()

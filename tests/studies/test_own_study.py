@@ -64,8 +64,8 @@ def test_a_faulty_option_is_refused_by_its_key(elsewhere: Elsewhere, word: str, 
 
 
 def test_it_can_be_swept_over_configuration_and_its_own_options(elsewhere: Elsewhere) -> None:
-    words = ("gain", *SHORT, "drive.phase=linspace(-1,1,2)", "points=2,3", "output=swept")
-    status, _, err = elsewhere.command("-m", *words)
+    text = ("gain", *SHORT, "drive.phase=linspace(-1,1,2)", "points=2,3", "output=swept")
+    status, _, err = elsewhere.command("-m", *text)
     assert status == 0, err
     with xarray.open_dataset(elsewhere.folder / "swept" / "sweep.nc") as data:
         assert dict(data.sizes) == {"phase": 2, "points": 2}
@@ -83,9 +83,9 @@ def killed_and_resumed(elsewhere: Elsewhere, name: str, seconds: float) -> dict[
     """Bytes of a study that was killed after some seconds and then continued."""
     script = "from contactlab.cli.main import main; import sys; sys.exit(main())"
     paths = os.pathsep.join([str(elsewhere.packages), str(Path(__file__).parents[2])])
-    words = ["gain", *SHORT, "points=6", f"output={name}"]
+    text = ["gain", *SHORT, "points=6", f"output={name}"]
     process = subprocess.Popen(
-        [sys.executable, "-c", script, *words],
+        [sys.executable, "-c", script, *text],
         cwd=elsewhere.folder,
         env=os.environ | {"PYTHONPATH": paths},
         stdout=subprocess.DEVNULL,
@@ -94,7 +94,7 @@ def killed_and_resumed(elsewhere: Elsewhere, name: str, seconds: float) -> dict[
     time.sleep(seconds)
     process.send_signal(signal.SIGKILL)
     process.wait()
-    status, _, err = elsewhere.command(*words)
+    status, _, err = elsewhere.command(*text)
     assert status == 0, err
     return bytes_of(elsewhere.folder / name)
 

@@ -75,12 +75,12 @@ class Elsewhere:
 
     def commands(self, lines: Sequence[Sequence[str]]) -> list[tuple[int, str, str]]:
         """The same of several commands, one after another in one process; words with NAME= set variables."""
-        said = json.dumps([*map(list, lines)])
-        status, out, err = self.python("-c", ONE_AFTER_ANOTHER, said)
+        message = json.dumps([*map(list, lines)])
+        status, out, err = self.python("-c", ONE_AFTER_ANOTHER, message)
         assert status == 0, err
         (*outs, _), (*errs, _) = out.split(END), err.split(END)
-        answers = [text.rpartition(STATUS) for text in outs]
-        return [(int(code), text, words) for (text, _, code), words in zip(answers, errs, strict=True)]
+        results = [text.rpartition(STATUS) for text in outs]
+        return [(int(code), text, names) for (text, _, code), names in zip(results, errs, strict=True)]
 
     def install(self, *wheels: Path) -> None:
         """Install wheels by pip."""

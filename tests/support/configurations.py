@@ -55,8 +55,8 @@ def composed(**choices: str) -> dict[str, Any]:
         for group, option in entry.items()
         if option is not None and not group.startswith("override ")
     }
-    given = usual | choices
-    return {group: chosen(group, option, given) for group, option in given.items() if "/" not in group}
+    values = usual | choices
+    return {group: chosen(group, option, values) for group, option in values.items() if "/" not in group}
 
 
 def altered(changes: dict[str, object], **choices: str) -> dict[str, Any]:

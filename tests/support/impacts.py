@@ -54,10 +54,10 @@ def contact_energy(normal: float, slip: float, d: Delassus) -> float:
 
 def broken(law: MultiplierLaw) -> dict[str, list[str]]:
     """Claims of the contract on the kernel that do not come out as the law declares, by property."""
-    found = answers_of(Bench(law))
+    result = answers_of(Bench(law))
     return {
         name: wrong
-        for name, claims in found.items()
+        for name, claims in result.items()
         if (wrong := _wrong(list(claims.values()), law.violations.get(name, "")))
     }
 

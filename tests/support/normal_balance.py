@@ -9,7 +9,7 @@ from contactlab.laws.base import NormalForce
 
 def evaluate(normal: NormalForce, kernel: str, depth: float, rate: float, z: Any, **more: Any) -> Any:
     """A kernel of a normal force at a depth, its rate and internal variables."""
-    names = [one.name for one in normal.internal_variables]
+    names = [each.name for each in normal.internal_variables]
     values = np.array(z, dtype=float)
     known = {
         "depth": depth,

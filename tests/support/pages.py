@@ -10,8 +10,8 @@ DOCS = Path(__file__).resolve().parents[2] / "docs"
 def blocks(page: Path) -> list[tuple[int, str]]:
     """The Python blocks of a page, each with the number of lines before it."""
     text = page.read_text(encoding="utf-8")
-    found = re.finditer(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
-    return [(text[: each.start(1)].count("\n"), each[1]) for each in found]
+    result = re.finditer(r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
+    return [(text[: each.start(1)].count("\n"), each[1]) for each in result]
 
 
 def names_of(page: Path) -> dict[str, Any]:

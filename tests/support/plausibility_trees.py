@@ -95,18 +95,18 @@ def tree(
 ) -> xarray.DataTree:
     """The dataset with series, columns of contacts, configuration or attributes changed or left out."""
     units = {v.name: v.units for v in (*variables.SERIES, *variables.CONTACTS)}
-    given = series() | dict(changes or {})
+    value = series() | dict(changes or {})
     time = ("time", TIME, {"units": "s"})
-    words = yaml.safe_dump(CONFIGURATION if configuration is None else configuration)
+    text = yaml.safe_dump(CONFIGURATION if configuration is None else configuration)
     root = xarray.Dataset(
         {
             name: ("time", values, {"units": units.get(name, "1")})
-            for name, values in given.items()
+            for name, values in value.items()
             if name not in without
         },
         coords={"time": time},
         attrs={
-            "configuration": configuration if isinstance(configuration, str) else words,
+            "configuration": configuration if isinstance(configuration, str) else text,
             "law": "hertz_penalty",
             "law_parameters": json.dumps({"stiffness": 1e10, "friction_coefficient": 0.25}),
             "contact_step": 1.0 / 256.0,

@@ -98,14 +98,14 @@ def outcome(number: int) -> Outcome:
     law = setup.law.title
     run, left, grows = by_run(setup)
     try:
-        found = cl.converged(setup)
+        result = cl.converged(setup)
     except UnboundedError as error:
         return Outcome(law, "refused", str(error), run=run, grows=grows)
     except (BrokenOffError, NotSettledError) as error:
         return Outcome(law, "without", str(error), run=run)
-    first, error = found.steps[0].velocity
+    first, error = result.steps[0].velocity
     # The run has the first step or tolerance, whose error is the distance to the finest.
-    step = abs(first - found.velocity[0]) + found.velocity[1]
-    ripple = 1e-9 * float(np.abs(found.best.curves().series["rotor_velocity"]).max())
+    step = abs(first - result.velocity[0]) + result.velocity[1]
+    ripple = 1e-9 * float(np.abs(result.best.curves().series["rotor_velocity"]).max())
     allowance = left + error + step + ripple
-    return Outcome(law, found.best.kind, steady=first, run=run, allowance=allowance)
+    return Outcome(law, result.best.kind, steady=first, run=run, allowance=allowance)

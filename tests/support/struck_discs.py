@@ -10,7 +10,7 @@ MASS, HALF_AXES = 0.04, (0.035, 0.025)
 
 
 def struck_discs(law: ContactLaw, count: int, seed: int, spread: float = 0.0) -> MeasuredImpacts:
-    """Give impacts of an elliptical disc at any orientation; errors of `spread` in either direction [m/s]."""
+    """Return impacts of an elliptical disc at any orientation, with errors of `spread` [m/s]."""
     rng = np.random.default_rng(seed)
     inertia = MASS * (HALF_AXES[0] ** 2 + HALF_AXES[1] ** 2) / 4.0
     along, across = rng.uniform(-0.012, 0.012, count), rng.uniform(0.025, 0.035, count)

@@ -33,22 +33,22 @@ def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
     status, out, err = command("-m", *GRID, *QUICK)
     assert status == 0, err
     assert "6 complete\nCollected in sweep/sweep.nc: law 2 x clearance 3." in out
-    with xarray.open_dataset("sweep/sweep.nc") as found:
-        assert found["peak_force"].dims == ("law", "clearance")
-        assert found["law"].values.tolist() == ["hertz_penalty", "lagrange_stick"]
-        assert found["clearance"].values.tolist() == [1e-6, 2e-6, 3e-6]
-        assert found["clearance"].attrs["units"] == "m"
-        assert found["clearance"].attrs["key"] == "contact.clearance"
-        assert found.attrs["complete"] == 1
-        assert found.attrs["runs"] == found.attrs["runs_complete"] == 6
-        assert found.attrs["law"] == "hertz_penalty lagrange_stick"
-        common = yaml.safe_load(found.attrs["configuration"])
+    with xarray.open_dataset("sweep/sweep.nc") as result:
+        assert result["peak_force"].dims == ("law", "clearance")
+        assert result["law"].values.tolist() == ["hertz_penalty", "lagrange_stick"]
+        assert result["clearance"].values.tolist() == [1e-6, 2e-6, 3e-6]
+        assert result["clearance"].attrs["units"] == "m"
+        assert result["clearance"].attrs["key"] == "contact.clearance"
+        assert result.attrs["complete"] == 1
+        assert result.attrs["runs"] == result.attrs["runs_complete"] == 6
+        assert result.attrs["law"] == "hertz_penalty lagrange_stick"
+        common = yaml.safe_load(result.attrs["configuration"])
         assert "clearance" not in common["contact"]
         assert common["contact"]["tip_length"] == 0.019
-        assert set(METRICS) <= set(found.data_vars)
-        for law in found["law"].values:
-            for clearance in found["clearance"].values:
-                cell = found.sel({"law": law, "clearance": clearance})
+        assert set(METRICS) <= set(result.data_vars)
+        for law in result["law"].values:
+            for clearance in result["clearance"].values:
+                cell = result.sel({"law": law, "clearance": clearance})
                 run = read_run(Path("sweep") / str(cell["job"].values) / "run.nc")
                 ran = yaml.safe_load(run.attrs["configuration"])
                 assert (ran["law"]["name"], ran["contact"]["clearance"]) == (law, clearance)
@@ -63,17 +63,17 @@ def test_what_is_not_complete_is_missing_with_a_reason(command: Command, simulat
     simulations.endings = {2.0: RuntimeError("no luck"), 3.0: Ending.CHATTERED, 4.0: Ending.INTERRUPTED}
     values = "contact.clearance=1e-6,2e-6,3e-6,4e-6,5e-6"
     assert command("-m", values, *QUICK)[0] == 130
-    found = collect("sweep")
-    assert found.sizes == {"clearance": 5}
-    names = [Status(code).name for code in found["status"].values]
+    result = collect("sweep")
+    assert result.sizes == {"clearance": 5}
+    names = [Status(code).name for code in result["status"].values]
     assert names == ["COMPLETE", "FAILED", "CHATTERED", "INTERRUPTED", "ABSENT"]
-    assert [bool(reason) for reason in found["reason"].values] == [False] + [True] * 4
-    assert np.isfinite(found["peak_force"].values).tolist() == [True] + [False] * 4
-    assert found.attrs["complete"] == 0
-    assert found.attrs["runs_absent"] == 1
+    assert [bool(reason) for reason in result["reason"].values] == [False] + [True] * 4
+    assert np.isfinite(result["peak_force"].values).tolist() == [True] + [False] * 4
+    assert result.attrs["complete"] == 0
+    assert result.attrs["runs_absent"] == 1
     # The file is written with the same content, and flags that say what the codes are.
     with xarray.open_dataset("sweep/sweep.nc") as read:
-        xarray.testing.assert_identical(read.load(), found)
+        xarray.testing.assert_identical(read.load(), result)
         meanings = read["status"].attrs["flag_meanings"].split()
         assert [meanings[code] for code in read["status"].values[:2]] == ["complete", "failed"]
 
@@ -87,17 +87,17 @@ def test_a_run_with_an_open_ledger_keeps_its_numbers_and_says_so(
     assert "1 unbalanced" in out
     states = [json.loads((folder(f"{n}e-06") / "state.json").read_text()) for n in (1, 2, 3)]
     assert [state["state"] for state in states] == ["complete", "unbalanced", "stalled"]
-    found = collect("sweep")
+    result = collect("sweep")
     expected = [Status.COMPLETE, Status.UNBALANCED, Status.STALLED]
-    assert found["status"].values.tolist() == expected
-    assert np.isfinite(found["peak_force"].values).tolist() == [True, True, False]
-    assert (found.attrs["complete"], found.attrs["runs_unbalanced"]) == (0, 1)
+    assert result["status"].values.tolist() == expected
+    assert np.isfinite(result["peak_force"].values).tolist() == [True, True, False]
+    assert (result.attrs["complete"], result.attrs["runs_unbalanced"]) == (0, 1)
     # The datasets alone tell the same.
     for number in (1, 2, 3):
         (folder(f"{number}e-06") / "state.json").unlink()
     again = collect("sweep")
     assert again["status"].values.tolist() == expected
-    np.testing.assert_array_equal(again["peak_force"], found["peak_force"])
+    np.testing.assert_array_equal(again["peak_force"], result["peak_force"])
 
 
 def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Simulations) -> None:
@@ -113,9 +113,9 @@ def test_a_run_that_was_killed_or_cut_is_told(command: Command, simulations: Sim
     status, out, err = command("collect", "sweep")
     assert status == 0, err
     assert "2 failed\n1 unfinished\n" in out
-    found = collect("sweep")
-    assert found["status"].values.tolist() == [Status.UNFINISHED, Status.FAILED, Status.FAILED]
-    assert not np.isfinite(found["peak_force"]).any()
+    result = collect("sweep")
+    assert result["status"].values.tolist() == [Status.UNFINISHED, Status.FAILED, Status.FAILED]
+    assert not np.isfinite(result["peak_force"]).any()
 
 
 @pytest.mark.long
@@ -124,11 +124,11 @@ def test_a_sweep_that_was_extended_is_one_grid_with_the_empty_cells_told(
 ) -> None:
     assert command("-m", "law=hertz_penalty,lagrange_stick", "contact.clearance=1e-6", *QUICK)[0] == 0
     assert command("-m", "law=hertz_penalty", "contact.clearance=2e-6,3e-6", *QUICK)[0] == 0
-    found = collect("sweep")
-    assert found.sizes == {"law": 2, "clearance": 3}
-    rows = found.sel(law="lagrange_stick")
+    result = collect("sweep")
+    assert result.sizes == {"law": 2, "clearance": 3}
+    rows = result.sel(law="lagrange_stick")
     assert rows["status"].values.tolist() == [Status.COMPLETE, Status.ABSENT, Status.ABSENT]
-    assert (found.attrs["runs"], found.attrs["runs_absent"]) == (4, 0)
+    assert (result.attrs["runs"], result.attrs["runs_absent"]) == (4, 0)
 
 
 @pytest.mark.long
@@ -139,24 +139,24 @@ def test_points_that_form_no_grid_are_a_list_with_all_parameters(
     for clearance, friction in points:
         lines = (f"contact.clearance={clearance} um", f"contact.friction_coefficient={friction}")
         assert command("-m", *lines, *QUICK)[0] == 0
-    with xarray.open_dataset("sweep/sweep.nc") as found:
-        assert found.sizes == {"run": 4}
-        pairs = zip(found["clearance"].values, found["friction_coefficient"].values, strict=True)
+    with xarray.open_dataset("sweep/sweep.nc") as result:
+        assert result.sizes == {"run": 4}
+        pairs = zip(result["clearance"].values, result["friction_coefficient"].values, strict=True)
         assert list(pairs) == [(float(f"{c}e-6"), mu) for c, mu in points]
-        assert found["friction_coefficient"].attrs["units"] == "1"
+        assert result["friction_coefficient"].attrs["units"] == "1"
         for n, (clearance, _) in enumerate(points):
-            assert f"clearance={clearance}" in str(found["job"][n].values)
+            assert f"clearance={clearance}" in str(result["job"][n].values)
 
 
 def test_parameters_of_one_law_are_missing_in_the_others(command: Command, simulations: Simulations) -> None:
     assert command("-m", "law=lagrange_stick", *QUICK)[0] == 0
     assert command("-m", "law=hertz_penalty", "law.stiffness=1e10,2e10", *QUICK)[0] == 0
-    found = collect("sweep")
-    assert found.sizes == {"run": 3}
-    stiffness = dict(zip(found["job"].values, found["stiffness"].values, strict=True))
+    result = collect("sweep")
+    assert result.sizes == {"run": 3}
+    stiffness = dict(zip(result["job"].values, result["stiffness"].values, strict=True))
     assert sorted(stiffness.values())[:2] == [1e10, 2e10]
-    assert found["stiffness"].attrs["units"] == "N m-1.5"
-    assert np.isnan(found["stiffness"].where(found["law"] == "lagrange_stick", drop=True)).all()
+    assert result["stiffness"].attrs["units"] == "N m-1.5"
+    assert np.isnan(result["stiffness"].where(result["law"] == "lagrange_stick", drop=True)).all()
 
 
 @pytest.mark.long
@@ -165,10 +165,10 @@ def test_parts_and_placements_are_dimensions_and_what_follows_from_them_is_none(
 ) -> None:
     groups = ("law=composed", "law/normal=linear,hertz_point", "placement=placement_1,placement_2")
     assert command("-m", *groups, *QUICK)[0] == 0
-    found = collect("sweep")
-    assert dict(found.sizes) == {"placement": 2, "normal": 2}
-    assert found["normal"].values.tolist() == ["hertz_point", "linear"]
-    assert "frequency" not in found.coords
+    result = collect("sweep")
+    assert dict(result.sizes) == {"placement": 2, "normal": 2}
+    assert result["normal"].values.tolist() == ["hertz_point", "linear"]
+    assert "frequency" not in result.coords
 
 
 @pytest.mark.long
@@ -180,13 +180,13 @@ def test_runs_without_a_state_are_told_apart_by_their_configurations(
     for name in ("state.json", "sweep.json"):
         for path in Path("sweep").rglob(name):
             path.unlink()
-    found = collect("sweep", "without.nc")
-    assert found.sizes == {"law": 2, "clearance": 3}
-    beside = {name: found[name] for name in found.coords if name not in expected.coords}
+    result = collect("sweep", "without.nc")
+    assert result.sizes == {"law": 2, "clearance": 3}
+    beside = {name: result[name] for name in result.coords if name not in expected.coords}
     same = expected[list(METRICS)].assign_coords(beside).drop_attrs()
-    xarray.testing.assert_identical(found[list(METRICS)].drop_attrs(), same)
+    xarray.testing.assert_identical(result[list(METRICS)].drop_attrs(), same)
     # What follows from the law stands beside it.
-    steps = found["contact_step"]
+    steps = result["contact_step"]
     assert steps.dims == ("law", "clearance")
     assert np.unique(steps.sel(law="lagrange_stick")).tolist() == [5e-8]
     # A dataset of one's own may say nothing at all of itself.

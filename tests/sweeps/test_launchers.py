@@ -139,10 +139,10 @@ def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
         assert "2 complete\n1 refused\n" in out
         assert "Collected in sweep/sweep.nc: run 3." in out
     assert simulations.seen == [1.0, 2.0]
-    found = collect("sweep")
-    assert found["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]
-    assert "contact.clearance is -1e-06 m" in str(found["reason"].values[2])
-    assert found["clearance"].values[:2].tolist() == [1e-6, 2e-6]
+    result = collect("sweep")
+    assert result["status"].values.tolist() == [Status.COMPLETE, Status.COMPLETE, Status.REFUSED]
+    assert "contact.clearance is -1e-06 m" in str(result["reason"].values[2])
+    assert result["clearance"].values[:2].tolist() == [1e-6, 2e-6]
 
 
 @pytest.mark.long

@@ -38,13 +38,13 @@ def test_the_rows_of_a_table_are_runs_of_it_and_parts_of_its_law_vary() -> None:
     law = cl.Composed(normal=cl.Linear(stiffness=1e7))
     rows = [{"law.normal.stiffness": 1e7, "friction_coefficient": 0.2}, {"law.normal.stiffness": 2e7}]
     rows[1]["friction_coefficient"] = 0.3
-    found = cl.sweep(rows, base=SETUP.motor, law=law, **SHORT)
+    result = cl.sweep(rows, base=SETUP.motor, law=law, **SHORT)
     for run, row in enumerate(rows):
         other = cl.Composed(
             cl.Linear(row["law.normal.stiffness"]), friction=cl.Coulomb(row["friction_coefficient"])
         )
         alone = cl.simulate(SETUP.motor, other, duration=1e-3)
-        assert found["final_rotor_velocity"][run] == alone["rotor_velocity"][-1]
+        assert result["final_rotor_velocity"][run] == alone["rotor_velocity"][-1]
 
 
 @pytest.mark.parametrize(
@@ -88,5 +88,5 @@ def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
         cl.branch(SETUP.motor, "drive.phase", 0.0, 0.1, law=SETUP.law)
     axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
     assert np.array_equal(cl.basins(SETUP, axes).labels, cl.basins(SETUP.motor, axes, law=SETUP.law).labels)
-    found = cl.attractors(SETUP, 2), cl.attractors(SETUP.motor, 2, law=SETUP.law)
-    assert np.array_equal(*([(each.share, *each.steady.velocity) for each in one] for one in found))
+    result = cl.attractors(SETUP, 2), cl.attractors(SETUP.motor, 2, law=SETUP.law)
+    assert np.array_equal(*([(each.share, *each.steady.velocity) for each in item] for item in result))

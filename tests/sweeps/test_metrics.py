@@ -27,26 +27,26 @@ HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")
 
 
 def opened(path: Path, name: str = DATASET) -> xarray.Dataset:
-    with xarray.open_dataset(path / name, decode_times=False) as found:
-        return found.load()
+    with xarray.open_dataset(path / name, decode_times=False) as result:
+        return result.load()
 
 
 def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
     swept = ("contact.clearance=linspace(0,2 um,3)", "drive.phase=-90 deg,0.5")
     status, _, err = command(*HERE, "law=lagrange_stick", *swept)
     assert status == 0, err
-    found = opened(Path("here"))
-    assert found["clearance"].attrs["units"] == "m"
-    assert found["phase"].values.tolist() == [-np.pi / 2.0, 0.5]
-    assert list(found.data_vars) == [*Outputs().metrics, "status", "reason"]
-    base = yaml.safe_load(found.attrs["configuration"])
-    for clearance in found["clearance"].values:
-        for phase in found["phase"].values:
+    result = opened(Path("here"))
+    assert result["clearance"].attrs["units"] == "m"
+    assert result["phase"].values.tolist() == [-np.pi / 2.0, 0.5]
+    assert list(result.data_vars) == [*Outputs().metrics, "status", "reason"]
+    base = yaml.safe_load(result.attrs["configuration"])
+    for clearance in result["clearance"].values:
+        for phase in result["phase"].values:
             changed = with_key(base, "contact.clearance", float(clearance))
             setup = build(with_key(changed, "drive.phase", float(phase)))
             assert setup.law.name == "lagrange_stick"
             run = setup.run(duration=1e-3, record_interval=1e-3)
-            cell = found.sel({"clearance": clearance, "phase": phase})
+            cell = result.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
 
@@ -112,13 +112,13 @@ def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Comma
     assert status == 0
     assert "3 complete" in out
     assert "start=0.012, end=0.01: refused. placement" in out
-    found = opened(Path("here"))
-    codes = [[Status(code) for code in row] for row in found["status"].values]
+    result = opened(Path("here"))
+    codes = [[Status(code) for code in row] for row in result["status"].values]
     complete, refused = Status.COMPLETE, Status.REFUSED
     assert codes == [[complete, complete], [refused, complete]]
-    assert np.isnan(found["peak_force"].values[1, 0])
-    assert found["reason"].values[1, 0].startswith("placement")
-    assert found.attrs["runs_refused"] == 1
+    assert np.isnan(result["peak_force"].values[1, 0])
+    assert result["reason"].values[1, 0].startswith("placement")
+    assert result.attrs["runs_refused"] == 1
 
 
 def test_series_lie_beside_the_metrics(command: Command) -> None:

@@ -128,10 +128,10 @@ def test_a_damaged_sweep_is_refused_and_left_alone(tmp_path: Path, whole: dict[s
 
 def test_what_is_finished_can_be_collected(tmp_path: Path, whole: dict[str, bytes]) -> None:
     sweep = begun(tmp_path, 2)
-    found = collect(tmp_path)
-    assert Path(found.encoding["source"]) == tmp_path / UNFINISHED
-    assert found["status"].values.tolist() == 6 * [Status.COMPLETE] + 3 * [Status.ABSENT]
-    assert found.attrs["complete"] == 0
+    result = collect(tmp_path)
+    assert Path(result.encoding["source"]) == tmp_path / UNFINISHED
+    assert result["status"].values.tolist() == 6 * [Status.COMPLETE] + 3 * [Status.ABSENT]
+    assert result.attrs["complete"] == 0
     continued(sweep, tmp_path)
     assert files_of(tmp_path) == whole
 

@@ -43,12 +43,12 @@ def swept(law: ContactLaw | Callable[..., ContactLaw], **changes: Any) -> xarray
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> None:
-    found = swept(law, workers=1)
-    assert found["final_rotor_velocity"].dims == ("clearance", "phase")
+    result = swept(law, workers=1)
+    assert result["final_rotor_velocity"].dims == ("clearance", "phase")
     for clearance in CLEARANCES:
         for phase in PHASES:
             run = simulate(motor_at(clearance, phase), law, duration=DURATION, record_interval=1e-5)
-            cell = found.sel(clearance=clearance, phase=phase)
+            cell = result.sel(clearance=clearance, phase=phase)
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
             assert cell["contact_count"] == run.contacts["start_time"].size
@@ -65,19 +65,19 @@ def test_the_number_of_workers_changes_no_bit(workers: int, monkeypatch: pytest.
 
 def test_all_metrics_are_those_of_the_datasets() -> None:
     law = hertz()
-    found = swept(law, record_interval=1e-6, metrics=tuple(METRICS), workers=1)
+    result = swept(law, record_interval=1e-6, metrics=tuple(METRICS), workers=1)
     for clearance, phase in ((0.0, 2.0), (1e-6, -1.0)):
         motor = motor_at(clearance, phase)
         run = simulate(motor, law, duration=DURATION, record_interval=1e-6)
         expected = assess(to_datatree(run))
-        cell = found.sel(clearance=clearance, phase=phase)
+        cell = result.sel(clearance=clearance, phase=phase)
         for key, value in expected.items():
             assert np.array_equal(cell[key], value, equal_nan=True), key
-            assert found[key].attrs["units"] == METRICS[key].units
+            assert result[key].attrs["units"] == METRICS[key].units
 
 
 def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
-    found = swept(
+    result = swept(
         lambda clearance, phase: hertz(0.1 * (1.0 + clearance * 1e6) + 0.0 * phase),
         duration=DURATION,
         record_interval=3e-5,
@@ -85,11 +85,11 @@ def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
         workers=2,
     )
     run = simulate(motor_at(1e-6, 0.0), hertz(0.2), duration=DURATION, record_interval=3e-5)
-    cell = found.sel(clearance=1e-6, phase=0.0)
-    assert np.array_equal(found["time"], run.time)
+    cell = result.sel(clearance=1e-6, phase=0.0)
+    assert np.array_equal(result["time"], run.time)
     for name in ("rotor_velocity", "gap"):
         assert np.array_equal(cell[f"{name}_series"], run.series[name])
-    assert found["gap_series"].attrs["units"] == "m"
+    assert result["gap_series"].attrs["units"] == "m"
 
 
 def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() -> None:
@@ -98,7 +98,7 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
             raise ValueError("no negative voltage here")
         return default_motor(voltage_1=voltage, voltage_2=voltage)
 
-    found = sweep(
+    result = sweep(
         {"voltage": [-1.0, 100.0, 1e5]},
         motor=motor,
         law=hertz(stiffness=1e3),
@@ -107,20 +107,20 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
         series=["gap"],
         workers=2,
     )
-    codes = [Status(code) for code in found["status"].values]
+    codes = [Status(code) for code in result["status"].values]
     assert codes == [Status.FAILED, Status.COMPLETE, Status.DIVERGED]
-    assert "no negative voltage here" in found["reason"].values[0]
-    assert [bool(reason) for reason in found["reason"].values] == [True, False, True]
-    assert np.isnan(found["peak_force"].values).tolist() == [True, False, True]
-    assert np.isnan(found["gap_series"].values).all(axis=1).tolist() == [True, False, True]
+    assert "no negative voltage here" in result["reason"].values[0]
+    assert [bool(reason) for reason in result["reason"].values] == [True, False, True]
+    assert np.isnan(result["peak_force"].values).tolist() == [True, False, True]
+    assert np.isnan(result["gap_series"].values).all(axis=1).tolist() == [True, False, True]
 
 
 def test_an_axis_brings_its_unit() -> None:
     clearance = xarray.DataArray([*CLEARANCES], attrs={"units": "m"})
     over = {"clearance": clearance, "phase": PHASES}
-    found = sweep(over, motor=motor_at, law=LagrangeStick(0.3), duration=1e-4, workers=1)
-    assert found["clearance"].attrs == {"key": "clearance", "units": "m"}
-    assert found["phase"].attrs == {"key": "phase"}
+    result = sweep(over, motor=motor_at, law=LagrangeStick(0.3), duration=1e-4, workers=1)
+    assert result["clearance"].attrs == {"key": "clearance", "units": "m"}
+    assert result["phase"].attrs == {"key": "phase"}
 
 
 @pytest.mark.long
@@ -179,17 +179,17 @@ def test_a_sweep_without_values_is_refused() -> None:
 
 def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> None:
     """Names, values, units and bits are the same, so that both align."""
-    given = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
-    found = sweep(given, duration=1e-3, base=["drive.phase=1"], workers=1)
+    values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
+    result = sweep(values, duration=1e-3, base=["drive.phase=1"], workers=1)
     lines = ["law=newton,hertz_penalty", "contact.clearance=linspace(0, 2 um, 3)", "drive.phase=1"]
     command(*METRICS_ALONE, *lines, "solver.duration=1 ms", "hydra.sweep.dir=here")
     with xarray.open_dataset("here/sweep.nc") as commanded:
-        xarray.testing.assert_equal(commanded, found)
-        assert commanded["clearance"].attrs == found["clearance"].attrs
+        xarray.testing.assert_equal(commanded, result)
+        assert commanded["clearance"].attrs == result["clearance"].attrs
         assert commanded["clearance"].attrs["key"] == "contact.clearance"
         assert "clearance" in commanded["clearance"].attrs["long_name"] or commanded["clearance"].units == "m"
-    stored = sweep(given, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
-    xarray.testing.assert_equal(stored, found)
+    stored = sweep(values, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
+    xarray.testing.assert_equal(stored, result)
 
 
 SAMPLES = [
@@ -200,8 +200,8 @@ SAMPLES = [
 
 @pytest.mark.long
 def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> None:
-    found = sweep(SAMPLES, duration=1e-3, workers=1)
-    assert found["clearance"].dims == ("run",)
+    result = sweep(SAMPLES, duration=1e-3, workers=1)
+    assert result["clearance"].dims == ("run",)
     pandas.DataFrame(SAMPLES).to_csv("table.csv", index=False)
     short = ("sweep.samples=table.csv", "solver.duration=1 ms", "record.picture=false")
     assert command("-m", *short, "sweep.keep=metrics", "hydra.sweep.dir=metrics")[0] == 0
@@ -210,7 +210,7 @@ def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> 
         with xarray.open_dataset(f"{folder}/sweep.nc") as read:
             ordered = read.sortby("phase")
             for name in ("clearance", "law", "phase", "final_rotor_velocity", "peak_force"):
-                assert np.array_equal(ordered[name], found[name]), (folder, name)
+                assert np.array_equal(ordered[name], result[name]), (folder, name)
     # What a sweep leaves is a table for another.
     again = ("sweep.samples=metrics/sweep.nc", "solver.duration=1 ms", "sweep.keep=metrics")
     status, _, err = command("-m", *again, "hydra.sweep.dir=again")

@@ -68,11 +68,11 @@ def test_a_law_that_raises_harms_no_other_and_is_run_again_when_it_is_mended(tmp
     assert "1 complete\n1 failed\n" in out
     place = tmp_path / "sweep/law=fragile,record.picture=false,solver.duration=0.5_ms"
     assert "KeyError: 'FOUND'" in (place / "run.log").read_text(encoding="utf-8")
-    with xarray.open_dataset(tmp_path / "sweep/sweep.nc") as found:
-        assert found["status"].sel(law="fragile") == 4
-        assert "raised KeyError: 'FOUND'" in str(found["reason"].sel(law="fragile").values)
-        assert np.isfinite(found["rotor_velocity"].sel(law="hertz_penalty"))
-        assert np.isnan(found["rotor_velocity"].sel(law="fragile"))
+    with xarray.open_dataset(tmp_path / "sweep/sweep.nc") as result:
+        assert result["status"].sel(law="fragile") == 4
+        assert "raised KeyError: 'FOUND'" in str(result["reason"].sel(law="fragile").values)
+        assert np.isfinite(result["rotor_velocity"].sel(law="hertz_penalty"))
+        assert np.isnan(result["rotor_velocity"].sel(law="fragile"))
     # The same version of the package with other code in it.
     mended = elsewhere.packages / "fragile.py"
     mended.write_text(mended.read_text().replace(FAULT, "-1e7 * gap, 0.0, 5e6 * gap * gap, 0.0"))

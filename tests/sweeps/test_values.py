@@ -19,9 +19,9 @@ RANGES = {
 
 @pytest.mark.parametrize("text", RANGES)
 def test_a_range_has_the_values_that_were_typed(text: str) -> None:
-    found = spread("drive.phase", text)
-    assert found == RANGES[text]
-    assert [type(value) for value in found] == [type(value) for value in RANGES[text]]
+    result = spread("drive.phase", text)
+    assert result == RANGES[text]
+    assert [type(value) for value in result] == [type(value) for value in RANGES[text]]
 
 
 @pytest.mark.parametrize(

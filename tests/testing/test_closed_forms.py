@@ -43,9 +43,9 @@ def test_a_dashpot_that_pulls_is_released_where_the_gap_opens(ratio: float) -> N
     b, w = ratio * rate, rate * sqrt(1.0 - ratio**2)
     law = TensileDashpot(stiffness, 2.0 * b * mass)
     ball = block(mass, height=1e-6, gap_rate=-speed)
-    found = run(ball, law, 1e-6 / speed + 2.0 * pi / w)
-    assert restitution(found) == pytest.approx(exp(-pi * b / w), rel=0.0, abs=1e-6)
-    assert first(found, "duration") == pytest.approx(pi / w, rel=1e-6)
+    result = run(ball, law, 1e-6 / speed + 2.0 * pi / w)
+    assert restitution(result) == pytest.approx(exp(-pi * b / w), rel=0.0, abs=1e-6)
+    assert first(result, "duration") == pytest.approx(pi / w, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", range(2, 12))

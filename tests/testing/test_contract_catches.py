@@ -76,12 +76,12 @@ def test_a_law_that_carries_nothing_fails_with_a_sentence() -> None:
 
 
 def test_a_law_that_remembers_what_it_was_asked_fails_there_alone() -> None:
-    asked = [0.0]
+    requested = [0.0]
 
     def remembers_the_last_call(gap, gap_rate, slip, impact_speed, parameters):
         # No run asks twice of a gap and its half; who asks more often does.
-        mu = 0.9 * parameters[1] if asked[0] == 0.5 * gap else parameters[1]
-        asked[0] = gap
+        mu = 0.9 * parameters[1] if requested[0] == 0.5 * gap else parameters[1]
+        requested[0] = gap
         normal = parameters[0] * max(-gap, 0.0) ** 1.5
         return normal, mu * normal, -0.4 * normal * gap, 0.0
 

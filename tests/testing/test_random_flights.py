@@ -24,11 +24,11 @@ def rows() -> pd.DataFrame:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_no_touch_down_is_missed_late_or_invented(kind: str) -> None:
-    found = tally(rows()).loc[kind]
-    assert found["flights"] > 0.1 * FLIGHTS
+    result = tally(rows()).loc[kind]
+    assert result["flights"] > 0.1 * FLIGHTS
     # The claim is about both: flights that touch and flights that do not.
-    assert 0.2 * found["flights"] < found["touched"] < found["flights"]
-    assert [found[fault] for fault in FAULTS] == [0, 0, 0], found
+    assert 0.2 * result["flights"] < result["touched"] < result["flights"]
+    assert [result[fault] for fault in FAULTS] == [0, 0, 0], result
 
 
 def test_grazes_are_within_a_nanometre_of_touching() -> None:
@@ -54,9 +54,9 @@ def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -
     """What the judge finds wrong with an engine that finds touch-downs at these times [s]."""
     made = SimpleNamespace(contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10})
     monkeypatch.setattr(references, "run", lambda *_: made)
-    found = judge(flight)
-    assert found["touched"] == (flight.first_touch(DURATION) is not None)
-    return {fault for fault in FAULTS if found[fault]}
+    result = judge(flight)
+    assert result["touched"] == (flight.first_touch(DURATION) is not None)
+    return {fault for fault in FAULTS if result[fault]}
 
 
 def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -40,8 +40,8 @@ def test_a_number_gives_the_same_configuration_and_the_same_figures() -> None:
 
 def test_the_command_line_that_is_printed_is_that_run(command: Command) -> None:
     outcome = script.outcome_of(5)
-    words = shlex.split(script.command_line(5))[1:]
-    assert command(*words, "record.picture=false", "hydra.run.dir=here")[0] == 0
+    text = shlex.split(script.command_line(5))[1:]
+    assert command(*text, "record.picture=false", "hydra.run.dir=here")[0] == 0
     assert load("here/run.nc").contacts.sizes["contact"] == outcome["contacts"]
     assert command("verify", "here")[0] == 0
 

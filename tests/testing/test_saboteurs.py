@@ -46,7 +46,7 @@ def law_of(kernel: Kernel, units: str = "N m-1.5", idle: bool = False) -> cl.Pen
         ("idle", cl.Parameter("c", "1", "of no meaning", at_least=0.0), 1.0),
     ]
     members = [
-        (name, Annotated[float, said], field(default=value)) for name, said, value in declared[: 2 + idle]
+        (name, Annotated[float, text], field(default=value)) for name, text, value in declared[: 2 + idle]
     ]
     made: Any = make_dataclass(
         "Made", members, bases=(Saboteur,), namespace={"force": staticmethod(kernel)}, frozen=True

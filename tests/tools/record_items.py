@@ -87,29 +87,29 @@ def drawn_motors() -> list[Item]:
     items = []
     for number in range(JUDGED):
         case = case_of(number)
-        words = _law_words(case.law)
+        text = _law_words(case.law)
         for section, names in KEYS.items():
             pairs = names.items() if isinstance(names, dict) else zip(names, names, strict=True)
-            words += [f"{section}.{key}={case.changes[name]!r}" for name, key in pairs]
-        words += ["solver.duration=0.002", "record.interval=1e-06"]
-        items.append({"id": f"judged_{number:03}", "overrides": words})
+            text += [f"{section}.{key}={case.changes[name]!r}" for name, key in pairs]
+        text += ["solver.duration=0.002", "record.interval=1e-06"]
+        items.append({"id": f"judged_{number:03}", "overrides": text})
     numbers = np.random.default_rng(SEED).choice(1200, WIDE, replace=False)
     for number in sorted(numbers.tolist()):
         groups, values = random_configuration(number, SEED)
-        words = [f"{group}={option}" for group, option in groups.items()]
-        words += [f"{key}={'null' if value is None else repr(value)}" for key, value in values.items()]
-        items.append({"id": f"wide_{number:04}", "overrides": words})
+        text = [f"{group}={option}" for group, option in groups.items()]
+        text += [f"{key}={'null' if value is None else repr(value)}" for key, value in values.items()]
+        items.append({"id": f"wide_{number:04}", "overrides": text})
     return items
 
 
 def _law_words(law: Any) -> list[str]:
     """Return the overrides that make a law, without its friction coefficient."""
-    words = [f"law={law.name}"]
+    text = [f"law={law.name}"]
     if is_dataclass(getattr(law, "normal", None)):
-        words += [f"law/{part}={getattr(law, part).name}" for part in PARTS]
+        text += [f"law/{part}={getattr(law, part).name}" for part in PARTS]
     flat = _leaves(asdict(law), "law")
     return [
-        *words,
+        *text,
         *(f"{k}={x!r}" for k, x in flat if x is not None and not k.endswith("friction_coefficient")),
     ]
 
@@ -137,8 +137,8 @@ def mild_motor(rng: np.random.Generator) -> list[str]:
 
 def impact_items() -> Iterator[Item]:
     """Every law at its defaults, laws of another package, and the laws of all drawn motors."""
-    for name, words in LAWS.items():
-        yield {"id": f"default_{name.replace(' ', '_')}", "overrides": words}
+    for name, text in LAWS.items():
+        yield {"id": f"default_{name.replace(' ', '_')}", "overrides": text}
     for name in FOREIGN:
         yield {"id": f"foreign_{name.partition(':')[2]}", "overrides": [], "law": name}
     for item in drawn_motors():
@@ -160,11 +160,11 @@ def run_items() -> Iterator[Item]:
     for name in FOREIGN:
         yield {"id": f"foreign_{name.partition(':')[2]}", "overrides": short, "law": name}
     for name in ("newton", "hertz_penalty", "prony", "lugre"):
-        words = LAWS[name]
+        text = LAWS[name]
         pieces = {"options": {"duration": 7e-4, "record_interval": 1e-6}, "pieces": 3}
-        yield {"id": f"pieces_{name}", "overrides": words} | pieces
+        yield {"id": f"pieces_{name}", "overrides": text} | pieces
         until = {"options": {"until": "steady", "duration": 0.5, "record_interval": 1e-5}}
-        yield {"id": f"until_{name}", "overrides": words} | until
+        yield {"id": f"until_{name}", "overrides": text} | until
     yield from drawn_motors()
 
 
@@ -187,8 +187,8 @@ def sweep_items() -> Iterator[Item]:
 def steady_items() -> Iterator[Item]:
     """The default motor under every law, held, loaded and braked; drawn motors."""
     rng, names = np.random.default_rng(SEED), list(LAWS)
-    for name, words in LAWS.items():
-        yield {"id": f"default_{name.replace(' ', '_')}", "overrides": words, "options": {"longest": LONGEST}}
+    for name, text in LAWS.items():
+        yield {"id": f"default_{name.replace(' ', '_')}", "overrides": text, "options": {"longest": LONGEST}}
     for name in ("hertz_penalty", "newton", "lagrange_stick", "prony", "lugre", "iwan"):
         for key, value in (("belt", -1.0), ("load", 1e-3), ("brake", 2e-3)):
             options = {"longest": LONGEST, key: value}
@@ -200,8 +200,8 @@ def steady_items() -> Iterator[Item]:
         yield item | {"options": {"longest": LONGEST}}
     for number in range(40):
         name = names[number * 7 % len(names)]
-        words, options = [*LAWS[name], *mild_motor(rng)], {"longest": LONGEST}
-        yield {"id": f"drawn_{number:02}_{name.replace(' ', '_')}", "overrides": words, "options": options}
+        text, options = [*LAWS[name], *mild_motor(rng)], {"longest": LONGEST}
+        yield {"id": f"drawn_{number:02}_{name.replace(' ', '_')}", "overrides": text, "options": options}
 
 
 def branch_items() -> Iterator[Item]:
@@ -217,19 +217,19 @@ def branch_items() -> Iterator[Item]:
         yield {"id": ident, "study": "branch", "overrides": LAWS[name], "options": options}
     axes = {"rotor_velocity": [-3.0, -1.0, 1.0, 3.0], "drive_phase": [0.0, 0.25, 0.5, 0.75]}
     for name, wide, narrow in (("newton", 3.895e-6, 2.5e-6), ("hertz_penalty", 3.5e-6, 2.5e-6)):
-        words = [*LAWS[name], f"contact.clearance={narrow!r}"]
+        text = [*LAWS[name], f"contact.clearance={narrow!r}"]
         yield {
             "id": f"basins_{name}",
             "study": "basins",
-            "overrides": words,
+            "overrides": text,
             "options": {"longest": LONGEST},
             "axes": axes,
         }
-        words, options = (
+        text, options = (
             [*LAWS[name], f"contact.clearance={wide!r}"],
             {"count": 4, "seed": SEED, "longest": LONGEST},
         )
-        yield {"id": f"attractors_{name}", "study": "attractors", "overrides": words, "options": options}
+        yield {"id": f"attractors_{name}", "study": "attractors", "overrides": text, "options": options}
 
 
 def fit_items() -> Iterator[Item]:
@@ -240,13 +240,13 @@ def fit_items() -> Iterator[Item]:
     yield {"id": "ellipses_tails", "overrides": ["law=brach"]} | shared | tails
     made: Item = {"overrides": ["law=newton"], "impacts": 60, "noise": 0.01, "seed": SEED}
     yield {"id": "made_rigid", "made": made, "overrides": ["law=poisson"], "discrepancy": "both"} | shared
-    words = ["law=composed", "law/damping=hunt_crossley", "law.damping.restitution=0.8"]
-    made = {"overrides": words, "impacts": 25, "noise": 0.01, "seed": SEED}
-    free = [*words[:2], "law.damping.restitution=0.4..1", "contact.friction_coefficient=0.1..0.5"]
+    text = ["law=composed", "law/damping=hunt_crossley", "law.damping.restitution=0.8"]
+    made = {"overrides": text, "impacts": 25, "noise": 0.01, "seed": SEED}
+    free = [*text[:2], "law.damping.restitution=0.4..1", "contact.friction_coefficient=0.1..0.5"]
     yield {"id": "made_impacts", "made": made, "overrides": free} | shared
-    words = ["law=hertz_penalty", "law.stiffness=1e10", "contact.friction_coefficient=0.3"]
+    text = ["law=hertz_penalty", "law.stiffness=1e10", "contact.friction_coefficient=0.3"]
     made = {
-        "overrides": [*words, "solver.duration=1.5e-3", "record.interval=1e-5"],
+        "overrides": [*text, "solver.duration=1.5e-3", "record.interval=1e-5"],
         "series": ["rotor_velocity", "tip_normal_displacement"],
         "noise": 0.01,
         "seed": SEED,
@@ -276,8 +276,8 @@ def compare_items() -> Iterator[Item]:
 def characterise_items() -> Iterator[Item]:
     """Data sheets of the default motor under every law, and of drawn motors."""
     rng = np.random.default_rng([SEED, 1])
-    for name, words in LAWS.items():
-        yield {"id": name.replace(" ", "_"), "overrides": words}
+    for name, text in LAWS.items():
+        yield {"id": name.replace(" ", "_"), "overrides": text}
     for number, name in enumerate(("hertz_penalty", "newton", "mindlin", "prony", "poisson", "lugre") * 2):
         yield {"id": f"drawn_{number:02}_{name}", "overrides": [*LAWS[name], *mild_motor(rng)]}
 

@@ -131,8 +131,8 @@ def _of_solution(run: Any) -> Values:
             values[f"motor/{name}"] = array.values
     for group in ("contacts", "state"):
         if group in tree.children:
-            found = tree.children[group].to_dataset(inherit=False).variables
-            values |= {f"{group}/{name}": array.values for name, array in found.items()}
+            result = tree.children[group].to_dataset(inherit=False).variables
+            values |= {f"{group}/{name}": array.values for name, array in result.items()}
     statistics = json.loads(tree.attrs["solver_statistics"])
     values |= {f"count/{name}": number for name, number in statistics.items()}
     for key, number in assess(tree).items():
@@ -172,11 +172,11 @@ def impact_values(item: Item) -> Values:
     for speed in SPEEDS:
         every = [*itertools.product(MATRICES, SLIPS)]
         matrices, rates = [each[0] for each in every], [[-speed, each[1]] for each in every]
-        found = _of_dataset(cl.impact(law, matrices, rates), "impact")
+        result = _of_dataset(cl.impact(law, matrices, rates), "impact")
         if isinstance(law, cl.PenaltyLaw):
-            found |= _of_dataset(cl.impact(law, matrices[::6], rates[::6], history=16), "history")
+            result |= _of_dataset(cl.impact(law, matrices[::6], rates[::6], history=16), "history")
         # Each with a scale of its own.
-        values |= {f"{name}[{speed:g}]": array for name, array in found.items()}
+        values |= {f"{name}[{speed:g}]": array for name, array in result.items()}
     return values
 
 
@@ -200,11 +200,11 @@ def steady_values(item: Item) -> Values:
     """Settle a motor at three steps, with the error of the step."""
     import contactlab as cl
 
-    found = cl.converged(cl.build(item["overrides"]), **item["options"]).details
-    values: Values = {"converged/values": found.values}
+    result = cl.converged(cl.build(item["overrides"]), **item["options"]).details
+    values: Values = {"converged/values": result.values}
     for name in ("velocity", "torque"):
-        values |= _of_estimate(getattr(found, name), f"converged/{name}")
-    for at, each in enumerate(found.steps):
+        values |= _of_estimate(getattr(result, name), f"converged/{name}")
+    for at, each in enumerate(result.steps):
         values |= _of_steady(each, str(at))
     return values
 
@@ -285,7 +285,7 @@ def fit_values(item: Item) -> Values:
         label, problem = each.label, each.problem
         tree = fitted(each, **options)
         about, sampled = tree.attrs, tree["weighted_samples"].to_dataset()
-        found = Posterior(
+        result = Posterior(
             problem.free,
             sampled["value"].values,
             sampled["log_likelihood"].values,
@@ -294,7 +294,7 @@ def fit_values(item: Item) -> Values:
             points=0,
             seed=0,
         )
-        names = [one.name for one in found.free]
+        names = [single.name for single in result.free]
         columns: Values = {}
         if problem.parameters:
             best = best_fit(
@@ -311,23 +311,23 @@ def fit_values(item: Item) -> Values:
                 f"count/hits[{label}]": best.hits,
                 f"text/undetermined[{label}]": ", ".join(best.undetermined),
             }
-        mean, covariance = found.moments()
+        mean, covariance = result.moments()
         columns |= {
             "posterior/mean": mean,
             "posterior/deviation": np.sqrt(np.diag(covariance)),
-            "posterior/quantiles": found.quantiles((0.05, 0.5, 0.95)),
+            "posterior/quantiles": result.quantiles((0.05, 0.5, 0.95)),
         }
         for quantity, column in columns.items():
             # Numbers of the noise are free in the posterior alone.
             pairs = zip(names, column, strict=False)
             values |= {f"{quantity}[{label},{name}]": number for name, number in pairs}
         values |= {
-            f"posterior/log_evidence[{label}]": found.log_evidence,
-            f"posterior/log_evidence_error[{label}]": found.error,
-            f"posterior/information[{label}]": found.information,
-            f"posterior/log_likelihood[{label}]": found.log_likelihood,
+            f"posterior/log_evidence[{label}]": result.log_evidence,
+            f"posterior/log_evidence_error[{label}]": result.error,
+            f"posterior/information[{label}]": result.information,
+            f"posterior/log_likelihood[{label}]": result.log_likelihood,
             f"posterior/share_inside[{label}]": about["coverage"],
-            f"count/evaluations[{label}]": found.calls,
+            f"count/evaluations[{label}]": result.calls,
         }
     return values
 
@@ -410,8 +410,8 @@ def _of_dataset(data: Any, prefix: str, shares: Sequence[str] = ()) -> Values:
             pairs = [*zip(inner, labels, strict=True)]
             path = [str(name), *(label for dim, label in pairs if dim in QUANTITIES)]
             path = [f"share/{each}" if each in shares else each for each in path]
-            said = ",".join(f"{dim}={label}" for dim, label in pairs if dim in LABELS)
-            full = "/".join(["text" if text else prefix, *path]) + (f"[{said}]" if said else "")
+            message = ",".join(f"{dim}={label}" for dim, label in pairs if dim in LABELS)
+            full = "/".join(["text" if text else prefix, *path]) + (f"[{message}]" if message else "")
             values[full] = "|".join(map(str, np.ravel(array[place]))) if text else array[place]
     return values
 
@@ -538,8 +538,8 @@ def scales_of(values: Mapping[str, Array]) -> dict[str, float]:
 def _scale_key(name: str) -> str:
     """Return what the quantities of one scale have in common; an error has the scale of its number."""
     for at, pattern in enumerate(SCALED_TOGETHER):
-        if found := re.fullmatch(pattern, name.partition("[")[0]):
-            return f"{at} {found[1]}"
+        if result := re.fullmatch(pattern, name.partition("[")[0]):
+            return f"{at} {result[1]}"
     return re.sub(r"_(?:error|interval)\b", "", name)
 
 
@@ -630,15 +630,15 @@ class Comparison:
                 within.append(f"{quantity} {max(sizes):.1e}")
         if within:
             print(f"  within: {len(within)} quantities, largest {', '.join(within[:4])}")
-        for item, found in sorted(self.beyond.items(), key=lambda pair: -max(pair[1].values())):
+        for item, result in sorted(self.beyond.items(), key=lambda pair: -max(pair[1].values())):
             own = alone(item)
-            worst = sorted(found, key=lambda name: -found[name])[:4]
+            worst = sorted(result, key=lambda name: -result[name])[:4]
             known = {name: f" (round-off {size:.1e})" for name, size in own.items()}
-            names = ", ".join(f"{name} {found[name]:.1e}{known.get(name, '')}" for name in worst)
-            print(f"  beyond: {item}, {len(found)} arrays: {names}")
-        for said, items in self.changed.items():
+            names = ", ".join(f"{name} {result[name]:.1e}{known.get(name, '')}" for name in worst)
+            print(f"  beyond: {item}, {len(result)} arrays: {names}")
+        for message, items in self.changed.items():
             names = ", ".join(items[:8]) + ", ..." * (len(items) > 8)
-            print(f"  changed in {len(items)}: {said} ({names})")
+            print(f"  changed in {len(items)}: {message} ({names})")
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -647,9 +647,9 @@ def compare(options: argparse.Namespace) -> int:
     for part in options.part or COMPUTED:
         before = {path.stem: path for path in sorted((options.before / part).glob("*.npz"))}
         both = {item: path for item in before if (path := options.after / part / f"{item}.npz").exists()}
-        found = Comparison()
+        result = Comparison()
         for item, path in both.items():
-            found.add(item, read(before[item], options.skip), read(path, options.skip))
+            result.add(item, read(before[item], options.skip), read(path, options.skip))
 
         def alone(item: str, part: str = part, before: dict[str, Path] = before) -> dict[str, float]:
             path = options.round_off and options.round_off / part / f"{item}.npz"
@@ -660,8 +660,8 @@ def compare(options: argparse.Namespace) -> int:
             return {name: deviation(old[name], new[name], size) for name, size in known.items()}
 
         if before:
-            found.show(f"{part}: {len(both)} of {len(before)} items", alone)
-        holds &= not found.beyond and not found.changed and not (options.all and len(both) < len(before))
+            result.show(f"{part}: {len(both)} of {len(before)} items", alone)
+        holds &= not result.beyond and not result.changed and not (options.all and len(both) < len(before))
     print("\nnothing beyond" if holds else "\nDEVIATIONS")
     return int(not holds)
 
@@ -670,16 +670,16 @@ def main() -> int:
     """Read the arguments and run a subcommand."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     commands = parser.add_subparsers(required=True)
-    one = commands.add_parser("record", help="compute and write what is missing")
-    one.add_argument("folder", type=Path)
-    one.add_argument("--items", type=Path, help="record whose items are computed")
-    one.add_argument("--first", type=int, default=0, help="place of the first item of each part")
-    one.add_argument("--motors", type=int, help="how many items of each part; default: all")
-    one.add_argument("--share", type=float, default=1.0, help="random share of the items")
-    one.add_argument("--workers", type=int, default=2)
-    one.add_argument("--data", type=Path, help=f"folder of measured data; default: {DATA}")
-    one.add_argument("--nudge", action="store_true", help="make every tip longer by 4 eps")
-    one.set_defaults(work=record)
+    single = commands.add_parser("record", help="compute and write what is missing")
+    single.add_argument("folder", type=Path)
+    single.add_argument("--items", type=Path, help="record whose items are computed")
+    single.add_argument("--first", type=int, default=0, help="place of the first item of each part")
+    single.add_argument("--motors", type=int, help="how many items of each part; default: all")
+    single.add_argument("--share", type=float, default=1.0, help="random share of the items")
+    single.add_argument("--workers", type=int, default=2)
+    single.add_argument("--data", type=Path, help=f"folder of measured data; default: {DATA}")
+    single.add_argument("--nudge", action="store_true", help="make every tip longer by 4 eps")
+    single.set_defaults(work=record)
     two = commands.add_parser("compare", help="hold a record against another")
     two.add_argument("before", type=Path)
     two.add_argument("after", type=Path)
@@ -687,7 +687,7 @@ def main() -> int:
     two.add_argument("--all", action="store_true", help="items that AFTER lacks are a failure")
     two.add_argument("--round-off", type=Path, help="record made by --nudge")
     two.set_defaults(work=compare)
-    for each in (one, two):
+    for each in (single, two):
         each.add_argument("--part", action="append", choices=[*COMPUTED], help="default: all")
     options = parser.parse_args()
     status: int = options.work(options)

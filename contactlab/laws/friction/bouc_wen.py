@@ -53,7 +53,7 @@ class BoucWen(Friction):
 
     @classmethod
     def of_wen(cls, mu: float, a: float, beta: float, gamma: float, n: float) -> Self:
-        """Give the friction of Wen's A [1], beta and gamma [m^-n] and n that slides at mu N.
+        """Return the friction of Wen's A [1], beta and gamma [m^-n] and n that slides at mu N.
 
         Raises:
             ValueError: A is not positive, or beta < |gamma|, which would make energy.

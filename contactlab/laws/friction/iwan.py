@@ -107,11 +107,11 @@ class Iwan(Friction):
         # The way to the next limit [m], or the slip.
         if which == REVERSE:
             return copysign(1.0, sliding) * slip if sliding != 0.0 else 1.0
-        held = int(abs(sliding))
-        if held == len(limit):
+        kept = int(abs(sliding))
+        if kept == len(limit):
             return 1.0
-        stretch = z[held] if sliding > 0.0 else -z[held] if sliding < 0.0 else abs(z[held])
-        return limit[held] + TOGETHER * full_slip - stretch
+        stretch = z[kept] if sliding > 0.0 else -z[kept] if sliding < 0.0 else abs(z[kept])
+        return limit[kept] + TOGETHER * full_slip - stretch
 
     @staticmethod
     @kernel

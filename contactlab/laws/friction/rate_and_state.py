@@ -15,7 +15,7 @@ FASTEST = 10.0
 
 @inner_kernel
 def asinh_of(slip, exponent):
-    """Give asinh(slip exp(exponent)) [1]; the exponential itself may be beyond all numbers."""
+    """Return asinh(slip exp(exponent)) [1]; the exponential itself may be beyond all numbers."""
     if slip == 0.0:
         return 0.0
     whole = exponent + log(abs(slip))

@@ -13,7 +13,7 @@ from contactlab.laws.lagrange import stick_or_slip_impulse
 
 @inner_kernel
 def impulse_ratio(approach, slip, d_nn, d_nt, d_tt, mu, e):
-    """Give p_t/p_n and the mode, where r = p_t/p_n and u = -approach.
+    """Return p_t/p_n and the mode, where r = p_t/p_n and u = -approach.
 
         slip+  ~  slip d_nn + (1 + e) u d_nt + r ((1 + e) u d_tt + slip d_nt)
         loss   ~  ((1 - e) u - 2 r slip)(d_nn + r d_nt) - r (d_nt + r d_tt)(1 + e) u

@@ -50,7 +50,7 @@ class Johnson(MultiplierLaw):
         return {"friction_coefficient": self.friction_coefficient, "elastic_energy": energy}
 
     def first_yield(self, mass: float) -> float:
-        """Give the speed at which a mass [kg] begins to dent [m/s]: p_0 = 1.6 Y of Hertz.
+        """Return the speed at which a mass [kg] begins to dent [m/s]: p_0 = 1.6 Y of Hertz.
 
         m V^2/2 = pi^5 p_0^5 R^3/(60 E*^4), about 53 Y^5 R^3/E*^4.
         """

@@ -29,7 +29,7 @@ from contactlab.laws.lagrange import stick_or_slip_impulse
 
 @inner_kernel
 def stages_of(slip, d_nt, d_tt, mu):
-    """Give the two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`.
+    """Return the two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`.
 
     They are the normal impulse at which the slip ends [N s], dp_t/dp before and after, and the mode after.
     """
@@ -44,7 +44,7 @@ def stages_of(slip, d_nt, d_tt, mu):
 
 @inner_kernel
 def compression(approach, end, first, second):
-    """Give the normal impulse at which the gap rate is zero [N s].
+    """Return the normal impulse at which the gap rate is zero [N s].
 
     The approach is the gap rate at the beginning [m/s], negative. It grows with the normal impulse by first
     [1/kg] until the slip ends, by second from there on. Slip may press the bodies together (first < 0),
@@ -57,7 +57,7 @@ def compression(approach, end, first, second):
 
 @inner_kernel
 def restituted(approach, end, first, second, p_c, e):
-    """Give the normal impulse [N s] that gives back the share e^2 of the work of the compression p_c."""
+    """Return the normal impulse [N s] that gives back the share e^2 of the work of the compression p_c."""
     if p_c > end:
         # Compression outlasts the slip: triangles of work up to there and from there.
         rate = approach + first * end

@@ -11,13 +11,13 @@ from contactlab.laws.lagrange import stick_or_slip_impulse
 
 @inner_kernel
 def approach_of(normal_rate, gap_rate):
-    """Give the gap rate that an impact has to meet [m/s], negative; zero where there is no impact."""
+    """Return the gap rate that an impact has to meet [m/s], negative; zero where there is no impact."""
     return min(max(gap_rate, normal_rate), 0.0)
 
 
 @inner_kernel
 def with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu):
-    """Give impulses [N s] and mode of the step from those of its impact, and the slip it leaves [m/s]."""
+    """Return impulses [N s] and mode of the step from those of its impact, and the slip it leaves [m/s]."""
     rebound = normal_rate + d_nn * p_n + d_nt * p_t
     if normal_rate == approach or rebound >= 0.0:
         return p_n, p_t, mode

@@ -92,12 +92,12 @@ class HertzElliptic(NormalForce):
 
 @cache
 def approach_factor(ratio: float) -> float:
-    """Give F_2 of the ratio R'/R'' >= 1 of relative radii [1]: approach over that of R_e both ways."""
+    """Return F_2 of the ratio R'/R'' >= 1 of relative radii [1]: approach over that of R_e both ways."""
     if ratio - 1.0 < ROUND:
         return 1.0
 
     def terms(slenderness: float) -> tuple[float, float, float]:
-        """Give (a/b)^2 E - K, K - E and K of the ellipse with log a/b."""
+        """Return (a/b)^2 E - K, K - E and K of the ellipse with log a/b."""
         # Of a slender ellipse 1 - (b/a)^2 keeps no digit of (b/a)^2, on which K depends.
         rest = exp(-2.0 * slenderness)
         first, second = float(ellipkm1(rest)), float(ellipe(1.0 - rest))

@@ -23,7 +23,7 @@ STEEPEST = 1e-9
 
 @inner_kernel
 def root_of_radius(depth):
-    """Give q >= 4^(-1/3) with q^4 - q = x, of the depth x; at the break and beyond that of the break.
+    """Return q >= 4^(-1/3) with q^4 - q = x, of the depth x; at the break and beyond that of the break.
 
     By Ferrari: (q^2 + m)^2 = 2 m (q + 1/4m)^2 with m^3 + x m = 1/8, whose discriminant is zero at the break.
     """

@@ -17,11 +17,11 @@ MOST = 3
 @inner_kernel
 def free_depth(z, relaxed_stiffness, arm_stiffness):
     """Return the depth of a surface that nothing presses [m]."""
-    whole, held = relaxed_stiffness, 0.0
+    whole, stored = relaxed_stiffness, 0.0
     for i in range(len(arm_stiffness)):
         whole += arm_stiffness[i]
-        held += arm_stiffness[i] * z[i]
-    return held / whole
+        stored += arm_stiffness[i] * z[i]
+    return stored / whole
 
 
 @final

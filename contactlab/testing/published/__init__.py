@@ -42,13 +42,13 @@ SHARED: Final[Mapping[str, tuple[Proof, ...]]] = {
 
 @cache
 def published() -> dict[str, dict[str, Proof]]:
-    """Give the proofs of every module here by its name, and by that of the function."""
-    names = sorted(found.name for found in iter_modules(__path__))
+    """Return the proofs of every module here by its name, and by that of the function."""
+    names = sorted(result.name for result in iter_modules(__path__))
     return {name: proofs_of(import_module(f"{__name__}.{name}")) for name in names}
 
 
 def published_of(name: str, family: str = "") -> tuple[Proof, ...]:
-    """Give the proofs of a law, or of a part of a family, its own first; none where there is none."""
+    """Return the proofs of a law, or of a part of a family, its own first; none where there is none."""
     own: list[Proof] = []
     for known in (f"{family}_{name}", name):
         own += published().get(known, {}).values()
@@ -57,7 +57,7 @@ def published_of(name: str, family: str = "") -> tuple[Proof, ...]:
 
 
 def headline(name: str, family: str = "") -> Claim | None:
-    """Give the first claim that names a law, or else the first of its first proof; None without any."""
+    """Return the first claim that names a law, or else the first of its first proof; None without any."""
     proofs = published_of(name, family)
     claims = list(proofs[0]()) if proofs else []
     return next((claim for claim in claims if name in claim.statement), claims[0] if claims else None)

@@ -21,5 +21,5 @@ def breakaway(mu: float = 0.3, delta: float = 0.05, onset: float = 1e-3, belt: f
     expected = float(brentq(excess, delta * WEIGHT / (stiffness * belt), 1e3, xtol=1e-14))
     law = Composed(Linear(SPRING), friction=AgeingStick(mu, delta, onset))
     motor = resting(stiffness=stiffness, velocity=belt, belt_velocity=belt)
-    found = first(run(motor, law, expected + 0.05, 1e-3), "stick_duration")
-    yield close("time of the first stick on a belt", found, expected, 1e-6, "s")
+    result = first(run(motor, law, expected + 0.05, 1e-3), "stick_duration")
+    yield close("time of the first stick on a belt", result, expected, 1e-6, "s")

@@ -15,5 +15,5 @@ def critical_ratio(mass: float = 0.1, e: float = 0.6, speed: float = 0.2, slip: 
     yield close("critical ratio of the impulses", -p_t / p_n, ratio, 1e-12)
     r = slip / speed
     lost = 0.5 * mass * speed**2 * (1 + e) * (1 - e + 2 * ratio * r - (1 + e) * share * ratio**2)
-    found = -0.5 * (p_n * (-speed + (-speed + p_n / mass)) + p_t * (slip + slip + d[2] * p_t))
-    yield close("loss of the impact", found, lost, 1e-12, "J")
+    result = -0.5 * (p_n * (-speed + (-speed + p_n / mass)) + p_t * (slip + slip + d[2] * p_t))
+    yield close("loss of the impact", result, lost, 1e-12, "J")

@@ -12,5 +12,5 @@ def stop(mu: float = 0.3, cohesion: float = 4.0, start: float = 0.2) -> Claims:
     time = start / (mu * (WEIGHT + cohesion))
     law = Composed(Linear(SPRING), friction=Cohesive(mu, 1.4, cohesion))
     made = run(resting(velocity=start), law, 1.25 * time, 1e-3)
-    found = first(made, "duration") - first(made, "stick_duration")
-    yield close("time until it stops", found, time, 1e-6, "s")
+    result = first(made, "duration") - first(made, "stick_duration")
+    yield close("time until it stops", result, time, 1e-6, "s")

@@ -9,5 +9,5 @@ from contactlab.testing.claim import Claims, close
 def pull_off(work: float = 0.1, radius: float = 4.2e-3) -> Claims:
     """The pull-off force is 2 pi w R (Derjaguin, Muller and Toporov 1975)."""
     normal = Dmt(radius, work_of_adhesion=work)
-    found = -normal.evaluate("elastic", depth=0.0)[0]
-    yield close("pull-off force", found, 2.0 * pi * work * radius, 1e-12, "N")
+    result = -normal.evaluate("elastic", depth=0.0)[0]
+    yield close("pull-off force", result, 2.0 * pi * work * radius, 1e-12, "N")

@@ -15,8 +15,8 @@ def pull_off(work: float = 0.1, radius: float = 4.2e-3, modulus: float = 115e9) 
     normal = Jkr(radius, modulus, work)
     _, ends = normal.evaluate("limits")
     depths = np.linspace(-ends, ends, 4001)
-    found = -min(normal.evaluate("elastic", depth=float(d))[0] for d in depths)
-    yield close("pull-off force", found, 1.5 * pi * work * radius, 1e-6, "N")
+    result = -min(normal.evaluate("elastic", depth=float(d))[0] for d in depths)
+    yield close("pull-off force", result, 1.5 * pi * work * radius, 1e-6, "N")
 
 
 def lost(work: float = 0.1, radius: float = 4.2e-3, modulus: float = 115e9) -> Claims:

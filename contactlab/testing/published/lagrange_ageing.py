@@ -19,5 +19,5 @@ def breakaway(mu: float = 0.3, static: float = 0.4, delta: float = 0.02, step: f
     expected = float(brentq(excess, 0.1, 2.0, xtol=1e-14))
     motor = block(weight=weight, stiffness=100.0, velocity=0.1, belt_velocity=0.1)
     made = run(motor, LagrangeAgeing(mu, static / mu, delta, onset), expected + 0.05, step)
-    words = "time of the first stick on a belt"
-    yield Claim(words, expected, first(made, "stick_duration"), 2.0 * step, units="s")
+    text = "time of the first stick on a belt"
+    yield Claim(text, expected, first(made, "stick_duration"), 2.0 * step, units="s")

@@ -16,6 +16,6 @@ def creep(weight: float = 5.0, relaxed: float = 5e6, arm: float = 5e6, time: flo
     # It begins where the weight presses at once, with the rate of the creep.
     begin = weight / whole
     motor = block(1e-4, height=-begin, gap_rate=-begin * arm / (whole * time), weight=weight)
-    found = -last(run(motor, law, slow), "gap")
+    result = -last(run(motor, law, slow), "gap")
     expected = weight / relaxed * (1.0 - arm / whole * exp(-1.0))
-    yield close("depth after a retardation time", found, expected, 1e-5, "m")
+    yield close("depth after a retardation time", result, expected, 1e-5, "m")

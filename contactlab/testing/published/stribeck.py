@@ -15,5 +15,5 @@ def stop(mu: float = 0.3, ratio: float = 1.5, slow: float = 0.05, start: float =
     time = slow / (mu * WEIGHT) * log((mu * exp(start / slow) + more) / (mu + more))
     law = Composed(Linear(SPRING), friction=Stribeck(mu, ratio, slow, 1.0))
     made = run(resting(velocity=start), law, 1.5 * time, 1e-3)
-    found = first(made, "duration") - first(made, "stick_duration")
-    yield close("time until it stops", found, time, 1e-6, "s")
+    result = first(made, "duration") - first(made, "stick_duration")
+    yield close("time until it stops", result, time, 1e-6, "s")

@@ -18,5 +18,5 @@ def rebound(mass: float = 2e-3, ratio: float = 4.0) -> Claims:
     square = 1.2 * sqrt(3.0) * (1.0 - s * s / 6.0) * sqrt(s / (s + 2.0 * sqrt(1.2 - 0.2 * s * s)))
     law = Composed(normal, friction=Coulomb(0.0))
     motor = block(mass, height=1e-7, gap_rate=-speed)
-    found = restitution(run(motor, law, 1e-7 / speed + 20.0 * depth / first_yield))
-    yield close(f"restitution at {ratio:g} times the speed of yield", found, sqrt(square), 1e-6)
+    result = restitution(run(motor, law, 1e-7 / speed + 20.0 * depth / first_yield))
+    yield close(f"restitution at {ratio:g} times the speed of yield", result, sqrt(square), 1e-6)

@@ -41,11 +41,11 @@ def test_the_bound_grows_with_the_logarithm_of_the_age_up_to_its_longest_and_not
     """From one decade to the next it gains delta ln 10, with Dieterich's A = delta ln 10 and B = 1/t_0."""
     friction = AgeingStick(MU, DELTA, BEGINS, longest_age=100.0)
     ages = 10.0 ** np.arange(-6.0, 5.0)
-    found = np.array([friction.evaluate("bound", normal=2.0, slip=0.0, age=age) for age in ages])
+    result = np.array([friction.evaluate("bound", normal=2.0, slip=0.0, age=age) for age in ages])
     expected = MU + DELTA * log(10.0) * np.log10(1.0 + np.minimum(ages, 100.0) / BEGINS)
-    assert_allclose(found, 2.0 * expected, rtol=1e-14)
-    assert_allclose(found[7] - found[6], 2.0 * DELTA * log(10.0), rtol=1e-3)
-    assert found[-1] == pytest.approx(2.0 * friction.friction_limit, rel=1e-15)
+    assert_allclose(result, 2.0 * expected, rtol=1e-14)
+    assert_allclose(result[7] - result[6], 2.0 * DELTA * log(10.0), rtol=1e-3)
+    assert result[-1] == pytest.approx(2.0 * friction.friction_limit, rel=1e-15)
     for slip in (0.1, -0.1, 1e-300):
         assert friction.evaluate("bound", normal=2.0, slip=slip, age=1.0) == MU * 2.0
     assert friction.evaluate("bound", normal=-1.0, slip=0.0, age=1.0) == 0.0
@@ -75,8 +75,8 @@ def test_every_slip_begins_the_age_anew() -> None:
     drop = STIFFNESS * speed * once - MU * WEIGHT
     slip = 2.0 / root * (pi - atan(drop * root / (STIFFNESS * speed)))
     again = breakaway(speed, MU * WEIGHT - drop)
-    found = stick_of(speed, once + slip + again + 1e-3)
-    assert_allclose(found, once + again, rtol=1e-8)
+    result = stick_of(speed, once + slip + again + 1e-3)
+    assert_allclose(result, once + again, rtol=1e-8)
     # With an age that went on it would have held for some hundredths longer.
     assert breakaway(speed, MU * WEIGHT - drop, once) > 1.03 * again
 

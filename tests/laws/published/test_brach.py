@@ -18,17 +18,17 @@ def test_it_is_newtons_impact_where_that_makes_no_energy_and_else_one_without_lo
         # Beyond the critical friction Newton's law may have no answer.
         if mu * abs(d[1]) >= 0.99 * d[0]:
             continue
-        answer, newton = (answer_of(law(mu, 0.8), normal, slip, d) for law in (Brach, Newton))
+        result, newton = (answer_of(law(mu, 0.8), normal, slip, d) for law in (Brach, Newton))
         kept = contact_energy(normal, slip, d)
         if loss(normal, slip, d, newton) > 1e-9 * kept:
             cases["alike"] += 1
-            assert answer[:2] == pytest.approx(newton[:2], rel=1e-6, abs=1e-9 * newton[0])
+            assert result[:2] == pytest.approx(newton[:2], rel=1e-6, abs=1e-9 * newton[0])
         elif loss(normal, slip, d, newton) < -1e-9 * kept:
             cases["bounded"] += 1
-            assert loss(normal, slip, d, answer) == pytest.approx(0.0, abs=1e-9 * kept)
+            assert loss(normal, slip, d, result) == pytest.approx(0.0, abs=1e-9 * kept)
             # Less friction of the same direction, and the same rebound.
-            assert 0.0 <= answer[1] / newton[1] < 1.0
-            assert after(normal, slip, d, answer)[0] == pytest.approx(-0.8 * normal, rel=1e-9)
+            assert 0.0 <= result[1] / newton[1] < 1.0
+            assert after(normal, slip, d, result)[0] == pytest.approx(-0.8 * normal, rel=1e-9)
     assert cases["alike"] > 1000
     assert cases["bounded"] > 20
 

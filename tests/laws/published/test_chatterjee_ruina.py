@@ -26,14 +26,14 @@ def test_it_is_the_published_impulse_and_creates_no_energy_at_any_restitution() 
     rng, on_cone = np.random.default_rng(2), 0
     for normal, slip, d, mu in drawn_impacts(2000):
         e, e_t = rng.uniform(0.0, 1.0), rng.uniform(-1.0, 1.0)
-        answer = answer_of(ChatterjeeRuina(mu, e, e_t), normal, slip, d)
+        result = answer_of(ChatterjeeRuina(mu, e, e_t), normal, slip, d)
         matrix = np.array([[d[0], d[1]], [d[1], d[2]]])
         expected = published(np.array([normal, slip]), matrix, mu, e, e_t)
-        assert answer[:2] == pytest.approx(expected, rel=1e-9, abs=1e-11 * answer[0])
+        assert result[:2] == pytest.approx(expected, rel=1e-9, abs=1e-11 * result[0])
         kept = contact_energy(normal, slip, d)
-        assert loss(normal, slip, d, answer) >= -1e-12 * kept
-        assert after(normal, slip, d, answer)[0] == pytest.approx(-e * normal, rel=1e-9, abs=1e-12)
-        on_cone += abs(answer[1]) > mu * answer[0] * (1.0 - 1e-12)
+        assert loss(normal, slip, d, result) >= -1e-12 * kept
+        assert after(normal, slip, d, result)[0] == pytest.approx(-e * normal, rel=1e-9, abs=1e-12)
+        on_cone += abs(result[1]) > mu * result[0] * (1.0 - 1e-12)
     assert 300 < on_cone < 1700
 
 
@@ -42,34 +42,34 @@ def test_the_energies_of_both_directions_are_lost_apart() -> None:
     for normal, slip, (d_nn, d_nt, d_tt), _ in drawn_impacts(200):
         e, e_t = 0.7, 0.4
         d = (d_nn, d_nt, d_tt)
-        answer = answer_of(ChatterjeeRuina(1e9, e, e_t), normal, slip, d)
+        result = answer_of(ChatterjeeRuina(1e9, e, e_t), normal, slip, d)
         # With so much friction it is the candidate wherever that presses.
-        if answer[0] < abs(answer[1]) * 1e-8:
+        if result[0] < abs(result[1]) * 1e-8:
             continue
-        rebound, left = after(normal, slip, d, answer)
+        rebound, left = after(normal, slip, d, result)
         before, behind = slip - normal * d_nt / d_nn, left - rebound * d_nt / d_nn
         assert behind == pytest.approx(-e_t * before, rel=1e-9, abs=1e-9)
         lost = (1 - e**2) * normal**2 / d_nn + (1 - e_t**2) * before**2 / (d_tt - d_nt**2 / d_nn)
-        assert loss(normal, slip, d, answer) == pytest.approx(0.5 * lost, rel=1e-9)
+        assert loss(normal, slip, d, result) == pytest.approx(0.5 * lost, rel=1e-9)
 
 
 def test_the_plastic_one_is_that_of_lagrange_stick_but_where_the_slip_reverses() -> None:
     for normal, slip, d, mu in drawn_impacts(300):
         if abs(d[1]) >= 0.99 * min(mu * d[2], d[0] / mu):
             continue
-        answer, plastic = (
+        result, plastic = (
             answer_of(law, normal, slip, d) for law in (ChatterjeeRuina(mu, 0.0, 0.0), LagrangeStick(mu))
         )
-        assert answer[:2] == pytest.approx(plastic[:2], rel=1e-9, abs=1e-12 * plastic[0])
+        assert result[:2] == pytest.approx(plastic[:2], rel=1e-9, abs=1e-12 * plastic[0])
 
 
 def test_on_the_cone_it_is_newtons_slip() -> None:
     for normal, slip, (d_nn, _, d_tt), mu in drawn_impacts(200):
         e, far = 0.6, np.sign(slip) * (mu * d_tt * 1.6 * -normal / d_nn * 2.0 + abs(slip))
         d = (d_nn, 0.0, d_tt)
-        answers = [answer_of(law, normal, far, d) for law in (ChatterjeeRuina(mu, e, 0.5), Newton(mu, e))]
-        assert answers[0][2] == answers[1][2] == SLIP
-        assert answers[0][:2] == pytest.approx(answers[1][:2], rel=1e-12)
+        results = [answer_of(law, normal, far, d) for law in (ChatterjeeRuina(mu, e, 0.5), Newton(mu, e))]
+        assert results[0][2] == results[1][2] == SLIP
+        assert results[0][:2] == pytest.approx(results[1][:2], rel=1e-12)
 
 
 def test_it_sticks_only_where_no_slip_is_left() -> None:
@@ -89,8 +89,8 @@ def test_a_perfectly_rough_ball_turns_as_garwin_found() -> None:
     mass, inertia = 0.1, 0.4
     for speed, spin in ((0.3, 0.0), (0.3, 0.2), (-0.1, 0.4), (0.2, 0.2)):
         d = (1.0 / mass, 0.0, (1.0 + 1.0 / inertia) / mass)
-        answer = answer_of(ChatterjeeRuina(1e3, 1.0, 1.0), -0.5, speed - spin, d)
-        moved, spun = speed + answer[1] / mass, spin - answer[1] / (inertia * mass)
+        result = answer_of(ChatterjeeRuina(1e3, 1.0, 1.0), -0.5, speed - spin, d)
+        moved, spun = speed + result[1] / mass, spin - result[1] / (inertia * mass)
         assert moved == pytest.approx((3.0 * speed + 4.0 * spin) / 7.0, abs=1e-15)
         assert spun == pytest.approx((10.0 * speed - 3.0 * spin) / 7.0, abs=1e-15)
         assert moved**2 + inertia * spun**2 == pytest.approx(speed**2 + inertia * spin**2, rel=1e-13)

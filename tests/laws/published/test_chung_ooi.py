@@ -164,9 +164,9 @@ def test_4_spins_are_the_published_ones_and_those_of_sliding_exact(name: str) ->
     material, published = SPINS[name]
     for angle, spin in published.items():
         taken, sliding = slanted(material, angle)
-        found = 2.5 * taken / 2.5e-3
+        result = 2.5 * taken / 2.5e-3
         error = 4.0 if angle > 29.0 else 9.0 if angle > 14.0 else 27.0
-        assert found == pytest.approx(spin, abs=error), angle
+        assert result == pytest.approx(spin, abs=error), angle
         if angle > 31.0:
             assert taken == pytest.approx(sliding, rel=1e-6)
 
@@ -194,14 +194,14 @@ def test_4_spheres_on_glass_rebound_as_measured_within_what_one_spring_can_say()
         angle, value, quantity = float(row["incidence_deg"]), float(row["value"]), row["quantity"]
         speed, slip = 3.9 * cos(radians(angle)), 3.9 * sin(radians(angle))
         taken = -first(met(law, mass, speed, slip, stiffness), "friction_impulse") / mass
-        found = {
+        result = {
             "rebound_angle_deg": degrees(atan((slip - taken) / (0.98 * speed))),
             "spin_rad_per_s": 2.5 * taken / 2.5e-3,
             "tangential_restitution": 1.0 - taken / slip,
         }[quantity]
         near = quantity == "tangential_restitution" and angle > 9.0
-        assert found == pytest.approx(value, abs=0.05 if near else ERRORS[quantity]), row
-        dips += [found] if near else []
+        assert result == pytest.approx(value, abs=0.05 if near else ERRORS[quantity]), row
+        dips += [result] if near else []
     assert min(dips) < 5.0 / 7.0
 
 
@@ -234,12 +234,12 @@ def recoil(slip: float) -> float:
 def test_5_recoil_slides_as_published_and_is_nearer_to_finite_elements_than_the_codes_in_the_paper() -> None:
     """Sliding x - 7, which the figures show to their reading error of 0.08; sticking within 0.6 of them."""
     for x, y in (RECOIL | PUBLISHED).items():
-        found = recoil(x)
+        result = recoil(x)
         if x > 6.5:
-            assert found == pytest.approx(x - 7.0, rel=1e-6)
-            assert found == pytest.approx(y, abs=0.08)
+            assert result == pytest.approx(x - 7.0, rel=1e-6)
+            assert result == pytest.approx(y, abs=0.08)
         elif x in RECOIL:
-            assert found == pytest.approx(y, abs=0.61), x
+            assert result == pytest.approx(y, abs=0.61), x
     # The codes miss the finite elements by 1.07 at 4.0, where they have not slid yet.
     assert abs(recoil(3.97) - RECOIL[3.97]) < 0.4 < abs(PUBLISHED[4.006] - RECOIL[3.97])
 
@@ -252,12 +252,12 @@ def test_6_a_spinning_sphere_takes_from_its_spin_what_sliding_or_springing_back_
     """
     radius, speed, mu, e = 0.1, 0.2, 0.4, 0.5
     mass, slip = ALLOY.mass(radius), radius * spin
-    given = impulse(ALLOY, ALLOY.hertz(radius), mass, speed, slip, mu, e) / mass
+    values = impulse(ALLOY, ALLOY.hertz(radius), mass, speed, slip, mu, e) / mass
     if spin > 5.0:
-        assert given == pytest.approx(mu * (1.0 + e) * speed, rel=1e-6)
+        assert values == pytest.approx(mu * (1.0 + e) * speed, rel=1e-6)
     else:
-        assert 0.0 < given < 4.0 / 7.0 * slip
-        assert (given > 2.0 / 7.0 * slip) == (spin == 1.0)
+        assert 0.0 < values < 4.0 / 7.0 * slip
+        assert (values > 2.0 / 7.0 * slip) == (spin == 1.0)
 
 
 @pytest.mark.parametrize(("number", "other"), [(7, 0.1), (8, 0.5)])
@@ -273,10 +273,10 @@ def test_7_and_8_two_spheres_of_equal_spins_leave_as_gross_sliding_has_it(
     mass = masses[0] * masses[1] / sum(masses)
     stiffness = ALLOY.hertz(0.1 * other / (0.1 + other), 2)
     slip, speed = (0.1 + other) * spin, 0.4
-    given = impulse(ALLOY, stiffness, mass, speed, slip, 0.4, 0.5)
+    values = impulse(ALLOY, stiffness, mass, speed, slip, 0.4, 0.5)
     sliding = 0.4 * 1.5 * mass * speed
-    assert given <= sliding * (1.0 + 1e-6)
+    assert values <= sliding * (1.0 + 1e-6)
     if slip > 4.0 * sliding / mass:
-        assert given == pytest.approx(sliding, rel=1e-6)
+        assert values == pytest.approx(sliding, rel=1e-6)
     else:
-        assert 2.0 / 7.0 * mass * slip < given < 4.0 / 7.0 * mass * slip
+        assert 2.0 / 7.0 * mass * slip < values < 4.0 / 7.0 * mass * slip

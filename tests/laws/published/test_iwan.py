@@ -102,8 +102,8 @@ def test_stiffness_of_a_small_slip_is_mindlins_for_any_number_of_elements() -> N
 
 def elements_loss(friction: Iwan, amplitude: float) -> float:
     """Loss [J] of a cycle of all elements, each of 4 f (A - f/k) as it begins to slide."""
-    given = friction.coefficients()
-    limits, stiffnesses = np.array(given["limit"]), NORMAL * np.array(given["stiffness"])
+    values = friction.coefficients()
+    limits, stiffnesses = np.array(values["limit"]), NORMAL * np.array(values["stiffness"])
     return float(4.0 * np.sum(stiffnesses * limits * np.maximum(amplitude - limits, 0.0)))
 
 
@@ -123,8 +123,8 @@ def test_loss_of_a_cycle_is_that_of_spheres_in_the_second_order_of_the_number_of
     closed = np.array([cycle_loss(share * WHOLE) for share in shares])
     errors = []
     for n in (10, 20, 40, 80):
-        found = np.array([elements_loss(Iwan(MU, n, WHOLE), share * WHOLE) for share in shares])
-        errors.append(root_mean_square(found - closed) / closed[-1])
+        result = np.array([elements_loss(Iwan(MU, n, WHOLE), share * WHOLE) for share in shares])
+        errors.append(root_mean_square(result - closed) / closed[-1])
     assert errors[0] < 4e-3
     assert_allclose([a / b for a, b in pairwise(errors)], 4.0, rtol=0.1)
 

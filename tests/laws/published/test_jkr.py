@@ -57,8 +57,8 @@ def test_force_over_depth_is_the_published_one_over_the_contact_radius() -> None
         1.0 / 3.0
     )
     for radius in least * np.geomspace(1.01, 1e3, 40):
-        found = answer(SPHERE, approach(float(radius)))[0]
-        assert_allclose(found, force(float(radius)), rtol=1e-9, atol=1e-11 * PULL_OFF)
+        result = answer(SPHERE, approach(float(radius)))[0]
+        assert_allclose(result, force(float(radius)), rtol=1e-9, atol=1e-11 * PULL_OFF)
 
 
 def test_the_pulls_are_the_published_shares_of_three_halves_pi_w_r() -> None:

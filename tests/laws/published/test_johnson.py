@@ -36,15 +36,15 @@ def test_restitution_is_what_a_dent_of_one_pressure_gives_back_as_of_hertz() -> 
         back = 0.75 * load / (MODULUS * a)
         stiffness = 4.0 / 3.0 * MODULUS * sqrt(a**2 / back)
         assert stiffness * back**1.5 == pytest.approx(load, rel=1e-12)
-        given = stiffness * quad(lambda d: d**1.5, 0.0, back, epsabs=0.0)[0]
-        assert restitution(law, speed, mass) == pytest.approx(sqrt(given / work), rel=1e-9)
+        values = stiffness * quad(lambda d: d**1.5, 0.0, back, epsabs=0.0)[0]
+        assert restitution(law, speed, mass) == pytest.approx(sqrt(values / work), rel=1e-9)
 
 
 def test_restitution_falls_with_the_fourth_root_of_the_speed_from_the_one_that_it_begins_at() -> None:
     law, mass = Johnson(0.3, MODULUS, STRENGTH, RADIUS), 2e-3
     speeds = np.array([0.5, 1.0, 4.0, 20.0])
-    found = np.log([restitution(law, speed, mass) for speed in speeds])
-    assert np.polyfit(np.log(speeds), found, 1)[0] == pytest.approx(-0.25, abs=1e-9)
+    result = np.log([restitution(law, speed, mass) for speed in speeds])
+    assert np.polyfit(np.log(speeds), result, 1)[0] == pytest.approx(-0.25, abs=1e-9)
     # Continuous where it leaves one, at 27 times the speed of first yield.
     leaves = sqrt(law.parameters()[1] / mass)
     assert leaves / law.first_yield(mass) == pytest.approx(26.9, abs=0.1)
@@ -67,18 +67,21 @@ def test_with_friction_it_is_newtons_impact_of_that_restitution() -> None:
     for normal, slip, d, mu in drawn_impacts(200, 0.5):
         law = Johnson(mu, MODULUS, 5e7, RADIUS)
         e = restitution(law, -normal, 1.0 / d[0])
-        found, expected = answer_of(law, normal, slip, d), answer_of(Newton(mu, min(e, 1.0)), normal, slip, d)
-        assert found == pytest.approx(expected, rel=1e-9)
+        result, expected = (
+            answer_of(law, normal, slip, d),
+            answer_of(Newton(mu, min(e, 1.0)), normal, slip, d),
+        )
+        assert result == pytest.approx(expected, rel=1e-9)
         turned = answer_of(law, normal, -slip, (d[0], -d[1], d[2]))
-        assert turned == (found[0], -found[1], found[2])
+        assert turned == (result[0], -result[1], result[2])
 
 
 def test_contact_that_lasts_has_no_restitution() -> None:
     law, d = Johnson(0.6), (900.0, 20.0, 2000.0)
     for gap_rate in (0.0, -1e-18):
-        found = solve_of(law, -1e-3, 1e-3, gap_rate, 1e-3, *d)
+        result = solve_of(law, -1e-3, 1e-3, gap_rate, 1e-3, *d)
         expected = solve_of(LagrangeStick(0.6), -1e-3, 1e-3, gap_rate, 1e-3, *d)
-        assert found == pytest.approx(expected, rel=1e-12)
+        assert result == pytest.approx(expected, rel=1e-12)
 
 
 def test_a_ball_that_is_dropped_bounces_with_another_restitution_each_time() -> None:
@@ -96,8 +99,8 @@ def test_a_ball_that_is_dropped_bounces_with_another_restitution_each_time() -> 
     ball = block(mass, height=height, weight=mass * gravity)
     fall = sqrt(2.0 * height / gravity)
     made = run(ball, law, fall + 0.99 * flight, 1e-9)
-    found = -made.contacts["separation_velocity"] / made.contacts["approach_velocity"]
+    result = -made.contacts["separation_velocity"] / made.contacts["approach_velocity"]
     assert -made.contacts["approach_velocity"] == pytest.approx(speeds, rel=1e-6)
-    assert found == pytest.approx(expected, rel=1e-6)
-    assert np.all(np.diff(found) > 0.01)
+    assert result == pytest.approx(expected, rel=1e-6)
+    assert np.all(np.diff(result) > 0.01)
     assert last(made, "gap") > 0.0

@@ -99,12 +99,12 @@ def test_the_kernel_is_inside_of_its_cone_dissipates_and_has_a_mirror() -> None:
 def test_static_friction_holds_what_rests_and_catches_what_would_turn_back_but_brakes_nothing() -> None:
     law, d = LagrangeAgeing(MU, 1.5, 0.0), (1000.0, 0.0, 1000.0)
     # In one step: an impulse of 1e-4 N s presses, and 0.4 of it would hold.
-    rate, held = -0.1, 0.04
-    assert asked(law, 1.0, rate, held, 0.0, 0.0, *d)[2] == STICK
-    assert asked(law, 0.0, rate, held, 0.0, 0.0, *d)[2] == STICK
+    rate, stored = -0.1, 0.04
+    assert asked(law, 1.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
+    assert asked(law, 0.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
     # It slid the other way, and has been stopped within the step.
-    assert asked(law, 0.0, rate, held, 0.0, -0.001, *d)[2] == STICK
-    assert asked(law, 0.0, rate, held, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+    assert asked(law, 0.0, rate, stored, 0.0, -0.001, *d)[2] == STICK
+    assert asked(law, 0.0, rate, stored, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
     # More than the static cone holds.
     assert asked(law, 1.0, rate, 0.046, 0.0, 0.0, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
 

@@ -84,8 +84,8 @@ def integrated(
             return force(t, y)
 
         switch.terminal, switch.direction = True, -1.0 if touching else 1.0  # type: ignore[attr-defined]
-        found = solve_ivp(motion, (time, end), y, events=switch, args=(touching,), **TIGHT)
-        y, time, touching = found.y[:, -1], float(found.t[-1]), not touching
+        result = solve_ivp(motion, (time, end), y, events=switch, args=(touching,), **TIGHT)
+        y, time, touching = result.y[:, -1], float(result.t[-1]), not touching
         switches.append(time)
     return y, switches
 
@@ -176,8 +176,8 @@ def test_what_is_much_faster_and_what_is_much_slower_than_the_arms_is_elastic() 
 
 
 def test_an_arm_without_stiffness_is_none() -> None:
-    assert [one.name for one in Prony().internal_variables] == ["creep_1"]
-    assert [one.name for one in LINING.internal_variables] == ["creep_1", "creep_2", "creep_3"]
+    assert [item.name for item in Prony().internal_variables] == ["creep_1"]
+    assert [item.name for item in LINING.internal_variables] == ["creep_1", "creep_2", "creep_3"]
     third = Prony(third_stiffness=1e6)
     assert third.arms == ((5e6, 1e-5), (1e6, 1e-3))
     assert third.coefficients()["relaxed_stiffness"] == 5e6

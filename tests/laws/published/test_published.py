@@ -19,6 +19,6 @@ def test_it_is_as_published(proof: Proof) -> None:
 
 def test_every_module_is_of_a_law_and_proves_something() -> None:
     parts = {f"{family}_{name}" for family, table in PARTS.items() for name in table}
-    words = {*LAWS, *parts, *(name for table in PARTS.values() for name in table)}
-    assert {*published(), *SHARED} <= words
+    text = {*LAWS, *parts, *(name for table in PARTS.values() for name in table)}
+    assert {*published(), *SHARED} <= text
     assert all(published().values())

@@ -49,10 +49,10 @@ def test_a_step_of_the_slip_has_its_direct_effect_and_evolves_over_the_distance(
     assert answer(SLOW, after, z)[0] - steady == pytest.approx(A * leap, rel=1e-8)
     for ways in (0.3, 1.0, 3.0):
         theta = D / after + (D / before - D / after) * exp(-ways)
-        found = aged(after, z, ways * D / after)
-        assert found == pytest.approx(log(V0 * theta / D), abs=1e-8)
+        result = aged(after, z, ways * D / after)
+        assert result == pytest.approx(log(V0 * theta / D), abs=1e-8)
         evolved = steady + A * leap + B * log(theta * before / D)
-        assert answer(SLOW, after, found)[0] == pytest.approx(evolved, abs=1e-9)
+        assert answer(SLOW, after, result)[0] == pytest.approx(evolved, abs=1e-9)
     gone = aged(after, z, 40.0 * D / after)
     assert answer(SLOW, after, gone)[0] - steady == pytest.approx((A - B) * leap, rel=1e-7)
 
@@ -130,9 +130,9 @@ def test_a_slider_swings_up_below_the_critical_stiffness_and_calms_down_above(sh
     assert (root.real > 0.0) == (share < 1.0)
     lifted = characteristic((1.0 + mass * SPEED**2 / (NORMAL * A * D)) * CRITICAL, mass, SPEED)
     assert np.abs(lifted.real).min() < 1e-6 * np.abs(lifted.imag).max()
-    found = swings(slider(share, 2e-9, 2.6, mass))
-    assert found.size >= 4
-    assert_allclose(found[2:] / found[1:-1], exp(root.real * np.pi / root.imag), rtol=1e-2)
+    result = swings(slider(share, 2e-9, 2.6, mass))
+    assert result.size >= 4
+    assert_allclose(result[2:] / result[1:-1], exp(root.real * np.pi / root.imag), rtol=1e-2)
 
 
 def test_at_the_critical_stiffness_swings_of_any_size_go_on_as_they_are() -> None:
@@ -143,12 +143,12 @@ def test_at_the_critical_stiffness_swings_of_any_size_go_on_as_they_are() -> Non
     """
     mass = 2e-4
     made = slider(1.0 + mass * SPEED**2 / (NORMAL * A * D), 6e-7, 2.2, mass)
-    found = swings(made)
+    result = swings(made)
     speeds = np.abs(made.series["slip_velocity"])
     # Far from linear: the slip goes to half of the belt's and nearly to twice.
     assert speeds.max() / speeds.min() > 2.9
-    assert found.size >= 4
-    assert_allclose(found[2:], found[1], rtol=1e-3)
+    assert result.size >= 4
+    assert_allclose(result[2:], result[1], rtol=1e-3)
 
 
 def test_a_motor_runs_with_a_small_direct_effect_in_a_few_hundred_steps_a_contact() -> None:

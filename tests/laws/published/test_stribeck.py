@@ -27,10 +27,10 @@ def test_the_bound_is_the_published_curve_and_the_same_in_the_mirror(exponent: f
     assert friction.evaluate("bound", normal=2.0, slip=0.0) == MU * RATIO * 2.0
     assert friction.evaluate("bound", normal=-2.0, slip=0.0) == 0.0
     for slip in (1e-9, 3e-3, 1e-2, 0.2):
-        found = friction.evaluate("bound", normal=2.0, slip=slip)
+        result = friction.evaluate("bound", normal=2.0, slip=slip)
         expected = 2.0 * (MU + DROP * exp(-((slip / 1e-2) ** exponent)))
-        assert_allclose(found, expected, rtol=1e-14)
-        assert found == friction.evaluate("bound", normal=2.0, slip=-slip)
+        assert_allclose(result, expected, rtol=1e-14)
+        assert result == friction.evaluate("bound", normal=2.0, slip=-slip)
 
 
 @pytest.mark.parametrize(("exponent", "slow"), [(1.0, 0.08), (2.0, 0.1)])
@@ -60,8 +60,8 @@ def test_stick_slip_on_a_belt_is_that_of_an_ordinary_differential_equation(
     belt = Belt(BeltLaw(1e7, 0.45, MU, slow, exponent), 1e-6, velocity=0.03)
     friction = Stribeck(MU, 0.45 / MU, slow, exponent)
     made = run(belt.motor, Composed(Linear(1e7), friction=friction), 4e-3, 2e-4, 1e-4, tolerance=1e-8)
-    found = way_of(made.series["tip_slope"])[-1], last(made, "slip_velocity") + belt.belt_velocity
-    assert_allclose(found, belt.end(4e-3), rtol=1e-6, atol=1e-9)
+    result = way_of(made.series["tip_slope"])[-1], last(made, "slip_velocity") + belt.belt_velocity
+    assert_allclose(result, belt.end(4e-3), rtol=1e-6, atol=1e-9)
     assert set(made.contact_mode[1:].tolist()) == {1, 2}
 
 

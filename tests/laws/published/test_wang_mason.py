@@ -36,7 +36,7 @@ def mode_of(normal: float, slip: float, d: Delassus, mu: float, e: float) -> str
 
 
 def impulses(mode: str, normal: float, slip: float, d: Delassus, mu: float, e: float) -> tuple[float, float]:
-    """Give the normal impulse and the friction impulse of a mode [N s], each from its own equations.
+    """Return the normal impulse and the friction impulse of a mode [N s], each from its own equations.
 
     Slip ends at P_s = -s S0/(s d_nt - mu d_tt). Up to there p_t = -s mu p_n; behind it the slip is zero,
     or friction has turned. Compression ends where C0 + d_nn p_n + d_nt p_t = 0.
@@ -66,11 +66,11 @@ def test_poisson_has_the_impulses_of_every_mode_of_wang_and_mason() -> None:
         e = 0.7
         mode = mode_of(normal, slip, d, mu, e)
         seen[mode] += 1
-        answer = answer_of(Poisson(mu, e), normal, slip, d)
-        assert answer[2] == MODES[mode], mode
+        result = answer_of(Poisson(mu, e), normal, slip, d)
+        assert result[2] == MODES[mode], mode
         expected = impulses(mode, normal, slip, d, mu, e)
-        assert answer[:2] == pytest.approx(expected, rel=1e-8, abs=1e-10 * answer[0]), mode
-        left = after(normal, slip, d, answer)[1]
+        assert result[:2] == pytest.approx(expected, rel=1e-8, abs=1e-10 * result[0]), mode
+        left = after(normal, slip, d, result)[1]
         if mode.startswith("reversed"):
             assert left * slip < 0.0
     print(seen)
@@ -92,12 +92,12 @@ def test_a_rod_that_falls_without_slip_sticks_or_slides_by_the_coefficient_of_it
     d, e, speed = rod(angle), 0.5, 1.0
     critical = 3.0 * sin(angle) * cos(angle) / (1.0 + 3.0 * sin(angle) ** 2)
     mu = critical * (1.1 if mode == STICK else 0.9)
-    p_n, p_t, found = answer_of(Poisson(mu, e), -speed, 0.0, d)
-    assert found == mode
+    p_n, p_t, result = answer_of(Poisson(mu, e), -speed, 0.0, d)
+    assert result == mode
     ratio = min(mu, critical)
     assert p_n == pytest.approx((1.0 + e) * speed / (d[0] + ratio * d[1]), rel=1e-12)
     assert p_t == pytest.approx(ratio * p_n, rel=1e-12)
-    left = after(-speed, 0.0, d, (p_n, p_t, found))[1]
+    left = after(-speed, 0.0, d, (p_n, p_t, result))[1]
     assert left == pytest.approx(0.0, abs=1e-12) if mode == STICK else left < -1e-3
 
 
@@ -108,7 +108,7 @@ def test_newtons_law_here_has_one_ratio_where_wang_and_masons_reverses_within_th
         if mu * abs(d[1]) >= 0.95 * d[0]:
             continue
         e, (d_nn, d_nt, d_tt), s = 0.7, d, copysign(1.0, slip)
-        answer = answer_of(Newton(mu, e), normal, slip, d)
+        result = answer_of(Newton(mu, e), normal, slip, d)
         slid = -s * slip / (s * d_nt - mu * d_tt)
         needed = -(1.0 + e) * normal
         straight = needed / (d_nn - s * mu * d_nt)
@@ -124,11 +124,11 @@ def test_newtons_law_here_has_one_ratio_where_wang_and_masons_reverses_within_th
             p_n = (needed + 2.0 * s * mu * d_nt * slid) / (d_nn + s * mu * d_nt)
             expected = p_n, s * mu * (p_n - 2.0 * slid)
             # It has turned, or stuck: in both not what the process gives.
-            assert abs(answer[1] - expected[1]) > 1e-9 * answer[0]
+            assert abs(result[1] - expected[1]) > 1e-9 * result[0]
             apart += 1
             continue
         alike += 1
-        assert answer[:2] == pytest.approx(expected, rel=1e-8, abs=1e-10 * answer[0])
+        assert result[:2] == pytest.approx(expected, rel=1e-8, abs=1e-10 * result[0])
     print(alike, apart)
     assert alike > 1000
     assert apart > 50

@@ -14,7 +14,7 @@ Limits = tuple[float, float]
 
 
 @final
-class Asked:
+class Evaluator:
     """Evaluate the kernels of a law; internal variables are `kept`, shape (variable,), in the order declared.
 
     First in it is the variable of the friction's own kernel, where there is one. On either side of the law's
@@ -24,7 +24,7 @@ class Asked:
     def __init__(self, law: ContactLaw, canary: float = np.nan) -> None:
         self.law, self.variables = law, law.internal_variables
         self.own = law.coupled if isinstance(law, PenaltyLaw) else 0
-        self.initial = np.array([one.initial for one in self.variables], dtype=np.float64)
+        self.initial = np.array([each.initial for each in self.variables], dtype=np.float64)
         row = row_of(law)
         # Behind the internal variables, too.
         row[HEAD + len(self.variables)] = canary
@@ -59,12 +59,12 @@ class Asked:
 
     def rates(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Return the rates of all internal variables."""
-        found, row = np.zeros(len(self.variables)), self._seen(kept)
+        result, row = np.zeros(len(self.variables)), self._seen(kept)
         if self.own:
-            found[0] = self.friction(gap, rate, slip, normal, kept)[1]
+            result[0] = self.friction(gap, rate, slip, normal, kept)[1]
         for k in range(self.own, self._count):
-            found[k] = self._kernels["rate"](k, gap, rate, slip, normal, row)
-        return found
+            result[k] = self._kernels["rate"](k, gap, rate, slip, normal, row)
+        return result
 
     def guards(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Return all guards."""
