@@ -69,7 +69,8 @@ def further() -> str:
         parts += [f"## `{name}`: {text}\n", "```{eval-rst}"]
         for each in sorted(getattr(module, "__all__", None) or _taken_in(module) or _made_in(module)):
             item = getattr(module, each)
-            if inspect.isclass(item) or inspect.isfunction(item):
+            public = any(item is other for other in exported().values())
+            if (inspect.isclass(item) or inspect.isfunction(item)) and not public:
                 parts += _directive(each, item, name)
         parts.append("```\n")
     return "\n".join(parts)

@@ -122,7 +122,6 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
         # Patches of another length: not the numbers of Table 1.
         (["resonator.tip_mass=2 g"], 1, "finding"),
         (["contact.clearance=-1"], 2, "contact.clearance"),
-        (["no.such=1"], 2, "no"),
     ],
 )
 def test_the_exit_status_is_that_of_the_finding_or_of_a_refusal(

@@ -318,7 +318,8 @@ def killed(folder: Path, tasks: int) -> int:
         return process.wait()
 
 
-@pytest.mark.parametrize("tasks", [5, *(pytest.param(n, marks=pytest.mark.long) for n in range(1, 20))])
+@pytest.mark.long
+@pytest.mark.parametrize("tasks", range(1, 21))
 def test_a_killed_comparison_continues_to_the_same_bytes(
     tasks: int, whole: dict[str, bytes], tmp_path: Path, command: Command
 ) -> None:

@@ -74,6 +74,7 @@ def test_it_can_be_swept_over_configuration_and_its_own_options(elsewhere: Elsew
         assert data["slope_error"].notnull().all()
 
 
+@pytest.mark.long
 def test_workers_leave_the_same_bytes(elsewhere: Elsewhere, whole: Path) -> None:
     assert elsewhere.command("gain", *SHORT, "points=6", "workers=2", "output=spread")[0] == 0
     assert bytes_of(elsewhere.folder / "spread") == bytes_of(whole)

@@ -38,6 +38,7 @@ def test_the_curve_from_rest_is_dahls(exponent: float, way: float) -> None:
     assert_allclose(-way * series["friction_force"][1:] / LIMIT, expected, atol=1e-9)
 
 
+@pytest.mark.long
 def test_dahls_loop_of_a_small_swing_grows_with_its_cube() -> None:
     """4/3 sigma^2 X^3/F_c, where viscous damping has X^2 and Coulomb's X; by quadrature of the kernel."""
     friction = Dahl(MU, SIGMA)
