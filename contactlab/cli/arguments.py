@@ -3,7 +3,6 @@
 import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Final
 
 VERBS: Final = {
@@ -39,11 +38,6 @@ class Parser(ArgumentParser):
     def __init__(self, verb: str, about: str) -> None:
         description = f"{VERBS[verb].capitalize()}{about}"
         super().__init__(prog=f"contactlab {verb}", description=description, allow_abbrev=False)
-
-    def add_output(self, folder: str, files: str) -> None:
-        """Add the option of the output folder with its default; the help names its files."""
-        text = f"where {files} go; default: %(default)s"
-        self.add_argument("--output", type=Path, default=Path(folder), metavar="DIR", help=text)
 
     def read(self, arguments: Sequence[str]) -> Namespace:
         """Return the arguments, options among them wherever they stand.

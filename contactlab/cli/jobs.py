@@ -130,12 +130,6 @@ def refusals(directory: Path, key: str = "--output") -> Iterator[str]:
                 path.rmdir()
 
 
-def check_output(folder: Path) -> None:
-    """Raise a RefusalError if nothing can be written into the folder of a verb."""
-    for fault in refusals(folder):
-        raise terminal.RefusalError(fault)
-
-
 def unwritable(folder: Path, error: OSError) -> terminal.RefusalError:
     """Return the failure of a folder that could not be written to the end, as on a full disk."""
     return terminal.RefusalError(

@@ -142,11 +142,6 @@ def dimensions(unit: str) -> dict[str, float]:
     return {name: float(power) for name, power in powers.items()}
 
 
-def is_unit(text: str) -> bool:
-    """Return whether a text is a unit."""
-    return bool(text.strip()) and _root(text.strip()) is not None
-
-
 @cache
 def _registry() -> "pint.UnitRegistry[Decimal]":
     # Imported here: plain numbers need neither library nor registry.
