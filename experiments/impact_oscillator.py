@@ -24,8 +24,7 @@ from oscillator_with_stop import ImpactOscillator, doubling_between
 import contactlab as cl
 from contactlab.plot.orbits import LINES
 from contactlab.plot.style import STYLE
-from contactlab.steady_state.continuation import Followed, follow
-from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.continuation import Followed, Mark, follow
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.shooting import orbit_from
 

@@ -20,8 +20,7 @@ import contactlab as cl
 from contactlab.plot.orbits import MARKERS, draw_curve
 from contactlab.plot.style import STYLE
 from contactlab.steady_state.branches import family
-from contactlab.steady_state.continuation import follow
-from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.continuation import Mark, follow
 
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")
 START, LATE, END = 1e-6, 3.85e-6, 3.93e-6

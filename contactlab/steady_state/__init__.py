@@ -4,13 +4,17 @@ from contactlab.steady_state.arrival import (
     NotSettledError as NotSettledError,
     UnboundedError as UnboundedError,
 )
-from contactlab.steady_state.basins import Basins as Basins, basins as basins
+from contactlab.steady_state.basins import (
+    Attractor as Attractor,
+    Basins as Basins,
+    attractors as attractors,
+    basins as basins,
+)
 from contactlab.steady_state.branches import (
     Branch as Branch,
     NoBranchError as NoBranchError,
     branch as branch,
 )
-from contactlab.steady_state.coexisting import Attractor as Attractor, attractors as attractors
 from contactlab.steady_state.convergence import Converged as Converged, converged as converged
 from contactlab.steady_state.period_map import (
     BrokenOffError as BrokenOffError,

@@ -1,4 +1,4 @@
-"""How a motor settles: it runs, an orbit is looked for, and then whether the motor goes there is proven."""
+"""Steady state that a motor reaches: a transient, an orbit nearby, and a test that it is approached."""
 
 from dataclasses import replace
 from math import ceil, inf, log
@@ -18,35 +18,34 @@ from contactlab.steady_state.state import Steady
 from contactlab.trajectory import Ending, Trajectory
 
 FORGOTTEN: Final = 1e-3
-"""Share of the resonator's free vibration that is left when an orbit is first looked for."""
+"""Remaining share of the resonator's free vibration at the first search for an orbit."""
 
 LEAST_WARM_UP: Final = 8
 MOST_WARM_UP: Final = 200
-"""Periods of the drive before that."""
+"""Bounds of the transient before the first search for an orbit [periods of the drive]."""
 
 SHORTEST_FLIGHT: Final = 0.02
-"""Part of a period in free flight, below which there is no section."""
+"""Shortest free flight that contains a Poincare section [periods]."""
 
-WATCHED: Final = 0.125
-"""Part of an orbit's settling time over which a motor is watched on its way there."""
+TEST_RUN: Final = 0.125
+"""Duration of a test run towards an orbit, in settling times of the orbit."""
 
-FORETOLD: Final = 0.2
-"""What the multipliers may miss of the motor's way in this time, in parts of it."""
+DEVIATION: Final = 0.2
+"""Largest deviation of a test run from the linearised map, over the distance covered."""
 
 ARRIVED: Final = 1e-8
-"""Distance from an orbit, in parts of its state, at which a motor is there."""
+"""Distance from an orbit, relative to its state, at which a motor has reached it."""
 
 SETTLED: Final = 1e-9
-"""Relative difference of states of a motion that repeats itself, though no orbit was found; over this many
-periods:"""
+"""Relative difference of the states of a periodic motion without an orbit, over `TAIL` periods."""
 
 TAIL: Final = 48
 
 SAME: Final = 1e-6
-"""And for two cycles of an orbit that are one."""
+"""Relative difference of the states of two equal cycles of an orbit."""
 
 DRIFT: Final = 3.0
-"""Errors by which the halves of a long run may differ."""
+"""Largest trend of a stationary run, in its statistical errors."""
 
 
 Start = tuple[float, ModalState | None, float, Array | None]
@@ -54,17 +53,17 @@ Start = tuple[float, ModalState | None, float, Array | None]
 
 
 class NotSettledError(RuntimeError):
-    """A motor has come to no steady state; the message is a sentence."""
+    """A motor reaches no steady state; the message is a sentence."""
 
 
 class UnboundedError(NotSettledError):
-    """An internal variable of the law comes to no steady value; the message is a sentence."""
+    """An internal variable of the law has no steady value; the message is a sentence."""
 
 
 def settled(
     setup: Setup, belt: float | None, begins: Start, longest: int, sense: float = 0.0
 ) -> Steady | None:
-    """Find the steady state that a motor comes to.
+    """Compute the steady state that a motor reaches.
 
     Args:
         setup: what moves.
@@ -90,17 +89,17 @@ def settled(
     while done < longest:
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
             return None
-        strobes = _strobes(run)
-        states = np.hstack([strobes, _remembered(run)])
+        samples = _stroboscopic_samples(run)
+        states = np.hstack([samples, _remembered(run)])
         if _last_touch(run) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run, done)
         if orbit is None and (part := _section_of(run, clock.period)) is not None:
             run = _on(run, part) if part else run
             clock = clock.at(clock.phase + part).weighing(run)
-            count = repeats_after(strobes, REPEATS) if len(strobes) >= TAIL else 1
+            count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
-            times = ceil(min(WATCHED * orbit.settling_time, longest * clock.period) / orbit.map.period)
+            times = ceil(min(TEST_RUN * orbit.settling_time, longest * clock.period) / orbit.map.period)
             z, run = clock.end_of(run), _on(run, times * orbit.map.periods)
             done = round(run.state["end"] / clock.period)
             if _goes_to(orbit, z, clock.end_of(run), times):
@@ -126,7 +125,7 @@ def _warm_up(modes: NormalModes, period: float) -> int:
 
 
 def _on(run: Trajectory, periods: float) -> Trajectory:
-    """Let a run go on for some periods, recorded once in each."""
+    """Continue a run for some periods, recorded once in each."""
     # The phase of the drive goes on with the clock, which began at that of the run.
     period = period_of(run.motor.drive)
     later = simulate(
@@ -146,11 +145,11 @@ def _on(run: Trajectory, periods: float) -> Trajectory:
 
 
 def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
-    """Find a stable orbit near a state, with the least number of periods."""
+    """Compute a stable orbit near a state, with the least number of periods."""
     try:
         orbit = orbit_from(section, z)
         if section.periods > 1:
-            twice = _strobes(section.run(orbit.state, 2.0, section.periods))
+            twice = _stroboscopic_samples(section.run(orbit.state, 2.0, section.periods))
             if 0 < (count := repeats_after(twice, SAME)) < section.periods:
                 orbit = Orbit.at(replace(section, periods=count), orbit.state)
     except (NoOrbitError, BrokenOffError):
@@ -162,13 +161,13 @@ def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
     """Return whether the motor follows the linearised map to an orbit, from its state and from half-way.
 
     The rotor is slow and everything else follows it; so the motor moves along a line, and cannot pass
-    another place at which it would stay. There its way would be shorter than foretold.
+    another place at which it would stay. There its way would be shorter than predicted.
     """
     if np.linalg.norm(after - orbit.state) <= ARRIVED * np.linalg.norm(orbit.state):
         return True
     half = 0.5 * (before + orbit.state)
     try:
-        return _foretold(orbit, before, after, times) and _foretold(
+        return _as_predicted(orbit, before, after, times) and _as_predicted(
             orbit, half, orbit.map.end_of(orbit.map.run(half, times)), times
         )
     # Half way may lie inside the rotor.
@@ -176,12 +175,12 @@ def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
         return False
 
 
-def _foretold(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
-    """Return whether a deviation from an orbit becomes what its multipliers make of it."""
+def _as_predicted(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
+    """Return whether a deviation from an orbit evolves by the linearised map."""
     deviation = before - orbit.state
-    foretold = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
-    missed = np.linalg.norm(after - orbit.state - foretold)
-    return bool(missed <= FORETOLD * np.linalg.norm(foretold - deviation))
+    predicted = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
+    missed = np.linalg.norm(after - orbit.state - predicted)
+    return bool(missed <= DEVIATION * np.linalg.norm(predicted - deviation))
 
 
 def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
@@ -209,16 +208,16 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
         )
     kind = kind_without_period(late.series["tip_slope"][1:])
     # In a contact that lasts, the steps of a rigid law do not divide the period.
-    if count := repeats_after(_strobes(late)[-TAIL:], run.contact_step / clock.period):
+    if count := repeats_after(_stroboscopic_samples(late)[-TAIL:], run.contact_step / clock.period):
         kind = "periodic"
     return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
 
 
 def _grows(values: Array) -> bool:
-    """Return whether a sequence goes one way in all its steps, by more than round-off in all."""
+    """Return whether a sequence is monotonic and changes by more than round-off."""
     steps = np.diff(values)
-    one_way = bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
-    return one_way and bool(abs(values[-1] - values[0]) > SETTLED * np.abs(values).max())
+    monotonic = bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
+    return monotonic and bool(abs(values[-1] - values[0]) > SETTLED * np.abs(values).max())
 
 
 def _drifts(values: Array) -> bool:
@@ -228,7 +227,7 @@ def _drifts(values: Array) -> bool:
 
 
 def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
-    """Return the free vibration, with the rotor as fast as load and damping let it."""
+    """Return the free vibration, with the rotor velocity at which load and damping balance."""
     rotor, z = clock.setup.motor.rotor, clock.end_of(run)
     if clock.belt is None and rotor.damping > 0.0:
         z[-1] = -np.sqrt(rotor.inertia) * rotor.load_torque / rotor.damping
@@ -273,7 +272,7 @@ def _remembered(run: Trajectory) -> Array:
     return np.array(columns).reshape(len(columns), run.time.size - 1).T
 
 
-def _strobes(run: Trajectory) -> Array:
+def _stroboscopic_samples(run: Trajectory) -> Array:
     """Return the state once a period, each quantity over its largest, shape (period, quantity)."""
     series = {name: values[1:] for name, values in run.series.items()}
     energy = series["kinetic_energy"] + series["strain_energy"]

@@ -1,9 +1,9 @@
-"""Basins of attraction: to which of its steady states a motor comes from where it starts."""
+"""Attractors of a motor: from starts drawn at random, and basins over two coordinates of the start."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Final, final
+from typing import Final, final
 
 import numpy as np
 import xarray
@@ -15,15 +15,18 @@ from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.steady_state.arrival import NotSettledError, UnboundedError, settled
-from contactlab.steady_state.bifurcations import SMOOTH
-from contactlab.steady_state.coexisting import at_phase, reach, same, touches
+from contactlab.steady_state.continuation import SMOOTH
 from contactlab.steady_state.dataset import attributes_of, flags
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
-from contactlab.steady_state.search import LONGEST, Steady, steady_setup
+from contactlab.steady_state.search import LONGEST, Steady, steady, steady_setup
 from contactlab.steady_state.shooting import Orbit
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+SAME: Final = 1e-5
+"""Relative distance of the states of two orbits at one section below which they are one: an orbit is closed
+to 1e-10, which a multiplier of 0.9999 makes 1e-6."""
+
+SIGMA: Final = 3.0
+"""Statistical errors by which the means of two motions without an orbit differ at least if they are two."""
 
 COORDINATES: Final = {
     "rotor_velocity": ("rad s-1", "rotor velocity at the start"),
@@ -31,10 +34,10 @@ COORDINATES: Final = {
     "tip_displacement": ("m", "displacement of the tip at the start, in the first mode"),
     "tip_velocity": ("m s-1", "velocity of the tip at the start, in the first mode"),
 }
-"""Of a start, with unit and meaning."""
+"""Coordinates of a start, each with unit and meaning."""
 
 LOOKS: Final = (30, 90, 270)
-"""Periods after which it is looked whether a motion has come into a ball."""
+"""Periods after which a motion is tested for membership in a ball."""
 
 LARGEST: Final = 0.5
 """Radius of the first ball that is tried, in parts of |z|."""
@@ -46,12 +49,149 @@ SMALLEST: Final = 1e-2
 """Radius below which there is no ball, and a motion must run into its orbit."""
 
 CONTRACTED: Final = 0.8
-"""Share of its distance from an orbit that a motion may have left after a settling time in the ball."""
+"""Largest ratio of the distances from an orbit after and before one settling time in the ball."""
 
 NEUTRAL: Final = 1e-6
-"""Distance of a multiplier from 1, of which the differences are no longer sure."""
+"""Distance of a multiplier from 1 that differences do not resolve."""
 
 CANNOT_TELL: Final = -1
+
+
+@final
+@dataclass(frozen=True)
+class Attractor:
+    """A steady state and the share of the starts that reach it.
+
+    >>> import contactlab as cl
+    >>> found = cl.attractors(cl.build(), count=2)[0]
+    >>> found.share, round(found.steady.orbit.settling_time, 4)
+    (1.0, 0.0175)
+    """
+
+    steady: Steady
+    share: float
+
+
+def attractors(
+    motor: Motor | Setup,
+    count: int = 8,
+    seed: int = 0,
+    *,
+    law: ContactLaw | None = None,
+    velocity: float | None = None,
+    excitation: float = 2.0,
+    longest: int = LONGEST,
+) -> tuple[Attractor, ...]:
+    """Compute the steady states that a motor reaches from its own start and from others drawn at random.
+
+    Drawn are the velocity of the rotor, evenly within +-`velocity`, and that of every mode, evenly within
+    +-`excitation` times the amplitude that it has without contact. The modes start where they start in the
+    setup, so that no start lies inside the rotor.
+
+        >>> import contactlab as cl
+        >>> setup = cl.build(["law=newton", "contact.clearance=3.895e-6"])
+        >>> for each in cl.attractors(setup, count=4):
+        ...     print(f"{each.share:.0%} {each.steady.kind}, {each.steady.velocity[0]:.4f} rad/s")
+        ...
+        75% without contact, 0.0000 rad/s
+        25% periodic, 1.9566 rad/s
+
+    Args:
+        motor: what moves, or a whole setup; its own start is the first of those that are tried.
+        count: of the starts in all.
+        seed: of the random numbers.
+        law: what acts between tip and rotor; a setup has its own.
+        velocity: [rad/s]; None is the largest with which the tip moves along the rotor without contact.
+        excitation: [1].
+        longest: as of `contactlab.steady`.
+
+    Returns:
+        What was reached, by falling share. The shares sum to less than 1 where runs broke off or came to no
+        steady state.
+
+    Raises:
+        NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value.
+    """
+    setup = steady_setup(motor, law)
+    states: list[tuple[Steady, int]] = []
+    for start in _starts(setup, count, seed, velocity, excitation):
+        try:
+            reached = steady(start, longest=longest)
+        except UnboundedError:
+            raise
+        except (BrokenOffError, NotSettledError):
+            continue
+        known = next((i for i, (other, _) in enumerate(states) if same(other, reached)), None)
+        if known is None:
+            states.append((replace(reached, setup=setup), 1))
+        else:
+            states[known] = (states[known][0], states[known][1] + 1)
+    states.sort(key=lambda pair: -pair[1])
+    return tuple(Attractor(reached, times / count) for reached, times in states)
+
+
+def same(first: Steady, second: Steady) -> bool:
+    """Return whether two steady states of a motor are equal, orbits by states and others by means."""
+    if first.periods and second.periods and not (touches(first) or touches(second)):
+        # A rotor that nothing touches keeps whatever velocity it has.
+        return True
+    if (first.kind, first.periods) != (second.kind, second.periods):
+        return False
+    if first.orbit is None or second.orbit is None:
+        (a, error_a), (b, error_b) = first.velocity, second.velocity
+        return bool(abs(a - b) <= SIGMA * np.hypot(error_a, error_b))
+    target = second.orbit
+    weighed = replace(first.orbit.map, weights=target.map.weights)
+    z = at_phase(weighed, weighed.state_of(*first.orbit.map.parts_of(first.orbit.state)), target.map.phase)
+    once = replace(target.map, periods=1)
+    for _ in range(first.periods):
+        if np.linalg.norm(z - target.state) <= SAME * np.linalg.norm(target.state):
+            return True
+        z = once(z)
+    return False
+
+
+def touches(state: Steady) -> bool:
+    """Return whether tip and rotor meet in a steady state."""
+    return bool(state.motion.contacts["start_time"].size)
+
+
+def at_phase(section: PeriodMap, z: Array, phase: float) -> Array:
+    """Return the state that follows one of a section when the drive next has another phase."""
+    part = (phase - section.phase) % 1.0
+    return section.end_of(section.run(z, part / section.periods)) if part else z
+
+
+def amplitudes(setup: Setup) -> Array:
+    """Return the amplitude of every mode's velocity without contact, tones added up [m/s kg^1/2]."""
+    modes, drive = setup.motor.modes, setup.motor.drive
+    rate = drive.angular_frequency
+    stiffness, damping = modes.stiffness[:, None], modes.damping[:, None]
+    tones = np.abs(modes.coupling @ drive.phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
+    return np.asarray(tones.sum(axis=1))
+
+
+def reach(setup: Setup) -> float:
+    """Return a bound of the free tip's velocity along the rotor, over the rotor's radius [rad/s]."""
+    motor = setup.motor
+    along = motor.geometry.tip_length * np.abs(motor.modes.tip_slope) @ amplitudes(setup)
+    return float(along / motor.geometry.rotor_radius)
+
+
+def _starts(
+    setup: Setup, count: int, seed: int, velocity: float | None, excitation: float
+) -> Iterator[Setup]:
+    """Yield the setup itself, and then with other starts."""
+    rng, motor = np.random.default_rng(seed), setup.motor
+    fastest = reach(setup) if velocity is None else velocity
+    modal = excitation * amplitudes(setup)
+    at = np.zeros(modal.size) if motor.start is None else motor.start.displacement
+    yield setup
+    for _ in range(count - 1):
+        rotor = replace(motor.rotor, initial_velocity=float(rng.uniform(-fastest, fastest)))
+        start = ModalState(at, rng.uniform(-modal, modal))
+        yield replace(setup, motor=replace(motor, rotor=rotor, start=start))
 
 
 @final
@@ -111,21 +251,12 @@ class Ball:
 @final
 @dataclass(frozen=True)
 class Basins:
-    """Where starts go.
-
-        >>> import contactlab as cl
-        >>> import numpy as np
-        >>> axes = {"rotor_velocity": np.array([-2.0, 2.0]), "drive_phase": np.array([0.0])}
-        >>> found = cl.basins(cl.build(), axes).details
-        >>> found
-        <Basins: 2 starts over rotor_velocity and drive_phase, 1 attractors>
-        >>> found.to_xarray()["label"].dims, found.unresolved
-        (('rotor_velocity', 'drive_phase'), 0)
+    """A map of starts to attractors.
 
     Args:
         setup: of the motor; its own start is changed in two coordinates.
         axes: values of two of `COORDINATES`, in SI.
-        labels: place in `attractors` of each start, -1 where it cannot be told, shape (first, second).
+        labels: place in `attractors` of each start, -1 where it is unresolved, shape (first, second).
         attractors: the steady states that were reached.
     """
 
@@ -145,7 +276,7 @@ class Basins:
 
     @property
     def unresolved(self) -> int:
-        """The starts of which it cannot be told where they go."""
+        """Number of starts that are assigned to no attractor."""
         return int(np.sum(self.labels == CANNOT_TELL))
 
     def to_xarray(self) -> xarray.Dataset:
@@ -167,11 +298,11 @@ class Basins:
             {n: ("attractor", v, {"units": u, "long_name": w}) for n, (v, u, w) in columns.items()}
         )
         kinds = ["neutral" if is_neutral(each) and touches(each) else each.kind for each in self.attractors]
-        text = "kind of motion; the rotor of a neutral one keeps any velocity in a range"
-        data["kind"] = ("attractor", kinds, {"long_name": text})
+        meaning = "kind of motion; the rotor of a neutral one keeps any velocity in a range"
+        data["kind"] = ("attractor", kinds, {"long_name": meaning})
         for name, values in self.axes.items():
-            unit, text = COORDINATES[name]
-            data[name] = (name, values, {"units": unit, "long_name": text})
+            unit, meaning = COORDINATES[name]
+            data[name] = (name, values, {"units": unit, "long_name": meaning})
         data["label"] = (tuple(self.axes), self.labels, of_labels)
         data.attrs = {
             "title": f"Basins of attraction, {self.setup.law.title}",
@@ -179,13 +310,6 @@ class Basins:
             **attributes_of(self.setup),
         }
         return data
-
-    def plot(self) -> "Figure":
-        """Draw the map of the labels, the attractors' velocities in its legend."""
-        # It brings matplotlib.
-        from contactlab.plot.orbits import draw_basins
-
-        return draw_basins(self.to_xarray())
 
 
 def default_axes(setup: Setup, count: int = 24) -> dict[str, Array]:
@@ -205,29 +329,20 @@ def basins(
     longest: int = LONGEST,
     report: Callable[[int], None] | None = None,
 ) -> Basins:
-    """Map which of its steady states a motor comes to, over two coordinates of its start.
+    """Map which of its steady states a motor reaches, over two coordinates of its start.
 
-    A motion that comes into a `Ball` about a known orbit belongs to it; one that comes into none within
-    some hundred periods goes on as `contactlab.steady` does, and adds what it finds.
-
-        >>> import contactlab as cl
-        >>> import numpy as np
-        >>> axes = {"rotor_velocity": np.linspace(-2.0, 2.0, 3), "drive_phase": np.array([0.0, 0.5])}
-        >>> found = cl.basins(cl.build(), axes).details
-        >>> found.labels.tolist(), found.shares, f"{found.attractors[0].velocity[0]:.4f} rad/s"
-        ([[0, 0], [0, 0], [0, 0]], (1.0,), '-2.1911 rad/s')
+    A motion that enters a `Ball` about a known orbit belongs to it; one that enters none within some hundred
+    periods continues as in `contactlab.steady` and adds the attractor that it reaches.
 
     Args:
-        motor: what moves, or a whole setup.
-        axes: values of two of `COORDINATES`; by default those of `default_axes`.
-        law: what acts between tip and rotor; a setup has its own.
+        motor, axes, law: as of `contactlab.basins`.
         longest: as of `contactlab.steady`.
         report: called with the number of starts that are done.
 
     Raises:
-        ValueError: there are not two coordinates, or one that there is none of.
+        ValueError: there are not two coordinates, or an unknown one.
         NoPeriodError: the drive does not repeat itself.
-        UnboundedError: an internal variable of the law comes to no steady value.
+        UnboundedError: an internal variable of the law has no steady value.
     """
     setup = steady_setup(motor, law)
     coordinates = {name: np.asarray(v, dtype=np.float64) for name, v in (axes or default_axes(setup)).items()}
@@ -238,7 +353,7 @@ def basins(
         )
     shape = tuple(values.size for values in coordinates.values())
     labels = np.full(shape, CANNOT_TELL, dtype=np.int8)
-    result: list[Steady] = []
+    states: list[Steady] = []
     balls: list[Ball | None] = []
     for done, place in enumerate(np.ndindex(*shape)):
         start = {name: float(values[i]) for (name, values), i in zip(coordinates.items(), place, strict=True)}
@@ -251,10 +366,10 @@ def basins(
                 reached = settled(there, None, begins, longest)
                 assert reached is not None
                 label = next(
-                    (i for i, other in enumerate(result) if _of_one_basin(other, reached)), len(result)
+                    (i for i, other in enumerate(states) if _share_a_basin(other, reached)), len(states)
                 )
-                if label == len(result):
-                    result.append(reached)
+                if label == len(states):
+                    states.append(reached)
                     orbit = reached.orbit
                     balls.append(Ball.around(orbit) if orbit is not None and touches(reached) else None)
             labels[place] = label
@@ -265,7 +380,7 @@ def basins(
             labels[place] = CANNOT_TELL
         if report is not None:
             report(done + 1)
-    return Basins(setup, coordinates, labels, tuple(result))
+    return Basins(setup, coordinates, labels, tuple(states))
 
 
 def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]:
@@ -284,18 +399,19 @@ def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]
     return section, section.state_of(ModalState(displacement, velocity), turning)
 
 
-def is_neutral(one: Steady) -> bool:
+def is_neutral(state: Steady) -> bool:
     """Return whether a rotor keeps whatever velocity it has, within a range at least.
 
     That is so where nothing touches it, and where contacts of opposite slip take and give the same impulse.
     """
-    largest = 1.0 if one.orbit is None else abs(one.orbit.multipliers[0])
-    return bool(one.periods and largest > 1.0 - NEUTRAL)
+    largest = 1.0 if state.orbit is None else abs(state.orbit.multipliers[0])
+    return bool(state.periods and largest > 1.0 - NEUTRAL)
 
 
-def _of_one_basin(one: Steady, other: Steady) -> bool:
-    """Return whether two steady states are one, or of one family that nothing holds in its place."""
-    return (is_neutral(one) and is_neutral(other) and touches(one) == touches(other)) or same(one, other)
+def _share_a_basin(first: Steady, second: Steady) -> bool:
+    """Return whether two steady states are equal, or belong to one family of neutral states."""
+    neutral = is_neutral(first) and is_neutral(second) and touches(first) == touches(second)
+    return neutral or same(first, second)
 
 
 def _fallen_into(balls: list[Ball | None], section: PeriodMap, z: Array) -> int | None:

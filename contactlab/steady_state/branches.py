@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final, final
+from typing import Final, final
 
 import numpy as np
 import xarray
@@ -16,14 +16,10 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import from_cf
 from contactlab.simulation import variable_numbers, with_number
-from contactlab.steady_state.continuation import follow
-from contactlab.steady_state.curve import BranchPoint, MapAt, Mark
+from contactlab.steady_state.continuation import BranchPoint, MapAt, Mark, follow
 from contactlab.steady_state.dataset import attributes_of, flags
 from contactlab.steady_state.period_map import PeriodMap
 from contactlab.steady_state.search import steady, steady_setup
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 BELT: Final = "belt"
 """The parameter that is no key: the velocity at which the rotor is held [rad/s]."""
@@ -37,11 +33,6 @@ class NoBranchError(ValueError):
 @dataclass(frozen=True)
 class Branch:
     """A branch of periodic orbits.
-
-        >>> import contactlab as cl
-        >>> branch = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6).details
-        >>> branch.to_xarray()["rotor_velocity"].values[[0, -1]].round(3)
-        array([-2.191, -2.142])
 
     Args:
         setup: at the start of the branch.
@@ -105,13 +96,6 @@ class Branch:
             data.attrs["belt"] = belt
         return data
 
-    def plot(self) -> "Figure":
-        """Draw rotor velocity and largest multiplier over the parameter."""
-        # It brings matplotlib.
-        from contactlab.plot.orbits import draw_branch
-
-        return draw_branch(self.to_xarray())
-
 
 def branch(
     motor: Motor | Setup,
@@ -123,30 +107,10 @@ def branch(
     belt: float | None = None,
     step: float = 0.02,
 ) -> Branch:
-    """Follow the periodic orbits of a motor while one number of its configuration changes.
+    """Follow the periodic orbits of a motor while one number changes; arguments as of `contactlab.branch`.
 
-        branch(build(["law=lagrange_stick"]), "contact.clearance", 1e-6, 5e-6)
-
-    It begins with the orbit that the motor settles in at the start, and goes on through folds, along
-    unstable orbits too, until the number leaves its range or no orbit goes on; `Branch.end` says which.
-
-        >>> import contactlab as cl
-        >>> cl.branch(cl.build(), "contact.clearance", 1e-6, 1.1e-6).details.end
-        'It ends where the range of the parameter does, at 1.1e-06.'
-
-    Args:
-        motor: what moves, or a whole setup.
-        parameter: a key that holds a number, 'contact.clearance', or 'belt', the velocity at which the
-            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and law.
-        start, end: of the range, in SI.
-        law: what acts between tip and rotor; a setup has its own.
-        belt: velocity at which the rotor is held while something else changes [rad/s]; None is free.
-        step: first step, in parts of the range and of the state; the longest is twice that.
-
-    Raises:
-        ConfigurationError: there is no such key, or one of the values is none that it takes.
-        NoBranchError: the motor settles in no periodic orbit at the start, or there is no range.
-        NoPeriodError, BrokenOffError: as of `contactlab.steady`.
+    The branch begins with the orbit in which the motor settles at the start, and continues through folds and
+    along unstable orbits until the number leaves its range or no orbit continues it (`Branch.end`).
     """
     if start == end:
         raise NoBranchError(f"The range begins and ends at {start:g}; it must have two ends that differ.")

@@ -8,16 +8,38 @@ Source: Seydel, Practical Bifurcation and Stability Analysis (2010), ch. 4 and 7
 Piecewise-smooth Dynamical Systems (2008), ch. 6 and 7.
 """
 
-from collections.abc import Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
+from enum import IntEnum
+from itertools import combinations
 from typing import Final, final
 
 import numpy as np
+from scipy.optimize import brentq
 
 from contactlab.arrays import Array
-from contactlab.steady_state.bifurcations import SMOOTH, end_of, events_between, without_speed
-from contactlab.steady_state.curve import BranchPoint, Curve, MapAt, Place, corrected, place_at
-from contactlab.steady_state.shooting import CLOSED, Orbit
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.shooting import CLOSED, ROUGH, STEP, Orbit, derivative_of, updated
+from contactlab.trajectory import Trajectory
+
+MOST_CORRECTIONS: Final = 10
+"""Of a predicted point, before a shorter step is tried."""
+
+LOCATED: Final = 1e-9
+"""Length along a branch to which an event is located."""
+
+THROUGH_ZERO: Final = 1e-3
+"""What is left of a test function at an event, as a share of its values beside it; it jumps at a grazing."""
+
+SMOOTH: Final = 1e-2
+"""Roughness of an orbit up to which its multipliers are believed."""
+
+NEARBY: Final = ROUGH * STEP
+"""Part of a state within which the roughness of an orbit looks."""
+
+CLEARLY: Final = 1.2
+"""Ratio of speeds that are apart enough for a straight line through them."""
 
 EASY: Final = 4
 """Corrections at most after which the next step may be longer."""
@@ -43,6 +65,166 @@ NEAREST: Final = 0.02
 """Part of a period between a contact and the section, below which another section is chosen."""
 
 MOST_POINTS: Final = 1000
+
+MapAt = Callable[[float], PeriodMap]
+
+
+class Mark(IntEnum):
+    """What happens at a point of a branch."""
+
+    NONE = 0
+    FOLD = 1
+    """A multiplier passes through +1 and the branch turns back."""
+    BRANCHING = 2
+    """A multiplier passes through +1 and the branch goes on: another one crosses it."""
+    PERIOD_DOUBLING = 3
+    """A multiplier passes through -1."""
+    NEIMARK_SACKER = 4
+    """A pair of multipliers passes through the circle."""
+    GRAZING = 5
+    """A contact appears or goes."""
+
+
+@final
+@dataclass(frozen=True)
+class BranchPoint:
+    """An orbit of a branch, the value of the parameter there, and a run over its period."""
+
+    value: float
+    orbit: Orbit
+    run: Trajectory
+    mark: Mark = Mark.NONE
+
+    @property
+    def contacts(self) -> int:
+        """How often tip and rotor touch in a period of the orbit."""
+        return int(self.run.contacts["start_time"].size)
+
+    @property
+    def softest(self) -> float:
+        """The smallest speed with which they meet [m/s]; 0 where they do not."""
+        speeds = np.abs(self.run.contacts["approach_velocity"])
+        return float(speeds.min()) if speeds.size else 0.0
+
+    @property
+    def velocity(self) -> float:
+        """Mean rotor velocity [rad/s]."""
+        angle = self.run.series["rotor_angle"]
+        return float((angle[-1] - angle[0]) / self.run.duration)
+
+    @property
+    def torque(self) -> float:
+        """Mean torque of the contact on the rotor, -R F [N m]."""
+        radius = self.run.motor.geometry.rotor_radius
+        return float(-radius * self.run.series["friction_force"][1:].mean())
+
+
+@final
+@dataclass(frozen=True)
+class Curve:
+    """The curve P(z; parameter) = z in y at one section."""
+
+    family: MapAt
+    phase: float
+    periods: int
+    size: float
+    start: float
+    end: float
+    weights: tuple[float, ...] = ()
+
+    def value(self, y: Array) -> float:
+        """Return the parameter."""
+        return float(self.start + (self.end - self.start) * y[-1])
+
+    def map_at(self, y: Array) -> PeriodMap:
+        """Return the period map of the parameter."""
+        return replace(
+            self.family(self.value(y)), phase=self.phase, periods=self.periods, weights=self.weights
+        )
+
+    def gap(self, y: Array) -> Array:
+        """Return (P(z) - z) / size; endless where the motor does not run from there."""
+        z = y[:-1] * self.size
+        try:
+            return (self.map_at(y)(z) - z) / self.size
+        # A rigid law refuses a start inside the rotor, and a configuration some values.
+        except (BrokenOffError, ValueError):
+            return np.full(z.size, np.inf)
+
+    def contacts(self, y: Array) -> int:
+        """Count how often tip and rotor touch in the period that follows; -1 where it breaks off."""
+        try:
+            return int(self.map_at(y).run(y[:-1] * self.size).contacts["start_time"].size)
+        except (BrokenOffError, ValueError):
+            return -1
+
+    def moved(self, y: Array, phase: float) -> Array:
+        """Return the point at another section."""
+        section = self.map_at(y)
+        part = (phase - self.phase) % 1.0
+        z = section.end_of(section.run(y[:-1] * self.size, part / self.periods))
+        return np.append(z / self.size, y[-1])
+
+
+@final
+@dataclass(frozen=True)
+class Place:
+    """A point of a curve with the derivative of `gap`, shape (state, state + 1), and the tangent there."""
+
+    curve: Curve
+    y: Array
+    point: BranchPoint
+    derivative: Array
+    tangent: Array
+
+    def ahead(self, length: float, corrections: int = MOST_CORRECTIONS) -> tuple[Array, int] | None:
+        """Return the point of the curve that lies ahead along the tangent, and its corrections."""
+        guess = self.y + length * self.tangent
+        return corrected(self.curve.gap, self.derivative, self.tangent, guess, length, corrections)
+
+    def further(self, length: float) -> "Place | None":
+        """Return the place that lies ahead on the curve."""
+        result = self.ahead(length)
+        return None if result is None else place_at(self.curve, result[0], self.tangent)
+
+    def count_ahead(self, length: float) -> int:
+        """Count how often tip and rotor touch in the period from a point ahead on the tangent."""
+        return self.curve.contacts(self.y + length * self.tangent)
+
+
+def place_at(curve: Curve, y: Array, heading: Array) -> Place:
+    """Return the place of a point, its tangent in the direction of the heading."""
+    section = curve.map_at(y)
+    orbit = Orbit.at(section, y[:-1] * curve.size)
+    count = orbit.state.size
+    along = derivative_of(curve.gap, y, np.eye(count + 1)[-1])
+    derivative = np.column_stack([orbit.jacobian - np.eye(count), along])
+    # What no row of the derivative sees.
+    tangent = np.linalg.svd(derivative)[2][-1]
+    tangent = tangent if tangent @ heading >= 0.0 else -tangent
+    return Place(curve, y, BranchPoint(curve.value(y), orbit, section.run(orbit.state)), derivative, tangent)
+
+
+def corrected(
+    gap: Callable[[Array], Array],
+    derivative: Array,
+    tangent: Array,
+    guess: Array,
+    within: float,
+    most: int = MOST_CORRECTIONS,
+) -> tuple[Array, int] | None:
+    """Bring a predicted point onto the curve, across the tangent; give it and the corrections it took."""
+    y, left = guess, gap(guess)
+    for count in range(most):
+        if not np.all(np.isfinite(left)) or np.linalg.norm(y - guess) > within:
+            return None
+        if np.linalg.norm(left) <= CLOSED:
+            return y, count
+        move = -np.linalg.solve(np.vstack([derivative, tangent]), np.append(left, tangent @ (y - guess)))
+        y, before = y + move, left
+        left = gap(y)
+        derivative = updated(derivative, move, left - before)
+    return None
 
 
 @final
@@ -172,3 +354,133 @@ def _resectioned(place: Place) -> Place:
     y, beyond = (curve.moved(at, other.phase) for at in (place.y, place.y + reach * place.tangent))
     moved = place_at(other, y, beyond - y)
     return replace(moved, point=replace(moved.point, mark=place.point.mark))
+
+
+def _tests(place: Place) -> dict[Mark, float]:
+    """Return what is zero where a multiplier is +1, where one is -1, and where two have the product 1."""
+    multipliers = place.point.orbit.multipliers
+    products = [1.0 - a * b for a, b in combinations(multipliers, 2)] or [1.0]
+    return {
+        Mark.FOLD: float(np.prod(multipliers - 1.0).real),
+        Mark.PERIOD_DOUBLING: float(np.prod(multipliers + 1.0).real),
+        Mark.NEIMARK_SACKER: float(np.prod(products).real),
+    }
+
+
+def events_between(last: Place, place: Place) -> Iterator[BranchPoint]:
+    """Locate what happens between two places of a curve."""
+    length = float(last.tangent @ (place.y - last.y))
+    result: list[tuple[float, BranchPoint]] = []
+    if last.point.contacts != place.point.contacts:
+        result.append(_grazing(last, place, length))
+    before, after = _tests(last), _tests(place)
+    for mark in before:
+        if before[mark] * after[mark] < 0.0 and (event := _crossing(last, mark, length, before, after)):
+            turns = last.tangent[-1] * place.tangent[-1] < 0.0
+            name = Mark.BRANCHING if mark is Mark.FOLD and not turns else mark
+            result.append((event[0], replace(event[1], mark=name)))
+    for _, event_point in sorted(result, key=lambda pair: pair[0]):
+        yield event_point
+
+
+def _crossing(
+    last: Place, mark: Mark, length: float, before: dict[Mark, float], after: dict[Mark, float]
+) -> tuple[float, BranchPoint] | None:
+    """Locate where a test function passes through zero, if it does and a multiplier is on the circle."""
+
+    def test(ahead: float) -> float:
+        if ahead == 0.0:
+            return before[mark]
+        if ahead == length:
+            return after[mark]
+        reached = last.further(ahead)
+        return np.nan if reached is None else _tests(reached)[mark]
+
+    try:
+        ahead = brentq(test, 0.0, length, xtol=LOCATED)
+    except (ValueError, RuntimeError):
+        return None
+    reached = last.further(float(ahead))
+    if reached is None or reached.point.orbit.roughness > SMOOTH:
+        return None
+    left = abs(_tests(reached)[mark])
+    if not left <= THROUGH_ZERO * min(abs(before[mark]), abs(after[mark])):
+        return None
+    multipliers = reached.point.orbit.multipliers
+    pairs = np.abs(np.abs(multipliers) - 1.0) + (np.abs(multipliers.imag) == 0.0)
+    # Two real multipliers may have that product too, and then nothing happens.
+    if mark is Mark.NEIMARK_SACKER and pairs.min() > THROUGH_ZERO:
+        return None
+    return float(ahead), reached.point
+
+
+def _grazing(last: Place, place: Place, length: float) -> tuple[float, BranchPoint]:
+    """Locate where the number of contacts changes, by halving."""
+    low, high, at = 0.0, length, place.y
+    while high - low > LOCATED:
+        middle = 0.5 * (low + high)
+        reached = last.ahead(middle)
+        if reached is None:
+            break
+        if last.curve.contacts(reached[0]) == last.point.contacts:
+            low = middle
+        else:
+            high, at = middle, reached[0]
+    return high, replace(place_at(last.curve, at, last.tangent).point, mark=Mark.GRAZING)
+
+
+def end_of(place: Place, least: float, reach: float) -> str:
+    """Return why a branch goes no further than a place.
+
+    Args:
+        place: the last one.
+        least: the smallest step that was tried.
+        reach: how far ahead on the tangent a grazing is looked for.
+    """
+    point = place.point
+    before = f"{point.contacts} contact{'s' * (point.contacts != 1)} a period"
+    # The tangent at a rough orbit leads astray, but for one without contact.
+    if point.orbit.roughness <= SMOOTH or not point.contacts:
+        low, high = 0.0, least
+        while (beyond := place.count_ahead(high)) == point.contacts and high < reach:
+            low, high = high, 2.0 * high
+        if beyond not in (point.contacts, -1):
+            while high - low > LOCATED * reach:
+                middle = 0.5 * (low + high)
+                low, high = (middle, high) if place.count_ahead(middle) == point.contacts else (low, middle)
+            value, beyond = place.curve.value(place.y + high * place.tangent), place.count_ahead(high)
+            return (
+                f"It ends at {value:.9g} in a grazing: it has {before} before and would have {beyond} "
+                "beyond, where the map is not smooth."
+            )
+    if point.orbit.roughness <= SMOOTH:
+        return (
+            f"It ends at {point.value:.9g}, beyond which no orbit was found near the last one with steps "
+            f"down to {least:.1e}."
+        )
+    other = sorted(_contacts_nearby(point.orbit) - {point.contacts})
+    nearby = f", {' or '.join(map(str, other))} within {NEARBY:g} of its state" if other else ""
+    softest = f", and the softest begins at {point.softest:.3g} m/s" if point.contacts else ""
+    return f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}{nearby}{softest}."
+
+
+def _contacts_nearby(orbit: Orbit) -> set[int]:
+    """Return the numbers of contacts in the periods that begin near an orbit."""
+    length = NEARBY * float(np.linalg.norm(orbit.state))
+    result = set()
+    for direction in np.eye(orbit.state.size):
+        for side in (-length, length):
+            with suppress(BrokenOffError, ValueError):
+                result.add(int(orbit.map.run(orbit.state + side * direction).contacts["start_time"].size))
+    return result
+
+
+def without_speed(points: Sequence[BranchPoint]) -> float:
+    """Return where the softest contact of a branch's last orbits would be without speed; NaN for nowhere."""
+    last = points[-1]
+    for point in reversed(points):
+        if point.contacts != last.contacts:
+            break
+        if point.softest > CLEARLY * last.softest > 0.0:
+            return last.value + last.softest * (last.value - point.value) / (point.softest - last.softest)
+    return np.nan

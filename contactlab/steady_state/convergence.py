@@ -1,4 +1,4 @@
-"""What steps and tolerance of the solver do to a steady state: the same one at finer steps, and the rest."""
+"""Discretisation error of a steady state, from three contact steps or tolerances."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from contactlab.steady_state.search import Steady, steady, steady_setup
 @final
 @dataclass(frozen=True)
 class Converged:
-    """A steady state at finer and finer steps.
+    """A steady state at three steps or tolerances.
 
         >>> import contactlab as cl
         >>> found = cl.converged(cl.build(["law=hertz_penalty"])).details
@@ -73,25 +73,20 @@ class Converged:
 def converged(
     motor: Motor | Setup, law: ContactLaw | None = None, *, refine: bool = True, **arguments: Any
 ) -> Converged:
-    """Find a steady state at three steps, each from the one before it.
+    """Compute a steady state at three steps, each from the one before it.
 
     A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
 
-        >>> import contactlab as cl
-        >>> velocity, error = cl.converged(cl.build(["law=lagrange_stick"])).velocity
-        >>> f"{velocity:.3f} +- {error:.0e} rad/s"
-        '-2.951 +- 5e-05 rad/s'
-
     Args:
         motor, law: as of `steady`; the contact step or tolerance is the coarsest.
-        refine: False takes that alone, and then nothing tells the error of it.
+        refine: False computes the coarsest alone, without a discretisation error.
         arguments: further ones of `steady`.
 
     Raises:
         NoPeriodError, NotSettledError, BrokenOffError: as of `contactlab.steady`.
     """
-    given = {name: arguments.pop(name) for name in FINER if name in arguments}
-    setup = steady_setup(motor, law, **given)
+    coarsest = {name: arguments.pop(name) for name in FINER if name in arguments}
+    setup = steady_setup(motor, law, **coarsest)
     control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
     divisors = FINER[control] if refine else (1.0,)
     values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in divisors)

@@ -41,11 +41,6 @@ def steady(
     Errors are those of the orbit, or of statistics, at one step of the solver. `converged` computes the
     state at three steps and adds the discretisation error.
 
-        >>> import contactlab as cl
-        >>> found = cl.steady(cl.build())
-        >>> found.kind, round(found.velocity[0], 6)
-        ('periodic', -2.191106)
-
     Args:
         motor: what moves, or a whole setup.
         law: what acts between tip and rotor; a setup has its own.
@@ -79,9 +74,9 @@ def steady(
         return _braked(setup, float(brake), begins, longest)
     if load is not None:
         setup = _loaded(setup, float(load))
-    result = settled(setup, belt, begins, longest)
-    assert result is not None
-    return result
+    state = settled(setup, belt, begins, longest)
+    assert state is not None
+    return state
 
 
 def steady_setup(
@@ -91,13 +86,13 @@ def steady_setup(
     tolerance: float | None = None,
 ) -> Setup:
     """Return the setup of a study of steady states, whose duration means nothing; see `steady`."""
-    values = {"contact_step": contact_step, "tolerance": tolerance}
-    values = {name: value for name, value in values.items() if value is not None}
-    return setup_of(motor, law, values if isinstance(motor, Setup) else values | {"duration": 1.0})
+    steps = {"contact_step": contact_step, "tolerance": tolerance}
+    steps = {name: value for name, value in steps.items() if value is not None}
+    return setup_of(motor, law, steps if isinstance(motor, Setup) else steps | {"duration": 1.0})
 
 
 def _check(belt: float | None, load: float | None, brake: float | None, longest: int) -> None:
-    """Refuse what makes no sense alone or together."""
+    """Check the arguments, each alone and together."""
     every = {"belt": belt, "load": load, "brake": brake}
     values = {name: value for name, value in every.items() if value is not None}
     for name, value in values.items():
@@ -117,37 +112,37 @@ def _check(belt: float | None, load: float | None, brake: float | None, longest:
 
 
 def _loaded(setup: Setup, torque: float) -> Setup:
-    """Return a setup with another load torque, which its configuration tells too."""
+    """Return a setup with another load torque, in its configuration too."""
     rotor = replace(setup.motor.rotor, load_torque=torque)
-    reported = setup.configuration | {
+    configuration = setup.configuration | {
         "rotor": {**setup.configuration.get("rotor", {}), "load_torque": torque}
     }
-    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=reported)
+    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=configuration)
 
 
 def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
-    """Let the motor settle without load, put the brake on, and see what becomes of its rotation."""
+    """Compute the steady state without load, then that with the brake against its rotation."""
     free = settled(_loaded(setup, 0.0), None, begins, longest)
     assert free is not None
     sense = float(np.sign(free.velocity[0])) if free.kind != "without contact" else 0.0
     loaded = _loaded(setup, sense * brake)
-    result = _turning(loaded, free, longest, sense) if sense else None
-    if result is None:
-        stored = settled(loaded, 0.0, free.end, longest)
-        assert stored is not None
-        result = replace(stored, kind="standing")
+    state = _turning(loaded, free, longest, sense) if sense else None
+    if state is None:
+        still = settled(loaded, 0.0, free.end, longest)
+        assert still is not None
+        state = replace(still, kind="standing")
         # At rest the torque may be larger than in the rotation that the brake has stopped.
-        if sense * stored.torque[0] > brake:
-            result = _turning(loaded, stored, longest, sense)
-    if result is None:
+        if sense * still.torque[0] > brake:
+            state = _turning(loaded, still, longest, sense)
+    if state is None:
         raise NotSettledError(
             f"A brake of {brake:.4g} N m stops the rotor and does not hold it; it must do both, or neither. "
             "Give another one, or rotor.damping."
         )
-    return replace(result, brake=brake)
+    return replace(state, brake=brake)
 
 
 def _turning(loaded: Setup, before: Steady, longest: int, sense: float) -> Steady | None:
-    """Find how a rotor turns in its sense against a brake; None where it does not."""
-    result = settled(loaded, None, before.end, longest, sense)
-    return result if result is not None and sense * result.velocity[0] > 0.0 else None
+    """Compute the rotation against a brake; None where the rotor does not keep its sense."""
+    state = settled(loaded, None, before.end, longest, sense)
+    return state if state is not None and sense * state.velocity[0] > 0.0 else None

@@ -1,8 +1,9 @@
 """Periodic orbits by shooting: a state that the period map leaves where it is.
 
 Newton's method on P(z) - z = 0, with the derivative of the period map by differences, which are good to
-1e-8 where the map is smooth, and Broyden's rank-one corrections between. A step never leaves the ball in
-which the last one was worth its price (Conn, Gould, Toint: Trust-Region Methods, 2000).
+1e-8 where the map is smooth, and Broyden's rank-one corrections between. Steps are limited to a
+trust region whose radius is adapted to the reduction achieved (Conn, Gould, Toint: Trust-Region Methods,
+2000).
 """
 
 from collections.abc import Callable
@@ -16,10 +17,10 @@ from contactlab.arrays import Array
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 
 STEP: Final = 1e-6
-"""Of the differences, in parts of |z|."""
+"""Step of the differences, in parts of |z|."""
 
 ROUGH: Final = 100.0
-"""Times the step at which the derivative is looked at once more, to see whether the map is smooth."""
+"""Ratio of the step of a second difference, which tests whether the map is smooth."""
 
 CLOSED: Final = 1e-10
 """|P(z) - z| over |z| at which an orbit counts as closed."""
@@ -34,7 +35,7 @@ WORTH: Final = 0.5
 
 
 class NoOrbitError(RuntimeError):
-    """No orbit was found; the message is a sentence that goes on from 'no periodic orbit'."""
+    """There is no orbit near a state; the message continues 'no periodic orbit'."""
 
 
 @final
@@ -86,7 +87,7 @@ class Orbit:
 
 
 def orbit_from(section: PeriodMap, z: Array) -> Orbit:
-    """Find the periodic orbit near a state.
+    """Compute the periodic orbit near a state.
 
     Raises:
         NoOrbitError: there is none near it.

@@ -1,9 +1,11 @@
 """The study `steady`: what a motor does once it has settled."""
 
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import Annotated, Any, ClassVar
+from operator import attrgetter, methodcaller
+from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
 import pandas
@@ -14,13 +16,19 @@ from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.parameter import Parameter
+from contactlab.results.netcdf import TITLE, to_datatree
 from contactlab.steady_state.convergence import Converged, converged as find_refined
 from contactlab.steady_state.search import LONGEST, steady_setup
-from contactlab.steady_state.state import Steady as State
-from contactlab.studies.steady_dataset import NEUTRAL, ROUGH, tree_of
+from contactlab.steady_state.state import CUMULATIVE, Steady as State
 from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates, option
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
+
+ROUGH: Final = 1e-2
+"""Roughness of the period map above which its multipliers are reported as rough."""
+
+NEUTRAL: Final = 1e7
+"""Settling time, in periods of the orbit, above which a multiplier is reported as one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +87,8 @@ class Steady(Study):
         several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
         sentences = [f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods."]
         if "brake" in about:
-            stored = "holds the rotor" if about["kind"] == "standing" else "is overcome"
-            sentences.append(f"A brake of {about['brake']:.6g} N m {stored}.")
+            outcome = "holds the rotor" if about["kind"] == "standing" else "is overcome"
+            sentences.append(f"A brake of {about['brake']:.6g} N m {outcome}.")
         if "multiplier_real" in group:
             largest = abs(complex(group["multiplier_real"][0], group["multiplier_imag"][0]))
             sentences.append(
@@ -121,6 +129,46 @@ class Steady(Study):
 def _steady_state(setup: Setup, refine: bool, given: dict[str, Any]) -> Part:
     state = find_refined(setup, refine=refine, **given)
     return Part(tree_of(state), state if refine else state.best)
+
+
+def tree_of(converged: Converged, records: int = 2000) -> xarray.DataTree:
+    """Return one orbit, or one period of another motion, as a tree like that of a run.
+
+    The group `steady` contains the quantities of `Steady` with their errors, the Floquet multipliers where
+    there is an orbit, stroboscopic samples elsewhere, and kind and section as attributes.
+    """
+    best = converged.best
+    tree = to_datatree(best.curves(records), best.setup.configuration)
+    del tree["state"]
+    law = str(tree.attrs["title"]).removeprefix(TITLE)
+    tree.attrs["title"] = f"Steady state of a standing-wave piezoelectric motor with the contact law {law}"
+    tree["time"].attrs["long_name"] = f"time since the drive's phase of {best.phase:.9g} periods"
+    names = ("velocity", "torque", "impulse", "peak_force", "contact_share")
+    numbers = [
+        *(converged.value(attrgetter(name)) for name in names),
+        *(converged.value(methodcaller("average", name)) for name in CUMULATIVE[1:]),
+    ]
+    variables: dict[str, Any] = {}
+    for quantity, (value, error) in zip(Steady.quantities, numbers, strict=True):
+        for name, number, about in (("", value, ""), ("_error", error, "error of the ")):
+            meaning = {"units": quantity.units, "long_name": about + quantity.long_name}
+            variables[quantity.name + name] = (), number, meaning
+    facts: dict[str, Any] = {"kind": best.kind, "periods": best.periods, "phase": best.phase}
+    facts |= {"run_duration": best.setup.duration, "warm_up": best.warm_up}
+    facts[converged.control] = json.dumps(converged.values)
+    facts |= {key: value for key in ("belt", "brake") if (value := getattr(best, key)) is not None}
+    if best.orbit is not None:
+        every = best.orbit.multipliers
+        for part, values in (("real", every.real), ("imag", every.imag)):
+            meaning = {"units": "1", "long_name": f"{part} part of the Floquet multipliers"}
+            variables[f"multiplier_{part}"] = "multiplier", values, meaning
+        facts |= {"roughness": best.orbit.roughness, "settling_time": best.orbit.settling_time}
+    else:
+        for name in ("slip_velocity", "rotor_velocity"):
+            attributes = {**tree[name].attrs, "long_name": f"{tree[name].attrs['long_name']}, once a period"}
+            variables[f"stroboscopic_{name}"] = "sample", best.motion.series[name][1:], attributes
+    tree["steady"] = xarray.DataTree(xarray.Dataset(variables, attrs=facts))
+    return tree
 
 
 def steady(

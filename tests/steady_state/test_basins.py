@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.steady_state.basins import Ball, basins, is_neutral, started
-from contactlab.steady_state.coexisting import same, touches
+from contactlab.steady_state.basins import Ball, basins, is_neutral, same, started, touches
 
 HYSTERETIC = ["law=newton", "contact.clearance=3.895 um"]
 """Between the clearance that the tip bridges and the fold of the orbits."""

@@ -7,7 +7,7 @@ import pytest
 import xarray
 
 import contactlab as cl
-from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.continuation import Mark
 
 
 @pytest.fixture(scope="module")

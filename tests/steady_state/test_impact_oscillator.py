@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from oscillator_with_stop import ImpactOscillator, doubling_between
 
-from contactlab.steady_state.continuation import Followed, follow
-from contactlab.steady_state.curve import Mark
+from contactlab.steady_state.continuation import Followed, Mark, follow
 from contactlab.steady_state.period_map import PeriodMap
 from contactlab.steady_state.shooting import Orbit, orbit_from
 

@@ -12,8 +12,8 @@ from contactlab.motor.bodies import block
 from contactlab.motor.drive import period_of
 from contactlab.steady_state import NotSettledError, UnboundedError
 from contactlab.steady_state.arrival import _drifts, _grows
+from contactlab.steady_state.basins import same
 from contactlab.steady_state.branches import NoBranchError
-from contactlab.steady_state.coexisting import same
 from contactlab.steady_state.period_map import PeriodMap
 from contactlab.testing.plants import run
 
