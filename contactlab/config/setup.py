@@ -170,10 +170,10 @@ def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> Con
     # A law of another package may refuse, or fail, in ways of its own.
     except Exception as error:
         # What the law itself raised is in the sentence already.
-        reported = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
-        sentence = f"law={name} cannot be made from its parameters: {reported}"
-        if reported.startswith(f"{name}: "):
-            sentence = f"law.{reported.removeprefix(f'{name}: ')}"
+        reason = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
+        sentence = f"law={name} cannot be made from its parameters: {reason}"
+        if reason.startswith(f"{name}: "):
+            sentence = f"law.{reason.removeprefix(f'{name}: ')}"
         raise ConfigurationError([sentence]) from error
 
 

@@ -124,10 +124,10 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state.length = h
     stiffness = steepness * mobility(run, level, FIRST, FIRST)
     sweeps = 0
-    for stored in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
+    for fixed in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
         if sweeps == 0:
             _first_forces(run, law, stretch)
-            sweeps = _collocate(run, law, level, stored == 1)
+            sweeps = _collocate(run, law, level, fixed == 1)
     state.taken = 0.0
     state.sweeps += sweeps
     if sweeps == 0:

@@ -209,8 +209,8 @@ class Animation:
             ("friction on rotor", -film.friction, "N"),
             ("rotor velocity", film.velocity, "rad/s"),
         )
-        reported = [f"{name} {_steady(values, number):>9} {units:<5}" for name, values, units in rows]
-        self.numbers.set_text("\n".join(reported))
+        lines = [f"{name} {_steady(values, number):>9} {units:<5}" for name, values, units in rows]
+        self.numbers.set_text("\n".join(lines))
 
 
 def _steady(values: Array, number: int) -> str:

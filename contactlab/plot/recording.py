@@ -111,8 +111,8 @@ def recording_of(tree: xarray.DataTree) -> Recording:
     try:
         contact, radius = configuration["contact"], float(configuration["rotor"]["radius"])
         tip_length, clearance = float(contact["tip_length"]), float(contact["clearance"])
-        reported = configuration.get("drive", {}).get("frequency")
-        frequency = float(reported or root["natural_frequency"].values[0])
+        first = configuration.get("drive", {}).get("frequency")
+        frequency = float(first or root["natural_frequency"].values[0])
     except (LookupError, TypeError, ValueError, AttributeError) as fault:
         raise UnfitRunError(
             "lacks contact.tip_length, contact.clearance, rotor.radius or drive.frequency in its attribute "

@@ -34,12 +34,12 @@ def period_told(configuration: Mapping[str, Any]) -> float:
 
     Zero where there is none.
     """
-    reported = configuration.get("drive")
-    reported = reported if isinstance(reported, Mapping) else {}
+    section = configuration.get("drive")
+    drive = section if isinstance(section, Mapping) else {}
     try:
-        return drive_period(Drive.two_mode(**reported))
+        return drive_period(Drive.two_mode(**drive))
     except (TypeError, ValueError):
-        first = reported.get("frequency")
+        first = drive.get("frequency")
         return 1.0 / first if isinstance(first, int | float) and first > 0.0 else 0.0
 
 
@@ -100,8 +100,8 @@ class Recorded:
             raise UnknownError("some of the run's numbers are not finite")
         cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
         until = float(starts[cut].min(initial=time[-1]))
-        stored = np.asarray(rows.get("duration", np.zeros(starts.size)), dtype=np.float64)
-        ended = starts + (stored if stored.size == starts.size else 0.0)
+        durations = np.asarray(rows.get("duration", np.zeros(starts.size)), dtype=np.float64)
+        ended = starts + (durations if durations.size == starts.size else 0.0)
         return cls(
             period, time, angle, velocity, gap, starts[~cut], ended[~cut], impulses[~cut], until, memory
         )

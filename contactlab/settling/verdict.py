@@ -169,11 +169,11 @@ def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterabl
     result = approach(run.velocity)
     swing = float(np.abs(run.velocity - result.now).max())
     memory_share, flowing = _memory_of(run)
-    reported = isfinite(result.error) and not flowing
+    known = isfinite(result.error) and not flowing
     impulse = approach(run.impulse)
     touching = bool(run.touching[-max(run.touching.size // LATE, 1) :].any())
     return Settling(
-        result.limit if reported else nan,
+        result.limit if known else nan,
         result.error + run.blur if not flowing else inf,
         result.now,
         result.drift,

@@ -174,8 +174,8 @@ class PeriodMap:
         q, v = starts[:, :count] / self.scale, starts[:, count : 2 * count]
         memory, rotor = np.split(starts[:, 2 * count :], [weights.size], axis=1)
         root = np.sqrt(self.setup.motor.rotor.inertia)
-        stored = np.full(len(starts), self.belt, np.float64)
-        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else stored, memory / weights)
+        belts = np.full(len(starts), self.belt, np.float64)
+        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else belts, memory / weights)
         parts = [self.scale * ends.displacement, ends.velocity, weights * ends.memory]
         if self.belt is None:
             parts.append(root * ends.rotor_velocity[:, None])

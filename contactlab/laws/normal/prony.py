@@ -17,11 +17,11 @@ MOST = 3
 @inner_kernel
 def free_depth(z, relaxed_stiffness, arm_stiffness):
     """Return the depth of a surface that nothing presses [m]."""
-    whole, stored = relaxed_stiffness, 0.0
+    whole, carried = relaxed_stiffness, 0.0
     for i in range(len(arm_stiffness)):
         whole += arm_stiffness[i]
-        stored += arm_stiffness[i] * z[i]
-    return stored / whole
+        carried += arm_stiffness[i] * z[i]
+    return carried / whole
 
 
 @final
