@@ -239,8 +239,9 @@ def _of_states(evaluator: Evaluator, bench: Bench, longer: float, put: Put) -> I
             yield from ((drag, "N"), (energy, "J"))
         if units:
             rates = evaluator.rates(*place, normal, kept)
-            jumped = evaluator.jumped(AT_TOUCH, *place, normal, kept)
+            # Another number of variables than there are units is a ValueError here.
             yield from zip(rates.tolist(), map(_per_second, units), strict=True)
+            jumped = evaluator.jumped(AT_TOUCH, *place, normal, kept)
             yield from zip(jumped.tolist(), units, strict=True)
         yield from ((limit, "m") for limit in evaluator.limits(kept))
 
