@@ -70,7 +70,7 @@ class Approach:
     """An approach to a limit.
 
     Args:
-        limit, error: where it goes, to 95 %; the error is infinite where that cannot be told.
+        limit, error: of the approach, to 95 %; the error is infinite where the limit is not known.
         distance: value of the curve at the end less the limit.
         drift: change of the curve from a value to the next at the end.
     """

@@ -44,7 +44,7 @@ def period_told(configuration: Mapping[str, Any]) -> float:
 
 
 class UnknownError(ValueError):
-    """The numbers do not tell whether a motor has settled; the message goes on from 'cannot tell:'.
+    """The numbers do not show whether a motor has settled; the message continues 'inconclusive:'.
 
     Args:
         reason: the message.

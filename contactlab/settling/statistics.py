@@ -115,7 +115,7 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
 
 
 def kind_without_period(values: Array) -> str:
-    """Tell what a settled motion that does not repeat itself is; 'irregular' where that cannot be told."""
+    """Return the kind of a settled motion without a period; 'irregular' where it is not known."""
     if values.size < LEAST_TESTED:
         return "irregular"
     indicator = chaos_indicator(values)

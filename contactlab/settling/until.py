@@ -39,7 +39,7 @@ GROWTH: Final = 1.25
 
 
 def check_until_steady(drive: Drive, record_interval: float) -> None:
-    """Refuse what a run that shall end when it has settled cannot tell that by.
+    """Refuse records by which a run until steady cannot judge that it has settled.
 
     Raises:
         ValueError: the drive does not repeat itself, or the records are too far apart; a sentence.

@@ -15,7 +15,7 @@ from contactlab.settling.periods import Columns, Periods, Recorded, UnknownError
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after
 from contactlab.variables import INTERNAL
 
-SETTLED, UNSETTLED, UNTOLD = "settled", "not settled", "cannot tell"
+SETTLED, UNSETTLED, INCONCLUSIVE = "settled", "not settled", "inconclusive"
 
 SHARE: Final = 0.01
 """Largest share by which the velocity of a motor that has settled may be off its steady one: what remains is
@@ -80,40 +80,40 @@ class Settling:
 
     @property
     def verdict(self) -> str:
-        """'settled', 'not settled' or 'cannot tell'."""
+        """'settled', 'not settled' or 'inconclusive'."""
         if isnan(self.share):
-            return UNTOLD
+            return INCONCLUSIVE
         if self.share <= SHARE:
             return SETTLED
-        return UNSETTLED if abs(self.now - self.velocity) > self.error else UNTOLD
+        return UNSETTLED if abs(self.now - self.velocity) > self.error else INCONCLUSIVE
 
     @property
     def motion(self) -> str:
-        """The kind of motion of a run that has settled; no other has one."""
+        """Return the kind of motion of a run that has settled; empty for others."""
         return self.kind if self.verdict == SETTLED else ""
 
     @property
     def estimate(self) -> str:
-        """The estimate with its error, '-2.25 +- 0.28 rad/s'."""
+        """Return the estimate with its error, '-2.25 +- 0.28 rad/s'."""
         return f"{Estimate(self.velocity, self.error).text(most=DIGITS)} rad/s"
 
     @cached_property
     def sentence(self) -> str:
-        """All of it in a line of plain ASCII."""
+        """Return verdict, motion and numbers in a line of ASCII."""
         if self.verdict == SETTLED:
-            kind = self.motion or "in a motion whose kind is not to be told yet"
+            kind = self.motion or "in a motion of a kind that is not yet known"
             drift = f", changes by {abs(self.drift):.2g} rad/s per period" if "period" in kind else ""
             return f"settled: {kind}, {self.estimate}{drift}"
         if self.verdict == UNSETTLED:
             return f"not settled: {self._apart} the estimated {self.estimate}"
         if self.reason:
-            return f"cannot tell: {self.reason}"
+            return f"inconclusive: {self.reason}"
         if not isfinite(self.error):
             return (
-                f"cannot tell: {self.now:.4g} rad/s at the end changes by {abs(self.drift):.2g} rad/s per "
+                f"inconclusive: {self.now:.4g} rad/s at the end changes by {abs(self.drift):.2g} rad/s per "
                 "period, and the run does not show where to"
             )
-        return f"cannot tell: {self.now:.4g} rad/s at the end, and {self.estimate} estimated"
+        return f"inconclusive: {self.now:.4g} rad/s at the end, and {self.estimate} estimated"
 
     @property
     def _apart(self) -> str:
@@ -125,13 +125,13 @@ class Settling:
 
     @property
     def short(self) -> str:
-        """The same in a few words."""
+        """Return verdict and estimate."""
         if self.verdict == SETTLED:
             return f"settled{self.motion and ': '}{self.motion}, {self.estimate}"
         return (
             f"not settled: {self.estimate} estimated"
             if self.verdict == UNSETTLED
-            else "settled or not: cannot tell"
+            else "settled or not: inconclusive"
         )
 
     def way_out(self, end: float) -> str:
@@ -143,9 +143,9 @@ class Settling:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """What a dataset tells of it: 1 settled, 0 not, -1 cannot tell; numbers in rad/s."""
+        """Return the attributes of a dataset: 1 settled, 0 not, -1 inconclusive; numbers in rad/s."""
         return {
-            "settled": {SETTLED: 1, UNSETTLED: 0, UNTOLD: -1}[self.verdict],
+            "settled": {SETTLED: 1, UNSETTLED: 0, INCONCLUSIVE: -1}[self.verdict],
             "settled_velocity": self.velocity,
             "settled_velocity_error": self.error,
             "motion": self.motion,
