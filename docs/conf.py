@@ -1,6 +1,6 @@
 """How Sphinx builds the documentation: `python -m sphinx -W -n --keep-going docs build/site`.
 
-Nothing is fetched: formulas are MathML, the theme brings its fonts, and no other site's index is asked.
+Nothing is fetched: formulas are MathML, the theme brings its fonts, and no index of another site is read.
 """
 
 import sys

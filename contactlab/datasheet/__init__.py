@@ -1,1 +1,1 @@
-"""The data sheet of a motor: what it does at prescribed velocities and under loads once it has settled."""
+"""The data sheet of a motor: its numbers at prescribed speeds and under loads once it has settled."""

@@ -1,4 +1,4 @@
-"""The speed-torque curve of a motor: as few belts as show its shape, its best points and its root."""
+"""The speed-torque curve of a motor at few prescribed speeds: its shape, best points and root."""
 
 from collections.abc import Iterable
 from itertools import pairwise
@@ -7,26 +7,27 @@ from typing import Final
 import numpy as np
 
 from contactlab.config import Setup
-from contactlab.datasheet.measurement import UNKNOWN, Number
-from contactlab.datasheet.operation import Point, operate
+from contactlab.datasheet.operation import UNKNOWN, Point, operate
+from contactlab.estimate import Estimate
 
 FIRST: Final = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25)
 """Velocities over that without load on which a curve begins."""
 
 MOST: Final = 12
-"""Belts that show the shape of a curve."""
+"""Prescribed speeds that show the shape of a curve."""
 
 STRAIGHT: Final = 0.04
-"""Distance of a point from the line between its neighbours, over the largest torque, that needs no other."""
+"""Distance of a point from the line between its neighbours, over the largest torque, below which the
+curve is straight."""
 
 CLOSEST: Final = 2e-3
-"""Distance of two belts over the velocity without load, below which none is put between them."""
+"""Smallest distance of two prescribed speeds over the velocity without load."""
 
 ZERO: Final = 1e-4
-"""Torque over the largest that counts as none."""
+"""Torque over the largest that counts as zero."""
 
 BEST: Final = ("output_power", "electrical_efficiency")
-"""Quantities whose greatest value a curve finds."""
+"""Quantities whose greatest value a curve contains."""
 
 
 class Curve:
@@ -55,7 +56,7 @@ class Curve:
         return [self._points[share] for share in sorted(self._points)]
 
     def _add(self, share: float | None) -> bool:
-        """Measure on a belt of a share of the velocity, unless one is all but there; tell whether."""
+        """Add the point at a share of the velocity unless one is close; return whether it was added."""
         if share is None or any(abs(share - other) < CLOSEST for other in self._points):
             return False
         point = operate(self._setup, self._velocity * share)
@@ -64,11 +65,12 @@ class Curve:
 
     def _known(self, name: str) -> tuple[list[float], list[float]]:
         """Return shares and values of a quantity where it is known."""
-        known = sorted(share for share, point in self._points.items() if np.isfinite(point[name]))
-        return known, [self._points[share][name] for share in known]
+        values = {share: self._points[share].value(name) for share in sorted(self._points)}
+        known = [share for share, value in values.items() if np.isfinite(value)]
+        return known, [values[share] for share in known]
 
     def _bend(self) -> float | None:
-        """Return the middle of the longer interval at the sharpest bend; None where all are drawn."""
+        """Return the middle of the longer interval at the sharpest bend; None where there is no sharp one."""
         known, torques = self._known("torque")
         rows = zip(known, known[1:], known[2:], torques, torques[1:], torques[2:], strict=False)
         worst, result = STRAIGHT * max(map(abs, torques), default=0.0), None
@@ -89,7 +91,7 @@ class Curve:
         return float(np.clip(-0.5 * b / a, known[near][0], known[near][2])) if a < 0.0 else None
 
     def _crossing(self) -> float | None:
-        """Return where a line says that the torque falls through zero, unless a belt is there."""
+        """Return where the linear interpolant of the torque falls through zero, unless a point is close."""
         known, torques = self._known("torque")
         limit = ZERO * max(map(abs, torques), default=0.0)
         rows = [*zip(pairwise(known), pairwise(torques), strict=True)]
@@ -102,21 +104,23 @@ class Curve:
 
 def greatest(points: Iterable[Point], name: str) -> Point | None:
     """Return the point at which a quantity is greatest; None where it is nowhere known."""
-    known = [point for point in points if np.isfinite(point[name])]
-    return max(known, key=lambda point: point[name], default=None)
+    known = [point for point in points if np.isfinite(point.value(name))]
+    return max(known, key=lambda point: point.value(name), default=None)
 
 
-def root(points: Iterable[Point]) -> Number:
-    """Return the greatest velocity at which the torque falls through zero [rad/s], and its error.
+def root(points: Iterable[Point]) -> Estimate:
+    """Return the greatest velocity at which the torque falls through zero [rad/s], by linear interpolation.
 
-    On the line between the belts next to it; its error is the distance from the nearer one, and what the
-    error of the torque makes of it.
+    Its error is the distance from the nearer point, and the error of the torque over the slope.
     """
-    known = [point for point in points if point.belt is not None and np.isfinite(point["torque"])]
+    known = [point for point in points if point.belt is not None and np.isfinite(point.value("torque"))]
     for below, above in reversed([*pairwise(known)]):
-        (v, w), (m, n) = (below["velocity"], above["velocity"]), (below["torque"], above["torque"])
+        (v, w), ((m, m_error), (n, n_error)) = (
+            (below.value("velocity"), above.value("velocity")),
+            (below["torque"], above["torque"]),
+        )
         if m > 0.0 >= n:
             value = v + (w - v) * m / (m - n)
-            spread = max(below.error("torque"), above.error("torque")) * (w - v) / (m - n)
-            return value, min(value - v, w - value) + spread
+            spread = max(m_error, n_error) * (w - v) / (m - n)
+            return Estimate(value, min(value - v, w - value) + spread)
     return UNKNOWN

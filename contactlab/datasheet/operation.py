@@ -1,24 +1,38 @@
-"""One operating point: the steady state on a belt or of a free rotor, all that it does, and its errors."""
+"""One operating point: the steady state at a prescribed or a free rotor speed, and its numbers."""
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Final, final
 
 import numpy as np
 
+from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.datasheet.measurement import UNKNOWN, Measurement, Number
-from contactlab.steady_state import BrokenOffError, Converged, NotSettledError, converged
+from contactlab.datasheet.electrodes import currents, dielectric_loss
+from contactlab.estimate import Estimate
+from contactlab.settling.statistics import mean_with_error
+from contactlab.steady_state import BrokenOffError, NotSettledError, converged
+from contactlab.steady_state.period_map import PeriodMap
+from contactlab.steady_state.state import Steady
 from contactlab.trajectory import Trajectory
 
+UNKNOWN: Final = Estimate(np.nan, np.nan)
+
+AVERAGED: Final = 160
+"""Periods over which an aperiodic motion is averaged."""
+
+RECORDS: Final = {True: 512, False: 128}
+"""Records in a period of an orbit, and of another motion."""
+
 LONGEST: Final = (480, 4000)
-"""Periods of the drive after which a motion without an orbit has its means; and where it drifts by then."""
+"""Periods of the drive after which an aperiodic motion is averaged; the second if it still drifts by then."""
 
 GROWS: Final = 1.5
-"""Ratio of successive changes of a number that grows with every finer step, from which on it has no limit;
-what goes with one over the step has a ratio of two."""
+"""Ratio of successive changes above which a number is reported as divergent under step refinement (1/h gives
+2)."""
 
 NOTABLE: Final = 0.1
-"""Last of these changes over the number, below which it is one between steps and no growth."""
+"""Last of these changes over the number, below which it does not count as growth."""
 
 
 @final
@@ -27,38 +41,40 @@ class Point:
     """An operating point.
 
     Args:
-        belt: velocity at which the rotor is held [rad/s], in the model's sense; None for a free rotor.
+        belt: prescribed rotor speed [rad/s], in the model's sense; None for a free rotor.
         kind: as of `Steady`; 'periodic at some steps', or 'none' where a run breaks off.
-        numbers: value and error of every name in `quantities.POINT`.
+        numbers: every quantity of `quantities.POINT`.
         message: why there is none.
         run: whole periods of it at the finest step.
     """
 
     belt: float | None
     kind: str
-    numbers: dict[str, Number] = field(default_factory=dict)
+    numbers: dict[str, Estimate] = field(default_factory=dict)
     message: str = ""
     run: Trajectory | None = None
 
-    def __getitem__(self, name: str) -> float:
-        return self.numbers.get(name, UNKNOWN)[0]
+    def __getitem__(self, name: str) -> Estimate:
+        return self.numbers.get(name, UNKNOWN)
 
-    def error(self, name: str) -> float:
-        """Return the error of a quantity."""
-        return self.numbers.get(name, UNKNOWN)[1]
+    def value(self, name: str) -> float:
+        """Return the value of a quantity."""
+        return self[name].value
 
     def turned(self, sense: float) -> "Point":
         """Return the point with velocity and torque in the other sense, if that is negative."""
-        signed = {name: (sense * self[name], self.error(name)) for name in ("velocity", "torque")}
+        signed = {
+            name: self[name]._replace(value=sense * self.value(name)) for name in ("velocity", "torque")
+        }
         return replace(self, numbers=self.numbers and self.numbers | signed)
 
 
 def operate(setup: Setup, belt: float | None = None) -> Point:
-    """Find the steady state at an operating point, at three steps, and measure it at the finest.
+    """Compute the steady state at an operating point at three steps, and its numbers at the finest.
 
     Args:
         setup: motor and law; its contact step or tolerance is the coarsest.
-        belt: velocity at which the rotor is held [rad/s]; None for a free one.
+        belt: prescribed rotor speed [rad/s]; None for a free rotor.
     """
     short, long = LONGEST
     try:
@@ -66,21 +82,172 @@ def operate(setup: Setup, belt: float | None = None) -> Point:
             result = converged(setup, belt=belt, longest=short)
         except NotSettledError:
             result = converged(setup, belt=belt, longest=long)
-        measured = [Measurement.of(each) for each in result.steps]
+        recorded = [Periods.of(each) for each in result.steps]
     except (BrokenOffError, NotSettledError) as error:
         return Point(belt, "none", message=str(error))
-    levels = {id(each): item.numbers() for each, item in zip(result.steps, measured, strict=True)}
+    steps = {id(each): periods.numbers() for each, periods in zip(result.steps, recorded, strict=True)}
     kinds = {each.kind for each in result.steps}
     kind = result.best.kind if len(kinds) == 1 or "periodic" not in kinds else "periodic at some steps"
-    names = levels[id(result.best)]
-    numbers = {name: _limit(result, {key: every[name] for key, every in levels.items()}) for name in names}
-    return Point(belt, kind, numbers, run=measured[-1].run)
+
+    def limit(name: str) -> Estimate:
+        levels = {key: every[name] for key, every in steps.items()}
+        value, error = result.value(lambda each: levels[id(each)])
+        before, last = np.diff([abs(number) for number, _ in levels.values()])
+        diverges = last > GROWS * before > 0.0
+        threshold = NOTABLE * abs(value) + levels[id(result.best)].error
+        return Estimate(value, np.inf if diverges and last > threshold else error)
+
+    numbers = {name: limit(name) for name in steps[id(result.best)]}
+    return Point(belt, kind, numbers, run=recorded[-1].run)
 
 
-def _limit(found: Converged, levels: dict[int, Number]) -> Number:
-    """Return the finest of three numbers with its error; an infinite one where they grow without bound."""
-    value, error = found.value(lambda each: levels[id(each)])
-    before, last = np.diff([abs(number) for number, _ in levels.values()])
-    if last > GROWS * before > 0.0 and last > NOTABLE * abs(value) + levels[id(found.best)][1]:
-        return value, np.inf
-    return value, error
+@final
+@dataclass(frozen=True)
+class Periods:
+    """Whole periods of a settled motor, one orbit or many.
+
+    Args:
+        section: whose period it is; the rotor speed is prescribed, or free.
+        run: from the section on.
+        records: in each period.
+        closure: distance of the run from a closed orbit [1]; None for many periods of another motion.
+    """
+
+    section: PeriodMap
+    run: Trajectory
+    records: int
+    closure: float | None
+
+    @classmethod
+    def of(cls, state: Steady) -> "Periods":
+        """Record a steady state finely: its orbit, or many periods from its end on."""
+        if (orbit := state.orbit) is not None:
+            records = RECORDS[True]
+            return cls(orbit.map, orbit.map.run(orbit.state, 1, records), records, state.closure)
+        phase, modal, velocity, memory = state.end
+        section, records = PeriodMap(state.setup, phase, belt=state.belt), RECORDS[False]
+        run = section.run(section.state_of(modal, velocity, memory), AVERAGED, records)
+        return cls(section, run, records, None)
+
+    def numbers(self) -> dict[str, Estimate]:
+        """Return every quantity of `quantities.POINT`, velocity and torque in the model's sense."""
+        belt, series, contacts = self.section.belt, self.run.series, self.run.contacts
+        radius, viscous = self.run.motor.geometry.rotor_radius, self.section.setup.motor.rotor.damping
+        drive, friction, contact, damping = (
+            self._rate(name) for name in ("drive_work", "friction_loss", "contact_loss", "damping_loss")
+        )
+        speed = self._rate("rotor_angle") if belt is None else Estimate(belt, 0.0)
+        pushes = -radius * series["friction_force"][1:]
+        push = self._mean(pushes if self.closure is not None else self._by_period(pushes).mean(axis=1))
+        torque = Estimate(push.value - viscous * speed.value, push.error + viscous * speed.error)
+        output = Estimate(torque.value * speed.value, torque.error * abs(speed.value))
+        if belt is None:
+            output = self._rate("load_work")
+        else:
+            damping = Estimate(damping.value + viscous * speed.value**2, damping.error)
+        slip = np.abs(series["slip_velocity"][1:]) * (self.run.contact_mode[1:] != 0)
+        ripple = float(np.ptp(series["rotor_velocity"])) if belt is None else 0.0
+        coarser = float(np.ptp(series["rotor_velocity"][::2])) if ripple else 0.0
+        share, stick = (self._mean(self._summed(n) / self._period) for n in ("duration", "stick_duration"))
+        spent = output.value + damping.value + friction.value + contact.value + self._stored
+        # The two halves of many periods show the error of the peak.
+        halves = [float(x.max(initial=0.0)) for x in np.array_split(contacts["peak_normal_force"], 2)]
+        return {
+            "velocity": speed,
+            "velocity_ripple": Estimate(ripple, 0.5 * abs(ripple - coarser)),
+            "torque": torque,
+            "output_power": output,
+            "drive_power": drive,
+            "damping_power": damping,
+            "friction_power": friction,
+            "contact_power": contact,
+            "balance": Estimate(drive.value - spent, 0.0),
+            **self._electrical(drive, output),
+            "peak_force": Estimate(
+                max(halves), 0.0 if self.closure is not None else abs(halves[1] - halves[0])
+            ),
+            "contact_share": share,
+            "stick_share": ratio(stick, share),
+            "friction_work_per_slip": ratio(friction, self._sampled(slip)),
+            "friction_work_per_travel": ratio(
+                friction, Estimate(radius * abs(speed.value), radius * speed.error)
+            ),
+        }
+
+    @property
+    def _period(self) -> float:
+        return self.section.period
+
+    @cached_property
+    def _count(self) -> int:
+        return (self.run.time.size - 1) // self.records
+
+    def _by_period(self, values: Array) -> Array:
+        return values.reshape(self._count, self.records)
+
+    def _mean(self, values: Array) -> Estimate:
+        """Return the mean of a value for each period."""
+        if self.closure is not None:
+            return Estimate(float(values.mean()), self.closure * float(np.abs(values).mean()))
+        return mean_with_error(values)
+
+    def _rate(self, name: str) -> Estimate:
+        """Return the mean rate at which a series grows."""
+        return self._mean(np.diff(self.run.series[name][:: self.records]) / self._period)
+
+    def _sampled(self, values: Array) -> Estimate:
+        """Return the mean over all records; its error includes the change with half as many records."""
+        every = self._by_period(values)
+        value, error = self._mean(every.mean(axis=1))
+        return Estimate(value, error + abs(float(every[:, 1::2].mean()) - value))
+
+    def _summed(self, name: str) -> Array:
+        """Sum a column of the contacts over every period, shape (period,)."""
+        contacts, count = self.run.contacts, self._count
+        when = (contacts["start_time"] / self._period).astype(int)
+        return np.bincount(np.minimum(when, count - 1), contacts[name], count).astype(float)
+
+    @property
+    def _stored(self) -> float:
+        """Power that resonator, free rotor and contact store; a mechanical state z holds |z|^2 / 2."""
+        section, run = self.section, self.run
+        assert run.motor.start is not None
+        start = section.state_of(run.motor.start, run.motor.rotor.initial_velocity)
+        start, end = section.mechanical(start), section.mechanical(section.end_of(run))
+        contact = run.series["contact_energy"]
+        stored = 0.5 * (end @ end - start @ start) + contact[-1] - contact[0]
+        return float(stored / run.duration)
+
+    def _electrical(self, drive: Estimate, output: Estimate) -> dict[str, Estimate]:
+        """Return the electrical input, and the efficiencies where there is an output."""
+        dielectric = dielectric_loss(self.run.motor)
+        active = Estimate(drive.value + dielectric, drive.error)
+        squares = [self._sampled(each[1:] ** 2) for each in currents(self.run)]
+        volts = np.sqrt(np.mean(self.run.motor.drive.voltage(self.run.time[1:]) ** 2, axis=1)).tolist()
+        apparent = Estimate(*(float(np.dot(volts, part)) for part in zip(*map(_root, squares), strict=True)))
+        useful = output if output.value > 0.0 else UNKNOWN
+        return {
+            "dielectric_power": Estimate(dielectric, 0.0),
+            "active_power": active,
+            "apparent_power": apparent,
+            "power_factor": ratio(active, apparent),
+            "rms_voltage": Estimate(float(np.sqrt(np.mean(np.square(volts)))), 0.0),
+            "rms_current": _root(
+                Estimate(0.5 * sum(x.value for x in squares), 0.5 * sum(x.error for x in squares))
+            ),
+            "mechanical_efficiency": ratio(useful, drive),
+            "electrical_efficiency": ratio(useful, active),
+        }
+
+
+def ratio(above: Estimate, below: Estimate) -> Estimate:
+    """Divide two numbers with their errors; NaN where the denominator is not positive."""
+    if not below.value > 0.0:
+        return UNKNOWN
+    value = above.value / below.value
+    return Estimate(value, (above.error + abs(value) * below.error) / below.value)
+
+
+def _root(square: Estimate) -> Estimate:
+    value = float(np.sqrt(square.value))
+    return Estimate(value, 0.5 * square.error / value if value else 0.0)

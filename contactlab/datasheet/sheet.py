@@ -8,10 +8,10 @@ import xarray
 
 from contactlab.config import Setup
 from contactlab.datasheet.curve import BEST, Curve, greatest, root
-from contactlab.datasheet.measurement import UNKNOWN, Number
-from contactlab.datasheet.operation import Point, operate
+from contactlab.datasheet.operation import UNKNOWN, Point, operate
 from contactlab.datasheet.quantities import MOTOR, POINT
 from contactlab.datasheet.transients import holding_torque, start_time, stop_time
+from contactlab.estimate import Estimate
 from contactlab.results.netcdf import cf_attributes
 from contactlab.variables import Variable
 
@@ -22,11 +22,11 @@ ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
 def data_sheet(setup: Setup) -> xarray.Dataset:
     """Return the data sheet of a motor.
 
-    Every quantity of `contactlab.datasheet.quantities` and its error, `NAME_error`, those of points over the
-    dimension `point`. The points are the prescribed rotor velocities of the speed-torque curve in ascending
-    order, and the free rotor; `kind` is the kind of motion there, `load` what the load does there, and `role`
-    is one of `ROLES` or empty. Velocities and torques are in the motor's own sense of rotation, whose sign
-    in the model is `sense`.
+    It has every quantity of `contactlab.datasheet.quantities` and its error, `NAME_error`, those of points
+    over the dimension `point`: the prescribed rotor speeds of the speed-torque curve in ascending order, and
+    the free rotor. `kind` is the kind of motion, `load` the direction of the load, `role` one of `ROLES` or
+    empty. Velocities and torques are in the motor's own sense of rotation, whose sign in the model is
+    `sense`.
 
     Raises:
         NoPeriodError: the drive does not repeat itself.
@@ -34,7 +34,7 @@ def data_sheet(setup: Setup) -> xarray.Dataset:
     points, own, sense = _sheet(setup)
     values: dict[str, Any] = {}
     for name, quantity in POINT.items():
-        values |= _with_error(quantity, np.transpose([(p[name], p.error(name)) for p in points]))
+        values |= _with_error(quantity, np.transpose([p[name] for p in points]))
     for name, quantity in MOTOR.items():
         values |= _with_error(quantity, np.array(own.get(name, UNKNOWN)))
     texts = {
@@ -49,21 +49,20 @@ def data_sheet(setup: Setup) -> xarray.Dataset:
     return xarray.Dataset(values, {"point": np.arange(len(points))})
 
 
-def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Number], float]:
+def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Estimate], float]:
     """Characterise one motor: the points of its curve, the free rotor's last, its own numbers, its sense."""
     free = operate(setup)
-    velocity, error = free.numbers.get("velocity", UNKNOWN)
+    velocity, error = free["velocity"]
     if free.run is None or not abs(velocity) > error:
         return [free], {}, 0.0
     sense = float(np.sign(velocity))
     points = Curve(setup, velocity).points
     memory = np.array([free.run.series[name][0] for name in free.run.lasting])
     stop, coasting = stop_time(setup, free.run.motor, velocity, memory)
-    stalled = next(point for point in points if point.belt == 0.0)
     numbers = {
-        "no_load_velocity": (abs(velocity), error),
+        "no_load_velocity": Estimate(abs(velocity), error),
         "curve_root": root(points),
-        "stall_torque": stalled.numbers.get("torque", UNKNOWN),
+        "stall_torque": next(point["torque"] for point in points if point.belt == 0.0),
         "holding_torque": holding_torque(setup, velocity),
         "start_time": start_time(setup, velocity),
         "stop_time": stop,
@@ -74,7 +73,7 @@ def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Number], float]:
 
 def _roles(points: Sequence[Point]) -> list[str]:
     """Name the points that have a role."""
-    motoring = [point for point in points if point["output_power"] > 0.0]
+    motoring = [point for point in points if point.value("output_power") > 0.0]
     role = {id(point): "stall" for point in points if point.belt == 0.0}
     role |= {id(points[-1]): "no load"}
     for name, quantity in zip(ROLES[1:3], BEST, strict=True):
@@ -86,9 +85,8 @@ def _roles(points: Sequence[Point]) -> list[str]:
 def _loads(points: Sequence[Point]) -> list[str]:
     """Return what the load does at the points, by the quadrant of velocity and torque."""
     quadrants = {(1, 1): "brakes", (-1, 1): "turns the motor back", (1, -1): "drives the motor on"}
-    return [
-        quadrants.get((np.sign(p["velocity"]), np.sign(p["torque"])), "") if p.belt else "" for p in points
-    ]
+    signs = [(np.sign(p.value("velocity")), np.sign(p.value("torque"))) for p in points]
+    return [quadrants.get(pair, "") if p.belt else "" for p, pair in zip(points, signs, strict=True)]
 
 
 def _with_error(quantity: Variable, numbers: np.ndarray) -> dict[str, Any]:

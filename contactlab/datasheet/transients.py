@@ -1,4 +1,4 @@
-"""What a motor does when its drive is switched: start, stop, and what holds the rotor without a drive."""
+"""Times of start and stop when the drive is switched, and the holding torque without a drive."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -8,10 +8,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.datasheet.measurement import Number
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
-from contactlab.laws.base import MultiplierLaw
-from contactlab.metrics.convergence import FINER
+from contactlab.estimate import Estimate
+from contactlab.metrics.convergence import FINER, control_of
 from contactlab.motor import Drive, ModalState, Motor
 from contactlab.simulation import changed
 from contactlab.steady_state.period_map import PeriodMap
@@ -24,16 +23,16 @@ PIECE: Final = 50
 """Periods of the drive that are run at a time."""
 
 LONGEST: Final = 4000
-"""Periods after which a rotor that has not got there is given up."""
+"""Periods after which the computation of a start or a stop ends."""
 
 RESTS: Final = 1e-6
-"""Vibration of a resonator over that of its start, at which it rests beside the rotor and does not press."""
+"""Vibration of a resonator over the initial one, below which it rests beside the rotor."""
 
 DIED_DOWN: Final = 20.0
 """Times 1 / (zeta omega) of the slowest mode after which a resonator rests."""
 
 
-def start_time(setup: Setup, velocity: float) -> Number:
+def start_time(setup: Setup, velocity: float) -> Estimate:
     """Return the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
 
     def once(setup: Setup) -> float:
@@ -45,7 +44,7 @@ def start_time(setup: Setup, velocity: float) -> Number:
 
 def stop_time(
     setup: Setup, settled: Motor, velocity: float, memory: Array | None = None
-) -> tuple[Number, Number]:
+) -> tuple[Estimate, Estimate]:
     """Return the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
 
     Args:
@@ -70,10 +69,10 @@ def stop_time(
         return time + float(np.log(coasts / (STOPPED * velocity))) / decay if decay else np.inf
 
     time = _at_two_steps(setup, once)
-    return time, (result[1], abs(result[1] - result[0]))
+    return time, Estimate(result[1], abs(result[1] - result[0]))
 
 
-def holding_torque(setup: Setup, velocity: float) -> Number:
+def holding_torque(setup: Setup, velocity: float) -> Estimate:
     """Return the load that moves the rotor when the drive is off [N m], and its error.
 
     The rotor is drawn through the contact of the resting resonator at the velocity without load: with
@@ -98,7 +97,7 @@ def _silent(motor: Motor) -> Motor:
 
 
 def _start_of(clock: PeriodMap, memory: Array | None = None) -> Array:
-    """Return the state from which the motor starts, with some memory of the law's or its initial one."""
+    """Return the initial state of motor and law; None takes the law's initial internal variables."""
     motor = clock.setup.motor
     rest = np.zeros_like(motor.modes.stiffness)
     return clock.state_of(motor.start or ModalState(rest, rest), motor.rotor.initial_velocity, memory)
@@ -107,8 +106,8 @@ def _start_of(clock: PeriodMap, memory: Array | None = None) -> Array:
 def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tuple[float, bool, float]:
     """Run a motor from its start until its mean velocity over a period passes a target, or the tip has left.
 
-    Gives the time [s], by a line between the middles of two periods, whether it passes, and the last
-    velocity [rad/s].
+    Returns the time [s], interpolated between the middles of two periods, whether the target is passed, and
+    the last velocity [rad/s].
     """
     z = _start_of(clock, memory)
     modes = slice(0, 2 * clock.scale.size)
@@ -129,12 +128,12 @@ def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tupl
     return ((piece + 1) * PIECE - 0.5) * clock.period, False, float(distance[-1] + target)
 
 
-def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Number:
-    """Return a number at half the step, and its error: the rest of a sequence of the law's order."""
-    control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
+def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Estimate:
+    """Return a number at half the step, and its error by extrapolation with the law's order."""
+    control = control_of(setup.law)
     factor = FINER[control][1]
     finer = changed(setup, {control: (getattr(setup, control) or DEFAULT_TOLERANCE) / factor})
     before, last = once(setup), once(finer)
     if not np.isfinite([before, last]).all():
-        return last, 0.0
-    return last, abs(last - before) / (factor**setup.law.convergence_order - 1.0)
+        return Estimate(last, 0.0)
+    return Estimate(last, abs(last - before) / (factor**setup.law.convergence_order - 1.0))

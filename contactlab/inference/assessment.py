@@ -5,7 +5,7 @@
 | error | law, impact | ||v+ - v+_predicted|| / ||v-|| in the norm of the kinetic energy |
 | predicted_velocity | law, impact, direction | gap rate and slip [m/s] |
 | prediction_error, prediction_error_interval | law (, end) | mean of the errors, 95 % interval |
-| kind, group, unanswered, fitted_on, held, unmoved, cannot_tell, at_end | law | |
+| kind, group, unanswered, fitted_on, held, unmoved, undetermined, at_end | law | |
 | value, range, units | law, fold_number, parameter | of the fit without that fold; NaN for no such number |
 | difference, difference_interval | law, other (, end) | of the mean errors, law less other, by pairs |
 | velocity_before, velocity_after, fold, noise_bound, unexplained | impact | as measured; see `noise_of` |
@@ -81,7 +81,7 @@ def assessed(
     for name in ("kind", "held", "unmoved", "unanswered"):
         data[name] = "law", [item.attrs[name] for item in every]
     data["fitted_on"] = "law", [int(item["fitted_on"].min()) if "fitted_on" in item else 0 for item in every]
-    for name in ("cannot_tell", "at_end"):
+    for name in ("undetermined", "at_end"):
         texts = [", ".join(item[name].values if name in item else []).split(", ") for item in every]
         data[name] = "law", [", ".join(dict.fromkeys(filter(None, names))) for names in texts]
     _add_parameters(data, every)

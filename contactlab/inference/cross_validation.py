@@ -173,7 +173,7 @@ def cross_validated(
         units=("parameter", _texts(item.parameter.units for item in free)),
         hits=("fold", np.array([fit.hits for fit in fits])),
         fitted_on=("fold", np.array(sizes)),
-        cannot_tell=("fold", _texts(", ".join(fit.undetermined) for fit in fits)),
+        undetermined=("fold", _texts(", ".join(fit.undetermined) for fit in fits)),
         at_end=("fold", _texts(", ".join(fit.at_end) for fit in fits)),
     ).assign_coords(parameter=_texts(item.name for item in free))
 

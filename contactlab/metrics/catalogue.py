@@ -15,7 +15,7 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 Measure = Callable[[Any], float]
 
-VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled", "cannot tell")
+VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled", "inconclusive")
 """In the order of their flags in a file. A metric without a threshold is only reported, and one that judges
 the length of a run, and no law, has words of its own; of what was measured one may not be able to tell."""
 NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED, CANNOT_TELL = VERDICTS

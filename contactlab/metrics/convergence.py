@@ -26,6 +26,12 @@ Ladder = Sequence[tuple[float, Run]]
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
 """Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
 
+
+def control_of(law: object) -> str:
+    """Return the option of the solver that is refined under a law."""
+    return "contact_step" if isinstance(law, MultiplierLaw) else "tolerance"
+
+
 SLOWEST: Final = 0.9
 """Ratio of successive differences of a sequence that does not converge."""
 

@@ -1,8 +1,10 @@
-"""The frames of an animation: tip, rotor and force in true geometry, and traces with a cursor.
+"""Animation of tip, rotor and force in true geometry, with traces and a cursor, as GIF or MP4."""
 
-What stands still is drawn once, and every frame adds to it what moves.
-"""
-
+import errno
+import subprocess
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, Final, cast
 
 import numpy as np
@@ -14,12 +16,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
+from PIL import Image
 
 from contactlab.arrays import Array
 from contactlab.plot.film import Film
 from contactlab.plot.overview import DENSE, explain_shades, shade
 from contactlab.plot.recording import drawable, envelope, steps
 from contactlab.plot.style import COLOURS
+from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end
 from contactlab.results.summary import prefixed
 from contactlab.variables import CONTACT_MODE
@@ -282,3 +286,99 @@ def _tip_outline(film: Film, number: int) -> Array:
     corners = ((0, 0), (-width, -wedge), (-width, -bottom), (width, -bottom), (width, -wedge))
     across, along = (np.cos(slope), np.sin(slope)), (-np.sin(slope), np.cos(slope))
     return np.asarray(np.array(corners) @ np.array((across, along)))
+
+
+Watch = Callable[[Iterable[int]], Iterable[int]]
+"""Passes the numbers of the frames on, as a progress bar does."""
+
+
+def write_gif(animation: Animation, fps: float, path: Path, watch: Watch = iter) -> None:
+    """Write a GIF that repeats for ever, of at most 50 frames a second; the same frames give the same bytes.
+
+    All frames have one palette, the commonest colours in 64 shades a channel: what stands still does not
+    flicker.
+
+    Raises:
+        OSError: the folder is missing, not writable or full.
+    """
+    samples = np.concatenate([_shades(animation.frame(n)) for n in animation.samples])
+    counted = sorted(Image.fromarray(samples).getcolors(samples.size) or (), reverse=True)
+    colours = np.array([colour for _, colour in counted[:255]], dtype=np.uint8)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colours.tobytes())
+
+    def image(number: int) -> Image.Image:
+        pixels = Image.fromarray(_shades(animation.frame(number)))
+        result = pixels.quantize(palette=palette, dither=Image.Dither.NONE)
+        # White is white again.
+        result.putpalette((colours | 3).tobytes())
+        return result
+
+    # The format counts hundredths of a second; rounding the sum keeps the pace on average.
+    ends = np.round(100.0 * np.arange(len(animation) + 1) / fps).astype(int)
+    images = map(image, watch(range(len(animation))))
+    with whole_file(path) as partial:
+        next(images).save(
+            partial,
+            format="GIF",
+            save_all=True,
+            append_images=images,
+            duration=(10 * np.diff(ends)).tolist(),
+            loop=0,
+        )
+
+
+def _shades(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return red, green and blue without the two lowest bits, which Pillow's choice of colours ignores."""
+    return pixels[:, :, :3] & np.uint8(0xFC)
+
+
+class NoEncoderError(RuntimeError):
+    """There is no video encoder; the message is a sentence."""
+
+
+def encoder() -> str:
+    """Return the video encoder of the package imageio-ffmpeg.
+
+    Raises:
+        NoEncoderError: it is not installed.
+    """
+    try:
+        import imageio_ffmpeg
+
+        return str(imageio_ffmpeg.get_ffmpeg_exe())
+    except (ImportError, RuntimeError) as error:
+        raise NoEncoderError(
+            "An MP4 needs the package imageio-ffmpeg, which is not installed or has no encoder for this "
+            "system. Install it with: pip install 'contactlab[video]' (in a clone: pip install -e "
+            "'.[video]'), or choose a name that ends in .gif."
+        ) from error
+
+
+def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter) -> None:
+    """Write an MP4 (H.264), which every browser plays; arguments as of `write_gif`.
+
+    Raises:
+        NoEncoderError: there is no encoder.
+        OSError: the folder is missing, not writable or full.
+    """
+    options = (
+        f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgba -s {PIXELS[0]}x{PIXELS[1]} -r {fps:g} "
+        "-i pipe:0 -an -c:v libx264 -pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact "
+        "-movflags +faststart -f mp4"
+    )
+    with whole_file(path) as partial:
+        command, pipe = [encoder(), *options.split(), str(partial.absolute())], subprocess.PIPE
+        # In a session of its own the encoder does not receive Ctrl-C.
+        with subprocess.Popen(command, stdin=pipe, stderr=pipe, start_new_session=True) as process:
+            try:
+                # An encoder that has ended explains itself below.
+                with suppress(BrokenPipeError):
+                    for number in watch(range(len(animation))):
+                        cast(Any, process.stdin).write(animation.frame(number).tobytes())
+            except BaseException:
+                process.kill()
+                raise
+            text = process.communicate()[1].decode(errors="replace").strip()
+        if process.returncode:
+            raise OSError(errno.EIO, f"video encoder: {text.splitlines()[-1] if text else 'no message'}")

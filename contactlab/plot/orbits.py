@@ -30,7 +30,7 @@ LINES: Final = {True: "-", False: "--"}
 """Of stable and unstable orbits."""
 
 UNKNOWN: Final = "0.75"
-"""Colour of starts of which it cannot be told where they go."""
+"""Colour of starts whose attractor is not known."""
 
 SPREAD: Final = 5.0
 """Ratio of largest multipliers from which on their axis is logarithmic."""
@@ -102,7 +102,7 @@ def draw_basins(data: xarray.Dataset) -> Figure:
         handles = [Patch(color=chosen[1 + i], label=_told(data.isel(attractor=i))) for i in range(count)]
         if int(data.attrs["unresolved"]):
             share = int(data.attrs["unresolved"]) / labels.size
-            handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: cannot tell"))
+            handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: not known"))
         figure.legend(handles=handles, loc="outside upper center", ncols=1)
     return figure
 

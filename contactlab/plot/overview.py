@@ -20,7 +20,7 @@ from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end, settling_in
 from contactlab.results.summary import prefixed, prefixed_unit
-from contactlab.settling.verdict import UNTOLD, Settling
+from contactlab.settling.verdict import INCONCLUSIVE, Settling
 
 DENSE: Final[dict[Any, Any]] = STYLE | {
     "figure.dpi": 300,
@@ -149,7 +149,7 @@ def _draw_steady(axes: Axes, settling: Settling) -> None:
     """Draw the estimated velocity of the steady state with its error, and say whether the run came there."""
     names = settling.short.replace("-", "\u2212").replace("+\u2212", "\u00b1")
     axes.set_title(names, loc="right", fontsize=7, pad=4)
-    if settling.verdict == UNTOLD:
+    if settling.verdict == INCONCLUSIVE:
         return
     low, high = axes.get_ylim()
     room = 0.04 * (high - low)

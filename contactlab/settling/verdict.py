@@ -23,7 +23,7 @@ COARSEST: Final = 1.0 / 8.0
 CLOCK: Final = 1e-9
 """Round-off of the times, over the period."""
 
-SETTLED, UNSETTLED, UNTOLD = "settled", "not settled", "cannot tell"
+SETTLED, UNSETTLED, INCONCLUSIVE = "settled", "not settled", "inconclusive"
 
 SHARE: Final = 0.01
 """Largest relative error of the velocity of a settled motor: less than laws differ by."""
@@ -63,7 +63,7 @@ def period_told(configuration: Mapping[str, Any]) -> float:
 
 
 class UnknownError(ValueError):
-    """It is unknown whether a motor has settled; the message follows 'cannot tell:'.
+    """It is unknown whether a motor has settled; the message follows 'inconclusive:'.
 
     Args:
         reason: the message.
@@ -234,40 +234,40 @@ class Settling:
 
     @property
     def verdict(self) -> str:
-        """'settled', 'not settled' or 'cannot tell'."""
+        """'settled', 'not settled' or 'inconclusive'."""
         if isnan(self.share):
-            return UNTOLD
+            return INCONCLUSIVE
         if self.share <= SHARE:
             return SETTLED
-        return UNSETTLED if abs(self.now - self.velocity) > self.error else UNTOLD
+        return UNSETTLED if abs(self.now - self.velocity) > self.error else INCONCLUSIVE
 
     @property
     def motion(self) -> str:
-        """Kind of motion of a settled run; else empty."""
+        """Return the kind of motion of a settled run; else empty."""
         return self.kind if self.verdict == SETTLED else ""
 
     @property
     def estimate(self) -> str:
-        """The estimate with its error, '-2.25 +- 0.28 rad/s'."""
+        """Return the estimate with its error, '-2.25 +- 0.28 rad/s'."""
         return f"{Estimate(self.velocity, self.error).text(most=DIGITS)} rad/s"
 
     @cached_property
     def sentence(self) -> str:
         """Summary in a line of plain ASCII."""
         if self.verdict == SETTLED:
-            kind = self.motion or "in a motion of unknown kind"
+            kind = self.motion or "in a motion of a kind that is not yet known"
             drift = f", changes by {abs(self.drift):.2g} rad/s per period" if "period" in kind else ""
             return f"settled: {kind}, {self.estimate}{drift}"
         if self.verdict == UNSETTLED:
             return f"not settled: {self._apart} the estimated {self.estimate}"
         if self.reason:
-            return f"cannot tell: {self.reason}"
+            return f"inconclusive: {self.reason}"
         if not isfinite(self.error):
             return (
-                f"cannot tell: {self.now:.4g} rad/s at the end changes by {abs(self.drift):.2g} rad/s per "
+                f"inconclusive: {self.now:.4g} rad/s at the end changes by {abs(self.drift):.2g} rad/s per "
                 "period, and the run does not show where to"
             )
-        return f"cannot tell: {self.now:.4g} rad/s at the end, and {self.estimate} estimated"
+        return f"inconclusive: {self.now:.4g} rad/s at the end, and {self.estimate} estimated"
 
     @property
     def _apart(self) -> str:
@@ -285,7 +285,7 @@ class Settling:
         return (
             f"not settled: {self.estimate} estimated"
             if self.verdict == UNSETTLED
-            else "settled or not: cannot tell"
+            else "settled or not: inconclusive"
         )
 
     def way_out(self, end: float) -> str:
@@ -299,7 +299,7 @@ class Settling:
     def attributes(self) -> dict[str, Any]:
         """Attributes of a dataset: 1 settled, 0 not, -1 unknown; numbers in rad/s."""
         return {
-            "settled": {SETTLED: 1, UNSETTLED: 0, UNTOLD: -1}[self.verdict],
+            "settled": {SETTLED: 1, UNSETTLED: 0, INCONCLUSIVE: -1}[self.verdict],
             "settled_velocity": self.velocity,
             "settled_velocity_error": self.error,
             "motion": self.motion,

@@ -281,7 +281,7 @@ class Basins:
 
     def to_xarray(self) -> xarray.Dataset:
         """Return the labels over both coordinates, and what is known of each attractor."""
-        names = ["cannot_tell", *(f"attractor_{i}" for i in range(len(self.attractors)))]
+        names = ["not_known", *(f"attractor_{i}" for i in range(len(self.attractors)))]
         of_labels = flags("attractor to which the motor comes", names, first=CANNOT_TELL)
         velocity = np.array([each.velocity for each in self.attractors]).reshape(-1, 2)
         largest = [

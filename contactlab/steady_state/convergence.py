@@ -9,8 +9,8 @@ import numpy as np
 from contactlab.config import Setup
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.estimate import Estimate
-from contactlab.laws import ContactLaw, MultiplierLaw
-from contactlab.metrics.convergence import FINER, richardson
+from contactlab.laws import ContactLaw
+from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.motor import Motor
 from contactlab.steady_state.search import Steady, steady, steady_setup
 
@@ -87,7 +87,7 @@ def converged(
     """
     coarsest = {name: arguments.pop(name) for name in FINER if name in arguments}
     setup = steady_setup(motor, law, **coarsest)
-    control = "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
+    control = control_of(setup.law)
     divisors = FINER[control] if refine else (1.0,)
     values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in divisors)
     steps: list[Steady] = []

@@ -21,7 +21,7 @@ from contactlab.studies.compare_reruns import Reruns
 EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
 """Metrics of a comparison."""
 
-FLAGS: Final = "not_applicable pass fail reported settled not_settled cannot_tell"
+FLAGS: Final = "not_applicable pass fail reported settled not_settled inconclusive"
 """`VERDICTS` as words of the CF conventions."""
 
 ENERGY_TERMS: Final = {

@@ -230,7 +230,7 @@ def _orders(seeds: Sequence[xarray.Dataset]) -> dict[tuple[str, str], set[int]]:
 def limits(data: xarray.Dataset) -> list[str]:
     """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
     remarks = {
-        "cannot_tell": "not determined",
+        "undetermined": "not determined",
         "at_end": "on an end of the range; the optimum may lie beyond",
         "unmoved": "without effect on the impacts and fixed",
         "unanswered": "impacts without a prediction; no change is assumed",
@@ -276,7 +276,7 @@ def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
                 "median": float(np.median(values)),
                 "least": float(values.min()),
                 "greatest": float(values.max()),
-                "remark": "not determined" if name in here["cannot_tell"].item().split(", ") else remark,
+                "remark": "not determined" if name in here["undetermined"].item().split(", ") else remark,
             }
 
 

@@ -3,7 +3,7 @@ A run and its picture
 =====================
 
 The default motor for 20 ms from rest: rotor velocity, path of the tip, and gap and force over the last
-periods of the drive. Slip and stick are told apart by colour.
+periods of the drive. Colours distinguish slip from stick.
 """
 
 import contactlab as cl

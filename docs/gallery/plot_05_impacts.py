@@ -2,8 +2,8 @@
 A law by itself
 ===============
 
-A law needs no motor to be asked. A steel ball hits a plate at 1 m/s, under every angle from straight to
-grazing, and each law says how it comes off: what it gives back of the approach and of the slip.
+A law can be evaluated without a motor. A steel ball hits a plate at 1 m/s, at every angle from normal to
+grazing, and each law gives its rebound: the restitution of the normal velocity and of the slip.
 """
 
 import matplotlib.pyplot as plt
@@ -48,11 +48,11 @@ oblique = [[-np.cos(a), np.sin(a)] for a in np.deg2rad(chosen)]
 history = cl.impact(law, sphere, oblique, history=200)
 figure, axes = plt.subplots(1, 3, figsize=(7.0, 2.4), sharey=True, layout="constrained")
 for number, panel in enumerate(axes):
-    one = history.isel(impact=number)
-    time, limit = 1e6 * one.time, 0.2 * one.normal_force
-    panel.plot(time, one.normal_force, color="0.6", label="normal force")
+    impact = history.isel(impact=number)
+    time, limit = 1e6 * impact.time, 0.2 * impact.normal_force
+    panel.plot(time, impact.normal_force, color="0.6", label="normal force")
     panel.fill_between(time, -limit, limit, color="0.9", linewidth=0.0, label="friction cone")
-    panel.plot(time, one.friction_force, color="C1", label="friction")
+    panel.plot(time, impact.friction_force, color="C1", label="friction")
     panel.set(title=f"{chosen[number]:g} degrees", xlabel="time (us)")
 axes[0].set_ylabel("force (N)")
 axes[0].legend(loc="upper right")

@@ -13,17 +13,17 @@ import numpy as np
 import contactlab as cl
 
 setup = cl.build(["solver.duration=0.06", "record.interval=1e-5"])
-found = cl.steady(setup)
+state = cl.steady(setup)
 run = cl.simulate(setup)
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(6.6, 3.0), width_ratios=(1, 1.6), layout="constrained")
 angle = np.linspace(0.0, 2.0 * np.pi, 200)
 left.plot(np.cos(angle), np.sin(angle), color="0.7", linewidth=0.8)
-left.plot(found.orbit.multipliers.real, found.orbit.multipliers.imag, "o")
+left.plot(state.orbit.multipliers.real, state.orbit.multipliers.imag, "o")
 left.set(aspect="equal", xlabel="real part", ylabel="imaginary part", title="multipliers")
 
 time = run["time"].values
-velocity, settling = found.velocity[0], found.orbit.settling_time
+velocity, settling = state.velocity.value, state.orbit.settling_time
 right.plot(1e3 * time, run["rotor_velocity"], label="run")
 right.plot(1e3 * time, velocity * (1.0 - np.exp(-time / settling)), "--", label="settles by the largest")
 right.axhline(velocity, color="0.6", linewidth=0.6)

@@ -15,5 +15,5 @@ starts = {
     "tip_velocity": np.linspace(-0.3, 0.3, 20),
     "drive_phase": np.linspace(0.0, 1.0, 20, endpoint=False),
 }
-found = cl.basins(setup, starts)
-picture = found.plot()
+basins = cl.basins(setup, starts)
+picture = basins.plot()

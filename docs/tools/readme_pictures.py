@@ -13,8 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 import contactlab as cl
-from contactlab.plot.animation import Animation
-from contactlab.plot.animation_files import write_gif
+from contactlab.plot.animation import Animation, write_gif
 from contactlab.plot.film import film_of
 from contactlab.plot.recording import recording_of
 from contactlab.plot.style import STYLE

@@ -5,10 +5,9 @@
 It comes from a gap and leaves to one, so that a law may begin and end its contact where it says. One that
 pulls is pressed in less, to ten times its pull at the touch, or nobody would see that.
 
-A rigid law has no force over penetration; it is asked about impacts of one body instead. Where it remembers
-something it is seen in stick-slip, too, and so is a compliant one whose memory is not stirred by the cycle: a
-block of 2 g on a spring of 1 N/µm is pressed by 10 N onto a belt of 20 mm/s. What a law remembers is drawn
-over time.
+A rigid law has no force over penetration; impacts of one body are drawn instead. One with internal variables
+is drawn in stick-slip, too, and so is a compliant one whose variables the cycle does not change: a block of
+2 g on a spring of 1 N/µm is pressed by 10 N onto a belt of 20 mm/s. Internal variables are drawn over time.
 """
 
 from collections.abc import Callable
@@ -46,8 +45,8 @@ STICKING_MASS, WEIGHT, SPRING, BELT = 2e-3, 10.0, 1e6, 0.02
 STICKING_TIME = 1e-3
 """[s]."""
 
-MOST_TOLD = 4
-"""Internal variables that are told apart in a picture."""
+MOST_DRAWN = 4
+"""Most internal variables with a line of their own in a picture."""
 
 DELASSUS = np.array([[600.0, 250.0], [250.0, 800.0]])
 """Of the body that strikes [1/kg]: of the motor's size, and with coupled directions."""
@@ -58,20 +57,20 @@ APPROACH = 0.1
 
 @dataclass(frozen=True)
 class Curves:
-    """Two curves, each with the words on its axes, and what is remembered.
+    """Two curves, each with the labels of its axes, and the internal variables.
 
     Args:
         left, right: x and y.
-        left_words, right_words: labels of x and y.
-        numbers: what the page says of them.
-        time: of the memory [µs].
-        memory: of every internal variable what it is called, and its values over their largest.
+        left_labels, right_labels: labels of x and y.
+        numbers: sentence of the page about them.
+        time: of the internal variables [µs].
+        memory: name of every internal variable, and its values over their largest.
     """
 
     left: tuple[Array, Array]
     right: tuple[Array, Array]
-    left_words: tuple[str, str]
-    right_words: tuple[str, str]
+    left_labels: tuple[str, str]
+    right_labels: tuple[str, str]
     numbers: str
     time: Array
     memory: tuple[tuple[str, Array], ...] = ()
@@ -133,8 +132,8 @@ def _cycle(law: PenaltyLaw) -> Curves:
     curves = Curves(
         left=(depth[shown] * 1e6, normal[shown]),
         right=(way[shown] * 1e6, friction[shown]),
-        left_words=("penetration [µm]", "normal force [N]"),
-        right_words=("way [µm]", "friction [N]"),
+        left_labels=("penetration [µm]", "normal force [N]"),
+        right_labels=("way [µm]", "friction [N]"),
         numbers=(
             f"In the standard cycle: peak normal force {normal.max():.3g} N{pull}, largest friction "
             f"{np.abs(friction).max():.3g} N, normal loss {_tidy(contact)} µJ, "
@@ -169,16 +168,16 @@ def _impacts(law: MultiplierLaw) -> Curves:
     row, _, bound, _ = take_in(law)
     (d_nn, d_nt), (_, d_tt) = DELASSUS
 
-    def answers(rate: float, slip: float) -> tuple[float, float]:
-        # As the engine asks it in an impact, with the memory of a first touch.
+    def impulses(rate: float, slip: float) -> tuple[float, float]:
+        # As the engine calls it in an impact, with the internal variables of a first touch.
         p_n, p_t, _ = bound.kernels[2](-rate, slip, -rate, slip, d_nn, d_nt, d_tt, row)
         return p_n, p_t
 
     speeds = np.linspace(0.0, 2.0 * APPROACH, 201)[1:]
     slips = np.linspace(-3.0 * APPROACH, 3.0 * APPROACH, 601)
-    normal = np.array([answers(speed, 0.5 * APPROACH)[0] for speed in speeds])
-    friction = np.array([answers(APPROACH, slip)[1] for slip in slips])
-    ends = [d_nn * p_n + d_nt * p_t for p_n, p_t in (answers(APPROACH, s) for s in slips)]
+    normal = np.array([impulses(speed, 0.5 * APPROACH)[0] for speed in speeds])
+    friction = np.array([impulses(APPROACH, slip)[1] for slip in slips])
+    ends = [d_nn * p_n + d_nt * p_t for p_n, p_t in (impulses(APPROACH, s) for s in slips)]
     # Round-off of a plastic impact is none, whatever its sign.
     rebound = np.round((np.array(ends) - APPROACH) / APPROACH, 9) + 0.0
     text = (
@@ -188,8 +187,8 @@ def _impacts(law: MultiplierLaw) -> Curves:
     curves = Curves(
         left=(speeds, normal * 1e6),
         right=(slips, friction * 1e6),
-        left_words=("approach [m/s]", "normal impulse [µN s]"),
-        right_words=("slip before the impact [m/s]", "friction impulse [µN s]"),
+        left_labels=("approach [m/s]", "normal impulse [µN s]"),
+        right_labels=("slip before the impact [m/s]", "friction impulse [µN s]"),
         numbers=text,
         time=np.empty(0),
     )
@@ -208,7 +207,7 @@ def _with_stick_slip(curves: Curves, law: ContactLaw) -> Curves:
     return replace(
         curves,
         right=(time[1:], force[1:]),
-        right_words=("time [µs]", "friction [N]"),
+        right_labels=("time [µs]", "friction [N]"),
         numbers=f"{curves.numbers} In stick-slip the friction goes up to {np.abs(force).max():.3g} N.",
         time=time,
         memory=_memory_of(sticking),
@@ -221,15 +220,15 @@ def draw(curves: Curves) -> Figure:
     figure = Figure(figsize=(2.8 * count, 2.0), layout="constrained")
     left, right, *third = figure.subplots(1, count)
     for axes, (x, y), (across, up) in (
-        (left, curves.left, curves.left_words),
-        (right, curves.right, curves.right_words),
+        (left, curves.left, curves.left_labels),
+        (right, curves.right, curves.right_labels),
     ):
         axes.axhline(0.0, color="0.8", linewidth=0.6)
         axes.plot(x, y)
         axes.set(xlabel=across, ylabel=up)
     for axes in third:
         axes.axhline(0.0, color="0.8", linewidth=0.6)
-        several = len(curves.memory) > MOST_TOLD
+        several = len(curves.memory) > MOST_DRAWN
         for name, values in curves.memory:
             axes.plot(curves.time, values, label=None if several else name, linewidth=0.8)
         first, last = curves.memory[0][0], curves.memory[-1][0]

@@ -92,16 +92,11 @@ def test_an_encoder_that_fails_leaves_nothing(
     program = tmp_path_factory.mktemp("encoder") / "encoder"
     program.write_text("#!/bin/sh\necho no space left >&2\nexit 1\n")
     program.chmod(0o755)
-    monkeypatch.setattr("contactlab.plot.animation_files.encoder", lambda: str(program))
-    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", fake_package(str(program)))
+    monkeypatch.setattr("contactlab.plot.animation.encoder", lambda: str(program))
     status, _, err = command("animate", "run.nc", "--output", "run.mp4", "--fps", "24")
     assert status == 1
     assert "no space left" in err
     assert left_behind() == [Path("run.nc")]
-
-
-def fake_package(program: str) -> object:
-    return type("Package", (), {"get_ffmpeg_exe": staticmethod(lambda: program)})
 
 
 @pytest.mark.usefixtures("_short", "run_file")

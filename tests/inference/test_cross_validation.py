@@ -136,7 +136,7 @@ def test_a_number_without_effect_is_fixed_and_one_that_no_impact_depends_on_is_u
     slow = replace(sticking, velocity_before=before, velocity_after=after)
     outcome = cl.validate(slow, "newton", folds=3)
 
-    assert "friction_coefficient" in outcome.data["cannot_tell"].sel(law="newton").item()
+    assert "friction_coefficient" in outcome.data["undetermined"].sel(law="newton").item()
 
 
 def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:

@@ -128,7 +128,7 @@ def test_a_rotor_that_is_on_its_way_is_told_from_one_that_has_arrived() -> None:
 )
 def test_what_cannot_be_told_is_not_told(columns: dict[str, Array], period: float, key: str) -> None:
     result = settling_of(columns, {}, period)
-    assert (result.verdict, result.motion) == ("cannot tell", "")
+    assert (result.verdict, result.motion) == ("inconclusive", "")
     assert key in result.sentence
     assert result.attributes["settled"] == -1
 
@@ -138,7 +138,7 @@ def test_a_tip_that_still_comes_nearer_may_yet_touch() -> None:
     columns["gap"] = 1e-6 * (1.2 * np.exp(-columns["time"] / 0.05) - 0.2)
     assert columns["gap"][-1] > 0.0
     result = settling_of(columns, {}, PERIOD)
-    assert result.verdict == "cannot tell"
+    assert result.verdict == "inconclusive"
 
 
 @pytest.mark.parametrize("separation", [nan, 0.1])

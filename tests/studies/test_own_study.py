@@ -2,7 +2,6 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import time
@@ -80,33 +79,53 @@ def test_workers_leave_the_same_bytes(elsewhere: Elsewhere, whole: Path) -> None
     assert bytes_of(elsewhere.folder / "spread") == bytes_of(whole)
 
 
-def killed_and_resumed(elsewhere: Elsewhere, name: str, seconds: float) -> dict[str, bytes]:
-    """Bytes of a study that was killed after some seconds and then continued."""
+def begun(elsewhere: Elsewhere, name: str, largest_file: int | None = None) -> "subprocess.Popen[bytes]":
+    """Begin or continue the study in a process of its own, which may write files of some bytes at most."""
     script = "from contactlab.cli.main import main; import sys; sys.exit(main())"
+    if largest_file is not None:
+        script = f"import resource as r; r.setrlimit(r.RLIMIT_FSIZE, ({largest_file},) * 2); {script}"
     paths = os.pathsep.join([str(elsewhere.packages), str(Path(__file__).parents[2])])
-    text = ["gain", *SHORT, "points=6", f"output={name}"]
-    process = subprocess.Popen(
-        [sys.executable, "-c", script, *text],
+    return subprocess.Popen(
+        [sys.executable, "-c", script, "gain", *SHORT, "points=6", f"output={name}"],
         cwd=elsewhere.folder,
         env=os.environ | {"PYTHONPATH": paths},
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-    time.sleep(seconds)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
-    status, _, err = elsewhere.command(*text)
-    assert status == 0, err
-    return bytes_of(elsewhere.folder / name)
 
 
 @pytest.mark.parametrize(
-    "seconds", [4.0, *(pytest.param(2.0 + 0.2 * n, marks=pytest.mark.long) for n in range(20))]
+    "seconds", [4.0, *(pytest.param(2.0 + 0.6 * n, marks=pytest.mark.long) for n in range(5))]
 )
 def test_a_killed_study_continues_to_the_same_bytes(
     elsewhere: Elsewhere, whole: Path, seconds: float
 ) -> None:
-    assert killed_and_resumed(elsewhere, f"killed-{seconds}", seconds) == bytes_of(whole)
+    name = f"killed-{seconds}"
+    process = begun(elsewhere, name)
+    time.sleep(seconds)
+    process.kill()
+    process.wait()
+    assert begun(elsewhere, name).wait() == 0
+    assert bytes_of(elsewhere.folder / name) == bytes_of(whole)
+
+
+@pytest.mark.parametrize("largest_file", [100, 20_000])
+def test_a_study_that_cannot_write_leaves_no_part_of_a_file_and_continues(
+    elsewhere: Elsewhere, whole: Path, largest_file: int
+) -> None:
+    name = f"limited-{largest_file}"
+    assert begun(elsewhere, name, largest_file).wait() == 1
+    written = bytes_of(elsewhere.folder / name) if (elsewhere.folder / name).exists() else {}
+    assert all(len(content) <= largest_file for content in written.values())
+    assert not any(path.endswith((".png", ".html")) for path in written)
+    assert begun(elsewhere, name).wait() == 0
+    assert bytes_of(elsewhere.folder / name) == bytes_of(whole)
+
+
+def test_two_processes_in_a_folder_leave_the_same_bytes(elsewhere: Elsewhere, whole: Path) -> None:
+    both = [begun(elsewhere, "shared"), begun(elsewhere, "shared")]
+    assert [process.wait() for process in both] == [0, 0]
+    assert bytes_of(elsewhere.folder / "shared") == bytes_of(whole)
 
 
 def test_finished_tasks_are_not_done_again_and_damaged_ones_are(elsewhere: Elsewhere, whole: Path) -> None:

@@ -385,7 +385,7 @@ QUANTITIES = ("metric", "quantity", "term")
 LABELS = ("law", "other", "cause", "factor", "parameter")
 """Dimensions whose labels tell arrays of one quantity apart, so that their order does not matter."""
 
-TEXTS = ("kind", "status", "role", "cannot_tell", "at_end")
+TEXTS = ("kind", "status", "role", "undetermined", "at_end")
 """Variables that are texts; sentences and labels are left out."""
 
 
