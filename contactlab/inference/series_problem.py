@@ -23,8 +23,8 @@ from contactlab.inference.likelihood import (
 from contactlab.inference.problem import Observation, Problem, size_prior
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
-from contactlab.settling.periods import period_told
 from contactlab.settling.until import PRECISION
+from contactlab.settling.verdict import period_told
 from contactlab.trajectory import Trajectory
 
 ON_GRID: Final = 1e-3

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import scipy.io
 
 from contactlab.measured.bodies import BodyImpacts
 from contactlab.measured.checks import odd_energies
@@ -39,6 +38,9 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
     Raises:
         MeasurementError: it is another file.
     """
+    # Only here: scipy.io takes part of every start otherwise.
+    import scipy.io
+
     try:
         table = np.asarray(scipy.io.loadmat(path, variable_names=["bounce_array"])["bounce_array"]).ravel()
         states, normal, tangential, flags = (

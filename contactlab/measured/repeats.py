@@ -3,7 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from contactlab.arrays import Array
 from contactlab.measured.impacts import MeasuredImpacts
@@ -20,6 +19,8 @@ def measurements(impacts: MeasuredImpacts) -> NDArray[np.int64]:
         return equal
     labels = np.unique(impacts.measurement, return_inverse=True)[1].astype(np.int64)
     # A graph of rows and labels: equal rows of two labels unite these.
+    from scipy.sparse.csgraph import connected_components
+
     size = int(equal.max(initial=-1)) + 1
     edges = coo_array(
         (np.ones(len(impacts)), (equal, size + labels)), shape=(size + int(labels.max(initial=-1)) + 1,) * 2

@@ -19,8 +19,7 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
 from contactlab.results.netcdf import configuration_of, lasting_in, period_in
-from contactlab.settling.periods import drive_period
-from contactlab.settling.verdict import Settling, settling_of
+from contactlab.settling.verdict import Settling, drive_period, settling_of
 from contactlab.trajectory import Trajectory
 
 LAST_SHARE: Final = 0.25

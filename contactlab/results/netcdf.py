@@ -26,8 +26,7 @@ from contactlab.motor import Motor
 from contactlab.motor.motor import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
-from contactlab.settling.periods import drive_period, period_told
-from contactlab.settling.verdict import Settling, settling_of
+from contactlab.settling.verdict import Settling, drive_period, period_told, settling_of
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import INTERNAL, Variable
 

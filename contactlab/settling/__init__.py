@@ -1,1 +1,1 @@
-"""Whether a motor has settled, to what, and what kind of motion it shows: from numbers of its periods."""
+"""Whether and to what a motor has settled, from the recorded numbers of its periods."""

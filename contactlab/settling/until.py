@@ -1,8 +1,4 @@
-"""Run a motor until it has settled: the run that was never cut, up to where it ends.
-
-It goes on in stretches from the state that each leaves, and is judged after every one, so that it takes no
-memory for what does not come.
-"""
+"""Run a motor until it has settled, in stretches that each continue from the state of the one before."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,37 +14,32 @@ from contactlab.engine.simulation import simulate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Drive, Motor
 from contactlab.motor.drive import period_of
-from contactlab.settling.approach import LEAST_VALUES
-from contactlab.settling.periods import COARSEST
-from contactlab.settling.verdict import SETTLED, settling_of
+from contactlab.settling.statistics import LEAST_VALUES
+from contactlab.settling.verdict import COARSEST, SETTLED, settling_of
 from contactlab.trajectory import Trajectory
 
 Until = Literal["duration", "steady"]
-"""What a run lasts until: its duration, or at most that."""
+"""End of a run: after its duration, or earlier once the motor has settled."""
 
 STEADY: Final = "steady"
 
 PRECISION: Final = 1e-3
-"""Share by which the velocity may be off its steady one where a run ends, unless another is asked for."""
+"""Default relative error of the velocity at which a run ends."""
 
 LONGEST: Final = 1.0
-"""Duration of a run until steady [s] where none is asked for: some tens of a usual motor's settling times."""
+"""Default duration of a run until steady [s]: some tens of a usual motor's settling times."""
 
 GROWTH: Final = 1.25
-"""Of a run from a look to the next: it is too long by less than this, and a look costs a few ms."""
+"""Factor between the times at which convergence is checked."""
 
 
 def check_until_steady(drive: Drive, record_interval: float) -> None:
-    """Refuse records by which a run until steady cannot judge that it has settled.
-
-    Raises:
-        ValueError: the drive does not repeat itself, or the records are too far apart; a sentence.
-    """
+    """Refuse a drive without a period, and records too far apart, by a ValueError."""
     most = COARSEST * period_of(drive)
     if record_interval > most:
         raise ValueError(
             f"record.interval is {record_interval:.6g} s; with solver.until=steady it must be at most "
-            f"{most:.6g} s, an eighth of the drive's period, to tell the rotor's velocity. Record more often."
+            f"{most:.6g} s, an eighth of the drive's period. Record more often."
         )
 
 
@@ -65,11 +56,9 @@ def simulate_until_steady(
 ) -> Trajectory:
     """Simulate as `contactlab.engine.simulate` does, until the motor has settled, at most for the duration.
 
-    It has settled once its mean velocity and the law's internal variables of the run are within the precision
-    of where they tend to, the error of that included; see `contactlab.settling.verdict.Settling.share`.
-
-    The run ends on a record: records, contacts, ledger and state are those of the run over all the duration,
-    bit for bit, up to there. One that is still on its way is as long as it was asked for.
+    It has settled once the relative error of mean velocity and internal variables is within the precision,
+    see `contactlab.settling.verdict.Settling.share`. The run ends on a record and is the run over all the
+    duration up to there, bit for bit.
 
     Raises:
         ValueError: as of `contactlab.engine.simulate` and of `check_until_steady`.
@@ -77,12 +66,12 @@ def simulate_until_steady(
     check_until_steady(motor.drive, record_interval)
     period = period_of(motor.drive)
     begin = float(start["end"]) if start else 0.0
-    run, look = None, (LEAST_VALUES + 2) * period
+    run, check = None, (LEAST_VALUES + 2) * period
     while True:
         done = float(start["end"]) - begin if start else 0.0
-        # Nearly the whole of it is the whole: no stretch is so short that a step does not fit in.
-        last = GROWTH * look >= duration
-        ahead = duration - done if last else _to_record(start, record_interval, begin + look)
+        # A last stretch shorter than a step is avoided.
+        last = GROWTH * check >= duration
+        ahead = duration - done if last else _to_record(start, record_interval, begin + check)
         piece = simulate(
             motor,
             law,
@@ -96,11 +85,11 @@ def simulate_until_steady(
         start = piece.state
         if last or not piece.ending.reached_end or _has_settled(run, period, precision):
             return run
-        look *= GROWTH
+        check *= GROWTH
 
 
 def _to_record(start: dict[str, Any] | None, interval: float, until: float) -> float:
-    """Return the time that a run has to go on to end on the first record from then on, to the last bit."""
+    """Return the duration of a run that ends on the first record after a time, to the last bit."""
     now, origin = (float(start["end"]), float(start["origin"])) if start else (0.0, 0.0)
     if start and abs(now - (origin + round((now - origin) / interval) * interval)) > ON_GRID * interval:
         origin = now
@@ -118,12 +107,12 @@ def _has_settled(run: Trajectory, period: float, precision: float) -> bool:
 
 
 def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:
-    """Return the progress of a run that goes on: that the engine is compiled was told before."""
+    """Suppress the report of compilation, which was made before."""
     return progress and (lambda time: progress(time) if time > 0.0 else None)
 
 
 def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
-    """Return a run and what goes on from it as one; the contact that was cut is whole in the second."""
+    """Join a run and its continuation; the contact that was cut is whole in the second."""
     ended = ~np.isnan(first.contacts["separation_velocity"])
 
     def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:

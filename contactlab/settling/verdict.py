@@ -1,59 +1,216 @@
-"""Whether a run has settled, to which velocity and in what kind of motion, and how that is said."""
+"""Whether a run has settled, to which velocity and in what kind of motion, from its recorded periods."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
-from math import inf, isfinite, isnan, nan
+from math import floor, inf, isfinite, isnan, nan
 from typing import Any, Final, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.estimate import Estimate
-from contactlab.settling.approach import LEAST_VALUES, approach
-from contactlab.settling.periods import Columns, Periods, Recorded, UnknownError, periods_of
-from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after
+from contactlab.motor.drive import Drive, NoPeriodError, period_of
+from contactlab.settling.statistics import LEAST_VALUES, REPEATS, approach, kind_without_period, repeats_after
 from contactlab.variables import INTERNAL
+
+Columns = Mapping[str, NDArray[Any]]
+
+COARSEST: Final = 1.0 / 8.0
+"""Largest record interval over the period: at longer ones the rotor's angle between records is not known."""
+
+CLOCK: Final = 1e-9
+"""Round-off of the times, over the period."""
 
 SETTLED, UNSETTLED, INCONCLUSIVE = "settled", "not settled", "inconclusive"
 
 SHARE: Final = 0.01
-"""Largest share by which the velocity of a motor that has settled may be off its steady one: what remains is
-below what laws differ in."""
+"""Largest relative error of the velocity of a settled motor: less than laws differ by."""
 
 AS_GOOD_AS_NONE: Final = 0.01
-"""Velocity over what it has changed by since the start, below which a rotor is taken to come to rest."""
+"""Velocity over its change since the start, below which a rotor comes to rest."""
 
 FADING: Final = 0.9
-"""What is left of a fluctuation from the last quarter but one to the last, below which it dies down."""
+"""Ratio of the last quarter's fluctuation to the one before, below which it decays."""
 
 LATE: Final = 4
-"""A run's last part of so many shows what it does in the end."""
+"""Number of equal parts of a run of which the last one is examined for contacts."""
 
 WITHOUT_CONTACT: Final = "without contact"
 
 DIGITS: Final = 6
-"""Significant digits of an extrapolated number at most."""
+"""Largest number of significant digits of an extrapolated number."""
+
+
+def drive_period(drive: Drive) -> float:
+    """Return the period of a drive [s]; zero where it has none."""
+    try:
+        return period_of(drive)
+    except NoPeriodError:
+        return 0.0
+
+
+def period_told(configuration: Mapping[str, Any]) -> float:
+    """Return the period of a configuration's drive [s], else that of its first tone, else zero."""
+    section = configuration.get("drive")
+    drive = section if isinstance(section, Mapping) else {}
+    try:
+        return drive_period(Drive.two_mode(**drive))
+    except (TypeError, ValueError):
+        first = drive.get("frequency")
+        return 1.0 / first if isinstance(first, int | float) and first > 0.0 else 0.0
+
+
+class UnknownError(ValueError):
+    """It is unknown whether a motor has settled; the message follows 'inconclusive:'.
+
+    Args:
+        reason: the message.
+        longer: whether a longer run would help.
+    """
+
+    def __init__(self, reason: str, *, longer: bool = False) -> None:
+        super().__init__(reason)
+        self.longer = longer
+
+
+@final
+@dataclass(frozen=True)
+class Periods:
+    """Whole periods of the drive, counted back from the end.
+
+    They begin in the middle of the longest pause between touch-downs, so that each has its own contacts.
+
+    Args:
+        velocity: mean rotor velocity of each [rad/s].
+        ripple: range of the rotor velocity within the last [rad/s].
+        blur: error of the mean velocity over their last half by the angle between records [rad/s]: at either
+            end at most a quarter of the record interval times the change of the velocity within it.
+        least_gap: of each [m].
+        impulse: normal impulse of the contacts that begin in each [N s].
+        touching: whether a contact begins, lasts or ends in each.
+        memory: internal variables of the run at the end of each, and their range within the last, by name.
+    """
+
+    velocity: Array
+    ripple: float
+    blur: float
+    least_gap: Array
+    impulse: Array
+    touching: NDArray[np.bool_]
+    memory: Mapping[str, tuple[Array, float]] = field(default_factory=dict)
+
+
+def periods_of(
+    columns: Columns, rows: Columns, length: float, least: int, lasting: Iterable[str] = ()
+) -> Periods:
+    """Divide a run into at least so many periods of the drive.
+
+    The angle at the ends of a period is Hermite's cubic between the records around it, and the impulses are
+    those of whole contacts: neither depends on where the records lie.
+
+    Args:
+        columns, rows: series and contacts, see `contactlab.variables`.
+        length: period of the drive [s]; zero where there is none.
+        least: number of periods.
+        lasting: names of the series of internal variables whose life is the run.
+
+    Raises:
+        UnknownError: a number is missing or not finite, the drive has no period, the records are too far
+            apart, or the run is too short.
+    """
+    names = ("time", "rotor_angle", "rotor_velocity", "gap")
+    if missing := [name for name in names if name not in columns]:
+        raise UnknownError(f"the run has no {' and no '.join(missing)}")
+    time, angle, velocity, gap = (np.asarray(columns[name], dtype=np.float64) for name in names)
+    starts, impulses, separations = (
+        np.asarray(rows.get(name, ()), dtype=np.float64)
+        for name in ("start_time", "normal_impulse", "separation_velocity")
+    )
+    if starts.size != impulses.size:
+        raise UnknownError("the run's contacts have no impulse")
+    memory = {name: np.asarray(columns[name], dtype=np.float64) for name in lasting}
+    if not all(
+        np.isfinite(x).all() for x in (time, angle, velocity, gap, starts, impulses, *memory.values())
+    ):
+        raise UnknownError("some of the run's numbers are not finite")
+    if not length > 0.0:
+        raise UnknownError("the drive has no period")
+    widest = float(np.diff(time).max(initial=0.0))
+    if widest > COARSEST * length:
+        raise UnknownError(
+            f"records lie {widest:.3g} s apart, more than an eighth of the drive's period, {length:.3g} s; "
+            "use a smaller record.interval"
+        )
+    cut = np.isnan(separations) if separations.size == starts.size else np.zeros(starts.size, dtype=bool)
+    whole_until = float(starts[cut].min(initial=time[-1]))
+    durations = np.asarray(rows.get("duration", np.zeros(starts.size)), dtype=np.float64)
+    releases = (starts + (durations if durations.size == starts.size else 0.0))[~cut]
+    starts, impulses = starts[~cut], impulses[~cut]
+    end = float(time[-1]) - _pause((time[-1] - starts[starts > 0.5 * (time[0] + time[-1])]) / length) * length
+    # The impulse of a contact that the end cuts is not whole.
+    end -= length if end > whole_until else 0.0
+    count = floor((end - time[0]) / length + CLOCK)
+    if count < least:
+        text = f"the run has {max(count, 0)} whole periods of the drive, and at least {least} are needed"
+        raise UnknownError(text, longer=True)
+    ends = end - length * np.arange(count, -1, -1)
+    bins = np.searchsorted(ends, starts, side="right") - 1
+    inside = (bins >= 0) & (bins < count)
+    impulse: Array = np.bincount(bins[inside], impulses[inside], count).astype(np.float64)
+    records = np.searchsorted(time, ends - CLOCK * length)
+    records[-1] = min(records[-1], time.size - 1)
+    last = slice(max(int(records[-2]) - 1, 0), int(records[-1]) + 1)
+    ripple = float(np.ptp(velocity[last]))
+    begun = np.searchsorted(np.sort(starts[releases > starts]), ends[1:])
+    over = np.searchsorted(np.sort(releases[releases > starts]), ends[:-1])
+    # Hermite's cubic of the angle.
+    after = np.clip(np.searchsorted(time, ends), 1, time.size - 1)
+    before = after - 1
+    step = time[after] - time[before]
+    x = np.clip((ends - time[before]) / step, 0.0, 1.0)
+    rise, first, second = angle[after] - angle[before], step * velocity[before], step * velocity[after]
+    cubic = first + x * (3.0 * rise - 2.0 * first - second + x * (first + second - 2.0 * rise))
+    return Periods(
+        np.diff(angle[before] + x * cubic) / length,
+        ripple,
+        0.5 * widest * ripple / (0.5 * count * length),
+        np.minimum.reduceat(gap, records[:-1]),
+        impulse,
+        (impulse != 0.0) | (begun > over) | (ends[1:] > whole_until),
+        {name: (np.interp(ends[1:], time, x), float(np.ptp(x[last]))) for name, x in memory.items()},
+    )
+
+
+def _pause(phases: Array) -> float:
+    """Return the middle of the longest pause between touch-downs, in periods before the end."""
+    phases = np.sort(phases % 1.0)
+    if not phases.size:
+        return 0.0
+    pauses = np.diff(np.append(phases, phases[0] + 1.0))
+    longest = int(pauses.argmax())
+    return float((phases[longest] + 0.5 * pauses[longest]) % 1.0)
 
 
 @final
 @dataclass(frozen=True)
 class Settling:
-    """What a run's recorded numbers say of the steady state of its motor.
+    """Extrapolation of a run to the steady state of its motor.
 
     Args:
         velocity, error: estimated mean rotor velocity of the steady state, and its error to 95 % [rad/s];
-            NaN where nothing is estimated, infinite error where the run does not show how far it goes.
+            NaN where nothing is estimated, infinite error where the limit is not determined.
         now: mean rotor velocity at the end of the run [rad/s].
-        drift: change of the mean rotor velocity from a period to the next, at the end [rad/s].
-        impulse_drift: relative change of the normal impulse from a period to the next, at the end [1].
-        scale: by which a difference of velocities is measured [rad/s]: the estimate, or the range of the
-            velocity within a period where that is larger, or a small part of what it has changed by.
-        kind: of motion, of a run that has settled: 'period one', 'period 2', ..., 'quasi-periodic',
-            'chaotic', 'irregular' or 'without contact'; empty where none is to be told.
-        reason: why nothing can be told; empty where something can.
-        longer: whether a longer run tells more.
-        memory_share: largest share by which an internal variable of the run may be off its steady value [1].
+        drift: change of the mean rotor velocity per period, at the end [rad/s].
+        impulse_drift: relative change of the normal impulse per period, at the end [1].
+        scale: of a difference of velocities [rad/s]: the largest of the estimate, the range of the velocity
+            within a period, and a small part of its change since the start.
+        kind: of motion: 'period one', 'period 2', ..., 'quasi-periodic', 'chaotic', 'irregular' or
+            'without contact'; empty where it is unknown.
+        reason: why the steady state is unknown; else empty.
+        longer: whether a longer run would help.
+        memory_share: largest relative error of an internal variable of the run [1].
     """
 
     velocity: float = nan
@@ -69,10 +226,7 @@ class Settling:
 
     @property
     def share(self) -> float:
-        """Largest share by which the velocity at the end is off its steady one [1]; NaN if not known.
-
-        Or an internal variable of the run is off its own, where that is more.
-        """
+        """Largest relative error of velocity or internal variables at the end [1]; NaN if unknown."""
         off = abs(self.now - self.velocity) + self.error
         if self.reason or not isfinite(off):
             return nan
@@ -89,7 +243,7 @@ class Settling:
 
     @property
     def motion(self) -> str:
-        """Return the kind of motion of a run that has settled; empty for others."""
+        """Return the kind of motion of a settled run; else empty."""
         return self.kind if self.verdict == SETTLED else ""
 
     @property
@@ -99,7 +253,7 @@ class Settling:
 
     @cached_property
     def sentence(self) -> str:
-        """Return verdict, motion and numbers in a line of ASCII."""
+        """Summary in a line of plain ASCII."""
         if self.verdict == SETTLED:
             kind = self.motion or "in a motion of a kind that is not yet known"
             drift = f", changes by {abs(self.drift):.2g} rad/s per period" if "period" in kind else ""
@@ -125,7 +279,7 @@ class Settling:
 
     @property
     def short(self) -> str:
-        """Return verdict and estimate."""
+        """Summary in a few words."""
         if self.verdict == SETTLED:
             return f"settled{self.motion and ': '}{self.motion}, {self.estimate}"
         return (
@@ -135,7 +289,7 @@ class Settling:
         )
 
     def way_out(self, end: float) -> str:
-        """Return how a motor that has not settled by the end of a run [s] may; empty where it has."""
+        """Return the advice for a run that has not settled by its end [s]; empty for one that has."""
         if self.verdict == SETTLED or not self.longer:
             return ""
         longer = f"solver.until=steady solver.duration={10.0 * end:.1g}"
@@ -143,7 +297,7 @@ class Settling:
 
     @property
     def attributes(self) -> dict[str, Any]:
-        """Return the attributes of a dataset: 1 settled, 0 not, -1 inconclusive; numbers in rad/s."""
+        """Attributes of a dataset: 1 settled, 0 not, -1 unknown; numbers in rad/s."""
         return {
             "settled": {SETTLED: 1, UNSETTLED: 0, INCONCLUSIVE: -1}[self.verdict],
             "settled_velocity": self.velocity,
@@ -154,24 +308,23 @@ class Settling:
 
 
 def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterable[str] = ()) -> Settling:
-    """Judge a run by its series, its contacts (see `contactlab.variables`) and its drive's period [s].
+    """Extrapolate a run to its steady state; arguments as of `periods_of`.
 
-    Args:
-        columns, rows: the series and the contacts.
-        period: of the drive [s].
-        lasting: names of the series of internal variables whose life is the run. Where one of them has not
-            settled, no steady velocity is estimated: it still depends on where the variable goes.
+    While an internal variable has not settled, no steady velocity is estimated: it depends on the variable.
     """
     try:
-        run = periods_of(Recorded.of(columns, rows, period, lasting), LEAST_VALUES)
+        run = periods_of(columns, rows, period, LEAST_VALUES, lasting)
     except UnknownError as unknown:
         return Settling(reason=str(unknown), longer=unknown.longer)
     result = approach(run.velocity)
     swing = float(np.abs(run.velocity - result.now).max())
     memory_share, flowing = _memory_of(run)
     known = isfinite(result.error) and not flowing
-    impulse = approach(run.impulse)
+    impulse, gap = approach(run.impulse), approach(run.least_gap)
     touching = bool(run.touching[-max(run.touching.size // LATE, 1) :].any())
+    reason = flowing
+    if not reason and not touching and gap.distance > 0.0 and gap.limit <= gap.error:
+        reason = f"the tip is free, but approaches the rotor, of which it is {gap.now:.2g} m clear at least"
     return Settling(
         result.limit if known else nan,
         result.error + run.blur if not flowing else inf,
@@ -180,17 +333,13 @@ def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterabl
         abs(impulse.drift / impulse.now) if touching and impulse.now else 0.0,
         max(abs(result.limit), run.ripple, AS_GOOD_AS_NONE * swing),
         _kind_of(run) if touching else WITHOUT_CONTACT,
-        flowing or ("" if touching else _still_nearing(run.least_gap)),
+        reason,
         memory_share=memory_share,
     )
 
 
 def _memory_of(run: Periods) -> tuple[float, str]:
-    """Return the largest share by which an internal variable is off its steady value, and a reason if large.
-
-    A difference is measured by the steady value, or the range of the variable within a period where that is
-    larger, or a small part of what it has changed by.
-    """
+    """Return the largest relative error of an internal variable, and the reason if it is large."""
     share, reason = 0.0, ""
     for name, (values, ripple) in run.memory.items():
         result = approach(values)
@@ -209,22 +358,14 @@ def _memory_of(run: Periods) -> tuple[float, str]:
     return share, reason
 
 
-def _still_nearing(gap: Array) -> str:
-    """Return that a tip which is free may yet touch."""
-    result = approach(gap)
-    if result.distance <= 0.0 or result.limit - result.error > 0.0:
-        return ""
-    return f"the tip is free, but comes nearer to the rotor, of which it is {result.now:.2g} m clear at least"
-
-
 def _kind_of(run: Periods) -> str:
-    """Tell what kind of motion the last half of the periods shows, in velocity and impulse."""
+    """Return the kind of motion of the last half of the periods, from velocity and impulse."""
     half = run.velocity.size // 2
     scale = max(float(np.abs(run.velocity[half:]).mean()), run.ripple) or 1.0
     # A contact that lasts through all of them has no impulse in any.
     mean = run.impulse[half:].mean() or 1.0
     states = np.column_stack([run.velocity[half:] / scale, run.impulse[half:] / mean])
-    # Of what moves on by less than it shakes, only the shaking tells the kind.
+    # The kind is that of the fluctuation about a slow trend.
     steps = np.arange(len(states))
     shaking = states - np.column_stack([np.polyval(np.polyfit(steps, x, 1), steps) for x in states.T])
     count = repeats_after(1.0 + shaking, REPEATS)

@@ -66,9 +66,12 @@ def save(result: Result, folder: Path) -> list[str]:
 def save_figure(figure: Figure, folder: Path, name: str) -> list[str]:
     """Write a figure as PNG and PDF, and return the names of the files."""
     with context(STYLE):
+        FigureCanvasAgg(figure)
+        # The layout is computed once for both formats.
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
         for kind, metadata in FORMATS.items():
             with whole_file(folder / f"{name}.{kind}") as partial:
-                FigureCanvasAgg(figure)
                 figure.savefig(partial, format=kind, metadata=metadata)
     return [f"{name}.{kind}" for kind in FORMATS]
 

@@ -12,9 +12,8 @@ from contactlab.arrays import Array
 from contactlab.estimate import Estimate
 from contactlab.metrics import INVARIANTS, METRICS, Run, assess
 from contactlab.motor.drive import Drive, NoPeriodError, period_of
-from contactlab.settling.approach import LEAST_VALUES, approach
-from contactlab.settling.periods import Recorded, UnknownError, period_told, periods_of
-from contactlab.settling.verdict import Settling, settling_of
+from contactlab.settling.statistics import LEAST_VALUES, approach
+from contactlab.settling.verdict import Settling, UnknownError, period_told, periods_of, settling_of
 
 PERIOD, LIMIT, SWING, TIME_CONSTANT = 3e-4, -2.0, 2.0, 8e-3
 """Of a rotor that comes to its steady state like a first-order lag [s], [rad/s], [rad/s], [s]."""
@@ -59,7 +58,7 @@ def logistic(rate: float, count: int = 800) -> Array:
 def test_the_mean_of_a_period_is_that_of_the_closed_form_wherever_records_fall() -> None:
     for interval in (PERIOD / 9.1, PERIOD / 70.3):
         columns = lag(50.0, interval)
-        result = periods_of(Recorded.of(columns, {}, PERIOD), 40)
+        result = periods_of(columns, {}, PERIOD, 40)
         ends = columns["time"][-1] - PERIOD * np.arange(result.velocity.size, -1, -1)
         exact = LIMIT - SWING * TIME_CONSTANT * np.diff(np.exp(-ends / TIME_CONSTANT)) / PERIOD
         # Hermite's cubic: h^4/384 of the fourth derivative of the angle, at both ends of a period.
@@ -72,7 +71,7 @@ def test_no_contact_is_counted_in_the_wrong_period_and_none_that_the_end_cuts(ph
     impulses = np.arange(1.0, 61.0)
     rows = contacts(impulses, phase)
     rows["separation_velocity"][-1] = nan
-    result = periods_of(Recorded.of(lag(60.0, PERIOD / 20), rows, PERIOD), 40)
+    result = periods_of(lag(60.0, PERIOD / 20), rows, PERIOD, 40)
     assert np.array_equal(np.diff(result.impulse), np.ones(result.impulse.size - 1))
     assert result.impulse[-1] == 59.0
 
@@ -191,7 +190,7 @@ def test_tones_that_repeat_together_have_a_period_and_silent_ones_do_not_count()
     assert period_told({"drive": {"frequency": 500.0}}) == 2e-3
     assert period_told({"drive": {"frequency": None}}) == period_told({"drive": 3}) == period_told({}) == 0.0
     with pytest.raises(UnknownError):
-        periods_of(Recorded.of(lag(100.0, PERIOD / 20), {}, 0.0), 1)
+        periods_of(lag(100.0, PERIOD / 20), {}, 0.0, 1)
 
 
 @pytest.mark.parametrize(
