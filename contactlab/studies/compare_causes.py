@@ -4,20 +4,20 @@ A difference is an effect of the law if it exceeds the largest change that any o
 law's value, and `CLEAR` times the numerical errors of both.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from math import inf, isfinite
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 import xarray
 
 from contactlab.arrays import Array
 from contactlab.metrics import FAIL, METRICS, NOT_APPLICABLE, PASS, VERDICTS, Metric
+from contactlab.studies.compare_draws import BASIS
 from contactlab.studies.compare_measured import nearest_laws
 from contactlab.studies.compare_scorecard import (
-    BASIS,
     CAUSES,
     EVERY,
     NOT_KNOWN,
@@ -137,7 +137,7 @@ class Difference:
         return f"{name} ({effect:.2g})"
 
 
-def ends(values: Sequence[float], laws: Sequence[str], unit: str, digits: int = 3) -> str:
+def ends(values: Any, laws: Any, unit: str, digits: int = 3) -> str:
     """Return the smallest and the largest value with their laws."""
     return f"{values[0]:.{digits}g} ({laws[0]}) to {values[1]:.{digits}g}{unit} ({laws[1]})"
 

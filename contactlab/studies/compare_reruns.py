@@ -231,7 +231,7 @@ class Reruns:
         if transient:
             self._compare_with_record()
         if "starts" in parts:
-            if failure := parts["starts"].attrs.get("failure"):
+            if failure := _failure_of(parts["starts"], False):
                 self.notes.append(f"{self.label} fails from other starts: {failure}")
             else:
                 self.states["starts"] = means_in(parts["starts"])

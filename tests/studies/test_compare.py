@@ -20,9 +20,17 @@ from contactlab.studies.compare_causes import (
     unclear,
     written_share,
 )
-from contactlab.studies.compare_draws import Factor, drawn, factors_of, left_fixed, on_other_basis, shares
+from contactlab.studies.compare_draws import (
+    BASIS,
+    Factor,
+    drawn,
+    factors_of,
+    left_fixed,
+    on_other_basis,
+    shares,
+)
 from contactlab.studies.compare_figures import draw_causes, draw_shares
-from contactlab.studies.compare_scorecard import BASIS, CAUSES, PARAMETERS, START
+from contactlab.studies.compare_scorecard import CAUSES, PARAMETERS, START
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
 """Ranges of parameters that are known exactly."""
