@@ -12,7 +12,6 @@ from support.motors import case_a, default_motor, every_law, final, hertz, run
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.motor.motor import Motor
-from contactlab.testing.plants import block
 from contactlab.trajectory import Ending
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"
@@ -134,12 +133,3 @@ def test_what_a_law_or_motor_cannot_run_is_refused(
 ) -> None:
     with pytest.raises(ValueError, match=key):
         simulate(motor, law, duration=1e-3, record_interval=1e-5, **more)  # type: ignore[arg-type]
-
-
-@laws
-def test_a_start_in_touch_that_closes_is_a_contact_from_the_start(law: ContactLaw) -> None:
-    ball = block(2e-3, gap_rate=-0.1, normal_stiffness=10.0)
-    contacts = simulate(ball, law, duration=1e-4, record_interval=1e-5).contacts
-    assert contacts["start_time"][0] == 0.0
-    assert contacts["approach_velocity"][0] == pytest.approx(-0.1)
-    assert contacts["normal_impulse"][0] > 0.9 * 2e-4

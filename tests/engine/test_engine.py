@@ -22,29 +22,13 @@ WORKSPACE = "contactlab.engine.preparation._workspace"
 laws = pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
 
 
-def assert_same_contacts(first: Trajectory, second: Trajectory) -> None:
-    """Bit for bit; an equal NaN is equal."""
-    for name, column in first.contacts.items():
-        np.testing.assert_array_equal(column, second.contacts[name], err_msg=name)
-
-
 def assert_same_bits(first: Trajectory, second: Trajectory) -> None:
-    assert_same_contacts(first, second)
-    for name, column in first.series.items():
-        np.testing.assert_array_equal(column, second.series[name], err_msg=name)
+    for columns, others in ((first.contacts, second.contacts), (first.series, second.series)):
+        for name, column in columns.items():
+            np.testing.assert_array_equal(column, others[name], err_msg=name)
     assert np.array_equal(first.time, second.time)
     assert np.array_equal(first.contact_mode, second.contact_mode)
     assert first.statistics == second.statistics
-
-
-@laws
-def test_recording_does_not_change_the_trajectory(law: ContactLaw) -> None:
-    runs = [run(case_a(), law, 2e-3, interval) for interval in (1e-5, 0.7e-6, 2e-3)]
-    for other in runs[1:]:
-        assert_same_contacts(runs[0], other)
-        assert other.statistics == runs[0].statistics
-        for name in ("rotor_velocity", "tip_slope", "gap", "drive_work", "friction_loss"):
-            assert final(other, name) == final(runs[0], name), name
 
 
 @laws
@@ -68,31 +52,6 @@ def test_the_last_record_lies_at_the_end_whatever_the_interval(duration: float, 
     inner = trajectory.time[:-1]
     assert inner == pytest.approx(interval * np.arange(inner.size), rel=1e-14)
     assert 0.0 < duration - inner[-1] <= interval * (1.0 + 1e-6)
-
-
-@laws
-def test_the_mirrored_motor_turns_the_other_way(law: ContactLaw) -> None:
-    # Electrodes exchanged: patches, slope, slip and rotor are mirrored, height and gap are not.
-    motor = default_motor(initial_velocity=0.2, load_torque=1e-3)
-    drive = Drive(motor.drive.frequency, motor.drive.phasors[::-1].copy())
-    rotor = replace(motor.rotor, initial_velocity=-0.2, load_torque=-1e-3)
-    mirrored = run(replace(motor, drive=drive, rotor=rotor), law, 3e-3)
-    original = run(motor, law, 3e-3)
-    # Gamma is symmetric to round-off only, which contacts amplify.
-    for name, sign in (
-        ("tip_normal_displacement", 1.0),
-        ("gap", 1.0),
-        ("tip_slope", -1.0),
-        ("tip_tangential_displacement", -1.0),
-        ("slip_velocity", -1.0),
-        ("rotor_velocity", -1.0),
-        ("normal_force", 1.0),
-        ("friction_force", -1.0),
-        ("drive_work", 1.0),
-    ):
-        expected = original.series[name]
-        scale = np.abs(expected).max()
-        assert sign * mirrored.series[name] == pytest.approx(expected, abs=1e-7 * scale), name
 
 
 @laws
@@ -135,19 +94,6 @@ def test_a_rotor_too_heavy_to_move_is_a_wall_with_a_moving_surface() -> None:
     friction = trajectory.contacts["friction_impulse"]
     assert friction == pytest.approx(0.3 * trajectory.contacts["normal_impulse"], rel=1e-9)
     assert np.all(trajectory.contacts["stick_duration"] == 0.0)
-
-
-@laws
-@pytest.mark.parametrize(("shapes", "duration"), [(1, 2e-3), (12, 2e-3), (40, 5e-4)])
-def test_any_number_of_shapes_runs_and_keeps_its_ledger(
-    law: ContactLaw, shapes: int, duration: float
-) -> None:
-    frequency = 1000.0 if shapes == 1 else 3210.0
-    trajectory = run(default_motor(shapes=shapes, frequency=frequency), law, duration)
-    assert trajectory.contacts["start_time"].size > 0
-    residual = np.abs(trajectory.series["energy_residual"]).max()
-    allowed = 1e-8 if law.name == "hertz_penalty" else 1e-3
-    assert residual <= allowed * abs(final(trajectory, "drive_work"))
 
 
 def crowded(clearance: float) -> Motor:

@@ -116,24 +116,3 @@ def test_random_oscillators_are_the_closed_form(k: float, c: float, s: float) ->
         s = SERIES_REACH / (c + sqrt(k))
     error = np.abs(integrals(k, c, s) - exact(k, c, s))
     assert np.all(error <= 5e-15 * (10.0 + (c + sqrt(k)) * s) * scales(k, s))
-
-
-@settings(deadline=None)
-@given(stiffness, damping, time, st.floats(0.05, 0.95))
-def test_flowing_twice_is_flowing_once(k: float, c: float, s: float, share: float) -> None:
-    """Semigroup: state, and the answer to a force that goes on, do not see a cut in time."""
-    a, b = share * s, s - share * s
-    first, second, whole = (integrals(k, c, t) for t in (a, b, s))
-
-    def flow(at: Array) -> Array:
-        return np.array([[at[0] + c * at[1], at[1]], [-k * at[1], at[0]]])
-
-    both, once = flow(second) @ flow(first), flow(whole)
-    # In units that make position and velocity alike.
-    unit = np.array([[1.0, s], [max(k * s, 1.0 / s), 1.0]])
-    assert np.all(np.abs(both - once) <= 1e-14 * (10.0 + (c + sqrt(k)) * s) * unit)
-    # A ramp force s: over the second part it is the constant a and a ramp from zero.
-    state = flow(second) @ np.array([first[3], first[2]])
-    state += a * np.array([second[2], second[1]]) + np.array([second[3], second[2]])
-    allowed = 1e-14 * (10.0 + (c + sqrt(k)) * s) * np.array([s**3, s**2])
-    assert np.all(np.abs(state - [whole[3], whole[2]]) <= allowed)

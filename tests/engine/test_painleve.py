@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-from support.configurations import composed
 
-from contactlab.config import build
 from contactlab.engine import simulate
 from contactlab.laws import LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.motor import NormalModes
@@ -48,22 +46,6 @@ def leaning_strut(
 
 def run(motor: Motor, law: MultiplierLaw, duration: float = 1e-4) -> Trajectory:
     return simulate(motor, law, duration=duration, record_interval=1e-6, contact_step=STEP)
-
-
-@pytest.mark.parametrize("law", ["lagrange_stick", "poisson", "stronge"])
-def test_no_contact_of_a_point_mass_with_strong_friction_makes_energy(law: str) -> None:
-    sections = composed(law=law, resonator="finite_element")
-    sections["resonator"] |= {"tip_inertia": 0.0}
-    sections["rotor"] |= {"radius": 3e-3}
-    sections["contact"] |= {"friction_coefficient": 1.5}
-    sections["drive"] |= {"voltage_1": 600.0, "voltage_2": 600.0}
-    sections["solver"] |= {"duration": 3e-3}
-    setup = build(sections)
-    result = setup.run(record_interval=1e-5)
-    assert result.complete, result.message
-    loss = result.contacts["energy_loss"]
-    assert loss.size > 5
-    assert loss.min() > 0.0
 
 
 def test_slip_alone_has_no_answer_to_an_approach_and_the_run_says_so() -> None:

@@ -195,19 +195,6 @@ def test_a_rigid_law_receives_the_length_of_its_step_and_whether_it_is_an_impact
 
 
 @LAWS
-def test_a_run_that_remembers_goes_on_to_the_bit(law: ContactLaw) -> None:
-    whole = simulate(paper_motor(), law, duration=1e-3, record_interval=1e-6)
-    start = float(whole.contacts["start_time"][1])
-    for cut in (start + 0.4 * float(whole.contacts["duration"][1]), start - 1e-6):
-        cut = round(cut * 1e6) * 1e-6
-        before = simulate(paper_motor(), law, duration=cut, record_interval=1e-6)
-        after = simulate(paper_motor(), law, duration=1e-3 - cut, record_interval=1e-6, start=before.state)
-        assert whole.ending == after.ending
-        for name in ("gap", "rotor_velocity", *(n for n in whole.series if n.startswith("internal_"))):
-            assert_array_equal(after.series[name][1:], whole.series[name][before.time.size :])
-
-
-@LAWS
 def test_many_starts_at_once_remember_apart(law: ContactLaw) -> None:
     motor = paper_motor()
     made = simulate(motor, law, duration=6e-4, record_interval=6e-4)

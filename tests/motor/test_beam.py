@@ -47,41 +47,6 @@ def test_curvatures_are_orthogonal_with_the_fourth_power_of_the_wave_number(coun
     assert np.abs(scaled - np.eye(count)).max() < 1e-10
 
 
-def test_every_derivative_is_the_derivative_of_the_one_below() -> None:
-    beam = ClampedBeam(LENGTH, MOST_SHAPES)
-    x = np.linspace(0.05, 0.95, 37) * LENGTH
-    for derivative in (1, 2):
-        for row, b in enumerate(beam.wave_numbers):
-            h = 1e-3 / b
-            below = [beam.evaluate(x + k * h, derivative - 1)[row] for k in (-2, -1, 1, 2)]
-            difference = (below[0] - 8.0 * below[1] + 8.0 * below[2] - below[3]) / (12.0 * h)
-            error = np.abs(difference - beam.evaluate(x, derivative)[row]).max() / b**derivative
-            # Fourth-order differences with b h = 1e-3: truncation 1e-12 / 30, round-off some
-            # 1e-16 of b x (up to 130) over 1e-3.
-            assert error < 1e-10
-
-
-def test_curvature_obeys_the_beam_equation_at_every_point() -> None:
-    # psi'''' = b^4 psi with psi'''' as second difference of psi''; truncation (b h)^4 / 90.
-    beam = ClampedBeam(LENGTH, MOST_SHAPES)
-    x = np.linspace(0.02, 0.98, 41) * LENGTH
-    for row, b in enumerate(beam.wave_numbers):
-        h = 1e-2 / b
-        c = [beam.evaluate(x + k * h, 2)[row] / b**2 for k in (-2, -1, 0, 1, 2)]
-        fourth = (-c[0] + 16.0 * c[1] - 30.0 * c[2] + 16.0 * c[3] - c[4]) / 12e-4
-        assert np.abs(fourth - beam.evaluate(x)[row]).max() < 1e-9
-
-
-@pytest.mark.parametrize("part", [(0.016, 0.178), (0.3, 0.31), (0.5, 1.0)])
-def test_bending_over_a_patch_is_the_change_of_slope(part: tuple[float, float]) -> None:
-    # What the coupling to a patch rests on: int psi'' over [a1, a2] = psi'(a2) - psi'(a1).
-    beam = ClampedBeam(LENGTH, MOST_SHAPES)
-    start, end = part[0] * LENGTH, part[1] * LENGTH
-    x, weights = quadrature(start, end, 60)
-    turn = beam.evaluate(end, 1) - beam.evaluate(start, 1)
-    assert np.abs(beam.evaluate(x, 2) @ weights - turn).max() < 1e-11 * beam.wave_numbers[-1]
-
-
 def test_low_shapes_are_the_textbook_form_and_its_derivatives() -> None:
     beam = ClampedBeam(LENGTH, 4)
     x = np.linspace(0.0, LENGTH, 101)

@@ -29,17 +29,6 @@ def test_two_mode_drive_is_the_sum_and_the_difference_of_two_sines(
     assert voltages == pytest.approx([first + second, first - second], abs=1e-8)
 
 
-@settings(deadline=None)
-@given(st.integers(1, 6), st.integers(0, 2**32 - 1))
-def test_any_number_of_tones_adds_up(tones: int, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    frequency = rng.uniform(1.0, 1e4, tones)
-    phasors = rng.normal(size=(2, tones)) + 1j * rng.normal(size=(2, tones))
-    time = rng.uniform(0.0, 1e-2, 5)
-    alone = [Drive(frequency[k : k + 1], phasors[:, k : k + 1]).voltage(time) for k in range(tones)]
-    assert Drive(frequency, phasors).voltage(time) == pytest.approx(sum(alone), abs=1e-12)
-
-
 @pytest.mark.parametrize("frequency", [0.0, -3210.0, float("nan")])
 def test_a_tone_that_is_not_positive_is_refused_with_its_value(frequency: float) -> None:
     with pytest.raises(ValueError, match="frequency"):

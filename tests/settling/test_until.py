@@ -159,16 +159,6 @@ def test_python_and_the_configuration_say_it_alike(tmp_path: Path) -> None:
         cl.simulate(setup(), until="end")
 
 
-def test_a_sweep_of_numbers_ends_its_runs_alike() -> None:
-    base = [*FAST, "solver.until=steady"]
-    result = cl.sweep({"clearance": [0.5e-6, 1e-6]}, base=base, metrics=["settled_velocity"], workers=1)
-    for value, velocity in zip((0.5e-6, 1e-6), result["settled_velocity"].values, strict=True):
-        there = setup(f"contact.clearance={value}")
-        assert velocity == Run.of_trajectory(there.run(), {}).settling.velocity
-    with pytest.raises(ConfigurationError, match=r"solver\.until"):
-        cl.sweep({"clearance": [0.5e-6]}, base=base, series=["gap"], workers=1)
-
-
 def test_a_run_that_could_never_be_judged_is_refused() -> None:
     with pytest.raises(ConfigurationError, match=r"record\.interval"):
         setup("record.interval=1e-4")
@@ -177,11 +167,3 @@ def test_a_run_that_could_never_be_judged_is_refused() -> None:
     plain = replace(setup(until="duration"), until="steady", record_interval=1e-3)
     with pytest.raises(ValueError, match=r"record\.interval"):
         plain.run()
-
-
-def test_a_configuration_of_before_runs_its_duration() -> None:
-    configuration = setup(until="duration").configuration
-    assert configuration["solver"].pop("until") == "duration"
-    again = cl.build(configuration)
-    assert again.until == "duration"
-    assert again.configuration["solver"]["until"] == "duration"

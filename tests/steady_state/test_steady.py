@@ -9,7 +9,7 @@ import pytest
 
 import contactlab as cl
 from contactlab.motor import NormalModes
-from contactlab.steady_state import NoPeriodError, NotSettledError, converged
+from contactlab.steady_state import NotSettledError, converged
 from contactlab.steady_state.arrival import _goes_to
 from contactlab.steady_state.shooting import Orbit, derivative_of
 from contactlab.testing.plants import FLAT
@@ -249,16 +249,6 @@ def test_what_makes_no_steady_state_is_told_in_a_sentence(
         cl.steady(setup_of(), **arguments)
 
 
-def test_a_drive_without_a_period_has_no_steady_state() -> None:
-    with pytest.raises(NoPeriodError, match="frequenc"):
-        free("drive.frequency_ratio=1.41421356")
-
-
-def test_series_without_a_mean_are_refused_and_the_others_told() -> None:
-    with pytest.raises(ValueError, match="gap"):
-        free().average("gap")
-
-
 @pytest.mark.parametrize("law", ["newton", "hertz_penalty"])
 def test_a_motor_and_a_law_made_in_python_have_the_steady_states_of_their_setup(law: str) -> None:
     setup = setup_of(f"law={law}")
@@ -271,12 +261,6 @@ def test_a_motor_and_a_law_made_in_python_have_the_steady_states_of_their_setup(
         assert (number.value, number.error) == (value, error)
         # The torque of a free rotor is zero, whatever its error.
         assert 0.0 <= error <= max(1e-6 * abs(value), 1e-9)
-
-
-@pytest.mark.parametrize("refused", [{"law": cl.Newton()}, {"tolerance": "tight"}])
-def test_what_a_setup_has_of_its_own_is_not_given_beside_it(refused: dict[str, Any]) -> None:
-    with pytest.raises((TypeError, ValueError)):
-        cl.converged(setup_of(), **refused)
 
 
 def test_the_peak_of_a_motion_without_period_has_no_known_error() -> None:
