@@ -199,13 +199,6 @@ def test_runs_in_memory_are_compared(sweep: Path) -> None:
         cl.compare([])
 
 
-def test_a_run_of_another_version_of_the_code_is_noted(tmp_path: Path) -> None:
-    folder = leave(tmp_path / "run", "hertz_penalty")
-    with netCDF4.Dataset(folder / "run.nc", "a") as file:
-        file["rotor_velocity"][-1] = 7.0
-    assert "7 rad/s" in cl.compare(folder, transient=True).data.attrs["notes"]
-
-
 def test_richardson_gives_the_error_of_a_known_series() -> None:
     steps = np.array([4.0, 2.0, 1.0])
     for order in (1.0, 2.0):
