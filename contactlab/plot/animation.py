@@ -67,7 +67,7 @@ class Animation:
             self.figure = Figure(figsize=(PIXELS[0] / _DPI, PIXELS[1] / _DPI), dpi=_DPI)
             # matplotlib gives its functions no types.
             self._canvas = cast(Any, FigureCanvasAgg(self.figure))
-            self._draw_words(film_time)
+            self._draw_texts(film_time)
             scene = self._draw_scene()
             self._add_moving(scene, self._draw_traces())
             self._canvas.draw()
@@ -92,7 +92,7 @@ class Animation:
                 artist.axes.draw_artist(artist) if artist.axes else self.figure.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba())
 
-    def _draw_words(self, film_time: float) -> None:
+    def _draw_texts(self, film_time: float) -> None:
         run = self.film.run
         lasts = run.end - run.start
         law = str(run.series.attrs.get("law", "")) or "run"
