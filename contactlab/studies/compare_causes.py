@@ -8,16 +8,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from math import inf, isfinite
-from typing import Final, final
+from typing import Any, Final, final
 
 import numpy as np
 import xarray
 
 from contactlab.arrays import Array
 from contactlab.metrics import FAIL, METRICS, NOT_APPLICABLE, PASS, VERDICTS, Metric
+from contactlab.studies.compare_draws import BASIS
 from contactlab.studies.compare_measured import nearest_laws
 from contactlab.studies.compare_scorecard import (
-    BASIS,
     CAUSES,
     EVERY,
     NOT_KNOWN,
@@ -48,7 +48,7 @@ NAMES: Final = {
 @final
 @dataclass(frozen=True)
 class Difference:
-    """Difference of two laws in one quantity, and how far each cause moves either.
+    """Difference of two laws in one quantity, and the largest change that each cause makes of either value.
 
     Args:
         metric: the quantity.
@@ -58,7 +58,7 @@ class Difference:
         parameters: those drawn, as a text.
         diverging: laws whose value does not converge.
         recorded: laws whose value is that of the run as recorded, which may not have settled.
-        fixed: parameters that were not varied, by law.
+        fixed: parameters that were not varied, with their laws.
     """
 
     metric: Metric
@@ -68,7 +68,7 @@ class Difference:
     parameters: str = ""
     diverging: tuple[str, ...] = ()
     recorded: tuple[str, ...] = ()
-    fixed: Mapping[str, str] | None = None
+    fixed: str = ""
 
     @property
     def size(self) -> float:
@@ -83,8 +83,11 @@ class Difference:
     @property
     def possible(self) -> list[str]:
         """Causes that may explain the difference, the largest first."""
-        causes = [cause for cause in CAUSES if self.effects[cause] >= self.size]
-        return sorted(causes, key=lambda cause: -self.effects[cause])
+        return [cause for cause in self._largest_first if self.effects[cause] >= self.size]
+
+    @property
+    def _largest_first(self) -> list[str]:
+        return sorted(CAUSES, key=lambda cause: -self.effects[cause])
 
     @property
     def due_to_law(self) -> bool:
@@ -92,19 +95,19 @@ class Difference:
         return self.size > 0.0 and not self.unknown and not self.possible
 
     def __str__(self) -> str:
-        name, unit = _capital(self.metric.brief), self.metric.unit
+        name = _capital(self.metric.brief)
         if self.metric.key == "rotor_velocity":
-            name = f"{'Rotor' if self.recorded else 'Settled rotor'} velocity"
-            name += f" ({listed(self.recorded)} as recorded)" if self.recorded else ""
-        (low, high), (least, greatest) = self.laws, self.values
+            settled = f"Rotor velocity ({listed(self.recorded)} as recorded)"
+            name = settled if self.recorded else "Settled rotor velocity"
         if self.size == 0.0:
-            return f"{name}: {least:.3g}{unit} with every law."
-        ends = f"{least:.3g} ({low}) to {greatest:.3g}{unit} ({high})"
-        return f"{name}: {ends}, {self.size:.2g} apart. {self.verdict}"
+            return f"{name}: {self.values[0]:.3g}{self.metric.unit} with every law."
+        return (
+            f"{name}: {ends(self.values, self.laws, self.metric.unit)}, {self.size:.2g} apart. {self.verdict}"
+        )
 
     @property
     def verdict(self) -> str:
-        """What the difference is due to, or may be."""
+        """Whether the difference is an effect of the law, and what else may explain it."""
         if self.diverging:
             return (
                 f"With {listed(self.diverging)} it does not converge: its numerical error exceeds its value."
@@ -112,50 +115,48 @@ class Difference:
         if len(self.unknown) == len(CAUSES):
             return "No other cause was computed, so an effect of the law is not shown."
         if self.due_to_law:
-            causes = sorted(CAUSES, key=lambda cause: -self.effects[cause])
-            fixed = listed([f"{names} of {law}" for law, names in (self.fixed or {}).items()])
-            return (
-                f"It is an effect of the law: every other cause has a smaller effect, "
-                f"{listed([self._with_effect(cause) for cause in causes])}."
-                + (f" Not varied: {fixed}." if fixed else "")
+            causes = listed([*map(self._with_effect, self._largest_first)])
+            return f"It is an effect of the law: every other cause has a smaller effect, {causes}." + (
+                f" Not varied: {self.fixed}." if self.fixed else ""
             )
         parts = []
         if self.possible:
             parts.append(f"may be {' or '.join(map(self._with_effect, self.possible))}")
         if self.unknown:
-            parts.append(
-                f"was not compared with the effect of {listed([NAMES[cause] for cause in self.unknown])}"
-            )
+            names = listed([NAMES[cause] for cause in self.unknown])
+            parts.append(f"was not compared with the effect of {names}")
         return f"It {', and '.join(parts)}, so an effect of the law is not shown."
 
     def _with_effect(self, cause: str) -> str:
         """Return the name of a cause with its effect."""
         name, effect = NAMES[cause], self.effects[cause]
+        if cause == NUMERICAL:
+            return f"{name} ({CLEAR:g} times {effect / CLEAR:.2g})"
         if cause == PARAMETERS and self.parameters:
             name = f"{self.parameters} within {'their ranges' if ' and ' in self.parameters else 'its range'}"
-        return (
-            f"{name} ({CLEAR:g} times {effect / CLEAR:.2g})"
-            if cause == NUMERICAL
-            else f"{name} ({effect:.2g})"
-        )
+        return f"{name} ({effect:.2g})"
+
+
+def ends(values: Any, laws: Any, unit: str, digits: int = 3) -> str:
+    """Return the smallest and the largest value with their laws."""
+    return f"{values[0]:.{digits}g} ({laws[0]}) to {values[1]:.{digits}g}{unit} ({laws[1]})"
 
 
 def largest_differences(data: xarray.Dataset) -> list[Difference]:
     """Return the difference of the outermost laws in each quantity that two of them have."""
     result = []
     for key in map(str, data["quantity"].values):
-        values = data["value"].sel(metric=key)
-        known = values.where(np.isfinite(values), drop=True)
-        if known.size > 1:
-            result.append(_difference(data, key, str(known.idxmin().item()), str(known.idxmax().item())))
+        values = data["value"].sel(metric=key).dropna("law")
+        if values.size > 1:
+            result.append(_difference(data, key, str(values.idxmin().item()), str(values.idxmax().item())))
     return result
 
 
 def all_differences(data: xarray.Dataset, key: str = "rotor_velocity") -> list[Difference]:
     """Return the differences of all pairs of laws that have a quantity."""
-    values = data["value"].sel(metric=key)
-    known = values.where(np.isfinite(values), drop=True).sortby(values)
-    return [_difference(data, key, str(a), str(b)) for a, b in combinations(known["law"].values, 2)]
+    values = data["value"].sel(metric=key).dropna("law")
+    laws = values.sortby(values)["law"].values
+    return [_difference(data, key, str(a), str(b)) for a, b in combinations(laws, 2)]
 
 
 def _difference(data: xarray.Dataset, key: str, low: str, high: str) -> Difference:
@@ -172,7 +173,6 @@ def _difference(data: xarray.Dataset, key: str, low: str, high: str) -> Differen
     diverging = tuple(law for law, x, e in zip((low, high), values, errors, strict=True) if e > abs(x) > 0.0)
     ranges = ", ".join(filter(None, map(str, both["varied"].values))).split(", ")
     names = [*dict.fromkeys(part.split(" +-")[0] for part in ranges if part)]
-    fixed = {law: str(keys) for law, keys in zip((low, high), both["not_varied"].values, strict=True) if keys}
     return Difference(
         METRICS[key],
         (low, high),
@@ -181,8 +181,13 @@ def _difference(data: xarray.Dataset, key: str, low: str, high: str) -> Differen
         f"the {listed(names)}" if names else "",
         diverging if effects[NUMERICAL] >= float(values[1] - values[0]) else (),
         tuple(law for law, kind in zip((low, high), both["kind"].values, strict=True) if kind == NOT_KNOWN),
-        fixed,
+        _not_varied(both),
     )
+
+
+def _not_varied(data: xarray.Dataset) -> str:
+    laws = zip(data["law"].values, data["not_varied"].values, strict=True)
+    return listed([f"{names} of {law}" for law, names in laws if names])
 
 
 def findings(data: xarray.Dataset) -> list[str]:
@@ -203,8 +208,7 @@ def _of_settled(data: xarray.Dataset) -> Iterator[str]:
         if pair.size < widest:
             yield f"Between {listed(pair.laws)}: {pair.size:.2g} rad/s apart. {pair.verdict}"
     yield from others
-    laws = zip(data["law"].values, data["not_varied"].values, strict=True)
-    if fixed := listed([f"{names} of {law}" for law, names in laws if names]):
+    if fixed := _not_varied(data):
         yield f"Not varied: {fixed}. The option range=law.NAME=SHARE varies a parameter."
     yield shares_sentence(data)
 
@@ -212,50 +216,43 @@ def _of_settled(data: xarray.Dataset) -> Iterator[str]:
 def _on_other_basis(data: xarray.Dataset) -> str:
     """Return how far the outermost laws are apart on the other basis; empty if not known."""
     here = data.sel(cause=BASIS, quantity="rotor_velocity")
-    # One end of the range is the value itself.
+    # An end of the range is the value itself.
     values = here["least"] + here["greatest"] - data["value"].sel(metric="rotor_velocity")
-    ends = {
-        str(law): x for law, x in zip(data["law"].values, values.values.tolist(), strict=True) if isfinite(x)
-    }
-    if len(ends) < 2:
+    known = values.dropna("law")
+    if known.size < 2:
         return ""
-    low, *_, high = sorted(ends, key=lambda label: ends[label])
-    return (
-        f"On the other basis: {ends[low]:.3g} ({low}) to {ends[high]:.3g} rad/s ({high}), "
-        f"{ends[high] - ends[low]:.2g} apart."
-    )
+    known = known.sortby(known).isel(law=[0, -1])
+    (low, high), laws = known.values.tolist(), known["law"].values
+    return f"On the other basis: {ends((low, high), laws, ' rad/s')}, {high - low:.2g} apart."
 
 
 def _of_transients(data: xarray.Dataset) -> Iterator[str]:
     """Yield the differences of transients, against the numerical errors alone."""
     for key in TRANSIENT:
-        here, metric = data.sel(metric=key), METRICS[key]
-        here = here.isel(law=np.flatnonzero(np.isfinite(here["value"].values)))
+        here, metric = data.sel(metric=key).dropna("law", subset=["value"]), METRICS[key]
         if here.sizes["law"] < 2:
             continue
-        order = np.argsort(here["value"].values, kind="stable")[[0, -1]]
-        (low, high), (least, greatest) = here["law"].values[order], here["value"].values[order]
-        name, unit, size = _capital(metric.brief), metric.unit, greatest - least
+        here = here.sortby("value")
+        laws, values, errors = (here[name].values for name in ("law", "value", "numerical_error"))
+        name, unit, size = _capital(metric.brief), metric.unit, values[-1] - values[0]
         if size == 0.0:
-            yield f"{name}: {least:.4g}{unit} with every law."
+            yield f"{name}: {values[0]:.4g}{unit} with every law."
             continue
-        start = f"{name}: {least:.4g} ({low}) to {greatest:.4g}{unit} ({high})"
-        error = float(here["numerical_error"].values[order].sum())
+        start = f"{name}: {ends(values[[0, -1]], laws[[0, -1]], unit, 4)}"
+        error = float(errors[0] + errors[-1])
+        ratio = size / error if error > 0.0 else inf
+        diverging = laws[(errors > np.abs(values)) & (values != 0.0)].tolist()
         if not isfinite(error):
             yield f"{start}; the numerical error is not known."
-            continue
-        ratio = size / error if error > 0.0 else inf
-        values, errors = here["value"].values, here["numerical_error"].values
-        diverging = here["law"].values[(errors > np.abs(values)) & (values != 0.0)].tolist()
-        if ratio < 1.0 and diverging:
+        elif ratio < 1.0 and diverging:
             yield f"{start}; with {listed(diverging)} it does not converge: its error exceeds its value."
-            continue
-        times = f"{ratio:.2g}" if ratio < 1e3 else "more than 1000"
-        verdict = "resolved" if ratio >= CLEAR else "barely resolved" if ratio >= 1.0 else "not resolved"
-        yield (
-            f"{start}; the difference of the transients, {size:.3g}{unit}, is {times} times the numerical "
-            f"errors and {verdict}; effects of basis, parameters and start are not computed."
-        )
+        else:
+            times = f"{ratio:.2g}" if ratio < 1e3 else "more than 1000"
+            resolved = "resolved" if ratio >= CLEAR else "barely resolved" if ratio >= 1.0 else "not resolved"
+            yield (
+                f"{start}; the difference of the transients, {size:.3g}{unit}, is {times} times the "
+                f"numerical errors and {resolved}; effects of basis, parameters and start are not computed."
+            )
 
 
 def _thresholds(data: xarray.Dataset) -> Iterator[str]:
@@ -267,21 +264,17 @@ def _thresholds(data: xarray.Dataset) -> Iterator[str]:
         verdicts = [VERDICTS[flag] for flag in law["verdict"].values]
         met, failed, absent = (verdicts.count(verdict) for verdict in (PASS, FAIL, NOT_APPLICABLE))
         parts.append(f"{label} meets {met}, fails {failed}, and {absent} do not apply")
-        failures += [
-            _failure(label, law.sel(metric=key)) for key in law["metric"].values[np.equal(verdicts, FAIL)]
-        ]
+        for key in law["metric"].values[np.equal(verdicts, FAIL)]:
+            cell, metric = law.sel(metric=key), EVERY[str(key)]
+            value, error, unit = float(cell["value"]), float(cell["numerical_error"]), metric.unit
+            within = abs(value - metric.bound) < error < inf
+            doubt = f", within its numerical error of {error:.2g}" if within else ""
+            failures.append(
+                f"{label} fails {key} ({metric.brief}): {value:.4g}{unit}; it must be "
+                f"{metric.threshold}{unit}{doubt}. {_capital(metric.reason)}."
+            )
     yield f"Of {judged.sizes['metric']} plausibility thresholds {'; '.join(parts)}."
     yield from failures
-
-
-def _failure(label: str, cell: xarray.Dataset) -> str:
-    metric = EVERY[str(cell["metric"].item())]
-    value, error, unit = float(cell["value"]), float(cell["numerical_error"]), metric.unit
-    doubt = f", within its numerical error of {error:.2g}" if abs(value - metric.bound) < error < inf else ""
-    return (
-        f"{label} fails {metric.key} ({metric.brief}): {value:.4g}{unit}; it must be {metric.threshold}{unit}"
-        f"{doubt}. {_capital(metric.reason)}."
-    )
 
 
 def shares_sentence(data: xarray.Dataset) -> str:

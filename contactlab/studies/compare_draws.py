@@ -17,9 +17,8 @@ from contactlab.config import Setup, build
 from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
-from contactlab.laws import MultiplierLaw
 from contactlab.metrics import Run
-from contactlab.metrics.convergence import FINER
+from contactlab.metrics.convergence import FINER, control_of
 from contactlab.studies.compare_runs import ComparisonError
 
 SEED: Final = 0
@@ -129,7 +128,7 @@ def configurations_of(
 ) -> list[dict[str, Any]]:
     """Return the configuration of each draw, of the law that it draws."""
     bases = [[flat(setup.configuration), flat(on_other_basis(setup)[0])] for setup in setups]
-    controls = [control_of(setup) for setup in setups]
+    controls = [control_of(setup.law) for setup in setups]
     result = []
     for row in draws:
         level = {factor.name: int(x) for factor, x in zip(factors, row, strict=True) if factor.levels}
@@ -142,11 +141,6 @@ def configurations_of(
         settings[f"solver.{controls[law]}"] /= FINER[controls[law]][level[STEP]]
         result.append(nested(settings))
     return result
-
-
-def control_of(setup: Setup) -> str:
-    """Return the option of the solver that is refined."""
-    return "contact_step" if isinstance(setup.law, MultiplierLaw) else "tolerance"
 
 
 @cache

@@ -13,8 +13,8 @@ from contactlab.arrays import Array
 from contactlab.metrics import METRICS, VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.netcdf import cf_attributes
-from contactlab.steady_state.means import LONGEST, QUANTITIES, Means
-from contactlab.studies.compare_draws import BASIS as BASIS_FACTOR, Factor, is_scalable, left_fixed, shares
+from contactlab.steady_state.means import LONGEST, QUANTITIES
+from contactlab.studies.compare_draws import BASIS, Factor, is_scalable, left_fixed, shares
 from contactlab.studies.compare_measured import Measured
 from contactlab.studies.compare_reruns import Reruns
 
@@ -34,7 +34,7 @@ ENERGY_TERMS: Final = {
 }
 """Terms of the energy flow and their names, in the order of the figure."""
 
-NUMERICAL, BASIS, PARAMETERS, START = "numerical error", "basis", "parameters", "start"
+NUMERICAL, PARAMETERS, START = "numerical error", "parameters", "start"
 CAUSES: Final = (NUMERICAL, BASIS, PARAMETERS, START)
 """What else than the law could make settled motors differ."""
 
@@ -123,24 +123,23 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str], measured: Sequence[M
 
 def _assessed(law: Reruns) -> tuple[dict[str, float], dict[str, float]]:
     """Return values and numerical errors by metric."""
+    means = dict(zip(QUANTITIES, law.means[-1].values.tolist(), strict=True)) if law.means else {}
     if not law.steps:
-        means = dict(zip(QUANTITIES, law.means[-1].values.tolist(), strict=True)) if law.means else {}
         return (metrics.assess(law.best) if law.best.columns else {}) | means, {}
     steps = [metrics.assess(run) for _, run in law.steps]
     errors = {key: float(law.error([each[key] for each in steps])) for key in steps[-1]}
-    values = steps[-1] | metrics.assess_steps(law.steps)
     if law.means:
-        values |= dict(zip(QUANTITIES, law.means[-1].values.tolist(), strict=True))
         errors |= dict(zip(QUANTITIES, law.mean_errors().tolist(), strict=True))
+    values = steps[-1] | metrics.assess_steps(law.steps) | means
     return values | metrics.assess_variants(law.steps[0][1], **law.variants), errors
 
 
 def _refinement(law: Reruns) -> str:
     """Return the steps at which the law's values were computed."""
-    if not law.steps:
-        return "settled, steps as configured" if law.means else "as recorded"
-    steps = f"{law.control} {', '.join(f'{step:.3g}' for step, _ in law.steps)}"
-    return f"settled, {steps}" if law.means else steps
+    kind = "settled, " if law.means else ""
+    if law.steps:
+        return f"{kind}{law.control} {', '.join(f'{step:.3g}' for step, _ in law.steps)}"
+    return f"{kind}steps as configured" if kind else "as recorded"
 
 
 def energy_flow(run: Run, period: float = 0.0) -> dict[str, float]:
@@ -167,24 +166,24 @@ def energy_flow(run: Run, period: float = 0.0) -> dict[str, float]:
 def motion(law: Reruns) -> xarray.Dataset:
     """Return the motion that the figures show: the finest rerun, or the run as recorded."""
     run = law.best
+    shown = [("time", run.columns, SERIES, run.holds), ("contact", run.rows, CONTACTS, run.touches)]
     columns: dict[str, Any] = {
-        name: ("time", run.columns[name], cf_attributes(SHOWN[name])) for name in SERIES if run.holds(name)
-    }
-    columns |= {
-        name: ("contact", run.rows[name], cf_attributes(SHOWN[name]))
-        for name in CONTACTS
-        if run.touches(name)
+        name: (dim, values[name], cf_attributes(SHOWN[name]))
+        for dim, values, names, has in shown
+        for name in names
+        if has(name)
     }
     if law.steps and not law.means and run.holds("rotor_velocity"):
         error = law.error([step.columns["rotor_velocity"] for _, step in law.steps])
         columns["rotor_velocity_error"] = "time", error, {"units": "rad s-1", "long_name": "numerical error"}
-    attributes: dict[str, Any] = {"law": law.label}
+    data = xarray.Dataset(columns, attrs={"law": law.label})
     if isinstance(clearance := run.settings.get("contact.clearance"), float):
-        attributes["clearance"] = clearance
+        data.attrs["clearance"] = clearance
     if not run.columns:
-        return xarray.Dataset(columns, attrs=attributes)
-    time = {"time": ("time", run.time, cf_attributes(variables.TIME))}
-    return xarray.Dataset(columns, time, attributes | {"period": law.period})
+        return data
+    return data.assign_coords(time=("time", run.time, cf_attributes(variables.TIME))).assign_attrs(
+        period=law.period
+    )
 
 
 def with_causes(
@@ -271,25 +270,24 @@ def _changes(
     as_configured = law.means[0].values
     error = law.mean_errors()
     changes = {NUMERICAL: np.array([-error, error])}
-    if law.elsewhere:
-        changes[BASIS] = np.array([law.elsewhere.values - as_configured])
-    if law.reached:
-        changes[START] = np.array([each.values - as_configured for each in law.reached])
+    elsewhere = [each.values for each in law.states.get(BASIS, ())]
+    reached = [each.values for each in law.states.get("starts", ())]
+    for cause, values_there in ((BASIS, elsewhere), (START, reached)):
+        if values_there:
+            changes[cause] = np.array(values_there) - as_configured
     if factors and not any(factor.keys for factor in factors):
         # All parameters are known exactly.
         changes[PARAMETERS] = np.zeros((1, len(QUANTITIES)))
     if draws is not None and values is not None:
-        basis = draws[:, [factor.name for factor in factors].index(BASIS_FACTOR)]
+        basis = draws[:, [factor.name for factor in factors].index(BASIS)]
+        known = ~np.isnan(values).all(axis=1)
         # On each basis, relative to the value there.
-        nominal = [as_configured, *([law.elsewhere.values] if law.elsewhere else [])]
-        drawn = np.concatenate(
-            [
-                np.unique(values[(basis == i) & ~np.isnan(values).all(axis=1)], axis=0) - here
-                for i, here in enumerate(nominal)
-            ]
-        )
-        if len(drawn) >= FEWEST_DRAWN:
-            changes[PARAMETERS] = drawn
+        drawn = [
+            np.unique(values[(basis == i) & known], axis=0) - nominal
+            for i, nominal in enumerate([as_configured, *elsewhere])
+        ]
+        if sum(map(len, drawn)) >= FEWEST_DRAWN:
+            changes[PARAMETERS] = np.concatenate(drawn)
     return changes
 
 
@@ -316,23 +314,24 @@ def _first_sentences(laws: Sequence[Reruns]) -> Iterator[str]:
             "settled motor is compared."
         )
     for law in laws:
-        label = law.label
-        if not law.means and law.without:
+        label, reached = law.label, law.states.get("starts", ())
+        kind = law.means[-1].kind if law.means else NOT_KNOWN
+        if law.without and not law.means:
             yield f"{label} has no steady state: its numbers are those of the recorded run. {law.without}"
-            continue
-        if not law.means:
+        elif kind == NOT_KNOWN:
             yield f"{label} is taken as recorded: whether its motor has settled is not known."
-            continue
-        kind = law.means[-1].kind
-        if kind == WITHOUT_CONTACT:
+        elif kind == WITHOUT_CONTACT:
             yield f"{label} settles without contact: nothing turns the rotor."
         elif kind != "periodic":
             yield (
                 f"{label} has no periodic motion ({kind}): its values are means over {LONGEST // 2} periods, "
                 "with statistical errors."
             )
-        if len(law.reached) > 1:
-            speeds = listed([_speed(each) for each in law.reached])
+        if len(reached) > 1 and law.means:
+            # Without contact the rotor keeps its initial velocity.
+            speeds = listed(
+                [x.kind if x.kind == WITHOUT_CONTACT else f"{x.values[0]:.3g} rad/s" for x in reached]
+            )
             yield f"{label} settles to several motions, depending on the start: {speeds}."
 
 
@@ -346,8 +345,3 @@ def _unsettled(law: Reruns) -> float | None:
         return None
     velocity = float(law.means[-1].values[0])
     return recorded if abs(recorded - velocity) > UNSETTLED * abs(velocity) else None
-
-
-def _speed(state: Means) -> str:
-    """Return the velocity of a steady state; without contact the rotor keeps that of its start."""
-    return WITHOUT_CONTACT if state.kind == WITHOUT_CONTACT else f"{state.values[0]:.3g} rad/s"

@@ -85,15 +85,6 @@ def test_a_dielectric_turns_its_loss_tangent_into_heat_that_the_source_pays() ->
     assert dielectric_loss(run.motor) == 0.0
 
 
-def test_two_tones_of_one_frequency_heat_as_the_one_that_they_are() -> None:
-    setup = cl.build(["piezoceramic.loss_tangent=0.01"])
-    drive = setup.motor.drive
-    once = cl.Drive(drive.frequency[:1], 2.0 * drive.phasors[:, :1])
-    twice = cl.Drive(np.repeat(drive.frequency[:1], 2), np.repeat(drive.phasors[:, :1], 2, axis=1))
-    losses = [dielectric_loss(replace(setup.motor, drive=each)) for each in (once, twice)]
-    assert losses[0] == pytest.approx(losses[1])
-
-
 def test_a_resonator_that_does_not_tell_its_capacitance_has_no_current() -> None:
     run = period_of()
     silent = replace(run.motor.modes, capacitance=None, loss_tangent=0.1)

@@ -193,17 +193,6 @@ def test_the_command_leaves_page_figure_and_dataset_that_agree(command: Command,
     )
 
 
-@pytest.mark.long
-def test_listed_laws_share_a_sheet(command: Command, tmp_path: Path) -> None:
-    assert command("characterise", "law=newton,hertz_penalty", f"output={tmp_path / 'sheet'}")[0] == 0
-    with xarray.open_dataset(tmp_path / "sheet" / "characterise.nc") as data:
-        assert data["law"].values.tolist() == ["newton", "hertz_penalty"]
-        for label in ("newton", "hertz_penalty"):
-            alone = sheet_of(f"law={label}")["torque"].values
-            together = data.sel(law=label)["torque"].values
-            assert together[: alone.size].tolist() == alone.tolist()
-
-
 @pytest.mark.parametrize(
     ("words", "key"),
     [

@@ -5,16 +5,14 @@ from math import isnan
 import numpy as np
 import pytest
 
-from contactlab.laws import HertzPenalty
 from contactlab.laws.base import NormalForce
-from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
 from contactlab.laws.normal.dmt import Dmt
 from contactlab.laws.normal.jkr import Jkr
 from contactlab.metrics import METRICS
 from contactlab.metrics.catalogue import NOT_APPLICABLE, measured
-from contactlab.metrics.constraints import cone, reaches_out
+from contactlab.metrics.constraints import cone
 from contactlab.metrics.run import Run, declares
 
 FORCES = (0.0, 2.0, 4.0, 2.0, -1.0, -0.5, -0.25)
@@ -76,16 +74,6 @@ def test_a_pull_is_held_against_a_law_that_declares_none_and_its_reach_likewise(
             assert value > METRICS[key].bound
 
 
-def test_a_dent_gives_no_right_to_act_at_a_distance() -> None:
-    """Limits of a law that does not pull lie below a gap of zero."""
-
-    class Sticky(Dent):
-        allows_tension = True
-
-    for part, reaches in ((Dent, False), (Sticky, True)):
-        assert reaches_out(of_normal(part)) is reaches
-
-
 def test_cohesion_that_is_declared_widens_the_cone() -> None:
     plain, cohesive = made("hertz_point", "coulomb"), made("hertz_point", "cohesive", cohesion=2.0)
     assert (cone(plain), cone(cohesive)) == ((0.3, 0.0), (0.3, 2.0))
@@ -117,9 +105,3 @@ def test_an_overlap_that_a_law_says_is_no_contact_is_no_missed_one() -> None:
         run.columns["contact_mode"] = np.zeros(7)
         assert isnan(found(run, "missed_contact")) != judged
         assert declares(part, "limits") != judged
-
-
-def test_a_composed_law_declares_nothing_but_by_its_parts() -> None:
-    assert not declares(Composed, "limits")
-    assert not declares(Composed, "moment")
-    assert not declares(HertzPenalty, "moment")

@@ -10,7 +10,7 @@ from support.command_line import Command
 from support.configurations import case_a_tree
 
 from contactlab.laws import LAWS
-from contactlab.metrics import INVARIANTS, METRICS
+from contactlab.metrics import INVARIANTS
 from contactlab.testing import invariants_of
 
 INTERVAL = 1e-6
@@ -30,11 +30,6 @@ def test_case_a_keeps_every_invariant_under_every_law(law: str) -> None:
     # Where a contact begins is the law's own affair if it has limits.
     assert len(claims) == len(INVARIANTS) - (law == "archard")
     assert broken(run_of(law)) == set()
-
-
-def test_invariants_are_metrics_with_a_bound_and_a_reason() -> None:
-    assert INVARIANTS.keys() <= METRICS.keys()
-    assert all(metric.threshold and metric.reason for metric in INVARIANTS.values())
 
 
 def contact(name: str, row: int, value: Callable[[float], float]) -> Callable[..., None]:
@@ -112,9 +107,3 @@ def test_the_command_judges_a_recorded_run(command: Command, tmp_path: Path) -> 
     status, out, _ = command("verify", ".", "wrong.nc")
     assert status == 1
     assert "Failed: peak_deficit" in out
-
-
-def test_what_is_no_run_is_refused_in_a_sentence(command: Command) -> None:
-    status, _, err = command("verify", "nowhere")
-    assert status == 2
-    assert "'nowhere' is not there" in err

@@ -58,13 +58,6 @@ def test_differences_that_change_sign_or_grow_have_no_order_but_a_range(
     assert result["velocity_error"] == pytest.approx(span / velocities[-1], abs=1e-14)
 
 
-def test_an_order_too_low_to_be_trusted_is_told_but_not_extrapolated() -> None:
-    result = assess_steps([(0.4, turning(1.3)), (0.2, turning(1.2)), (0.1, turning(1.11))])
-    assert result["velocity_order"] == pytest.approx(np.log2(0.1 / 0.09))
-    assert isnan(result["extrapolated_rotor_velocity"])
-    assert result["velocity_error"] == pytest.approx(0.19 / 1.11)
-
-
 def test_sensitivities_are_relative_changes() -> None:
     base = turning(2.0)
     result = assess_variants(base, basis=(1.0, turning(1.5)), friction=(0.1, turning(2.1)))

@@ -42,17 +42,6 @@ def test_the_scorecard_tells_the_papers_laws_apart_as_the_paper_does(law: str, i
     assert (each["slip_reversal"] > 0.9) == (law == "lagrange_slip")
 
 
-@pytest.mark.parametrize("interval", [1e-6, 1e-7])
-@pytest.mark.parametrize("law", STEPS)
-def test_the_default_run_has_the_same_verdicts(law: str, interval: float) -> None:
-    default = configured(
-        law, drive={"frequency": None}, solver={"duration": 0.02}, record={"interval": interval}
-    )
-    result = assess(datatree(default))
-    assert failed(result) <= ({"friction_work"} if law == "lagrange_slip" else set())
-    assert (result["slip_reversal"] > 0.5) == (law == "lagrange_slip")
-
-
 @pytest.mark.parametrize("law", STEPS)
 @pytest.mark.parametrize("motor", VARIED)
 def test_other_motors_have_the_same_verdicts(motor: str, law: str) -> None:
@@ -104,19 +93,6 @@ def test_rigid_stick_shows_its_order() -> None:
     assert result["velocity_error"] == pytest.approx(abs(fine / exact - 1.0), rel=0.05)
 
 
-def test_a_contact_lasts_longer_than_hertzs_free_impact_by_little() -> None:
-    ratio = assess(case_a_tree("hertz_penalty", None, 1e-6))["hertz_duration_ratio"]
-    assert 1.0 < ratio < 1.3
-    assert isnan(assess(case_a_tree("lagrange_stick", None, 1e-6))["hertz_duration_ratio"])
-
-
-def test_the_stiffness_of_a_composed_law_is_found_among_its_parts() -> None:
-    parts = assess(datatree(configured("composed")))
-    alone = assess(case_a_tree("hertz_penalty", None, 1e-6))
-    for key in ("hertz_duration_ratio", "penetration_over_radius"):
-        assert parts[key] == pytest.approx(alone[key], rel=1e-6)
-
-
 LOADED = VARIED["near the steady state, loaded"]
 
 
@@ -146,14 +122,6 @@ def test_frictions_fail_where_they_declare_a_violation(friction: str, lines: set
     assert bool(lines) == ("friction_opposes_slip" in declared)
 
 
-def test_a_tip_radius_of_five_millimetres_is_found_again_from_the_stiffness_it_gives() -> None:
-    tip = {"stiffness": None, "tip_radius": 5e-3}
-    tree = datatree(configured("hertz_penalty", law=tip))
-    depth = float(tree["contacts"]["max_penetration"].max())
-    result = assess(tree)["penetration_over_radius"]
-    assert result == pytest.approx(depth / 5e-3, rel=1e-9)
-
-
 def test_the_bandwidth_of_a_smooth_force_does_not_depend_on_the_records() -> None:
     smooth = [assess(case_a_tree("hertz_penalty", None, i))["force_bandwidth"] for i in (1e-6, 1e-7)]
     # The lines of the spectrum are 200 Hz apart.
@@ -175,11 +143,3 @@ def test_a_run_recorded_at_its_ends_only_has_every_metric_that_takes_no_records(
         assert not (metric.usual and metric.needs_records), key
     assert isnan(result["slip_reversal"])
     assert isnan(result["rotor_velocity"])
-
-
-def test_a_motor_that_never_touches_has_no_contact_to_judge() -> None:
-    far = configured("lagrange_stick", contact={"clearance": 1e-3}, record={"interval": 1e-6})
-    result = assess(datatree(far))
-    assert failed(result) == set()
-    assert isnan(result["peak_force"])
-    assert result["energy_residual"] < 1e-9

@@ -19,7 +19,6 @@ from support.plausibility_trees import (
     TIME,
     contacts,
     series,
-    touching,
     tree,
 )
 
@@ -240,13 +239,6 @@ def test_penetration_is_measured_by_the_radius_of_a_tip_with_the_laws_stiffness(
     assert isnan(without["penetration_over_radius"])
 
 
-def test_without_friction_there_is_no_slip_to_reverse() -> None:
-    none = {"friction_impulse": np.zeros(2)}
-    result = assess(tree({"friction_force": all_of(0.0)}, table=none))
-    assert isnan(result["slip_reversal"])
-    assert isnan(result["rotor_momentum"])
-
-
 def test_the_mean_velocity_is_of_whole_periods_in_the_last_quarter() -> None:
     # A run of three periods: the last one, though it is longer than a quarter.
     slow = configured("drive", frequency=3.0)
@@ -281,7 +273,3 @@ def test_contacts_that_never_were_leave_what_needs_them_not_applicable() -> None
         "normal_loss_share",
     }
     assert failed(result) == []
-
-
-def test_two_intervals_of_touching_are_what_the_helper_says() -> None:
-    assert touching().sum() == 2 * LONG

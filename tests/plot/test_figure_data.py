@@ -6,7 +6,7 @@ import xarray
 from support.synthetic import CONFIGURATION, CONTACT_DURATION, FREQUENCY, STICK_SHARE, synthetic_trajectory
 
 from contactlab.plot.overview import PERIODS
-from contactlab.plot.recording import COLUMNS, Recording, contact_spans, drawable, envelope, recording_of
+from contactlab.plot.recording import COLUMNS, Recording, contact_spans, envelope, recording_of
 from contactlab.results.netcdf import to_datatree
 
 
@@ -49,10 +49,6 @@ def test_contacts_that_follow_each_other_stay_apart() -> None:
     assert spans == {"slip": [[0, 1.25], [2.75, 3.75]], "stick": [[1.5, 2.5]]}
 
 
-def test_no_contact_has_no_span() -> None:
-    assert spans_of([0, 1], [0, 0], []) == {"slip": [], "stick": []}
-
-
 @pytest.mark.parametrize("interval", [1e-6, 7e-6, 100e-6])
 def test_spans_add_up_to_the_time_in_contact_at_any_record_interval(interval: float) -> None:
     root, contacts = datasets(to_datatree(synthetic_trajectory(interval=interval), CONFIGURATION))
@@ -84,28 +80,11 @@ def test_the_window_is_the_last_three_drive_periods() -> None:
     assert not window.coarse
 
 
-def test_a_shorter_run_is_shown_whole() -> None:
-    window = shown(to_datatree(synthetic_trajectory(duration=250e-6), CONFIGURATION))
-    assert (window.start, window.end) == (0.0, 250e-6)
-
-
 def test_a_drive_without_a_frequency_is_driven_at_the_first_natural_frequency() -> None:
     reported = {**CONFIGURATION, "drive": {"frequency": None}}
     window = shown(tree := to_datatree(synthetic_trajectory(), reported))
     first = float(tree["natural_frequency"][0])
     assert window.end - window.start == pytest.approx(3.0 / first)
-
-
-def test_records_far_apart_are_not_joined() -> None:
-    tree = to_datatree(synthetic_trajectory(interval=100e-6), CONFIGURATION)
-    assert shown(tree).coarse
-
-
-def test_a_short_line_is_drawn_as_it_is() -> None:
-    x = np.linspace(0.0, 1.0, 4 * COLUMNS)
-    y = np.sin(x)
-    assert envelope(x, y)[0] is x
-    assert envelope(x, y)[1] is y
 
 
 def test_an_envelope_loses_no_peak() -> None:
@@ -127,14 +106,3 @@ def test_an_envelope_draws_no_slope_across_a_step() -> None:
     short_x, short_y = envelope(x, y)
     between = (short_x > 0.5 + 1.0 / COLUMNS) | (short_x < 0.5 - 1.0 / COLUMNS)
     np.testing.assert_array_equal(short_y[between], short_x[between] > 0.5)
-
-
-def test_an_envelope_passes_over_what_is_missing() -> None:
-    x = np.linspace(0.0, 1.0, 100_001)
-    y = np.where(x > 0.9, np.nan, x)
-    assert np.nanmax(envelope(x, y)[1]) == pytest.approx(0.9, abs=1e-4)
-
-
-def test_what_cannot_be_drawn_is_left_out() -> None:
-    values = np.array([1.0, np.nan, np.inf, -np.inf, 1e300, -2.0])
-    np.testing.assert_array_equal(drawable(values), [1.0, np.nan, np.nan, np.nan, np.nan, -2.0])

@@ -1,15 +1,11 @@
 """The study `compare` on settled motors: an effect of the law is one that exceeds all others."""
 
-import subprocess
-import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
-from support.command_line import Command
 from support.configurations import altered, datatree
 
 import contactlab as cl
@@ -24,11 +20,17 @@ from contactlab.studies.compare_causes import (
     unclear,
     written_share,
 )
-from contactlab.studies.compare_draws import Factor, drawn, factors_of, left_fixed, on_other_basis, shares
+from contactlab.studies.compare_draws import (
+    BASIS,
+    Factor,
+    drawn,
+    factors_of,
+    left_fixed,
+    on_other_basis,
+    shares,
+)
 from contactlab.studies.compare_figures import draw_causes, draw_shares
-from contactlab.studies.compare_scorecard import BASIS, CAUSES, PARAMETERS, START
-
-ROOT = Path(__file__).parents[2]
+from contactlab.studies.compare_scorecard import CAUSES, PARAMETERS, START
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
 """Ranges of parameters that are known exactly."""
@@ -165,15 +167,6 @@ def test_each_cause_alone_withholds_the_law(cause: str) -> None:
     assert with_effect(np.nan).unknown == [cause]
 
 
-def test_a_file_of_ones_own_is_not_known_to_have_settled() -> None:
-    own = datatree(configuration("hertz_penalty")).to_dataset(inherit=False)[
-        ["rotor_velocity", "rotor_angle"]
-    ]
-    own.attrs = {"law": "bench"}
-    result = cl.compare([xarray.DataTree(own), datatree(configuration("newton", **OPPOSITE))], refine=False)
-    assert largest_differences(result.data.to_dataset())[0].recorded == ("bench",)
-
-
 def test_ranges_are_those_that_the_runs_state_and_those_of_the_option() -> None:
     stated = run_of("hertz_penalty", uncertainty__clearance_spread=0.05, uncertainty__friction_spread=0.0)
     factors = factors_of([stated], {"law.stiffness": 0.1, "rotor.inertia": 0.02})
@@ -284,46 +277,3 @@ def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_fo
     assert cl.build(fixed).motor.drive.frequency[0] == 3000.0
     more, _ = on_other_basis(there)
     assert more["resonator"]["kept_modes"] == changed["resonator"]["kept_modes"] + 4
-
-
-ARGUMENTS = ("compare", "law=newton,hertz_penalty", "contact.clearance=3e-6", "samples=1", "starts=2")
-
-
-def bytes_of(folder: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
-
-
-@pytest.fixture(scope="module")
-def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """The files of a comparison that was never killed."""
-    folder = tmp_path_factory.mktemp("whole")
-    assert killed(folder, 0) == 0
-    return bytes_of(folder)
-
-
-def killed(folder: Path, tasks: int) -> int:
-    """Exit status of a comparison that is killed after some of its tasks; 0 is never."""
-    script = "from contactlab.cli.main import main; import sys; sys.exit(main())"
-    arguments = [*ARGUMENTS, "workers=1", f"output={folder}"]
-    with subprocess.Popen(
-        [sys.executable, "-c", script, *arguments],
-        cwd=ROOT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    ) as process:
-        while tasks and process.poll() is None:
-            if len([*folder.glob("tasks/*-*.nc")]) >= tasks:
-                process.kill()
-            time.sleep(0.01)
-        return process.wait()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("tasks", range(1, 21))
-def test_a_killed_comparison_continues_to_the_same_bytes(
-    tasks: int, whole: dict[str, bytes], tmp_path: Path, command: Command
-) -> None:
-    assert killed(tmp_path / "killed", tasks) < 0
-    status, _, err = command(*ARGUMENTS, "workers=2", f"output={tmp_path / 'killed'}")
-    assert status == 0, err
-    assert bytes_of(tmp_path / "killed") == whole

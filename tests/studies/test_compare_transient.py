@@ -138,20 +138,6 @@ def test_motors_without_friction_are_compared(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "rotor_velocity.png").stat().st_size > 5000
 
 
-def test_without_reruns_what_needs_them_is_not_applicable(sweep: Path) -> None:
-    data = quick(sweep)
-    for key in (*STEP_METRICS, *SENSITIVITIES):
-        assert np.isnan(data["value"].sel(metric=key)).all(), key
-        assert (data["verdict"].sel(metric=key) == 0).all(), key
-    assert np.isnan(data["numerical_error"]).all()
-
-
-def test_setups_are_run_where_nothing_is_recorded(sweep: Path) -> None:
-    setups = [cl.build(Run.of(read_run(path)).configuration) for path in _files(sweep)]
-    values = [quick(sources)["value"].values for sources in (setups, sweep)]
-    np.testing.assert_allclose(*values, rtol=1e-12, atol=1e-14)
-
-
 def _files(sweep: Path) -> list[Path]:
     return [sweep / f"{number}_law={law}" / "run.nc" for number, law in enumerate(LAWS)]
 
@@ -199,8 +185,7 @@ def test_a_file_of_ones_own_takes_part_as_it_is(sweep: Path, tmp_path: Path) -> 
     data = cl.compare([_files(sweep)[0], own], output=tmp_path / "out", transient=True)
     assert data["law"].values.tolist() == ["lagrange_slip", "bench"]
     assert np.isfinite(data["value"].sel(law="bench", metric="final_rotor_velocity"))
-    for key in (*STEP_METRICS, *SENSITIVITIES):
-        assert np.isnan(data["value"].sel(law="bench", metric=key)), key
+    assert np.isnan(data["value"].sel(law="bench", metric=[*STEP_METRICS, *SENSITIVITIES])).all()
     assert np.isnan(data["energy"].sel(law="bench")).all()
     assert (tmp_path / "out" / "report.html").exists()
 
@@ -230,14 +215,6 @@ def test_richardson_gives_the_error_of_a_known_series() -> None:
         assert float(richardson(values, 2.0, order + 1.0)) == pytest.approx(1.0)
     growing = [np.asarray(x) for x in (1.0, 2.0, 4.0)]
     assert float(richardson(growing, 2.0, 1.0)) == pytest.approx(18.0)
-
-
-def test_the_command_takes_folders_whose_names_are_overrides(sweep: Path, command: Command) -> None:
-    folders = [str(path.parent) for path in _files(sweep)]
-    status, out, _ = command("compare", *folders, "--no-refine", "--transient", "--output", "here")
-    assert status == 0
-    assert "final_rotor_velocity" in out
-    assert Path("here/report.html").exists()
 
 
 def test_the_command_refuses_what_is_no_run(command: Command) -> None:
