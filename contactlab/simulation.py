@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
+from functools import reduce
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final, get_args
@@ -297,16 +298,15 @@ def changed(setup: Setup, settings: dict[str, Any]) -> Setup:
 
 
 def variable_numbers(setup: Setup) -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
-    """Return the numbers of a motor and a law made in Python that can be varied, by keys of a configuration.
+    """Return paths and declarations of the numbers of a motor and a law made in Python, by keys.
 
-    Each with its path of attributes in the setup and its declaration. What the motor was made from, its
-    beam or its drive's voltages, is not among them: the motor has modes and phasors alone.
+    Beam and voltages are not among them: such a motor has modes and phasors alone.
     """
     owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
     numbers = {}
     while owners:
         group, path = owners.pop(0)
-        owner = _at(setup, path)
+        owner: Any = reduce(getattr, path, setup)
         kind: type = type(owner)
         for name, field in declared_fields(kind).items():
             if is_dataclass(getattr(owner, name)):
@@ -344,12 +344,6 @@ def with_number(setup: Setup, key: str, value: object) -> Setup:
         raise ConfigurationError([message]) from None
     settings = {name: getattr(setup, name) for name in KEYS}
     return changed(replace(setup, configuration=settings_of(setup.motor, setup.law)), settings)
-
-
-def _at(owner: Any, path: tuple[str, ...]) -> Any:
-    for name in path:
-        owner = getattr(owner, name)
-    return owner
 
 
 def _replaced(owner: Any, path: tuple[str, ...], value: object) -> Any:

@@ -10,7 +10,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.laws import PenaltyLaw
-from contactlab.motor import ModalState, NormalModes
+from contactlab.motor import ModalState
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
 from contactlab.steady_state.period_map import BELT, BrokenOffError, PeriodMap, period_of
 from contactlab.steady_state.shooting import NoOrbitError, Orbit, orbit_from
@@ -84,14 +84,18 @@ def settled(
     clock, modes = PeriodMap(setup, phase, belt=belt), setup.motor.modes
     nothing = np.zeros(modes.stiffness.size)
     z = clock.state_of(modal or ModalState(nothing, nothing), velocity, memory)
-    run = clock.run(z, _warm_up(modes, clock.period))
+    half = 0.5 * modes.damping
+    slowest = float((half - np.sqrt(np.maximum(half**2 - modes.stiffness, 0.0))).min())
+    decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
+    run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
     orbit, far, done = None, inf, 0
     while done < longest:
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
             return None
         samples = _stroboscopic_samples(run)
         states = np.hstack([samples, _remembered(run)])
-        if _last_touch(run) < 0.5 * (run.time[0] + run.time[-1]):
+        touches = run.contacts["start_time"] + run.contacts["duration"]
+        if touches.max(initial=-inf) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run, done)
         if orbit is None and (part := _section_of(run, clock.period)) is not None:
             run = _on(run, part) if part else run
@@ -114,14 +118,6 @@ def settled(
         if done < longest:
             run = _on(run, min(2 * done, longest - done))
     return _long_run(setup, clock, run, longest // 2)
-
-
-def _warm_up(modes: NormalModes, period: float) -> int:
-    """Return the periods after which the slowest mode has all but forgotten how it started."""
-    half = 0.5 * modes.damping
-    slowest = float((half - np.sqrt(np.maximum(half**2 - modes.stiffness, 0.0))).min())
-    periods = -log(FORGOTTEN) / (slowest * period) if slowest > 0.0 else inf
-    return ceil(min(max(periods, LEAST_WARM_UP), MOST_WARM_UP))
 
 
 def _on(run: Trajectory, periods: float) -> Trajectory:
@@ -160,8 +156,7 @@ def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
 def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
     """Return whether the motor follows the linearised map to an orbit, from its state and from half-way.
 
-    The rotor is slow and everything else follows it; so the motor moves along a line, and cannot pass
-    another place at which it would stay. There its way would be shorter than predicted.
+    As the rotor is slow, the motor moves along a line; in front of another orbit it would cover less of it.
     """
     if np.linalg.norm(after - orbit.state) <= ARRIVED * np.linalg.norm(orbit.state):
         return True
@@ -239,12 +234,6 @@ def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
         )
     motion = clock.run(z)
     return Steady(clock.setup, "without contact", 1, motion, None, done, clock.belt, phase=clock.phase)
-
-
-def _last_touch(run: Trajectory) -> float:
-    """Return the end of the last contact of a run [s]."""
-    ends = run.contacts["start_time"] + run.contacts["duration"]
-    return float(ends.max(initial=-inf))
 
 
 def _section_of(run: Trajectory, period: float) -> float | None:

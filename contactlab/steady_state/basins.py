@@ -200,9 +200,9 @@ class Ball:
     """A neighbourhood of an orbit that motions do not leave: |x|_M <= radius, |x|_M^2 = x^T M x.
 
     M solves A^T M A / rho^2 - M + 1 = 0 for the derivative A of the map, with rho between its largest
-    multiplier and 1, so that in this norm a small deviation falls in every period. How far the law of the
-    small holds is found by trial: from both ends of each axis of the ball and of the one half as large the
-    motor runs for a settling time, and must come nearer. That is a check at points, not a proof.
+    multiplier and 1, so that in this norm a small deviation falls in every period. The radius is determined
+    by runs of a settling time from both ends of each axis of the ball and of the one half as large, which
+    must come nearer: a check at points, not a proof.
     """
 
     orbit: Orbit
@@ -313,10 +313,7 @@ class Basins:
 
 
 def default_axes(setup: Setup, count: int = 24) -> dict[str, Array]:
-    """Return the rotor's velocity and the drive's phase, which nobody chooses who switches a motor on.
-
-    The velocity goes up to the largest of the tip along the rotor without contact, either way.
-    """
+    """Return rotor velocities, up to the largest of the free tip either way, and phases of the drive."""
     fastest = reach(setup)
     return {"rotor_velocity": np.linspace(-fastest, fastest, count), "drive_phase": np.arange(count) / count}
 
@@ -359,15 +356,21 @@ def basins(
         start = {name: float(values[i]) for (name, values), i in zip(coordinates.items(), place, strict=True)}
         try:
             section, z = started(setup, start)
-            label = _fallen_into(balls, section, z)
+            label = _ball_reached(balls, section, z)
             if label is None:
-                there, memory = _setup_at(section, z)
-                begins = 0.0, there.motor.start, there.motor.rotor.initial_velocity, memory
-                reached = settled(there, None, begins, longest)
+                modal, velocity, memory = section.parts_of(at_phase(section, z, 0.0))
+                moved = section.setup.motor
+                rotor = replace(moved.rotor, initial_velocity=velocity)
+                there = replace(section.setup, motor=replace(moved, start=modal, rotor=rotor))
+                reached = settled(there, None, (0.0, modal, velocity, memory), longest)
                 assert reached is not None
-                label = next(
-                    (i for i, other in enumerate(states) if _share_a_basin(other, reached)), len(states)
+                # Neutral states of one family are one attractor.
+                equal = (
+                    (is_neutral(other) and is_neutral(reached) and touches(other) == touches(reached))
+                    or same(other, reached)
+                    for other in states
                 )
+                label = next((i for i, is_equal in enumerate(equal) if is_equal), len(states))
                 if label == len(states):
                     states.append(reached)
                     orbit = reached.orbit
@@ -408,27 +411,13 @@ def is_neutral(state: Steady) -> bool:
     return bool(state.periods and largest > 1.0 - NEUTRAL)
 
 
-def _share_a_basin(first: Steady, second: Steady) -> bool:
-    """Return whether two steady states are equal, or belong to one family of neutral states."""
-    neutral = is_neutral(first) and is_neutral(second) and touches(first) == touches(second)
-    return neutral or same(first, second)
-
-
-def _fallen_into(balls: list[Ball | None], section: PeriodMap, z: Array) -> int | None:
-    """Return the ball that a motion comes into first."""
+def _ball_reached(balls: list[Ball | None], section: PeriodMap, z: Array) -> int | None:
+    """Return the ball that a motion enters first."""
     known = [(i, ball) for i, ball in enumerate(balls) if ball is not None and ball.radius > 0.0]
     for periods in LOOKS if known else ():
         for i, ball in known:
             target = ball.orbit.map
-            # From the start each time: a run that goes on in the middle of a contact is another one.
+            # From the start each time: a run continued within a contact is another one.
             if ball.holds(target.end_of(section.run(z, periods + (target.phase - section.phase) % 1.0))):
                 return i
     return None
-
-
-def _setup_at(section: PeriodMap, z: Array) -> tuple[Setup, Array]:
-    """Return a setup that starts where a motor is when the drive next has phase 0, and its memory there."""
-    start, velocity, memory = section.parts_of(at_phase(section, z, 0.0))
-    motor = section.setup.motor
-    rotor = replace(motor.rotor, initial_velocity=velocity)
-    return replace(section.setup, motor=replace(motor, start=start, rotor=rotor)), memory

@@ -260,16 +260,13 @@ def follow(
         try:
             points.append(next(walk))
         except StopIteration as stop:
-            return Followed(tuple(points), str(stop.value) + _where_it_grazes(points, end - value))
+            end_text = str(stop.value)
+            # Where the map is not smooth, the last contact loses its speed.
+            at = without_speed(points) if points[-1].orbit.roughness > SMOOTH else np.nan
+            if abs(at - points[-1].value) < NEAR * abs(end - value):
+                end_text += f" That contact would be without speed at {at:.7g}: it grazes."
+            return Followed(tuple(points), end_text)
     return Followed(tuple(points), f"It is left as it is after {most} points; more of them or longer steps.")
-
-
-def _where_it_grazes(points: Sequence[BranchPoint], span: float) -> str:
-    """Return where a contact of a branch that ends where the map is not smooth would be without speed."""
-    at = without_speed(points) if points[-1].orbit.roughness > SMOOTH else np.nan
-    if not abs(at - points[-1].value) < NEAR * abs(span):
-        return ""
-    return f" That contact would be without speed at {at:.7g}: it grazes."
 
 
 def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, str]:
@@ -295,11 +292,19 @@ def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
     over = 1.0 if last.tangent[-1] > 0.0 else 0.0
     to_edge = (over - last.y[-1]) / last.tangent[-1] if last.tangent[-1] else np.inf
     while step >= SHORTEST * first:
-        result = _at_edge(last, over, to_edge) if to_edge <= step else last.ahead(step)
+        if to_edge <= step:
+            # At the edge of the range the parameter is held.
+            guess = last.y + to_edge * last.tangent
+            guess[-1] = over
+            edge, within = np.eye(guess.size)[-1], max(to_edge, CLOSED)
+            result = corrected(last.curve.gap, last.derivative, edge, guess, within)
+        else:
+            result = last.ahead(step)
         step = min(step, to_edge)
         if result is not None:
             place = place_at(last.curve, result[0], last.tangent)
-            if _is_near(last, place):
+            turns = last.tangent @ place.tangent <= LEAST_COSINE
+            if last.point.contacts == place.point.contacts and not turns:
                 return place, min(LONGER * step, 2.0 * first) if result[1] <= EASY else step
             if step < CLOSELY * first:
                 # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there.
@@ -321,19 +326,6 @@ def _why_it_ends(last: Place, place: Place) -> str:
     if max(abs(place.tangent[-1]), abs(last.tangent[-1])) < UPRIGHT:
         return f"{at}, where the touch is so light that the rotor keeps any velocity."
     return ""
-
-
-def _is_near(last: Place, place: Place) -> bool:
-    """Return whether two places follow each other without a contact or a sharp turn between."""
-    return last.point.contacts == place.point.contacts and bool(last.tangent @ place.tangent > LEAST_COSINE)
-
-
-def _at_edge(place: Place, over: float, length: float) -> tuple[Array, int] | None:
-    """Correct a point at the edge of the range, where the parameter is held."""
-    guess = place.y + length * place.tangent
-    guess[-1] = over
-    edge = np.eye(guess.size)[-1]
-    return corrected(place.curve.gap, place.derivative, edge, guess, max(length, CLOSED))
 
 
 def _resectioned(place: Place) -> Place:
@@ -458,21 +450,15 @@ def end_of(place: Place, least: float, reach: float) -> str:
             f"It ends at {point.value:.9g}, beyond which no orbit was found near the last one with steps "
             f"down to {least:.1e}."
         )
-    other = sorted(_contacts_nearby(point.orbit) - {point.contacts})
+    others = set()
+    length = NEARBY * float(np.linalg.norm(point.orbit.state))
+    for move in length * np.vstack([np.eye(point.orbit.state.size), -np.eye(point.orbit.state.size)]):
+        with suppress(BrokenOffError, ValueError):
+            others.add(int(point.orbit.map.run(point.orbit.state + move).contacts["start_time"].size))
+    other = sorted(others - {point.contacts})
     nearby = f", {' or '.join(map(str, other))} within {NEARBY:g} of its state" if other else ""
     softest = f", and the softest begins at {point.softest:.3g} m/s" if point.contacts else ""
     return f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}{nearby}{softest}."
-
-
-def _contacts_nearby(orbit: Orbit) -> set[int]:
-    """Return the numbers of contacts in the periods that begin near an orbit."""
-    length = NEARBY * float(np.linalg.norm(orbit.state))
-    result = set()
-    for direction in np.eye(orbit.state.size):
-        for side in (-length, length):
-            with suppress(BrokenOffError, ValueError):
-                result.add(int(orbit.map.run(orbit.state + side * direction).contacts["start_time"].size))
-    return result
 
 
 def without_speed(points: Sequence[BranchPoint]) -> float:
