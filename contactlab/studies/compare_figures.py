@@ -160,7 +160,7 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     return legend_above(figure, axes)
 
 
-def _bars(labels: Sequence[str], height: float) -> tuple[Figure, Axes, Array]:
+def _bars(labels: Sequence[str], height: float) -> tuple[Figure, Any, Array]:
     """Return a figure for horizontal bars, one for each label from the top down, and their places."""
     figure, (axes,) = drawing(1, 1, height)
     place = np.arange(len(labels))
