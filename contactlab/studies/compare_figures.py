@@ -1,6 +1,6 @@
 """Figures of a comparison: effects of causes, shares, contact, paths, velocities, energy, phase portraits."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from textwrap import fill
 from typing import Any, Final, NamedTuple
@@ -160,7 +160,7 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     return legend_above(figure, axes)
 
 
-def _bars(labels: Sequence[str], height: float) -> tuple[Figure, Any, Array]:
+def _bars(labels: Any, height: float) -> tuple[Figure, Any, Any]:
     """Return a figure for horizontal bars, one for each label from the top down, and their places."""
     figure, (axes,) = drawing(1, 1, height)
     place = np.arange(len(labels))
