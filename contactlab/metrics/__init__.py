@@ -1,9 +1,9 @@
-"""What a dataset says of its contact law: metrics with thresholds, from the recorded numbers alone.
+"""Metrics of a run, with thresholds and reasons, from the recorded numbers alone.
 
 The catalogues keep the order of the modules that are imported here, and of the functions in them.
 """
 
-from contactlab.metrics import balances, constraints, response, settled
+from contactlab.metrics import balances, constraints, response
 from contactlab.metrics.catalogue import (
     CANNOT_TELL,
     FAIL,

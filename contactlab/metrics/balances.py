@@ -1,7 +1,4 @@
-"""Whether a run agrees with itself: closed books, contacts with records, gap with motion.
-
-No law can break these. One that is open is a fault of the solver or of the file.
-"""
+"""Invariants of a run, which no law can break: a failure is a fault of the solver or of the file."""
 
 from typing import Final
 
@@ -22,14 +19,13 @@ SPENT: Final = ("damping_loss", "friction_loss", "contact_loss", "load_work")
 
 @invariant(
     f"max|r| / {SCALE}",
-    "energy that the ledger cannot account for, over the energy turned over",
+    "energy balance error over the energy turned over",
     bound=LEDGER_LIMIT,
-    reason="the contact's share of the drive work, what laws differ in, is a few per cent: a ledger "
-    "open by one per cent could hide it. A first-order law at its default step is open by a tenth of that",
+    reason="the contact's share of the drive work, in which laws differ, is a few per cent: an error of one "
+    "per cent could hide it. A first-order law at its default step has a tenth of that",
     source="first law of thermodynamics",
 )
 def energy_residual(run: Run) -> float:
-    # From the terms, not from the recorded residual: the metric judges the numbers that are shown.
     stored, spent = (np.sum([run.series(n) for n in names], axis=0) for names in (STORED, SPENT))
     work, load = run.series("drive_work"), run.series("load_work")
     residual = stored - stored[0] - (work - work[0]) + (spent - spent[0])
@@ -44,8 +40,8 @@ def energy_residual(run: Run) -> float:
     "to laws with a moment, which is not recorded",
     bound=ROUND_OFF,
     reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
-    "rigid law that projects corrects the angle too, by a step h of the change of velocity: a damped rotor "
-    "is judged up to C_r h / J of its impulses, where that is less than one",
+    "rigid law that projects corrects the angle by a step h of the change of velocity: the scale of a damped "
+    "rotor has C_r h / J of its impulses, where that is less than one",
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
@@ -56,12 +52,9 @@ def rotor_momentum(run: Run) -> float:
     values = positive(radius * float(np.abs(push).sum()))
     load, damped = torque * run.gain("time"), damping * run.gain("rotor_angle")
     missing = inertia * run.gain("rotor_velocity") + radius * float(push.sum()) + load + damped
-    # The angle of such a law follows the velocity to within h R sum|p_t| / J: what damping makes of that
-    # must stay below what is to be seen.
     projects = getattr(run.law_classes.get(""), "projects", False)
     corrected = damping * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
-    # Where friction is the least of the terms, the others round off more than it weighs.
     scale = max(values, inertia * float(fastest), abs(load), abs(damped))
     return abs(missing) / max(scale, corrected * values / ROUND_OFF)
 
@@ -85,10 +78,9 @@ def impulse_balance(run: Run) -> float:
 @invariant(
     f"|sum W - (W_f + W_n)| / max(sum|W|, {RESOLVED / ROUND_OFF:g} E)",
     "energy loss of the contacts against the recorded losses of friction and contact; not applicable to a "
-    "run that goes on from a contact, or from what one has stored",
+    "run that starts in a contact, or with energy stored in it",
     bound=ROUND_OFF,
-    reason="every loss is that of one contact: both sides add up the same numbers but for round-off, and "
-    "what is round-off against the motor's energy is none",
+    reason="every loss is that of one contact: both sides add up the same numbers but for round-off",
     source="first law of thermodynamics",
 )
 def loss_balance(run: Run) -> float:
@@ -103,7 +95,7 @@ def loss_balance(run: Run) -> float:
 
 @invariant(
     "contacts with t_c <= 0 or t_s < end of the one before, over all",
-    "share of the contacts that have no length, or begin before the one before has ended",
+    "share of the contacts without duration, or that overlap the previous contact",
     bound=0.0,
     reason="a contact takes time, and there is one tip",
     source="definition of a contact",
@@ -112,7 +104,7 @@ def phantom_contacts(run: Run) -> float:
     start, duration = run.contacts("start_time"), run.contacts("duration")
     impulse = np.abs(run.contacts("normal_impulse"))
     resolution = CLOCK * np.spacing(np.maximum(start + duration, run.time[-1]))
-    # The last contact may be one that the end of the run cuts at its first instant.
+    # The end of the run may truncate the last contact at its first instant.
     inside = start < run.time[-1] - resolution
     empty = inside & ((duration < 0.0) | ((duration <= resolution) & (impulse == 0.0)))
     overlap = start[1:] < (start + duration)[:-1] - resolution[1:]
@@ -122,7 +114,7 @@ def phantom_contacts(run: Run) -> float:
 @invariant(
     "max(-g_dot_1, g_dot_0, 0) / max|g_dot|",
     "largest gap rate of the wrong sign: closing at a release or opening at a touch-down, over the fastest; "
-    "the latter is left out for laws that say where contacts begin, as one whose surface comes back",
+    "the latter is left out for laws that define the gap at which contacts begin",
     bound=1e-3,
     reason="a gap that opens does not close; a first-order law is late by a step, 1e-3 of a contact",
     source="definition of touch-down and release",
@@ -133,7 +125,7 @@ def closing_release(run: Run) -> float:
     # A start in contact may be opening; any other contact begins by closing.
     later = (run.contacts("start_time") > 0.0) & (not _has_limits(run))
     opening = float(np.max(np.append(approach[later], 0.0)))
-    # Of the whole motion: the rates of a tip that only grazes are round-off.
+    # The whole motion counts: the rates of a tip that only grazes are round-off.
     rates = np.abs(np.diff(run.series("gap")) / run.intervals)
     return max(closing, opening) / positive(max(float(np.abs(approach).max()), float(rates.max())))
 
@@ -141,7 +133,7 @@ def closing_release(run: Run) -> float:
 @invariant(
     "max(-g, 0) without contact / A",
     "deepest overlap of tip and rotor without contact, over half the range of the tip's normal motion; not "
-    "applicable to laws that say where contacts begin, as one that leaves a dent",
+    "applicable to laws that define the gap at which contacts begin",
     bound=1e-3,
     reason="bodies that overlap touch; a first-order release is off by a step, which moves the gap by less",
     source="0 <= g outside of contact",
@@ -162,8 +154,7 @@ def missed_contact(run: Run) -> float:
 
 @invariant(
     "max(p_n / t_c - N_max, max N - max N_max, 0) / max(max N_max, 1e-12 E / A)",
-    "mean forces that exceed the peak which their contact states, over the largest peak; what is round-off "
-    "against the motor's energy is none",
+    "mean forces above the recorded peak of their contact, over the largest peak",
     bound=ROUND_OFF,
     reason="no mean is above its maximum, but for round-off",
     source="definition of a mean",
@@ -182,10 +173,11 @@ def peak_deficit(run: Run) -> float:
 
 @invariant(
     "max(-min g - max d_max, 0) / A",
-    "recorded overlap beyond the deepest that contacts state, over half the range of the tip's normal motion",
+    "recorded overlap beyond the largest penetration of the contacts, over half the range of the tip's "
+    "normal motion",
     bound=1e-2,
-    reason="no record lies deeper than the deepest point; a rigid law states its depth once a step, and "
-    "an impact's step sinks by a part of approach times step, a few thousandths here",
+    reason="no record lies deeper than the deepest point; a rigid law records its depth once a step, and "
+    "the step of an impact sinks by a part of approach times step, a few thousandths here",
     source="definition of a maximum",
 )
 def depth_deficit(run: Run) -> float:
@@ -210,10 +202,10 @@ def gap_mismatch(run: Run) -> float:
 
 
 def _has_limits(run: Run) -> bool:
-    """Return whether the law or one of its parts says at which gaps a contact begins and ends."""
+    """Return whether the law or one of its parts defines the gaps at which a contact begins and ends."""
     return any(declares(owner, "limits") for owner in run.law_classes.values())
 
 
 def _motion(run: Run) -> float:
-    """Return how far the tip goes in the normal direction [m], from the first record on."""
+    """Return half the range of the tip's normal motion [m]."""
     return positive(0.5 * float(np.ptp(run.series("tip_normal_displacement"))))

@@ -1,4 +1,4 @@
-"""The catalogue of the metrics: each is declared beside the function that measures it."""
+"""The catalogue of the metrics: each is declared beside the function that computes it."""
 
 import re
 from collections.abc import Callable, Container
@@ -16,33 +16,32 @@ from contactlab.metrics.run import NotApplicableError, Run
 Measure = Callable[[Any], float]
 
 VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled", "inconclusive")
-"""In the order of their flags in a file. A metric without a threshold is only reported, and one that judges
-the length of a run, and no law, has words of its own; of what was measured one may not be able to tell."""
+"""Verdicts in the order of their flags in a file. A metric without a threshold is reported, one that judges
+the length of a run settled or not settled, a row of measurements possibly inconclusive."""
 NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED, CANNOT_TELL = VERDICTS
 
 ROUND_OFF: Final = 1e-6
-"""What separates numbers that are equal in theory: single precision, in which a file may be kept, has seven
-digits. A law that breaks an identity misses it by a share of the order of one."""
+"""Relative difference of numbers that are equal in theory: a file may be in single precision."""
 
 
 @final
 @dataclass(frozen=True)
 class Metric:
-    """One number by which a run is judged: what it means, what it must be, and why."""
+    """One number by which a run is judged, with its meaning, its threshold and the reason for it."""
 
     key: str  # its name everywhere: in files, tables and code
-    measure: Measure  # gives the number, or stops with `NotApplicableError`
+    measure: Measure  # returns the number, or raises `NotApplicableError`
     symbol: str
     meaning: str
     units: str  # SI, in the words of the CF conventions; "1" without
     bound: float = inf  # the largest value that passes; infinite where it is only reported
-    words: tuple[str, str] = (PASS, FAIL)  # up to the bound and beyond it
+    verdicts: tuple[str, str] = (PASS, FAIL)  # up to the bound and beyond it
     reason: str = ""  # for the bound
     source: str = ""
-    invariant: bool = False  # holds whatever the law: where it fails, the solver or the file is wrong
+    invariant: bool = False  # holds for every law: where it fails, the solver or the file is wrong
     needs_records: bool = True  # takes other records than the last
-    absent: str = NOT_APPLICABLE  # where there is no value
-    usual: bool = False  # is kept where none is named, as one that costs next to nothing
+    absent: str = NOT_APPLICABLE  # verdict without a value
+    usual: bool = False  # computed by default in a sweep, as it costs next to nothing
 
     @property
     def threshold(self) -> str:
@@ -51,8 +50,8 @@ class Metric:
 
     @property
     def judges_law(self) -> bool:
-        """Whether a value beyond its bound is held against the law."""
-        return bool(self.threshold) and FAIL in self.words
+        """Whether a value beyond its bound is a fault of the law."""
+        return bool(self.threshold) and FAIL in self.verdicts
 
     @property
     def brief(self) -> str:
@@ -66,16 +65,16 @@ class Metric:
 
     @property
     def bracketed(self) -> str:
-        """The same in brackets."""
+        """The unit in brackets."""
         return self.unit and f" [{self.unit[1:]}]"
 
     def verdict(self, value: float) -> str:
-        """Return one of its `words`, what is `absent` for a NaN, or REPORTED."""
+        """Return one of its `verdicts`, `absent` for a NaN, or REPORTED."""
         if isnan(value):
             return self.absent
         if not self.threshold:
             return REPORTED
-        return self.words[value > self.bound]
+        return self.verdicts[value > self.bound]
 
 
 METRICS: Final[dict[str, Metric]] = {}  # of one run
@@ -117,7 +116,6 @@ def measured(
 ) -> dict[str, float]:
     """Return the value of every metric, or of some; NaN where it is not applicable or not a number."""
     values = dict.fromkeys((key for key in catalogue if keys is None or key in keys), nan)
-    # Numbers of a user's own may overflow on the way; the result says so.
     with np.errstate(all="ignore"):
         for key in values:
             with suppress(NotApplicableError):

@@ -1,4 +1,4 @@
-"""What no contact may do, whatever its law: pull, act at a distance, leave the cone, make energy."""
+"""Plausibility of a contact: tension, action at a distance, Coulomb's cone, energy."""
 
 from contextlib import suppress
 from math import sqrt
@@ -15,12 +15,11 @@ from contactlab.metrics.run import NotApplicableError, Run, declares, needed, po
 from contactlab.parameter import parameters_of
 
 ONE_STEP: Final = 1e-3
-"""What the step in which a force or a slip ends, a thousandth of a contact at a rigid law's default, may have
-of the wrong sign; a compliant law's error is smaller still."""
+"""Tolerance for the step in which a force or a slip ends: by default a thousandth of a contact."""
 
 
 def stiffness(run: Run) -> float:
-    """Return K of N = K depth^1.5 [N m^-3/2], where the law that ran is installed here and declares one."""
+    """Return K of N = K depth^1.5 [N m^-3/2], where the law is installed and declares one."""
     for family, owner in run.law_classes.items():
         for name, parameter in parameters_of(owner).items():
             value = run.law_parameters.get(f"{family}.{name}".removeprefix("."), 0.0)
@@ -60,36 +59,36 @@ def penetration_over_amplitude(run: Run) -> float:
 
 
 def pulls(run: Run) -> bool:
-    """Return whether the law that ran, or its normal force, declares that it pulls."""
+    """Return whether the law, or its normal force, declares adhesion."""
     return any(getattr(owner, "allows_tension", None) is True for owner in run.law_classes.values())
 
 
 def reaches_out(run: Run) -> bool:
-    """Return whether what pulls has limits of its own, and so may act over an open gap."""
+    """Return whether adhesion may act over an open gap: it defines the gaps of contact."""
     pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
     return any(declares(owner, "limits") for owner in pulling)
 
 
 def changes_side(force: Array) -> NDArray[np.bool_]:
-    """Tell in which intervals a force begins or ends, or may change its sign, by its means over them."""
+    """Return in which intervals a force begins, ends or may change its sign, by its means over them."""
     turns: NDArray[np.bool_] = np.append(force[1:] * force[:-1] <= 0.0, False)
     turns[1:] |= turns[:-1].copy()
     return turns
 
 
 def cone(run: Run) -> tuple[float, float]:
-    """Return the largest |F|/N [1] and the cohesion beside N [N], as the law that ran declares them."""
+    """Return the largest |F|/N [1] and the cohesion beside N [N], as the law declares them."""
     mu = run.setting("contact.friction_coefficient")
     for family in ("friction", ""):
         owner: Any = run.law_classes.get(family)
         if isinstance(owner, type) and issubclass(owner, Tangential):
             front = f"{family}." if family else ""
             own = {n.removeprefix(front): x for n, x in run.law_parameters.items() if n.startswith(front)}
-            # The law of another version may not take what this one was given.
+            # The law of another version may have other parameters.
             with suppress(TypeError, ValueError):
                 law = owner(**{**own, "friction_coefficient": mu})
                 return float(law.friction_limit), float(law.friction_offset)
-    # Static over kinetic coefficient; one where the law knows none.
+    # Static over kinetic coefficient; 1 where the law has none.
     named = run.law_parameters.items()
     return mu * max((x for name, x in named if name.endswith("static_ratio")), default=1.0), 0.0
 
@@ -98,7 +97,7 @@ def cone(run: Run) -> tuple[float, float]:
     "max(-N, 0) / (sum p_n / sum t_c)",
     "largest pull over the mean normal force in contact; not applicable to laws that declare adhesion",
     bound=ONE_STEP,
-    reason="dry bodies do not pull, but for the one step in which a contact ends, a thousandth of it",
+    reason="dry bodies do not pull, except in the step in which a contact ends, a thousandth of it",
     source="Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def tension(run: Run) -> float:
@@ -110,7 +109,7 @@ def tension(run: Run) -> float:
 @metric(
     "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
     "normal force while the gap is open, over mean force in contact times amplitude; not applicable to "
-    "adhesion that declares to reach over a gap",
+    "adhesion over an open gap",
     bound=ROUND_OFF,
     reason="0 <= N, 0 <= g, N g = 0: no force but round-off where the gap is open throughout an interval",
     source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
@@ -118,8 +117,8 @@ def tension(run: Run) -> float:
 def force_at_distance(run: Run) -> float:
     needed(not reaches_out(run))
     gap, force = run.series("gap"), run.series("normal_force")
-    # A contact may begin and end within an interval whose two records are open: the gap that it had
-    # throughout is at least the mean of the two less the fastest way the records show.
+    # A contact may begin and end between two records with an open gap: throughout the interval the gap is at
+    # least the mean of the two less the fastest recorded change.
     fastest = float(np.abs(np.diff(gap)).max())
     certain = np.maximum(0.5 * (gap[1:] + gap[:-1]) - fastest, 0.0)
     scale = run.contact_force() * run.normal_amplitude()
@@ -137,10 +136,9 @@ def force_at_distance(run: Run) -> float:
 def cone_excess(run: Run) -> float:
     limit, offset = cone(run)
     normal, friction = run.series("normal_force"), run.series("friction_force")
-    # A force rounds off in proportion to itself, and a rigid impact's is far above the mean.
     excess = np.abs(friction) - limit * ((1.0 + ROUND_OFF) * np.abs(normal) + offset)
     if pulls(run):
-        # The mean of a force that changes its sign says nothing of its size.
+        # The mean of a force that changes its sign does not bound its size.
         excess = excess[~changes_side(normal)]
         needed(excess.size)
     return max(0.0, float(excess.max())) / run.contact_force()
@@ -150,8 +148,8 @@ def cone_excess(run: Run) -> float:
     "sum max(-dW_f, 0) / sum(|dW_f| + |dW_n|)",
     "positive work of friction in lasting contact, over all losses in contact",
     bound=ONE_STEP,
-    reason="friction opposes slip, so that its work is never positive but in the one step in which the slip "
-    "ends, a thousandth of a contact; the step of an impact is left to friction_work and contact_gain",
+    reason="friction opposes slip: its work is never positive, except in the step in which the slip ends, a "
+    "thousandth of a contact; impacts are judged by friction_work and contact_gain",
     source="second law of thermodynamics",
 )
 def friction_gain(run: Run) -> float:
@@ -160,9 +158,9 @@ def friction_gain(run: Run) -> float:
 
 @metric(
     "sum max(-dW_n, 0) / sum(|dW_f| + |dW_n|)",
-    "energy made by normal damping in lasting contact, over all losses in contact",
+    "energy generated by normal damping in lasting contact, over all losses in contact",
     bound=ONE_STEP,
-    reason="a material stores and loses energy, never makes it, but for the step in which a contact ends",
+    reason="a material stores and loses energy, except in the step in which a contact ends",
     source="second law of thermodynamics",
 )
 def normal_gain(run: Run) -> float:
@@ -170,23 +168,19 @@ def normal_gain(run: Run) -> float:
 
 
 def _falls(run: Run, name: str) -> float:
-    """Return the falls of a loss that should only grow, over all changes of both of a contact's losses.
-
-    All falls together, as the largest would depend on the records and on how long the run is.
-    """
+    """Return the sum of all decreases of a loss, over all changes of both of a contact's losses."""
     step, time = run.contact_step, run.time
     starts = np.sort(np.asarray(run.rows.get("start_time", ()), dtype=np.float64))
     since = time - np.append(starts, -np.inf)[np.searchsorted(starts, time, side="right") - 1]
-    # Within a step a rigid law's force is constant while the velocity changes its sign: only between records
-    # that do not cut the step of an impact, in different steps, is there a work that a law answers for. A
-    # record at the end of a step may lie before it by round-off.
+    # Within a step the force of a rigid law is constant while the velocity changes its sign: work is judged
+    # between records in different steps that do not divide the step of an impact.
     whole = np.flatnonzero((since >= step - 1e-9 * step) | (since <= 0.0))
     needed(whole.size > 1)
     blocks = np.floor((time[whole] - time[0]) / max(step, np.finfo(float).tiny) * (1.0 + 1e-12))
     kept = whole[np.flatnonzero(np.diff(blocks, prepend=-1.0))]
     changes = {loss: np.diff(run.series(loss)[kept]) for loss in ("friction_loss", "contact_loss")}
     scale = positive(sum(float(np.abs(change).sum()) for change in changes.values()))
-    # What an impact does is judged by the slip and the energy that it leaves.
+    # Impacts are judged by the slip and the energy after them.
     impacts = np.searchsorted(time[kept], starts, side="right") - 1
     lasting = np.ones(kept.size - 1, dtype=bool)
     lasting[impacts[(impacts >= 0) & (impacts < lasting.size)]] = False
@@ -195,9 +189,9 @@ def _falls(run: Run, name: str) -> float:
 
 @metric(
     "sum max(-W, 0) / sum|W|",
-    "energy of contacts that as a whole give some, over the losses of all",
+    "energy gained in whole contacts, over the losses of all",
     bound=ROUND_OFF,
-    reason="what a contact stores it gives back by its end: a whole one only loses, but for round-off",
+    reason="a contact returns the energy that it stores by its end: a whole contact only loses energy",
     source="second law of thermodynamics; Stronge (2000), Impact Mechanics, ch. 3",
 )
 def contact_gain(run: Run) -> float:
@@ -208,14 +202,14 @@ def contact_gain(run: Run) -> float:
 @metric(
     "max|v| in stick / A_v",
     "largest slip velocity while the contact sticks, over the amplitude of the tip's tangential velocity; "
-    "not applicable to friction with a spring, which gives way",
+    "not applicable to friction with a tangential spring",
     bound=ONE_STEP,
-    reason="stick is no slip; a drift of a thousandth of the vibration's velocity moves the tip by as much "
-    "of its amplitude over a contact, and the projection of a first-order law at its default step by less",
+    reason="stick is no slip; a drift of a thousandth of the vibration's velocity moves the tip by a "
+    "thousandth of its amplitude over a contact",
     source="paper, eqs. 60-66",
 )
 def stick_slip(run: Run) -> float:
-    # A spring gives way while it holds; that comes back and is no drift.
+    # The displacement of a spring in stick is recovered and is no drift.
     kinds = [getattr(owner, "friction_kind", None) for owner in run.law_classes.values()]
     needed(ELASTOPLASTIC not in kinds)
     stuck, slip = run.series("contact_mode") == STICK, run.series("slip_velocity")
@@ -230,7 +224,7 @@ def stick_slip(run: Run) -> float:
 @metric(
     "touch-downs with p_t v_0 < 0 and v_1 v_0 < 0, over all with friction",
     "share of touch-downs whose friction reverses the slip, beyond its own change within a record interval; "
-    "a tangential compliance may, as it gives back what it stored: what it must not is in friction_work",
+    "a tangential compliance may reverse it, see friction_work",
     source="Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635",
 )
 def slip_reversal(run: Run) -> float:
@@ -238,13 +232,13 @@ def slip_reversal(run: Run) -> float:
     push = np.append(0.0, np.cumsum(run.series("friction_force")[1:] * run.intervals))
     starts = run.contacts("start_time")
     before = np.searchsorted(time, starts, side="right") - 1
-    # The impact of a rigid law lasts a step: a record within it would see a part of its friction.
+    # The impact of a rigid law lasts a step, and a record within it has a part of its friction.
     after = np.searchsorted(time, starts + run.contact_step * (1.0 - 1e-9))
     after = np.maximum(after, before + 1)
-    # Two records before the touch-down tell how fast the slip changes by itself.
+    # Two records before the touch-down have the rate at which the slip changes without contact.
     known = (before >= 1) & (after < time.size)
     before, after = before[known], after[known]
-    # Touch-downs that share an interval are seen once.
+    # Touch-downs that share an interval count as one.
     before, first = np.unique(before, return_index=True)
     after = after[first]
     rate = (slip[before] - slip[before - 1]) / (time[before] - time[before - 1])
@@ -259,8 +253,8 @@ def slip_reversal(run: Run) -> float:
     "sum max(W_f, 0) / sum |W_f|",
     "positive work of friction over whole contacts, over its work in all",
     bound=ONE_STEP,
-    reason="a tangential compliance gives back at most what it stored, whether the slip reverses or not: "
-    "over a whole contact friction takes energy, but for the one step in which the contact ends",
+    reason="a tangential compliance returns at most the energy that it stored: over a whole contact friction "
+    "takes energy, except in the step in which the contact ends",
     source="second law of thermodynamics; Stronge (2000), Impact Mechanics, ch. 3",
 )
 def friction_work(run: Run) -> float:

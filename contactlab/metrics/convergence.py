@@ -1,4 +1,4 @@
-"""How a law's answers depend on the step, on the basis of the resonator and on the friction."""
+"""Dependence of a law's results on the step, the basis of the resonator and friction."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -14,11 +14,11 @@ from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, 
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 
-ONE_RATIO: Final = 1e-6  # relative difference of ratios of steps, given in decimals, that are the same
+SAME_RATIO: Final = 1e-6  # relative difference of ratios of steps that count as equal
 
 LEAST_ORDER: Final = 0.5
-"""Below it an extrapolation is no more than a guess: it goes further than two of the differences that it is
-made from (Oberkampf and Roy 2010, Verification and Validation in Scientific Computing, sec. 8.7)."""
+"""Smallest observed order that is extrapolated: below it the extrapolation exceeds two of the differences
+(Oberkampf and Roy 2010, Verification and Validation in Scientific Computing, sec. 8.7)."""
 
 Ladder = Sequence[tuple[float, Run]]
 """Step [s] or tolerance [1] and run, of one law on one motor, coarsest first."""
@@ -41,13 +41,12 @@ ROACHE: Final = "Roache (1998), Verification and Validation in Computational Sci
 def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
     """Return the error of the last of three values from steps that fall by a factor.
 
-    With differences that fall by the ratio q the rest of the series is q / (1 - q) times the last of
-    them. The ratio is what is seen, but no better than the declared order promises; a sequence that does
-    not converge is given `SLOWEST`, which makes its error nine times its last change.
+    With differences that fall by the ratio q the error is q / (1 - q) times the last of them, where q is the
+    observed ratio, at least that of the declared order and at most `SLOWEST`: the error of a sequence that
+    does not converge is nine times its last change.
     """
     before, last = np.abs(np.diff(np.asarray(values, dtype=np.float64), axis=0))
-    # One ratio for a whole series: where the difference passes through zero there is none to see. The sums
-    # take little notice of a record that an impact passes as it moves with the step.
+    # A whole series has one ratio: where a difference passes through zero there is none.
     whole = float(np.sum(before))
     seen = float(np.sum(last)) / whole if whole > 0.0 else 0.0
     ratio = float(np.clip(seen, factor**-order, SLOWEST))
@@ -65,7 +64,7 @@ def _exponent(ladder: Ladder, value: Callable[[Run], float], form: Any = float) 
 
 
 def _finite_peak(run: Run) -> float:
-    """Return the largest normal force [N] of a law that has one: that of an impulse is infinite."""
+    """Return the largest normal force [N]; the force of an impulse is infinite."""
     needed(not issubclass(run.law_classes.get("", object), MultiplierLaw))
     return peak_force(run)
 
@@ -92,18 +91,18 @@ for _value, _judged, _key, _symbol, _name, _except in (
         f"dependence of the {_name} on the step{_except}",
         key=f"{_key}_step_dependence",
         bound=0.05,
-        reason="what is physical does not depend on the step: one that converges has an exponent of its "
+        reason="a physical quantity does not depend on the step: the exponent of one that converges is its "
         "order times its remaining error, 0.05 for five per cent at first order",
         source="paper, fig. 9 and its discussion",
     )(partial(_exponent, value=_judged, form=abs))
 
 
 def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
-    """Return the rotor velocities of the three finest steps [rad/s], and the one ratio of these steps."""
+    """Return the rotor velocities of the three finest steps [rad/s], and the ratio of the steps."""
     needed(len(ladder) > 2)
     (coarse, first), (middle, second), (fine, third) = ladder[-3:]
     needed(coarse > middle > fine > 0.0)
-    needed(abs(coarse * fine / middle**2 - 1.0) <= ONE_RATIO)
+    needed(abs(coarse * fine / middle**2 - 1.0) <= SAME_RATIO)
     return rotor_velocity(first), rotor_velocity(second), rotor_velocity(third), middle / fine
 
 
@@ -115,13 +114,13 @@ def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
 def velocity_order(ladder: Ladder) -> float:
     first, second, third, ratio = _velocities(ladder)
     before, after = first - second, second - third
-    # Round-off has no order; equal signs and a fall are what convergence looks like.
+    # Round-off has no order; converging differences have one sign and decrease.
     needed(abs(after) > 1e-12 * abs(third) and before * after > 0.0 and abs(before) > abs(after))
     return log(before / after) / log(ratio)
 
 
 @of_steps(
-    "Omega_3 - d2 / (ratio^p - 1)", "rotor velocity extrapolated to no step at all", "rad s-1", source=ROACHE
+    "Omega_3 - d2 / (ratio^p - 1)", "rotor velocity extrapolated to a step of zero", "rad s-1", source=ROACHE
 )
 def extrapolated_rotor_velocity(ladder: Ladder) -> float:
     _, second, third, ratio = _velocities(ladder)
@@ -132,7 +131,7 @@ def extrapolated_rotor_velocity(ladder: Ladder) -> float:
 
 @of_steps(
     "|Omega_3 - Omega_extrapolated| / |Omega_3|",
-    "numerical error of the rotor velocity at the finest step; the range of three if no order is trusted",
+    "numerical error of the rotor velocity at the finest step; the range of three without a valid order",
     source=ROACHE,
 )
 def velocity_error(ladder: Ladder) -> float:
@@ -146,7 +145,7 @@ def velocity_error(ladder: Ladder) -> float:
 
 
 def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[str, float]:
-    """Judge a ladder of steps.
+    """Return the metrics of a step-size hierarchy.
 
     Args:
         runs: contact step [s] or tolerance [1] and run, of one law on one motor, coarsest first.
@@ -160,8 +159,7 @@ def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[st
     steps = [float(step) for step, _ in runs]
     if any(step <= 0.0 for step in steps) or sorted(set(steps), reverse=True) != steps:
         raise ValueError(
-            f"The steps are {steps}; they must be positive and fall from run to run. Sort the runs, "
-            "coarsest first, and give each step once."
+            f"The steps are {steps}; they must be positive and fall from run to run, coarsest first."
         )
     return measured(STEP_METRICS, [(float(step), Run.of(run)) for step, run in runs])
 
@@ -195,7 +193,7 @@ for _thing, _symbol, _base in (
 def assess_variants(
     base: xarray.DataTree | Run, **variants: tuple[float, xarray.DataTree | Run]
 ) -> dict[str, float]:
-    """Return how much a law's answers change with what is known least.
+    """Return the sensitivities of a law's results to basis and friction.
 
     Args:
         base: the run.
@@ -203,7 +201,7 @@ def assess_variants(
             the friction coefficient changed by a share of it [1].
 
     Returns:
-        A number for every key of `SENSITIVITIES`; NaN where the variant is not given.
+        A number for every key of `SENSITIVITIES`; NaN without the variant.
     """
     runs = {name: (float(amount), Run.of(run)) for name, (amount, run) in variants.items()}
     return measured(SENSITIVITIES, {"base": (0.0, Run.of(base)), **runs})

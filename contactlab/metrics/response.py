@@ -1,11 +1,12 @@
-"""What a run's contacts and motor do: numbers that laws differ in, without a right value."""
+"""Response of contacts and motor: numbers without a right value, and whether the motor has settled."""
 
 import numpy as np
 
 from contactlab.config import ConfigurationError, build
-from contactlab.metrics.catalogue import metric, without_records
+from contactlab.metrics.catalogue import SETTLED, UNSETTLED, metric, without_records
 from contactlab.metrics.constraints import stiffness
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+from contactlab.settling.verdict import SHARE
 
 
 @without_records("n_c", "number of contacts, one that the end cuts included", usual=True)
@@ -56,7 +57,7 @@ def stick_share(run: Run) -> float:
 )
 def restitution(run: Run) -> float:
     approach, separation = run.contacts("approach_velocity"), run.contacts("separation_velocity")
-    # The contact that the end of the run cut has no separation.
+    # A contact truncated by the end of the run has no separation.
     whole = np.isfinite(separation) & (approach < 0.0)
     needed(whole.any())
     return float(np.median(-separation[whole] / approach[whole]))
@@ -64,8 +65,7 @@ def restitution(run: Run) -> float:
 
 def effective_mass(run: Run) -> float:
     """Return the mass that a normal impact meets, 1/D_nn of the undeformed motor [kg]."""
-    # The mass is the motor's: a law that is not installed here shall not stand in its way, nor a
-    # tolerance that belongs to it.
+    # The mass does not depend on the law, which may not be installed.
     solver = run.configuration.get("solver")
     if not isinstance(solver, dict):
         raise NotApplicableError
@@ -116,8 +116,7 @@ def force_bandwidth(run: Run) -> float:
 
 @metric(
     "mean Omega",
-    "mean rotor velocity of the last whole drive periods; the motor's where the run has settled, see "
-    "`unsettled_share`",
+    "mean rotor velocity of the last whole drive periods; see `unsettled_share`",
     "rad s-1",
     source="paper, fig. 8",
 )
@@ -136,12 +135,7 @@ def final_rotor_velocity(run: Run) -> float:
     return float(run.series("rotor_velocity")[-1])
 
 
-@metric(
-    "mean(-R F)",
-    "mean torque of friction on the rotor in the last whole drive periods; the motor's where the run has "
-    "settled, when it is that of load and damping",
-    "N m",
-)
+@metric("mean(-R F)", "mean torque of friction on the rotor in the last whole drive periods", "N m")
 def torque(run: Run) -> float:
     span = run.last_periods()
     # A mean force stands for the interval that ends at its time.
@@ -152,13 +146,11 @@ def torque(run: Run) -> float:
 
 @metric(
     "dW_l / dW_d",
-    "work on the load over work of the drive in the last whole drive periods; none where the load drives, "
-    "and the motor's where the run has settled",
+    "work on the load over work of the drive in the last whole drive periods; none where the load drives",
 )
 def efficiency(run: Run) -> float:
     span = run.last_periods()
     values, done = run.gain("drive_work", span), run.gain("load_work", span)
-    # A load that drives is no load: what it gives is no share of what the drive gives.
     needed(values > 0.0 <= done)
     return done / values
 
@@ -171,3 +163,54 @@ def friction_share(run: Run) -> float:
 @without_records("W_n / W_d", "loss in normal damping and impacts over work of the drive", usual=True)
 def normal_loss_share(run: Run) -> float:
     return run.gain("contact_loss") / positive(run.gain("drive_work"))
+
+
+@metric(
+    "(|Omega_n - Omega_inf| + error) / max(|Omega_inf|, ripple, swing / 100)",
+    "largest share by which the mean rotor velocity at the end of a run may be off its steady one",
+    bound=SHARE,
+    verdicts=(SETTLED, UNSETTLED),
+    reason="laws differ by a few per cent in steady-state speed, so the remaining transient must be smaller. "
+    "A failure means that the run is too short, not that the law is implausible. Speeds below the ripple, or "
+    "1 % of the total change, are scaled by these instead",
+    source="`contactlab.settling`",
+)
+def unsettled_share(run: Run) -> float:
+    return run.settling.share
+
+
+@metric(
+    "Omega_inf",
+    "mean rotor velocity of the steady state, from the exponential approach of the means of whole drive "
+    "periods in the last half of the run",
+    "rad s-1",
+    source="Seber and Wild (2003), Nonlinear Regression, sec. 5.3",
+)
+def settled_velocity(run: Run) -> float:
+    return run.settling.velocity
+
+
+@metric(
+    "error of Omega_inf",
+    "error of the estimated velocity of the steady state, to 95 %: of its scatter, of the window and of the "
+    "curvature, distance^2 / (2 swing)",
+    "rad s-1",
+    source="Seber and Wild (2003), Nonlinear Regression, sec. 5.3",
+)
+def settled_velocity_error(run: Run) -> float:
+    return run.settling.error
+
+
+@metric(
+    "|Omega_n - Omega_n-1|", "change of the mean rotor velocity from a drive period to the next", "rad s-1"
+)
+def velocity_drift(run: Run) -> float:
+    return abs(run.settling.drift)
+
+
+@metric(
+    "|P_n - P_n-1| / P_n, P = sum p_n of a period",
+    "relative change of the contacts' normal impulse from a period to the next",
+)
+def impulse_drift(run: Run) -> float:
+    return run.settling.impulse_drift

@@ -1,4 +1,4 @@
-"""A run's dataset, and its numbers as metrics and comparison ask for them."""
+"""A run with the accessors that metrics and comparison use."""
 
 import json
 from collections.abc import Mapping
@@ -23,28 +23,27 @@ from contactlab.settling.verdict import Settling, drive_period, settling_of
 from contactlab.trajectory import Trajectory
 
 LAST_SHARE: Final = 0.25
-"""Share of the run whose whole drive periods stand for its end: after it, what starts a motor from rest
-has mostly died down, and several periods still fit in."""
+"""Share of the run whose whole drive periods represent its end."""
 
 
 class NotApplicableError(Exception):
-    """A dataset lacks what a metric needs, or has nothing for it to measure."""
+    """A dataset lacks what a metric needs."""
 
 
-def needed(held: object) -> None:
-    """Stop a metric by `NotApplicableError` where it has nothing to measure."""
-    if not held:
+def needed(condition: object) -> None:
+    """Raise `NotApplicableError` unless a metric has what it needs."""
+    if not condition:
         raise NotApplicableError
 
 
 def positive(scale: float) -> float:
-    """Return a scale to measure by; there is nothing to measure where it is not positive."""
+    """Return a scale; raise `NotApplicableError` if it is not positive."""
     needed(scale > 0.0)
     return scale
 
 
 def declares(owner: Any, kernel: str) -> bool:
-    """Return whether a law or a part has a kernel of its own where most have none: limits, or a moment."""
+    """Return whether a law or a part defines an optional kernel: limits, or a moment."""
     result = getattr_static(owner, kernel, None)
     idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed, Damping)]
     return result is not None and result not in idle
@@ -53,11 +52,7 @@ def declares(owner: Any, kernel: str) -> bool:
 @final
 @dataclass(frozen=True)
 class Run:
-    """A run, from its dataset or from memory.
-
-    Its methods stop with `NotApplicableError` where it lacks what they are asked for; `columns` and `rows`
-    hold what there is, as it is.
-    """
+    """A run, from its dataset or from memory; methods raise `NotApplicableError` where data are missing."""
 
     columns: Mapping[str, NDArray[Any]]  # of the root
     rows: Mapping[str, NDArray[Any]]  # a number a contact
@@ -73,7 +68,7 @@ class Run:
 
     @classmethod
     def of(cls, source: "xarray.DataTree | Run") -> "Run":
-        """Take a dataset in the layout of a run.nc, see `contactlab.metrics.read_run`, or a run as it is."""
+        """Return the run of a dataset in the layout of a run.nc; a run is returned as it is."""
         if isinstance(source, Run):
             return source
         text, step = source.attrs, source.attrs.get("contact_step", 0.0)
@@ -93,7 +88,7 @@ class Run:
 
     @classmethod
     def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> "Run":
-        """Take a run in memory; the numbers are those of its dataset."""
+        """Return the run of a trajectory; the numbers are those of its dataset."""
         records: dict[str, NDArray[Any]] = {"contact_mode": trajectory.contact_mode}
         return cls(
             columns={**records, **trajectory.series, "time": trajectory.time},
@@ -137,11 +132,11 @@ class Run:
         return settling_of(self.columns, self.rows, period, self.lasting)
 
     def holds(self, *names: str) -> bool:
-        """Return whether all of these stand at the root."""
+        """Return whether the root has all of these variables."""
         return set(names) <= self.columns.keys()
 
     def touches(self, *names: str) -> bool:
-        """Return whether there is a contact, with all of these numbers."""
+        """Return whether there is a contact, with all of these columns."""
         return all(name in self.rows and self.rows[name].size > 0 for name in names)
 
     def series(self, name: str) -> Array:
@@ -150,7 +145,7 @@ class Run:
         return self._numbers(self.columns[name])
 
     def gain(self, name: str, span: slice = slice(None)) -> float:
-        """Return how much a series has grown over all or some of the records."""
+        """Return the increase of a series over all or some of the records."""
         values = self.series(name)[span]
         return float(values[-1] - values[0])
 
@@ -182,10 +177,9 @@ class Run:
             return {}
 
     def last_periods(self) -> slice:
-        """Return the records of the last whole drive periods that fit into the last quarter of the run.
+        """Return the records of the last whole drive periods in the last quarter of the run, at least one.
 
-        At least one period; where the drive's frequency is not known, the whole quarter. There are none in
-        a run that is shorter than a drive period.
+        Without a known frequency of the drive it is the whole quarter.
         """
         start, end = self.time[0], self.time[-1]
         length = LAST_SHARE * (end - start)
@@ -206,10 +200,7 @@ class Run:
         return self.amplitude(self.series("tip_normal_displacement"))
 
     def contact_force(self) -> float:
-        """Return the mean normal force while there is contact [N]: all impulses over all durations.
-
-        The scale of forces: unlike the peak it does not depend on the step of a rigid law.
-        """
+        """Return all impulses over all durations [N], a scale of forces that does not depend on the step."""
         impulse = positive(float(np.abs(self.contacts("normal_impulse")).sum()))
         return impulse / positive(float(self.contacts("duration").sum()))
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Polygon
+from matplotlib.patches import FancyArrow, Polygon
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -67,7 +67,7 @@ class Animation:
             self.figure = Figure(figsize=(PIXELS[0] / _DPI, PIXELS[1] / _DPI), dpi=_DPI)
             # matplotlib gives its functions no types.
             self._canvas = cast(Any, FigureCanvasAgg(self.figure))
-            self._draw_words(film_time)
+            self._draw_texts(film_time)
             scene = self._draw_scene()
             self._add_moving(scene, self._draw_traces())
             self._canvas.draw()
@@ -92,7 +92,7 @@ class Animation:
                 artist.axes.draw_artist(artist) if artist.axes else self.figure.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba())
 
-    def _draw_words(self, film_time: float) -> None:
+    def _draw_texts(self, film_time: float) -> None:
         run = self.film.run
         lasts = run.end - run.start
         law = str(run.series.attrs.get("law", "")) or "run"
@@ -166,9 +166,11 @@ class Animation:
         nothing = np.zeros((1, 2))
         self.marks = LineCollection([], colors="0.35", zorder=2, **moving)
         self.tip = Polygon(nothing, edgecolor="0.2", linewidth=1.0, zorder=3, **moving)
-        self.arrow = Polygon(nothing, edgecolor="black", linewidth=0.6, zorder=4, **moving)
+        moving_arrow = moving | {"length_includes_head": True}
+        self.arrow = FancyArrow(0, 0, 0, 0, edgecolor="black", linewidth=0.6, zorder=4, **moving_arrow)
         self.components = [
-            Polygon(nothing, facecolor="black", edgecolor="none", zorder=5, **moving) for _ in range(2)
+            FancyArrow(0, 0, 0, 0, facecolor="black", edgecolor="none", zorder=5, **moving_arrow)
+            for _ in range(2)
         ]
         self.cursors = [axes.axvline(0.0, color=COLOURS["fault"], linewidth=1.5, **moving) for axes in traces]
         self.mode = self.figure.text(
@@ -197,10 +199,10 @@ class Animation:
         self.tip.set_facecolor(colour)
         scale = LONGEST * size / film.peak
         force = scale * film.force_on_rotor(number)
-        self.arrow.set_xy(end + arrow_outline(force, 0.011 * size))
+        _point(self.arrow, end, force, 0.011 * size)
         self.arrow.set_facecolor(colour)
         for arrow, along in zip(self.components, film.axes_of_contact(number), strict=True):
-            arrow.set_xy(end + arrow_outline(np.dot(force, along) * along, 0.003 * size))
+            _point(arrow, end, np.dot(force, along) * along, 0.003 * size)
         unit, second = film.run.unit
         times = (film.time - film.run.start) / second
         for cursor in self.cursors:
@@ -227,20 +229,11 @@ def _steady(values: Array, number: int) -> str:
     return f"{round(float(values[number]), digits) + 0.0:.{digits}f}"
 
 
-def arrow_outline(vector: Array, width: float) -> Array:
-    """Return the corners of an arrow from the origin, shape (7, 2); the fourth, its apex, is the vector.
-
-    One that is shorter than its head is a smaller head.
-    """
-    length = float(np.hypot(*vector))
-    if not length > 0.0:
-        return np.zeros((7, 2))
-    along = vector / length
-    head = min(4.0 * width, length)
-    half, wide, neck = 0.125 * head, 0.4 * head, length - head
-    side = np.array([(0.0, half), (neck, half), (neck, wide), (length, 0.0)])
-    corners = np.concatenate((side, side[2::-1] * (1.0, -1.0)))
-    return np.asarray(corners @ np.array((along, (-along[1], along[0]))))
+def _point(arrow: FancyArrow, foot: Array, vector: Array, width: float) -> None:
+    """Draw an arrow of a width from its foot; one that is shorter than its head is a smaller head."""
+    head = min(4.0 * width, float(np.hypot(*vector)))
+    x, y, dx, dy = map(float, (*foot, *vector))
+    arrow.set_data(x=x, y=y, dx=dx, dy=dy, width=0.25 * head, head_width=0.8 * head, head_length=head)
 
 
 def _on_circle(angles: Array, radius: float) -> Array:

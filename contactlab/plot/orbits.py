@@ -99,7 +99,7 @@ def draw_basins(data: xarray.Dataset) -> Figure:
         )
         for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
             set_label(each.attrs["long_name"] + _in_brackets(each))
-        handles = [Patch(color=chosen[1 + i], label=_told(data.isel(attractor=i))) for i in range(count)]
+        handles = [Patch(color=chosen[1 + i], label=_label(data.isel(attractor=i))) for i in range(count)]
         if int(data.attrs["unresolved"]):
             share = int(data.attrs["unresolved"]) / labels.size
             handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: not known"))
@@ -107,8 +107,8 @@ def draw_basins(data: xarray.Dataset) -> Figure:
     return figure
 
 
-def _told(attractor: xarray.Dataset) -> str:
-    """Tell share, kind and velocity of an attractor."""
+def _label(attractor: xarray.Dataset) -> str:
+    """Return share, kind and velocity of an attractor."""
     kind, share = str(attractor["kind"].values), 100.0 * float(attractor["share"])
     velocity = Estimate(float(attractor["velocity"]), float(attractor["velocity_error"]))
     if kind in ("without contact", "neutral"):

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from hashlib import sha256
+from itertools import starmap
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
@@ -120,9 +121,7 @@ class Compare(Study):
         if not self.recorded:
             if not setups:
                 raise ComparisonError(["There is nothing to compare; there must be a run or a setup."])
-            laws = labelled(
-                [run_of_setup(label, setup) for label, setup in setups.items()], transient=self.transient
-            )
+            laws = labelled([*starmap(run_of_setup, setups.items())], transient=self.transient)
             return {law.label: setup for law, setup in zip(laws, setups.values(), strict=True)}
         if any(setup.configuration != build().configuration for setup in setups.values()):
             raise ConfigurationError(
@@ -141,7 +140,7 @@ class Compare(Study):
         whole = all("resonator" in setup.configuration for setup in setups.values())
         if not (self.refine and not self.transient and setups and whole):
             return ()
-        return factors_of([run_of_setup(label, setup) for label, setup in setups.items()], self.ranges)
+        return factors_of([*starmap(run_of_setup, setups.items())], self.ranges)
 
     def _plan(self, setups: Setups) -> dict[str, dict[str, Task]]:
         """Return the tasks of each law by what they do: a rerun, "starts", the digest of a measurement."""
@@ -162,14 +161,14 @@ class Compare(Study):
                 tasks[measurement.digest] = Task(key, do_prediction, (setup, measurement.data))
         return plan
 
-    def _draws(self, setups: Setups) -> tuple[Array, list[Task]] | None:
+    def _draws(self, setups: Setups) -> tuple[Array, list[Task]]:
         """Return the table of draws and the task of each; draws of equal configurations have one task."""
         factors = self.factors(setups)
         if not (factors and self.samples):
-            return None
-        table_of_draws = drawn(factors, self.samples)
-        configurations = configurations_of([*setups.values()], factors, table_of_draws)
-        return table_of_draws, [Task(_key("draw", "", each), do_draw, (each,)) for each in configurations]
+            return np.empty((0, len(factors))), []
+        draws = drawn(factors, self.samples)
+        configurations = configurations_of([*setups.values()], factors, draws)
+        return draws, [Task(_key("draw", "", each), do_draw, (each,)) for each in configurations]
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return reruns, other starts and predictions of measurements of each law, and the draws.
@@ -178,8 +177,7 @@ class Compare(Study):
             ComparisonError, ConfigurationError: files or options cannot be used.
         """
         every = [task for tasks in self._plan(setups).values() for task in tasks.values()]
-        draws = self._draws(setups)
-        return [*every, *({task.key: task for task in draws[1]}.values() if draws else ())]
+        return [*every, *{task.key: task for task in self._draws(setups)[1]}.values()]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the scorecard with the effects of causes; the group motion_N is that of the N-th law."""
@@ -204,40 +202,25 @@ class Compare(Study):
         notes = [*unchecked(self.recorded), *(note for each in measured for note in each.notes)]
         data = scorecard(laws, notes, measured)
         if not self.transient:
-            factors, draws = self.factors(setups), self._draws(setups)
-            table_of_draws, values = None, None
-            if draws:
-                table_of_draws, (values, failures) = draws[0], self._drawn_values(setups, draws, parts, laws)
-                if failures:
-                    count, of = len(failures), len({task.key for task in draws[1]})
-                    data.attrs["notes"] += f"\n{count} of {of} draws have no steady state: {failures[0]}"
-            data = with_causes(data, laws, factors, table_of_draws, values, self.ranges)
+            factors, (draws, tasks) = self.factors(setups), self._draws(setups)
+            every = {task.key: parts[task.key] for task in tasks}
+            if failures := [part.attrs["failure"] for part in every.values() if "failure" in part.attrs]:
+                data.attrs["notes"] += (
+                    f"\n{len(failures)} of {len(every)} draws have no steady state: {failures[0]}"
+                )
+            # Shape (law, draw, quantity), NaN where a draw is of another law.
+            values = np.full((len(laws), len(tasks), len(QUANTITIES)), np.nan)
+            names = [factor.name for factor in factors]
+            places = draws[:, names.index(LAW)].astype(int) if LAW in names else np.zeros(len(tasks), int)
+            order = [[law.label for law in laws].index(label) for label in setups]
+            for number, (task, place) in enumerate(zip(tasks, places, strict=True)):
+                if "failure" not in every[task.key].attrs:
+                    values[order[place], number] = means_in(every[task.key])[0].values
+            data = with_causes(data, laws, factors, draws, values, self.ranges)
         data = with_measurements(data, measured)
         return xarray.DataTree(
             data, {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
         )
-
-    def _drawn_values(
-        self,
-        setups: Setups,
-        draws: tuple[Array, Sequence[Task]],
-        parts: Mapping[str, xarray.DataTree],
-        laws: Sequence[Reruns],
-    ) -> tuple[Array, list[str]]:
-        """Return values of the draws, shape (law, draw, quantity), and the messages of those that failed."""
-        table_of_draws, tasks = draws
-        names = [factor.name for factor in self.factors(setups)]
-        places = (
-            table_of_draws[:, names.index(LAW)].astype(int) if LAW in names else np.zeros(len(tasks), int)
-        )
-        labels, drawn_laws = [law.label for law in laws], [*setups]
-        values = np.full((len(laws), len(tasks), len(QUANTITIES)), np.nan)
-        every = {key: parts[key] for key in {task.key: None for task in tasks}}
-        for number, (task, place) in enumerate(zip(tasks, places, strict=True)):
-            if "failure" not in every[task.key].attrs:
-                law = labels.index(drawn_laws[place])
-                values[law, number] = means_in(every[task.key])[0].values
-        return values, [str(part.attrs["failure"]) for part in every.values() if "failure" in part.attrs]
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return the rotor velocity of each law with its error."""
@@ -317,22 +300,17 @@ def _shares_table(data: xarray.Dataset) -> pandas.DataFrame:
     """Return the shares of the factors in the variance of the settled velocity."""
     here = data.sel(quantity="rotor_velocity")
     inconclusive = f"{sample_count(data)} samples are inconclusive"
-    rows = [
-        {"factor": str(factor)}
-        | {
-            head: inconclusive if unclear(*estimate[1:]) else written_share(*estimate)
-            for head, estimate in (
-                ("alone", here["first_order"].sel(factor=factor).values),
-                ("with interactions", here["total_order"].sel(factor=factor).values),
-            )
-        }
-        for factor in data["factor"].values
-    ]
+    columns: dict[str, Any] = {"factor": data["factor"].values}
+    for head, name in (("alone", "first_order"), ("with interactions", "total_order")):
+        columns[head] = [
+            inconclusive if unclear(*estimate[1:]) else written_share(*estimate)
+            for estimate in here[name].values
+        ]
     caption = (
         f"Shares in the variance of the settled rotor velocity over {data.sizes['draw']} draws: laws, bases "
         f"and steps of equal probability, {data.attrs['parameters']}"
     )
-    return table(rows, caption=caption)
+    return table(columns, caption=caption)
 
 
 def compare(
@@ -378,19 +356,17 @@ def compare(
     )
     setups: dict[str, Setup] = {}
     if isinstance(sources, Motor):
-        laws: list[Any] = [] if law is None else [law]
-        if isinstance(law, Sequence):
-            laws = list(law)
+        laws: Any = law if isinstance(law, Sequence) else [] if law is None else [law]
         setups = {f"law {n}": steady_setup(sources, each) for n, each in enumerate(laws, 1)}
+    elif law is not None:
+        raise TypeError("A law is given with a motor only; runs and setups have their own.")
     else:
-        if law is not None:
-            raise TypeError("A law is given with a motor only; runs and setups have their own.")
         single = str | Path | Solution | xarray.DataTree | Setup
         every: list[Any] = [sources] if isinstance(sources, single) else list(sources)
         setups = {f"setup {n}": each for n, each in enumerate(every, 1) if isinstance(each, Setup)}
-        if len(setups) < len(every):
-            if setups:
-                raise ComparisonError(["There are setups and recorded runs; there must be one kind."])
+        if setups and len(setups) < len(every):
+            raise ComparisonError(["There are setups and recorded runs; there must be one kind."])
+        if not setups:
             # The cached property that reads the option `runs`.
             study.__dict__["recorded"] = labelled(read_runs(every), transient=study.transient)
     folder = None if output is None else Path(output)

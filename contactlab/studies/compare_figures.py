@@ -66,19 +66,19 @@ def draw_all(data: xarray.DataTree) -> dict[str, Figure]:
     """Return every figure for which there are numbers."""
     card = data.to_dataset()
     motions = [child.to_dataset(inherit=False) for child in data.children.values()]
-    settled: dict[str, tuple[Callable[[Any], Figure], Any]] = {
+    every: dict[str, tuple[Callable[[Any], Figure], Any]] = {
         "settled_quantities": (draw_causes, card),
         "variance_shares": (draw_shares, card),
-    }
-    transient: dict[str, tuple[Callable[[Any], Figure], Any]] = {"rotor_velocity": (draw_velocities, motions)}
-    every = (settled if "cause" in card.dims else transient) | {
+        "rotor_velocity": (draw_velocities, motions),
         "contact_force": (draw_contact, motions),
         "tip_trajectory": (draw_paths, motions),
         "energy_flow": (draw_energy, card),
         "phase_portrait": (draw_phases, motions),
     }
+    other = {"rotor_velocity"} if "cause" in card.dims else {"settled_quantities", "variance_shares"}
     figures = {}
-    for name, (draw, subject) in every.items():
+    for name in [name for name in every if name not in other]:
+        draw, subject = every[name]
         with suppress(NotApplicableError):
             figures[name] = draw(subject)
             # The caption of the page.
@@ -141,8 +141,8 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     total, first = here["total_order"].values, here["first_order"].values
     needed(np.isfinite(total).all())
     order = np.argsort(-total[:, 0], kind="stable")
-    figure, (axes,) = drawing(1, 1, 0.9 + 0.36 * order.size)
-    place, count = np.arange(order.size), sample_count(data)
+    figure, axes, place = _bars(here["factor"].values[order], 0.9 + 0.36 * order.size)
+    count = sample_count(data)
     for rows, offset, label, number in ((total, -0.18, "with interactions", 0), (first, 0.18, "alone", 1)):
         known = ~np.array([unclear(*row[1:]) for row in rows[order]])
         share, low, high = rows[order][known].T
@@ -156,10 +156,17 @@ def draw_shares(data: xarray.Dataset) -> Figure:
     # Estimates and their intervals may exceed 0 and 1, by at most their width.
     left, right = axes.get_xlim()
     axes.set_xlim(min(left, 0.0), max(right, 1.0))
-    axes.set_yticks(place, here["factor"].values[order])
-    axes.invert_yaxis()
     axes.set_xlabel("share of the variance of the settled rotor velocity")
     return legend_above(figure, axes)
+
+
+def _bars(labels: Any, height: float) -> tuple[Figure, Any, Any]:
+    """Return a figure for horizontal bars, one for each label from the top down, and their places."""
+    figure, (axes,) = drawing(1, 1, height)
+    place = np.arange(len(labels))
+    axes.set_yticks(place, labels)
+    axes.invert_yaxis()
+    return figure, axes, place
 
 
 Motions = list[xarray.Dataset]
@@ -195,11 +202,8 @@ def contacts_of(motions: Motions) -> dict[int, Contact]:
 
     Impacts in a row, as of a rigid law with restitution, are one contact.
     """
-    touching = {
-        i: motion
-        for i, motion in enumerate(motions)
-        if {*CONTACTS, "normal_force", "friction_force"} <= motion.data_vars.keys()
-    }
+    names = {*CONTACTS, "normal_force", "friction_force"}
+    touching = {i: motion for i, motion in enumerate(motions) if names <= motion.data_vars.keys()}
     near = next((t for t in map(_last_whole_contact, touching.values()) if t is not None), None)
     if near is None:
         return {}
@@ -209,15 +213,11 @@ def contacts_of(motions: Motions) -> dict[int, Contact]:
     return {i: contact for i, contact in contacts.items() if contact.time.size >= SCARCE}
 
 
-def _starts_and_ends(motion: xarray.Dataset) -> tuple[Array, Array]:
-    starts = motion["start_time"].values
-    return starts, starts + motion["duration"].values
-
-
 def _last_whole_contact(motion: xarray.Dataset) -> float | None:
     """Return the touch-down of the strongest of the last contacts that the end does not truncate [s]."""
     end, period = float(motion["time"].values[-1]), motion.attrs["period"]
-    starts, ends = _starts_and_ends(motion)
+    starts = motion["start_time"].values
+    ends = starts + motion["duration"].values
     # The contact of the other laws, which touch at other times, must be whole as well.
     whole = np.flatnonzero((ends < end - 0.5 * period) & (starts > end - (PERIODS + 1.0) * period))
     whole = whole if whole.size else np.flatnonzero(ends < end)
@@ -226,7 +226,8 @@ def _last_whole_contact(motion: xarray.Dataset) -> float | None:
 
 def _impacts_in_a_row(motion: xarray.Dataset, near: float) -> tuple[float, float, float]:
     """Return start [s], duration [s] and peak force [N] of the contact that begins nearest to a time [s]."""
-    starts, ends = _starts_and_ends(motion)
+    starts = motion["start_time"].values
+    ends = starts + motion["duration"].values
     contact = np.append(0, np.cumsum(starts[1:] - ends[:-1] >= APART * motion.attrs["period"]))
     chosen = np.flatnonzero(contact == contact[np.argmin(np.abs(starts - near))])
     start, end = float(starts[chosen[0]]), float(ends[chosen[-1]])
@@ -337,8 +338,7 @@ def draw_energy(data: xarray.Dataset) -> Figure:
     work = data["drive_work"].values
     unit, scale = prefixed_unit(float(np.max(np.abs(work))), "J")
     labels = [fill(str(label), LONGEST_LABEL) for label in data["law"].values]
-    figure, (axes,) = drawing(1, 1, 1.2 + 0.42 * len(labels))
-    place = np.arange(len(labels))
+    figure, axes, place = _bars(labels, 1.2 + 0.42 * len(labels))
     energy = data["energy"].transpose("term", "law").values / scale
     gained, returned = (part.cumsum(axis=0) for part in (energy.clip(min=0), energy.clip(max=0)))
     starts = np.where(energy >= 0.0, gained, returned) - energy
@@ -349,8 +349,6 @@ def draw_energy(data: xarray.Dataset) -> Figure:
             axes.barh(place, part, left=starts[number], label=label, color=colour, **bar)
     mark = {"marker": "|", "markersize": 16.0, "markeredgewidth": 1.4, "color": "black"}
     axes.plot(work / scale, place, linestyle="", label="work of the drive", **mark)
-    axes.set_yticks(place, labels)
-    axes.invert_yaxis()
     span = "in one drive period" if "cause" in data.dims else "from the start to the end"
     axes.set_xlabel(f"energy {span} ({unit})")
     return legend_above(figure, axes, markerscale=0.45)

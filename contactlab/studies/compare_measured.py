@@ -6,7 +6,7 @@ the difference of two laws is one of pairs.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 from math import nan
 from pathlib import Path
@@ -59,15 +59,17 @@ class Measurement:
     @property
     def title(self) -> str:
         """Title of the file, or its name, without signs that end the name of a metric."""
-        attributes = {} if isinstance(self.data, MeasuredImpacts) else self.data.attributes
-        title = self.data.title if isinstance(self.data, MeasuredImpacts) else attributes.get("title")
-        return re.sub(r"[:;]|\. ", ",", str(title or Path(self.path).stem))
+        return re.sub(r"[:;]|\. ", ",", self._stated("title") or Path(self.path).stem)
 
     @property
     def source(self) -> str:
-        """Who has measured; empty where the file lacks it."""
-        data = self.data
-        return data.source if isinstance(data, MeasuredImpacts) else str(data.attributes.get("source", ""))
+        """Author of the measurements; empty where the file lacks it."""
+        return self._stated("source")
+
+    def _stated(self, name: str) -> str:
+        if isinstance(self.data, MeasuredImpacts):
+            return str(getattr(self.data, name))
+        return str(self.data.attributes.get(name) or "")
 
     @property
     def contents(self) -> str:
@@ -248,30 +250,26 @@ def _of_impacts(
     for i, j in permutations(range(known.size), 2):
         nearer[known[i], known[j]] = apart[j, i], *ends[j, i]
     about = measurement.title
-    rows = (
-        row(
-            measurement,
-            f"impact_error{mark}",
+    texts = {
+        "impact_error": (
             "mean of ||v+ - v+_law||_M / ||v-||_M",
             f"error of predicted impacts, less is better ({about}): of the velocities after, in the norm of "
             "the kinetic energy before",
         ),
-        row(
-            measurement,
-            f"impact_error_over_floor{mark}",
+        "impact_error_over_floor": (
             "mean error / mean error of the best admissible impulse",
             f"error over the least admissible one, less is better ({about}): that of impulses which do not "
             "pull, close or gain energy; 1 is the best",
-            absent=CANNOT_TELL if bounded else NOT_APPLICABLE,
         ),
-        row(
-            measurement,
-            f"nearest_impacts{mark}",
+        "nearest_impacts": (
             "share of impacts with error < least error of the other laws",
             f"share of impacts that no other law predicts as well, more is better ({about})",
         ),
-    )
-    return Measured(measurement, rows, values, spread, nearer, tuple(notes))
+    }
+    rows = [row(measurement, f"{key}{mark}", *text) for key, text in texts.items()]
+    if not bounded:
+        rows[1] = replace(rows[1], absent=NOT_APPLICABLE)
+    return Measured(measurement, tuple(rows), values, spread, nearer, tuple(notes))
 
 
 def _of_series(
@@ -305,18 +303,10 @@ def _of_series(
     return Measured(measurement, tuple(rows), values, np.full_like(values, nan), nothing, tuple(notes))
 
 
-def row(
-    measurement: Measurement,
-    key: str,
-    symbol: str,
-    meaning: str,
-    units: str = "1",
-    *,
-    absent: str = CANNOT_TELL,
-) -> Metric:
+def row(measurement: Measurement, key: str, symbol: str, meaning: str, units: str = "1") -> Metric:
     """Return a row of the scorecard whose values come from measurements and not from a run."""
     source = "; ".join(filter(None, (measurement.title, measurement.source)))
-    return Metric(key, _not_of_a_run, symbol, meaning, units, source=source, absent=absent)
+    return Metric(key, _not_of_a_run, symbol, meaning, units, source=source, absent=CANNOT_TELL)
 
 
 def _not_of_a_run(_: object) -> float:

@@ -228,21 +228,8 @@ class Reruns:
                 return
         if refine and "friction" not in parts:
             self.notes.append(f"{self.label} has no friction coefficient to change.")
-        if transient:
-            self._compare_with_record()
         if "starts" in parts:
             if failure := _failure_of(parts["starts"], False):
                 self.notes.append(f"{self.label} fails from other starts: {failure}")
             else:
                 self.states["starts"] = means_in(parts["starts"])
-
-    def _compare_with_record(self) -> None:
-        """Note a rerun at the recorded step that differs from the record."""
-        if not self.steps or not self.run.holds("rotor_velocity"):
-            return
-        old, new = (float(run.columns["rotor_velocity"][-1]) for run in (self.run, self.steps[0][1]))
-        if abs(old - new) > 1e-9 * max(abs(old), abs(new)):
-            self.notes.append(
-                f"{self.label}: a rerun ends at {new:.9g} rad/s, its record at {old:.9g} rad/s: another "
-                "version of the code made it. The reruns are compared."
-            )

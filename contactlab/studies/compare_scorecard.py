@@ -190,8 +190,8 @@ def with_causes(
     data: xarray.Dataset,
     laws: Sequence[Reruns],
     factors: Sequence[Factor],
-    draws: Array | None,
-    drawn_values: Array | None,
+    draws: Array,
+    drawn_values: Array,
     ranges: Collection[str],
 ) -> xarray.Dataset:
     """Add the effect of each cause on settled motors.
@@ -200,7 +200,7 @@ def with_causes(
         data: the scorecard.
         laws: in its order.
         factors: what can be drawn; none where nothing was refined.
-        draws: shape (draw, factor); None where nothing was drawn.
+        draws: shape (draw, factor); without rows where nothing was drawn.
         drawn_values: shape (law, draw, quantity), NaN where a draw is of another law or has no steady state.
         ranges: keys whose range is an option.
 
@@ -212,8 +212,7 @@ def with_causes(
     least = np.full((len(laws), len(CAUSES), len(QUANTITIES)), np.nan)
     greatest = least.copy()
     for number, law in enumerate(laws):
-        values = None if drawn_values is None or draws is None else drawn_values[number]
-        for cause, change in _changes(law, factors, draws, values).items():
+        for cause, change in _changes(law, factors, draws, drawn_values[number]).items():
             # A law without contact has no stick share, and nothing changes it.
             known = np.isfinite(change).any(axis=0)
             value, at = law.means[-1].values[known], CAUSES.index(cause)
@@ -238,7 +237,7 @@ def with_causes(
     )
     data.attrs["first"] = "\n".join(_first_sentences(laws))
     data.attrs["parameters"] = listed_ranges([f for f in factors if f.keys]) or "nothing"
-    if draws is None or drawn_values is None:
+    if not draws.size:
         return data
     order = ("quantity", "factor", "estimate")
     name = "share of the variance of a quantity, with its 95 % interval: the factor "
@@ -261,9 +260,7 @@ def with_causes(
     )
 
 
-def _changes(
-    law: Reruns, factors: Sequence[Factor], draws: Array | None, values: Array | None
-) -> dict[str, Array]:
+def _changes(law: Reruns, factors: Sequence[Factor], draws: Array, values: Array) -> dict[str, Array]:
     """Return changes of the quantities by cause, shape (change, quantity); a cause may be unknown."""
     if not law.steps or not law.means:
         return {}
@@ -278,7 +275,7 @@ def _changes(
     if factors and not any(factor.keys for factor in factors):
         # All parameters are known exactly.
         changes[PARAMETERS] = np.zeros((1, len(QUANTITIES)))
-    if draws is not None and values is not None:
+    if draws.size:
         basis = draws[:, [factor.name for factor in factors].index(BASIS)]
         known = ~np.isnan(values).all(axis=1)
         # On each basis, relative to the value there.

@@ -1,4 +1,4 @@
-"""Make docs/plausibility.md from the metrics' own words.
+"""Make docs/plausibility.md from the declarations of the metrics.
 
     python docs/tools/metric_page.py [--output DIR]
 
@@ -21,14 +21,14 @@ OPENING = """\
 <!-- Made by docs/tools/metric_page.py from the metrics themselves. Do not edit. -->
 
 What `contactlab.metrics` and `contactlab compare` judge a contact law by, from recorded numbers alone.
-A threshold comes with its reason; a metric without one is reported. What a dataset does not have makes the
-metrics that need it not applicable.
+A threshold comes with its reason; a metric without one is reported. Metrics that need quantities missing from
+a dataset are reported as not applicable.
 """
 
 TABLES = {
-    "Of one run (`assess`)": METRICS,
-    "Of a ladder of contact steps or tolerances (`assess_steps`)": STEP_METRICS,
-    "Of a run and its variants (`assess_variants`)": SENSITIVITIES,
+    "One run (`assess`)": METRICS,
+    "A hierarchy of contact steps or tolerances (`assess_steps`)": STEP_METRICS,
+    "A run and its variants (`assess_variants`)": SENSITIVITIES,
 }
 
 

@@ -66,8 +66,8 @@ def test_a_resonator_without_contact_takes_the_current_of_its_admittance() -> No
 @pytest.mark.parametrize("basis", BASES)
 def test_both_bases_have_the_clamped_capacitance_of_two_layers(basis: str) -> None:
     result = cl.build([f"resonator={basis}", "piezoceramic.permittivity=6e-9"]).motor.modes.capacitance
-    one_layer = 6e-9 * 16e-3 * (10.146e-3 - 0.914e-3) / 1e-3
-    assert result == pytest.approx(2.0 * one_layer * np.eye(2))
+    layer = 6e-9 * 16e-3 * (10.146e-3 - 0.914e-3) / 1e-3
+    assert result == pytest.approx(2.0 * layer * np.eye(2))
 
 
 def test_a_dielectric_turns_its_loss_tangent_into_heat_that_the_source_pays() -> None:

@@ -194,7 +194,7 @@ def test_the_command_leaves_page_figure_and_dataset_that_agree(command: Command,
 
 
 @pytest.mark.parametrize(
-    ("words", "key"),
+    ("overrides", "key"),
     [
         (("--law", "newton"), "--law"),
         (("law=newton,nothing",), "nothing"),
@@ -204,9 +204,9 @@ def test_the_command_leaves_page_figure_and_dataset_that_agree(command: Command,
     ],
 )
 def test_the_command_refuses_by_the_key(
-    command: Command, tmp_path: Path, words: tuple[str, ...], key: str
+    command: Command, tmp_path: Path, overrides: tuple[str, ...], key: str
 ) -> None:
-    status, _, err = command("characterise", *words, f"output={tmp_path / 'sheet'}")
+    status, _, err = command("characterise", *overrides, f"output={tmp_path / 'sheet'}")
     assert status == 2
     assert key in err
     assert not (tmp_path / "sheet").exists()

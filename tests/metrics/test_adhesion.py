@@ -19,7 +19,7 @@ FORCES = (0.0, 2.0, 4.0, 2.0, -1.0, -0.5, -0.25)
 """It pulls before it lets go."""
 
 
-def made(normal: str, friction: str, friction_force: float = 0.0, **given: float) -> Run:
+def made(normal: str, friction: str, friction_force: float = 0.0, **parameters: float) -> Run:
     """A run of a composed law with seven records, in contact from the second on."""
     force = np.array(FORCES)
     columns = {
@@ -36,7 +36,7 @@ def made(normal: str, friction: str, friction_force: float = 0.0, **given: float
         rows=rows,
         configuration={"law": chosen, "contact": {"friction_coefficient": 0.3}},
         law="composed",
-        law_parameters={f"friction.{name}": value for name, value in given.items()},
+        law_parameters={f"friction.{name}": value for name, value in parameters.items()},
         contact_step=0.0,
     )
 
@@ -48,13 +48,13 @@ class Dent(NormalForce):
 
 
 def of_normal(part: type[NormalForce]) -> Run:
-    """The same of a normal force by its class, with Coulomb's friction."""
+    """A run with a normal force by its class and Coulomb's friction."""
     run = made("hertz_point", "coulomb")
     run.__dict__["law_classes"] = {"normal": part, "friction": Coulomb}
     return run
 
 
-def found(run: Run, key: str) -> float:
+def value_of(run: Run, key: str) -> float:
     return measured(METRICS, run, (key,))[key]
 
 
@@ -67,7 +67,7 @@ def test_a_pull_is_held_against_a_law_that_declares_none_and_its_reach_likewise(
 ) -> None:
     run = of_normal(normal)
     for key, judged in (("tension", tension), ("force_at_distance", force_at_distance)):
-        value = found(run, key)
+        value = value_of(run, key)
         assert isnan(value) != judged
         assert (METRICS[key].verdict(value) == NOT_APPLICABLE) != judged
         if judged:
@@ -80,7 +80,7 @@ def test_cohesion_that_is_declared_widens_the_cone() -> None:
     # 0.3 of 4 N, and of 2 N more.
     for friction, narrow, wide in ((1.1, True, True), (1.5, False, True), (2.0, False, False)):
         for name, values, inside in (("coulomb", {}, narrow), ("cohesive", {"cohesion": 2.0}, wide)):
-            value = found(made("hertz_point", name, friction, **values), "cone_excess")
+            value = value_of(made("hertz_point", name, friction, **values), "cone_excess")
             assert (value == 0.0) is inside
 
 
@@ -94,14 +94,14 @@ def test_a_static_ratio_is_that_of_the_law_whoever_declares_it() -> None:
 def test_where_adhesion_begins_to_pull_a_mean_is_not_held_to_the_cone() -> None:
     run = of_normal(Jkr)
     run.columns["friction_force"][[1, 3, 4]] = 10.0
-    assert found(run, "cone_excess") == 0.0
+    assert value_of(run, "cone_excess") == 0.0
     run.columns["friction_force"][2] = 10.0
-    assert found(run, "cone_excess") > METRICS["cone_excess"].bound
+    assert value_of(run, "cone_excess") > METRICS["cone_excess"].bound
 
 
 def test_an_overlap_that_a_law_says_is_no_contact_is_no_missed_one() -> None:
     for part, judged in ((HertzPoint, True), (Dent, False)):
         run = of_normal(part)
         run.columns["contact_mode"] = np.zeros(7)
-        assert isnan(found(run, "missed_contact")) != judged
+        assert isnan(value_of(run, "missed_contact")) != judged
         assert declares(part, "limits") != judged

@@ -25,7 +25,7 @@ from support.plausibility_trees import (
 from contactlab.laws import hertz_stiffness
 from contactlab.metrics import FAIL, METRICS, SENSITIVITIES, STEP_METRICS, Metric, assess
 
-ANSWERS = {
+EXPECTED = {
     "energy_residual": 0.0,
     "rotor_momentum": 0.0,
     "impulse_balance": 0.0,
@@ -102,15 +102,15 @@ def sticking(first: float, inside: float) -> dict[str, np.ndarray]:
     return with_records("contact_mode", stuck, 2.0) | {"slip_velocity": slip}
 
 
-def one_peak() -> np.ndarray:
+def single_peak() -> np.ndarray:
     return with_records("gap", slice(None), 0.0)["gap"] + (np.arange(TIME.size) == FIRST + 1)
 
 
 def test_every_metric_is_measured_and_an_honest_dataset_fails_none() -> None:
     result = assess(tree())
     assert list(result) == list(METRICS)
-    for key, answer in ANSWERS.items():
-        assert result[key] == pytest.approx(answer, rel=1e-12, abs=1e-14, nan_ok=True), key
+    for key, expected in EXPECTED.items():
+        assert result[key] == pytest.approx(expected, rel=1e-12, abs=1e-14, nan_ok=True), key
     assert failed(result) == []
 
 
@@ -134,12 +134,12 @@ DAMPED = {"configuration": configured("rotor", damping=0.75)}
 PULL = with_records("normal_force", FIRST + LONG, -3.0)
 IN_STEP = series()["friction_loss"] - 0.125 * (TIME[FIRST] < TIME)
 ITS_OWN = {"slip_velocity": TIME[FIRST] + 0.5 / INTERVALS - TIME}
-SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force": one_peak()}
+SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force": single_peak()}
 """The gap falls and rises as fast as it may close within an interval."""
 
 
 @pytest.mark.parametrize(
-    ("given", "key", "answer", "fails"),
+    ("arguments", "key", "expected", "fails"),
     [
         # Energy that the terms do not explain is a share of the drive work.
         ({"changes": {"kinetic_energy": ENERGY}}, "energy_residual", 0.05, ["energy_residual"]),
@@ -218,14 +218,14 @@ SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force"
         ({"changes": {"load_work": -2.0 * TIME}}, "efficiency", nan, None),
         # The bandwidth of a sine is its frequency; 1 + 2 k of 128 equal shares of a peak lie up to line k.
         ({"changes": {"normal_force": np.cos(2.0 * np.pi * 16.0 * TIME)}}, "force_bandwidth", 16.0, None),
-        ({"changes": {"normal_force": one_peak()}}, "force_bandwidth", 63.0, None),
+        ({"changes": {"normal_force": single_peak()}}, "force_bandwidth", 63.0, None),
     ],
 )
 def test_a_change_has_its_answer_and_fails_no_other_line(
-    given: dict[str, Any], key: str, answer: float, fails: list[str] | None
+    arguments: dict[str, Any], key: str, expected: float, fails: list[str] | None
 ) -> None:
-    result = assess(tree(**given))
-    assert result[key] == pytest.approx(answer, rel=1e-12, abs=1e-14, nan_ok=True)
+    result = assess(tree(**arguments))
+    assert result[key] == pytest.approx(expected, rel=1e-12, abs=1e-14, nan_ok=True)
     assert fails is None or failed(result) == fails
 
 

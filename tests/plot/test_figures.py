@@ -209,7 +209,7 @@ def test_the_same_run_leaves_the_same_picture(tree: xarray.DataTree, tmp_path: P
 
 
 def test_the_velocity_panel_says_whether_the_run_has_settled_and_shows_to_what() -> None:
-    """Of a rotor that comes to -2 rad/s by itself, to which its records give the estimate a line."""
+    """The rotor approaches -2 rad/s exponentially."""
     whole = synthetic_trajectory(duration=0.05, interval=1e-5, contact=False)
     gone = np.exp(-whole.time / 0.01)
     series = whole.series | {

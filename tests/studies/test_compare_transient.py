@@ -118,17 +118,6 @@ def test_impacts_in_a_row_are_one_contact(tmp_path: Path) -> None:
 
 
 @pytest.mark.long
-def test_runs_that_never_touch_or_hardly_record_are_compared(tmp_path: Path) -> None:
-    free = leave(tmp_path / "free", "hertz_penalty", contact__clearance=1e-3)
-    cl.compare(free, output=tmp_path / "one", transient=True)
-    assert not (tmp_path / "one" / "contact_force.png").exists()
-    assert (tmp_path / "one" / "rotor_velocity.png").exists()
-    coarse = leave(tmp_path / "coarse", "lagrange_slip", record__interval=5e-4)
-    cl.compare(coarse, output=tmp_path / "two", refine=False, transient=True)
-    assert (tmp_path / "two" / "report.html").exists()
-
-
-@pytest.mark.long
 def test_motors_without_friction_are_compared(tmp_path: Path) -> None:
     """Their rotor stays at rest, without an error that a logarithmic axis could show."""
     smooth = [leave(tmp_path / law, law, contact__friction_coefficient=0.0) for law in LAWS[1:]]
@@ -197,13 +186,6 @@ def test_runs_in_memory_are_compared(sweep: Path) -> None:
     assert energy_flow(Run.of(trees[2]))["contact_loss"] == 0.0
     with pytest.raises(cl.ComparisonError):
         cl.compare([])
-
-
-def test_a_run_of_another_version_of_the_code_is_noted(tmp_path: Path) -> None:
-    folder = leave(tmp_path / "run", "hertz_penalty")
-    with netCDF4.Dataset(folder / "run.nc", "a") as file:
-        file["rotor_velocity"][-1] = 7.0
-    assert "7 rad/s" in cl.compare(folder, transient=True).data.attrs["notes"]
 
 
 def test_richardson_gives_the_error_of_a_known_series() -> None:
