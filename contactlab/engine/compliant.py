@@ -152,8 +152,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
 def _highest_coefficient(run: Run, level: int) -> float:
     """Return the highest coefficient of the friction [N], in rigid stick without that of the slip residue.
 
-    Of the slip v_0 that the step before left, the nodes leave the share prod(1 - x/c_i), by an impulse
-    v_0/D_tt that does not shrink with the step: no shorter step is more accurate.
+    The residue v_0 of the step before takes the impulse v_0/D_tt, whatever the length of the step.
     """
     highest = float(run.state.friction.coefficient[NODES - 1])
     if run.state.friction_kind != SET_VALUED:
@@ -199,12 +198,10 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
 
 @inner_kernel
 def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
-    """Iterate the nodal forces of a step, starting from those that stand.
+    """Iterate the nodal forces of a step; returns the number of sweeps, 0 where it does not contract.
 
-    Rate-dependent friction may begin `held`, with what would hold the slip at zero: friction that rises
-    steeply from there and then levels off is solved from its steep part, by steps that fall short; from its
-    level part they would leap over it, to and fro. Returns the sweeps that were needed, or 0
-    where the iteration does not contract.
+    Rate-dependent friction may begin `held`, with the friction of zero slip: Newton's method then converges
+    from the steep part of the law, where from the level part it would alternate.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
     sign, kind, sticks = float(state.sign), state.friction_kind, state.mode == STICK
@@ -248,10 +245,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
 
 @merged_kernel
 def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
-    """Set the motion of node i under the present forces, and the law's answer to it.
-
-    Gives the change of its moments, as a force on the rotor [N].
-    """
+    """Set motion and forces of node i; returns the change of its moments as a force on the rotor [N]."""
     state, step, results = run.state, run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
     u, th = step.u[i], step.th[i]
@@ -343,10 +337,7 @@ def step_compliant(run: Run, law: Law) -> int:
 def _solve(
     run: Run, law: Law, gap: float, rate: float, slip: float, known: Known
 ) -> tuple[int, float, float]:
-    """Shorten a step until it is right; gives its level, error over the tolerance and first normal force.
-
-    UNSOLVED where no step, however short, satisfies the law.
-    """
+    """Shorten a step until it is accepted; returns its level, relative error and first normal force."""
     state, step, rule = run.state, run.step, run.propagator.rule
     level = _separation_level(
         run, gap - end_at(run, law, law.memory, rate), rate, max(abs(known[0]), known[1])
@@ -383,10 +374,9 @@ def _solve(
 
 @part_kernel
 def _guess(run: Run, known: Known) -> None:
-    """Make `taken` the place x = s/h of the step's start on the force polynomial that stands.
+    """Make `taken` the place x = s/h of the step's start on the force polynomial of the step before.
 
-    The first attempt continues the step before; every further one starts on its own forerunner, at
-    x = 0. Where there is no such step, or a coarser one is to follow, the forces start constant.
+    Where there is no such step, or a coarser one is to follow, the forces start constant.
     """
     state = run.state
     if state.contact.duration > 0.0 and state.level >= state.level_before:
@@ -429,10 +419,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
 
 @merged_kernel
 def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
-    """Return the level that walks up to a release instead of stepping over it while the force matters.
-
-    The gap is that over the one at which the contact ends [m].
-    """
+    """Return the level that approaches a release at a gap [m] below its own while the force matters."""
     state, level = run.state, run.state.level
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
@@ -447,14 +434,11 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
 
 @merged_kernel
 def _impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: float) -> float:
-    """Return the impulse [N s] that an error in a contact which begins now is measured by.
+    """Return the impulse [N s] that scales errors in a contact which begins now.
 
-    That is what the tip brings, over its mobility D_nn [1/kg]: its approach at a gap rate [m/s], what
-    vibrates in its modes, and what drive and weight add in one step; not the steady state's motion, as that
-    of a lightly damped resonance is far from where the motor is. A contact so soft that it cannot take as
-    much has what its force at the end of the tip's reach gives in half a swing, down to where an error is
-    round-off of the tip's own motion. A start that is pressed in has at least its normal force's impulse in
-    one step, be there motion or not.
+    It is the speed of the tip over its mobility D_nn [1/kg]: gap rate, vibration of its modes, and what drive
+    and weight add in one step. For a soft contact it is the impulse of half a swing to the end of the tip's
+    reach, down to round-off of the tip's motion; for a start under load at least that of one step.
     """
     state, plant = run.state, run.plant
     h = step_length(run.propagator, run.propagator.rule.contact_level)
@@ -511,11 +495,9 @@ def _switch(state: Any, event: int, friction: float) -> None:
 def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) -> bool:
     """Return whether the step contradicts its own friction mode at its start; the other mode is then set.
 
-    Stick stands where the friction that it demands at that instant lies within `bound` of `bias` [N] at that
-    instant; outside it the contact slips against the demand. The first node alone does not decide: by then a
-    growing normal force may have closed the cone over the demand. An excess counts by the impulse that it
-    has over the step, beyond the error of the demand. Slip that starts from zero into the wrong direction
-    must stick. Rate-dependent friction has no modes.
+    Stick is valid if its friction lies within `bound` of `bias` [N] at the start, not only at the first node;
+    an excess counts by its impulse over the step, beyond the error of the friction. Slip that starts from
+    zero into the wrong direction must stick. Rate-dependent friction has no modes.
     """
     state, step = run.state, run.step
     friction, sticks = state.friction.node[0] - state.bias.node[0], state.mode == STICK

@@ -1,7 +1,4 @@
-"""How a run ended, in a sentence: the value, the bound and the way out.
-
-Evaluator after the run has ended, at the state it ended in, so that a run that goes on pays nothing for it.
-"""
+"""How a run ended, in a sentence: the value, the bound and the way out."""
 
 from collections.abc import Callable
 from functools import partial
@@ -151,8 +148,7 @@ NEGLIGIBLE: Final = 1e-6
 def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8], turned_over: float) -> float:
     """Return how far the ledger opens between flight and contact, over what a contact stores and loses [1].
 
-    A stored energy that does not fit the force is missing from the ledger while the contact lasts and back at
-    its end, where the share in all that the run has turned over is small. Rigid laws store nothing.
+    A stored energy that contradicts the force is missing from the ledger only while the contact lasts.
     """
     stored, residual = series["contact_energy"], series["energy_residual"]
     touches = modes != FREE

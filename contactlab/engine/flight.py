@@ -130,10 +130,9 @@ def step_flight(run: Run, law: Law) -> int:
 
 @part_kernel
 def _certain_opening(gap: float, rate: float, bound: float, h: float, coarse: float) -> float:
-    """Return the time up to which the gap only widens and at which it is open, in (0, h); zero where unknown.
+    """Return the time in (0, h) up to which the gap certainly widens and is then open; zero where unknown.
 
-    The gap lies above gap + rate s - B s^2/2, whose highest point this is: a release whose own gap
-    is lost in round-off is well clear there, before it could close again.
+    It is the highest point of gap + rate s - B s^2/2, a lower bound of the gap.
     """
     certain = 0.0 < rate < bound * h and gap + 0.5 * rate * rate / bound > coarse * ROUND_OFF
     return rate / bound if certain else 0.0

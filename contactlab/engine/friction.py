@@ -30,10 +30,10 @@ NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
 
 LEAST_SLIP, LEAST_INTERNAL = 1e-4, 1e-9
-"""What that is relative to near zero [m/s], and for a stretch [m]."""
+"""Scales of these differences near zero: slip [m/s] and stretch [m]."""
 
 HELD_SLIP = 1e-9
-"""The same for slip that steep friction holds near zero [m/s]: its difference is the slip's round-off."""
+"""Slip scale of the finite difference where steep friction keeps the slip near zero [m/s]."""
 
 
 @part_kernel
@@ -106,11 +106,7 @@ def _internal_rate(run: Run, i: int) -> float:
 
 @inner_kernel
 def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float, float, float, float, float]:
-    """Return friction f [N] and rate g of the coupled variable at node i, and their derivatives.
-
-    These are f_v, f_z, g_v, g_z by slip and variable, differences over a slip of at least about `least`
-    [m/s].
-    """
+    """Return friction f [N], rate g of the coupled variable, and f_v, f_z, g_v, g_z at node i."""
     state, step = run.state, run.step
     gap, rate, slip = step.gap[i], step.gap_rate[i], step.slip[i]
     z = step.memory[i, 0] if state.coupled != 0 else 0.0

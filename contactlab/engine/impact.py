@@ -45,7 +45,7 @@ STEP_SHARE: Final = 0.5
 """Longest step in the same unit."""
 
 HALVINGS: Final = 70
-"""Of a depth of a metre, below which no stop is looked for: down to 1e-21 m."""
+"""Number of halvings, from 1 m, in the search for the penetration that stops the impact."""
 
 NO_END: Final = 2**62
 """Steps that an impact may take: those of a pace are counted by the engine."""
@@ -166,10 +166,9 @@ def _rows(contact: Array) -> tuple[float, float, float]:
 
 @merged_kernel
 def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
-    """Return a unit of time for an impact [s], from the law's own force.
+    """Return a unit of time for an impact [s], sqrt(2 d / (D_nn N)) with the largest force N down to d.
 
-    At the depth d the force at the speed of the approach, times d, is the energy u_n^2 / (2 D_nn) of the
-    approach. The unit is sqrt(2 d / (D_nn N)), where N is the largest force down to there, be it a pull.
+    At the depth d the force at the speed of the approach, times d, is its energy u_n^2 / (2 D_nn).
     """
     for k in range(run.state.variables):
         law.row[HEAD + k] = run.step.memory_first[k]

@@ -155,11 +155,7 @@ def _release(run: Run, law: Law, ends: Array) -> None:
 
 @inner_kernel
 def _is_contact(run: Run) -> bool:
-    """Return whether what ends here was a contact: it took time, and more than none if it gave no impulse.
-
-    A tip that starts on the rotor at rest, or grazes it, may touch by round-off for a moment that is
-    shorter than any step is taken for: it leaves as it came, and nothing was exchanged.
-    """
+    """Return whether what ends here was a contact, and not a touch by round-off without impulse."""
     contact, rule = run.state.contact, run.propagator.rule
     if contact.normal_impulse != 0.0 or contact.friction_impulse != 0.0:
         return bool(contact.duration > 0.0)

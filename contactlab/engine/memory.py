@@ -485,10 +485,7 @@ def note_release(run: Run, law: Law, memory: Memory | None) -> None:
 
 @inner_kernel
 def _is_clear(run: Run, law: Law, memory: Memory | None) -> bool:
-    """Set where the next contact begins; returns whether the gap is clear of where a first one would.
-
-    The variables of a first contact stand BETWEEN.
-    """
+    """Set where the next contact begins; returns whether the gap exceeds that of a first one (BETWEEN)."""
     if memory is None or run.state.limited == 0:
         return True
     state = run.state

@@ -26,8 +26,8 @@ RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
 
 NEARLY_RESONANT = 1e-2
-"""The same number below which a steady state is not split off: it would be fifty times and more what moves
-a mode that rests, and its round-off that of the gap."""
+"""Relative detuning below which the particular solution is not subtracted: its amplitude would swamp the gap
+in round-off."""
 
 STEP_LIMIT = 20_000
 """Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
@@ -139,23 +139,18 @@ def persisting_rates(stiffness: Array, damping: Array) -> Array:
     return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
 
 
-def motion_rate(plant: Plant) -> float:
-    """Return the faster rate [rad/s] of fastest tone with an amplitude and slowest mode; else zero."""
+def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
+    """Return the window of the stall watchdog [s], and the number of steps in contact that it allows.
+
+    The window is a period of the fastest tone or the slowest mode, whichever is faster, and at most the run.
+    Of a rigid law it is long enough for an event every fifth step to be chatter, up to five periods; where
+    nothing vibrates it follows the contact step.
+    """
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
     fastest = plant["tones"]["omega"][loud].max(initial=0.0)
-    return float(max(fastest, slowest if slowest < np.inf else 0.0))
-
-
-def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
-    """Return the time that a run is watched over [s], and the steps in contact beyond which it stalls there.
-
-    That is a period of what makes its contacts, but no longer than the run. A rigid contact lasts a step at
-    least, and the flight after it longer: its window is long enough for an event every fifth step to be
-    chatter, if that is far from a few periods. Where nothing has a period, the step says what is often.
-    """
-    rate = motion_rate(plant)
+    rate = float(max(fastest, slowest if slowest < np.inf else 0.0))
     window = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
     if rate > 0.0:
         period = 2.0 * pi / rate

@@ -1,4 +1,4 @@
-"""What runs need before their first step: a law taken in, a plant, step responses, a loop and a state."""
+"""Preparation of a run: checks, bound law, plant, step responses, compiled loop and state."""
 
 from collections import deque
 from collections.abc import Callable
@@ -127,16 +127,6 @@ def check_tolerance(law: ContactLaw, tolerance: float | None) -> None:
         raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
 
 
-def check_rates(plant: Plant, duration: float) -> None:
-    """Refuse a motor that moves too fast for the clock of its run, by a ValueError."""
-    rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
-    if rate > most:
-        raise ValueError(
-            f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
-            f"{most:.3g} rad/s. Leave it out, or run shorter."
-        )
-
-
 def memory_mark(law: ContactLaw) -> int:
     """Return a number that identifies the internal variables of a law; zero for none."""
     names = ",".join(f"{each.name} {each.life}" for each in law.internal_variables)
@@ -193,30 +183,6 @@ def kind_of(bound: Bound, impacts: bool) -> str:
     return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
 
 
-def prepare_loop(bound: Bound, *arguments: Any) -> None:
-    """Compile the loop for a kind of law, or load its code; `arguments` are those before the parameters."""
-    run, impacts = arguments[0], arguments[4]
-    kind = kind_of(bound, impacts is not None)
-    room = kind, run.plant["phasors"].shape
-    if INTERPRETED or room in _compiled:
-        return
-    # Left to itself the compiler would take each law for a type of its own.
-    kernels = [
-        numba.types.none if each is None else numba.types.FunctionType(signature)
-        for each, signature in zip(bound.kernels, SIGNATURES.values(), strict=True)
-    ]
-    row = SIGNATURES["force"].args[-1]
-    rows = row, row.copy(readonly=False)
-    whole, none = numba.types.int64, numba.types.none
-    marks = whole if impacts is None else none, whole if bound.kernels[2] is None else none
-    loop: Any = advance
-    with telling(kind, SECONDS[kind]):
-        loop.disable_compile(False)
-        loop.compile((*map(numba.typeof, arguments), *rows, *marks, *kernels))
-        loop.disable_compile()
-    _compiled.add(room)
-
-
 @kernel
 def advance(
     run: Run,
@@ -239,12 +205,11 @@ def advance(
 ) -> None:
     """Run a law, start after start, until the end, an ending, full contact storage or so many steps.
 
-    States, shape (start,), and motions, shape (start, q or v, coordinate), take the place of the run's own.
-    Call it again to go on: they and the records hold all that there is, however often a run is cut. With
-    impacts these are integrated, see `contactlab.engine.impact`.
+    States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
+    that another call continues the runs. Impacts are integrated instead where there are any.
 
-    It is compiled once for each combination of arguments that are None: impacts or budget, `solve` of
-    compliant laws or `compliant` of rigid ones, and the last five kernels of laws that are plain.
+    Compiled once for each combination of None: impacts or budget, `solve` of compliant laws or `compliant` of
+    rigid ones, and the last five kernels of laws without internal variables.
     """
     law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:
@@ -283,7 +248,7 @@ LawErrors = Callable[[], AbstractContextManager[None]]
 
 @final
 class Prepared(NamedTuple):
-    """A motor and a law that are ready to run: memory, kernels and the numbers of the run."""
+    """A motor and a law that are ready to run."""
 
     law: ContactLaw
     duration: float
@@ -311,8 +276,26 @@ class Prepared(NamedTuple):
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
-        motions = np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0)
-        prepare_loop(self.bound, run, *motions, impacts)
+        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts
+        kind = kind_of(self.bound, impacts is not None)
+        room = kind, run.plant["phasors"].shape
+        if INTERPRETED or room in _compiled:
+            return
+        # Left to itself the compiler would take each law for a type of its own.
+        kernels = [
+            numba.types.none if each is None else numba.types.FunctionType(signature)
+            for each, signature in zip(self.bound.kernels, SIGNATURES.values(), strict=True)
+        ]
+        row = SIGNATURES["force"].args[-1]
+        rows = row, row.copy(readonly=False)
+        whole, none = numba.types.int64, numba.types.none
+        marks = whole if impacts is None else none, whole if self.bound.kernels[2] is None else none
+        loop: Any = advance
+        with telling(kind, SECONDS[kind]):
+            loop.disable_compile(False)
+            loop.compile((*map(numba.typeof, arguments), *rows, *marks, *kernels))
+            loop.disable_compile()
+        _compiled.add(room)
 
     def advance(
         self,
@@ -323,7 +306,7 @@ class Prepared(NamedTuple):
         budget: int,
         impacts: ImpactBatch | None = None,
     ) -> None:
-        """Let runs go on by a number of steps each, see `contactlab.engine.preparation`."""
+        """Continue runs by a number of steps each."""
         self.prepare_loop(run, impacts)
         with self.errors():
             rows = self.parameters, self.row
@@ -337,11 +320,7 @@ class Prepared(NamedTuple):
             return explain(run, self.bound.kernels, self.parameters, self.contact_step)
 
     def begin_with(self, state: Any, memory: Array | None) -> None:
-        """Set the internal variables whose life is the run, in a state in free flight that `set_up` made.
-
-        The gap at which the next contact begins, and what the law stores until then, follow from them. None
-        leaves them as they are.
-        """
+        """Set the internal variables of the run, unless None, in a state in free flight from `set_up`."""
         if memory is None:
             return
         lasting = [i for i, each in enumerate(self.law.internal_variables) if each.life == "run"]
@@ -360,9 +339,9 @@ class Prepared(NamedTuple):
         self.row[HEAD : HEAD + count] = state["memory"][:count]
 
     def set_up(self, state: Any, interval: float) -> None:
-        """Set clock, grid of records, ladder, pace and what the kernels know of a law beside its own.
+        """Initialise time, output grid, step sizes, watchdog, internal variables and law flags.
 
-        On another ladder than before, the next step is the first of its kind.
+        If the step sizes changed, the step-size control is restarted.
         """
         law, rule = self.law, self.propagator.rule
         begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
@@ -378,7 +357,15 @@ class Prepared(NamedTuple):
             state["level_before"] = state["level"] + 1
             state["longest"], state["contact_level"] = rule.longest, rule.contact_level
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
-        self._set_memory(state)
+        state["variables"], state["guards"] = len(law.internal_variables), law.guards
+        # Internal variables continue under the same law, and are initialised under another.
+        if state["memory_of"] != (whose := memory_mark(law)):
+            state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
+            state["memory"][: len(law.internal_variables)] = [each.initial for each in law.internal_variables]
+        self._recall(state)
+        if not state["kept"] and self.bound.kernels[LIMITS] is not None:
+            with self.errors():
+                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
         state["coupled"] = state["moments"] = 0
         if isinstance(law, PenaltyLaw):
             state["friction_kind"], state["coupled"] = law.friction_kind, law.coupled
@@ -392,18 +379,6 @@ class Prepared(NamedTuple):
         pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
-
-    def _set_memory(self, state: Any) -> None:
-        """Let what is remembered go on, or begin where it is another law's."""
-        law = self.law
-        state["variables"], state["guards"] = len(law.internal_variables), law.guards
-        if state["memory_of"] != (whose := memory_mark(law)):
-            state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
-            state["memory"][: len(law.internal_variables)] = [each.initial for each in law.internal_variables]
-        self._recall(state)
-        if not state["kept"] and self.bound.kernels[LIMITS] is not None:
-            with self.errors():
-                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
 
 
 def prepared(
@@ -422,7 +397,12 @@ def prepared(
     check_numbers(law, duration, interval, contact_step, tolerance)
     parameters, row, bound, errors = take_in(law)
     plant = plant_of(motor)
-    check_rates(plant, duration)
+    rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
+    if rate > most:
+        raise ValueError(
+            f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
+            f"{most:.3g} rad/s. Leave it out, or run shorter."
+        )
     exact = isinstance(law, MultiplierLaw)
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance

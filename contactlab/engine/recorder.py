@@ -215,10 +215,7 @@ def _energies(plant: Plant, place: int) -> tuple[float, float]:
 
 @part_kernel
 def _weigh(run: Run) -> None:
-    """Note the work of drive and load, and what the ledger leaves, after every step that nothing touches.
-
-    In contact what the law stores is not known without asking it; it is back, or lost, at the release.
-    """
+    """Update the extremes of work and ledger residual after a step; the residual in free flight only."""
     state, total = run.state, run.state.total
     state.turned_over = max(state.turned_over, abs(total.drive_work), abs(total.load_work))
     if state.mode != FREE:

@@ -90,10 +90,9 @@ def step_rigid(run: Run, law: Law) -> int:
 
 @inner_kernel
 def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> Answer:
-    """Predict and correct a step of a level; gives the law's answer at the corrected place.
+    """Predict and correct a step of a level, with gap rate and slip of its start [m/s].
 
-    The step's displacements end corrected, where the law projects, its rates without contact; gap rate and
-    slip are those of its start [m/s].
+    Its displacements end corrected, where the law projects, its rates without contact.
     """
     state, step, plant = run.state, run.step, run.plant
     build_level(plant, run.propagator, level)

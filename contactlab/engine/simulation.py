@@ -1,4 +1,4 @@
-"""Run a motor with a contact law: memory, compilation, progress, and the trajectory at the end."""
+"""Runs of a motor with a contact law: one with its trajectory, or many without records."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.engine.explanation import balanced
 from contactlab.engine.kinematics import contact_from, contacts_from
-from contactlab.engine.plant import Plant, modes_of
+from contactlab.engine.plant import modes_of
 from contactlab.engine.preparation import (
     ON_GRID,
     Prepared,
@@ -53,22 +53,19 @@ def simulate(
     start: State | None = None,
     memory: Array | None = None,
 ) -> Trajectory:
-    """Simulate a motor from its start, at rest if it says nothing else; the drive is switched on at t = 0.
+    """Simulate a motor from its start, by default at rest; the drive is switched on at t = 0.
 
-    Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located.
-    In contact a penalty law is collocated at order 9 with steps that follow its error, a
-    multiplier law is stepped at order 1. The trajectory does not depend on the record interval; one that
-    is not complete says why and holds what it had.
+    Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located. In contact
+    a penalty law is collocated at order 9 with error control, a multiplier law is stepped at order 1. The
+    trajectory does not depend on the record interval.
 
-    A run that goes on from another's `Trajectory.state` is the run that was never cut, bit for bit: the same
-    steps (the one that the cut shortened is taken again, whole), clock, drive's phase and contact go on, and
-    so do ledger, residual, rotor angle and statistics, all since t = 0. Its first record is the state that it
-    starts from; where the cut falls on a record of the interval, its records are those of the uncut run. Only
-    where nothing vibrates at all does the length of a step follow the duration. Motor, law, steps and
-    tolerance may change at a cut: what stands then goes on under the new ones.
+    A run that continues another's `Trajectory.state` is the uncut run, bit for bit: a step that the cut
+    shortened is repeated whole, and clock, contact, ledger and statistics count since t = 0. Its first record
+    is the state that it starts from. Only where nothing vibrates does the step length follow the duration.
+    Motor, law, steps and tolerance may change at a cut.
 
     Args:
-        duration: [s], positive; of a run that goes on, how much longer it runs.
+        duration: [s], positive; after the start that is continued.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes that of
             `contactlab.engine.preparation.default_contact_step`.
@@ -85,15 +82,19 @@ def simulate(
     """
     ready = prepared(motor, law, duration, record_interval, contact_step, tolerance)
     law, contact_step, plant = ready.law, ready.contact_step, ready.plant
+    q, v = (modes_of(plant)[name][:, START] for name in ("q", "v"))
     states = np.zeros(1, STATE)
-    states[0] = _at_start(motor, law, plant) if start is None else _going_on(start, law, plant)
     state = states[0]
-    ready.set_up(state, record_interval)
     if start is None:
-        ready.begin_with(state, memory)
-        state["phase"] = _first_phase(plant, float(state["begins"]))
+        states[0] = fresh_state()
+        _begin(state, ready, motor, record_interval, memory)
+    else:
+        check_start(start, plant, law)
+        q[:], v[:] = start["q"], start["v"]
+        states[0] = state_from_value(start)
+        ready.set_up(state, record_interval)
     run = ready.run_of(state)
-    motions = np.stack([modes_of(plant)[name][:, START] for name in ("q", "v")])[None]
+    motions = np.stack([q, v])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
     records = ready.records(intervals + 1, run)
@@ -105,7 +106,7 @@ def simulate(
     ends: list[Array] = []
 
     def collect(kept: int) -> None:
-        """Take the finished contacts out of the run's storage, but for so many of the last ones."""
+        """Move all but the last finished contacts out of the run's storage."""
         contacts, kept = run.step["contacts"], min(kept, state["stored"])
         count = state["stored"] - kept
         finished.append(contacts[:count].copy())
@@ -133,11 +134,11 @@ def simulate(
         cut["energy_loss"] -= state.held_energy
         finished.append(cut)
         ends.append(memory_of(state, law)[None])
-    time, series, modes = take_series(run, records.series)
+    time, series, contact_modes = take_series(run, records.series)
     names = [f"internal_{variable.name}" for variable in law.internal_variables]
     series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
     if ending is Ending.COMPLETE:
-        ending, message = balanced(state, series, modes, contact_step)
+        ending, message = balanced(state, series, contact_modes, contact_step)
     rows, memory = np.concatenate(finished), np.concatenate(ends).T
     contacts = {variable.name: rows[variable.name].copy() for variable in CONTACTS}
     return Trajectory(
@@ -148,40 +149,29 @@ def simulate(
         record_interval=record_interval,
         time=time,
         series=series,
-        contact_mode=modes,
+        contact_mode=contact_modes,
         contacts=contacts | dict(zip(names, memory.copy(), strict=True)),
         statistics={name: int(state[name]) for name in COUNTS.split()},
         ending=ending,
         message=message,
-        final=ModalState(*(modes_of(run.plant)[k][:-1, START].copy() for k in ("q", "v"))),
+        final=ModalState(q[:-1].copy(), v[:-1].copy()),
         state=_state_to_go_on(run, series, ending),
     )
 
 
-def _at_start(motor: Motor, law: ContactLaw, plant: Plant) -> Any:
-    """Set the initial motion, and give a state that has no phase yet."""
-    modes = modes_of(plant)
+def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: Array | None) -> None:
+    """Set plant and state to the start of a motor at t = 0."""
+    modes = modes_of(ready.plant)
     q, v = modes["q"][:, START], modes["v"][:, START]
     v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
     if motor.start is not None:
         q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
-    if fault := overlap_at(contact_from(plant, q, v)[0], law):
+    gap, rate, _ = contact_from(ready.plant, q, v)
+    if fault := overlap_at(gap, ready.law):
         raise ValueError(fault)
-    return fresh_state()
-
-
-def _first_phase(plant: Plant, begins: float) -> int:
-    """Return the phase of the motion that is set, where contacts begin at a gap [m]."""
-    gap, rate, _ = contact_from(plant, *(modes_of(plant)[name][:, START] for name in ("q", "v")))
-    return phase_at(gap - begins, rate)
-
-
-def _going_on(start: State, law: ContactLaw, plant: Plant) -> Any:
-    """Set the motion that a run ended with, and give its state."""
-    check_start(start, plant, law)
-    modes = modes_of(plant)
-    modes["q"][:, START], modes["v"][:, START] = start["q"], start["v"]
-    return state_from_value(start)
+    ready.set_up(state, interval)
+    ready.begin_with(state, memory)
+    state["phase"] = phase_at(gap - float(state["begins"]), rate)
 
 
 def memory_of(state: Any, law: ContactLaw) -> Array:
@@ -225,12 +215,10 @@ class Ends:
 @final
 @dataclass(frozen=True)
 class Flow:
-    """Takes starts of a motor at t = 0 to their ends, to the bit where `simulate` takes them.
-
-    Nothing is recorded, and the energy ledger is not looked at.
+    """Map of starts of a motor at t = 0 to their ends, the same bits as `simulate`, without records.
 
     Args:
-        motor: what moves; its own start and its rotor's mean nothing here.
+        motor: what moves; its own start is ignored.
         law: what acts between tip and rotor.
         duration: [s].
         contact_step, tolerance: as of `contactlab.engine.simulate`, and so are the errors.
@@ -245,11 +233,10 @@ class Flow:
     def __call__(
         self, displacement: Array, velocity: Array, rotor_velocity: Array, memory: Array | None = None
     ) -> Ends:
-        """Let the motor run from starts, given as their ends are, see `Ends`.
+        """Run the motor from starts in the form of `Ends`.
 
-        A start that a rigid law refuses, because tip and rotor overlap, ends as a run that broke off does;
-        so does a run that ends over the residual indentation of its last contact, whose internal variables
-        are then part of the state and are not among those of the run.
+        A start that overlaps the rotor of a rigid law breaks off; so does a run that ends over the residual
+        indentation of its last contact, whose internal variables are not among those of the run.
 
         Raises:
             LawError: the law's own code raised an exception, which is the cause.

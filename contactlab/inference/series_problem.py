@@ -24,7 +24,7 @@ from contactlab.inference.problem import Observation, Problem, size_prior
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
 from contactlab.settling.until import PRECISION
-from contactlab.settling.verdict import period_told
+from contactlab.settling.verdict import configured_period
 from contactlab.trajectory import Trajectory
 
 ON_GRID: Final = 1e-3
@@ -201,7 +201,7 @@ def series_problem(
                 "since forces are means over intervals. Leave it out by --series, or put it on a grid."
             ]
         )
-    period = period_told(configuration)
+    period = configured_period(configuration)
     if discrepancy and not period > 0.0:
         raise ConfigurationError(
             ["The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."]

@@ -26,7 +26,7 @@ from contactlab.motor import Motor
 from contactlab.motor.motor import free_reach
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
-from contactlab.settling.verdict import Settling, drive_period, period_told, settling_of
+from contactlab.settling.verdict import Settling, configured_period, drive_period, settling_of
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import INTERNAL, Variable
 
@@ -140,7 +140,7 @@ def settling_in(tree: xarray.DataTree) -> Settling:
 def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
     """Return the drive's period that attributes tell, or else a configuration [s]; zero for none."""
     period = attributes.get("drive_period")
-    return float(period) if isinstance(period, int | float | np.number) else period_told(configuration)
+    return float(period) if isinstance(period, int | float | np.number) else configured_period(configuration)
 
 
 def write_tree(tree: xarray.DataTree, path: Path) -> str:

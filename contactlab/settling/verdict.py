@@ -51,7 +51,7 @@ def drive_period(drive: Drive) -> float:
         return 0.0
 
 
-def period_told(configuration: Mapping[str, Any]) -> float:
+def configured_period(configuration: Mapping[str, Any]) -> float:
     """Return the period of a configuration's drive [s], else that of its first tone, else zero."""
     section = configuration.get("drive")
     drive = section if isinstance(section, Mapping) else {}

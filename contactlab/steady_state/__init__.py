@@ -15,9 +15,13 @@ from contactlab.steady_state.branches import (
     NoBranchError as NoBranchError,
     branch as branch,
 )
-from contactlab.steady_state.convergence import Converged as Converged, converged as converged
 from contactlab.steady_state.period_map import (
     BrokenOffError as BrokenOffError,
     NoPeriodError as NoPeriodError,
 )
-from contactlab.steady_state.search import Steady as Steady, steady as steady
+from contactlab.steady_state.search import (
+    Converged as Converged,
+    Steady as Steady,
+    converged as converged,
+    steady as steady,
+)

@@ -16,10 +16,10 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.steady_state.arrival import NotSettledError, UnboundedError, settled
 from contactlab.steady_state.continuation import SMOOTH
-from contactlab.steady_state.dataset import attributes_of, flags
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.search import LONGEST, Steady, steady, steady_setup
 from contactlab.steady_state.shooting import Orbit
+from contactlab.steady_state.state import attributes_of, flags
 
 SAME: Final = 1e-5
 """Relative distance of the states of two orbits at one section below which they are one: an orbit is closed

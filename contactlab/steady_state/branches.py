@@ -17,9 +17,9 @@ from contactlab.motor import Motor
 from contactlab.parameter import from_cf
 from contactlab.simulation import variable_numbers, with_number
 from contactlab.steady_state.continuation import BranchPoint, MapAt, Mark, follow
-from contactlab.steady_state.dataset import attributes_of, flags
 from contactlab.steady_state.period_map import PeriodMap
 from contactlab.steady_state.search import steady, steady_setup
+from contactlab.steady_state.state import attributes_of, flags
 
 BELT: Final = "belt"
 """The parameter that is no key: the velocity at which the rotor is held [rad/s]."""
@@ -140,7 +140,7 @@ def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
     values = flat(setup.configuration)
     made_in_python = "resonator" not in setup.configuration
 
-    # The same value is asked for several times in a row.
+    # Continuation evaluates the same value several times in a row.
     @lru_cache(maxsize=4)
     def map_at(value: float) -> PeriodMap:
         if made_in_python:

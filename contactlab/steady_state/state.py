@@ -1,15 +1,19 @@
 """A steady state and what it does on average: velocity, torque, forces, work, each with its error."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, final
 
 import numpy as np
 import pandas
+import yaml
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.motor import ModalState
+from contactlab.results.netcdf import REFERENCES
+from contactlab.results.provenance import code_attributes
 from contactlab.settling.statistics import mean_with_error
 from contactlab.steady_state.period_map import PeriodMap, memory_at_end, period_of
 from contactlab.steady_state.shooting import CLOSED, Orbit
@@ -193,3 +197,19 @@ class Steady:
         phase, modal, velocity, memory = self.end
         clock = PeriodMap(self.setup, phase, max(self.periods, 1), self.belt)
         return clock.run(clock.state_of(modal, velocity, memory), 1.0, records)
+
+
+def attributes_of(setup: Setup) -> dict[str, object]:
+    """Return the global attributes of a dataset about a setup: law, configuration and code."""
+    return {
+        "references": f"{REFERENCES} Contact law: {setup.law.source}.",
+        "law": setup.law.name,
+        "configuration": yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True),
+        **code_attributes(),
+    }
+
+
+def flags(meaning: str, names: Sequence[str], first: int = 0) -> dict[str, object]:
+    """Return the CF attributes of an enumerated quantity whose values begin with `first`."""
+    values = np.arange(first, first + len(names), dtype=np.int8)
+    return {"long_name": meaning, "flag_values": values, "flag_meanings": " ".join(names)}

@@ -17,8 +17,7 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.parameter import Parameter
 from contactlab.results.netcdf import TITLE, to_datatree
-from contactlab.steady_state.convergence import Converged, converged as find_refined
-from contactlab.steady_state.search import LONGEST, steady_setup
+from contactlab.steady_state.search import LONGEST, Converged, converged as find_refined, steady_setup
 from contactlab.steady_state.state import CUMULATIVE, Steady as State
 from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates, option
 from contactlab.studies.tables import table_of_quantities
@@ -68,11 +67,12 @@ class Steady(Study):
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return one task a setup."""
         return [
-            Task(label, _steady_state, (setup, self.refine, self.given)) for label, setup in setups.items()
+            Task(label, _steady_state, (setup, self.refine, self.arguments))
+            for label, setup in setups.items()
         ]
 
     @property
-    def given(self) -> dict[str, Any]:
+    def arguments(self) -> dict[str, Any]:
         """The arguments of `contactlab.steady_state.search.steady`."""
         return {name: getattr(self, name) for name in ("belt", "load", "brake", "longest")}
 
@@ -126,8 +126,8 @@ class Steady(Study):
         return {self.name: draw(data)}
 
 
-def _steady_state(setup: Setup, refine: bool, given: dict[str, Any]) -> Part:
-    state = find_refined(setup, refine=refine, **given)
+def _steady_state(setup: Setup, refine: bool, arguments: dict[str, Any]) -> Part:
+    state = find_refined(setup, refine=refine, **arguments)
     return Part(tree_of(state), state if refine else state.best)
 
 
@@ -204,7 +204,7 @@ def steady(
     begun: Any = start.details if isinstance(start, Result) else start
     if isinstance(begun, Converged):
         begun = begun.best
-    part = _steady_state(setup, refine, {**study.given, "start": begun})
+    part = _steady_state(setup, refine, {**study.arguments, "start": begun})
     return Result(study, {"": setup}, part.data, part.details)
 
 

@@ -13,8 +13,8 @@ from contactlab.results.netcdf import to_datatree
 from contactlab.trajectory import LEDGER_LIMIT, Ending, Trajectory, openness
 
 
-def ran(motor: Motor, law: ContactLaw, interval: float = 1e-5, **given: float) -> Trajectory:
-    return simulate(motor, law, duration=5e-3, record_interval=interval, **given)
+def ran(motor: Motor, law: ContactLaw, interval: float = 1e-5, **options: float) -> Trajectory:
+    return simulate(motor, law, duration=5e-3, record_interval=interval, **options)
 
 
 @pytest.mark.parametrize("interval", [1e-6, 1e-5, 5e-3], ids=["fine", "usual", "none"])

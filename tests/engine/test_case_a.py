@@ -21,7 +21,7 @@ give the one that is used, as for the others."""
 RIGID_VELOCITY, RIGID_IMPULSE, RIGID_IN_CONTACT = (
     RIGID_CASE_A[name][0] for name in ("rotor_velocity", "normal_impulse", "duration")
 )
-"""Rigid contact with exact stick, mu = 0.3."""
+"""Rigid contact with rigid stick, mu = 0.3."""
 
 TOUCH_DOWNS = {"hertz": (131.075e-6, 424.723e-6), "rigid": (131.075e-6, 430.417e-6)}
 

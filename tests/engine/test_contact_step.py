@@ -1,4 +1,4 @@
-"""The step in contact where none is asked for: the law's own, less where the tip has fast modes."""
+"""The default contact step: the law's own, less where the tip has fast modes."""
 
 import numpy as np
 import pytest
@@ -51,7 +51,7 @@ def run_of(setup: Setup) -> Trajectory:
 
 
 def openness(trajectory: Trajectory) -> float:
-    """Of the ledger, over the work of the drive [1]."""
+    """Ledger residual over the work of the drive [1]."""
     series = trajectory.series
     return float(np.abs(series["energy_residual"]).max() / np.abs(series["drive_work"]).max())
 
@@ -80,12 +80,12 @@ def test_the_step_is_a_share_of_the_mean_rate_of_the_tips_modes() -> None:
     assert default_contact_step(modes, LagrangeStick()) == pytest.approx(LARGEST_TURN / mean, rel=1e-12)
 
 
-@pytest.mark.parametrize("given", [None, 5e-8])
+@pytest.mark.parametrize("step", [None, 5e-8])
 def test_a_configuration_records_the_step_it_runs_with_which_is_its_own_where_it_has_one(
-    given: float | None,
+    step: float | None,
 ) -> None:
-    setup = ringing_setup("poisson", given)
-    expected = given or default_contact_step(setup.motor.modes, setup.law)
+    setup = ringing_setup("poisson", step)
+    expected = step or default_contact_step(setup.motor.modes, setup.law)
     assert setup.contact_step == setup.configuration["solver"]["contact_step"] == expected
 
 

@@ -28,9 +28,9 @@ FAMILIES = [
 laws = pytest.mark.parametrize("law", FAMILIES, ids=lambda law: law.title)
 
 
-def run(law: ContactLaw, duration: float, motor: Motor | None = None, **given: object) -> Trajectory:
-    given.setdefault("record_interval", INTERVAL)
-    return simulate(motor or case_a(), law, duration=duration, **given)  # type: ignore[arg-type]
+def run(law: ContactLaw, duration: float, motor: Motor | None = None, **options: object) -> Trajectory:
+    options.setdefault("record_interval", INTERVAL)
+    return simulate(motor or case_a(), law, duration=duration, **options)  # type: ignore[arg-type]
 
 
 @cache

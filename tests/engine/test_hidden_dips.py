@@ -58,7 +58,7 @@ def assert_hidden(flight: Flight, law: ContactLaw, duration: float, interval: fl
     assert flight.first_touch(duration) is not None
 
 
-def assert_found(flight: Flight, law: ContactLaw, duration: float, interval: float) -> None:
+def assert_located(flight: Flight, law: ContactLaw, duration: float, interval: float) -> None:
     expected = flight.first_touch(duration)
     assert expected is not None
     trajectory = run(flight.motor, law, duration, interval)
@@ -75,7 +75,7 @@ def test_a_dip_within_one_step_is_found_however_shallow(law: ContactLaw, depth: 
     when, step = middle_of_step(law, 30)
     flight = flight_of(shaped_motor(when)).lowered_to(-depth, when)
     assert_hidden(flight, law, when + 0.4 * step, step)
-    assert_found(flight, law, when + 0.4 * step, step)
+    assert_located(flight, law, when + 0.4 * step, step)
 
 
 @laws
@@ -95,7 +95,7 @@ def test_of_two_dips_within_one_step_the_first_is_found(law: ContactLaw, tilt: f
     expected = flight.first_touch(when + 0.4 * step)
     assert expected is not None
     assert expected < when
-    assert_found(flight, law, when + 0.4 * step, step)
+    assert_located(flight, law, when + 0.4 * step, step)
 
 
 @laws
@@ -109,7 +109,7 @@ def test_a_first_dip_that_misses_does_not_hide_the_second(law: ContactLaw) -> No
     expected = flight.first_touch(when + 0.4 * step)
     assert expected is not None
     assert expected > when
-    assert_found(flight, law, when + 0.4 * step, step)
+    assert_located(flight, law, when + 0.4 * step, step)
 
 
 @laws
@@ -127,7 +127,7 @@ def test_a_dip_within_the_very_first_step_is_found(law: ContactLaw) -> None:
     expected = flight.first_touch(end)
     assert expected is not None
     assert expected < 0.5 * end
-    assert_found(flight, law, 1.5 * end, end)
+    assert_located(flight, law, 1.5 * end, end)
 
 
 @laws

@@ -22,13 +22,13 @@ def test_without_restitution_the_motor_runs_as_with_lagrange_stick(law: Law) -> 
     assert column.size >= 5
 
 
-def distance(found: Trajectory, expected: Trajectory) -> float:
+def distance(result: Trajectory, expected: Trajectory) -> float:
     """Root mean square of the relative differences of final velocity, final slope and all impulses."""
     parts = []
     for name in ("rotor_velocity", "tip_slope"):
-        parts.append(found.series[name][-1] / expected.series[name][-1] - 1.0)
+        parts.append(result.series[name][-1] / expected.series[name][-1] - 1.0)
     for name in ("normal_impulse", "friction_impulse"):
-        parts.append(found.contacts[name].sum() / expected.contacts[name].sum() - 1.0)
+        parts.append(result.contacts[name].sum() / expected.contacts[name].sum() - 1.0)
     return float(np.sqrt(np.mean(np.square(parts))))
 
 

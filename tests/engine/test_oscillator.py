@@ -16,7 +16,7 @@ from contactlab.engine.oscillator import impulse_integrals
 Array = np.ndarray
 
 TOP = 6
-"""Highest integral that is asked for: one more than a step of the engine needs."""
+"""Order of the highest integral: one more than a step of the engine needs."""
 
 SERIES_REACH = 300.0
 

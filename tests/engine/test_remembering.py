@@ -6,7 +6,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from support.closed_form_memory import (
     Cooling,
     FreshDent,
-    LastingDent,
     Ledge,
     Pad,
     RigidAgeing,
@@ -28,7 +27,7 @@ from contactlab.testing.plants import attempt, block, paper_motor, run, way_of
 MASS, SPEED, HEIGHT = 2e-3, 0.1, 1e-6
 
 LAWS = pytest.mark.parametrize(
-    "law", [Softening(), Cooling(), LastingDent(), FreshDent(), RigidAgeing()], ids=lambda law: law.name
+    "law", [Softening(), Cooling(), FreshDent(), RigidAgeing()], ids=lambda law: law.name
 )
 
 
@@ -70,32 +69,6 @@ def test_what_lives_for_the_run_flows_in_flight_and_in_contact(law: ContactLaw) 
     # A rigid law's memory is of the order of its step.
     error = 1e-10 if law.name == "cooling" else 1e-4
     assert_allclose(made.series["internal_warmth"], np.exp(-made.time / 2e-4), rtol=error)
-
-
-def test_a_dent_that_lasts_puts_the_next_contact_off_and_a_fresh_place_does_not() -> None:
-    once = run(thrown(), LastingDent(), 4e-4).contacts
-    assert_allclose(once["separation_velocity"], 0.5 * SPEED, rtol=1e-6)
-    motor = thrown(normal_stiffness=MASS * (2.0 * np.pi * 200.0) ** 2)
-    lasting, fresh = (run(motor, law, 6e-3, record_interval=1e-6) for law in (LastingDent(), FreshDent()))
-    for made, expected in ((lasting, lasting.contacts["internal_dent"][0]), (fresh, 0.0)):
-        begins = made.contacts["start_time"][1]
-        gap = np.interp(begins, made.time, made.series["gap"])
-        assert_allclose(-gap, expected, atol=2e-9)
-    dents = lasting.contacts["internal_dent"]
-    assert dents[1] > dents[0] > 0.0
-    first, second = fresh.contacts["start_time"][:2]
-    between = (fresh.time > first + 3e-4) & (fresh.time < second)
-    assert_array_equal(fresh.series["internal_dent"][between], 0.0)
-
-
-def test_a_place_that_the_gap_is_not_clear_of_is_met_again_with_its_dent() -> None:
-    """The ball falls back before it has left its dent."""
-    made = run(thrown(weight=1.3), FreshDent(), 6e-4, record_interval=1e-7)
-    dents, starts = made.contacts["internal_dent"], made.contacts["start_time"]
-    assert starts.size > 1
-    assert dents[1] > dents[0]
-    assert_allclose(np.interp(starts[1], made.time, -made.series["gap"]), dents[0], rtol=1e-4)
-    assert made.series["gap"][made.time > starts[0]].max() < 0.0
 
 
 @pytest.mark.parametrize("number", cases(range(36), range(6)))
@@ -208,7 +181,7 @@ def test_another_memory_begins_in_flight_and_is_refused_in_contact() -> None:
     motor = thrown()
     in_contact = simulate(motor, Softening(), duration=2e-5, record_interval=2e-5).state
     with pytest.raises(ValueError, match="law"):
-        simulate(motor, LastingDent(), duration=1e-4, record_interval=1e-6, start=in_contact)
+        simulate(motor, FreshDent(), duration=1e-4, record_interval=1e-6, start=in_contact)
     flying = simulate(motor, Cooling(), duration=5e-6, record_interval=5e-6).state
     made = simulate(motor, Softening(), duration=2e-4, record_interval=1e-6, start=flying)
     assert made.series["internal_clock"][0] == 0.0

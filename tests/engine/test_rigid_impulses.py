@@ -44,7 +44,7 @@ class Step:
         )
 
     def round_off(self, p_n: float, p_t: float) -> float:
-        """Of a rate behind impulses [m/s]: of the largest term, as often as D is near to singular."""
+        """Round-off of a rate after impulses [m/s], that of the largest term over the conditioning of D."""
         terms = (*self.arguments[:4], self.d_nn * p_n, self.d_nt * p_t, self.d_nt * p_n, self.d_tt * p_t)
         return 1e-12 * max(map(abs, terms)) / (1.0 - self.d_nt**2 / (self.d_nn * self.d_tt))
 
@@ -65,13 +65,13 @@ def random_steps(count: int) -> list[Step]:
 MANY = random_steps(5_000)
 
 
-def answer_of(step: Step) -> tuple[float, float, int]:
+def solution_of(step: Step) -> tuple[float, float, int]:
     """Impulses and mode of the law with stick; without an impulse where it releases."""
     p_n, p_t, mode = solve_of(LagrangeStick(step.mu), *step.arguments)
     return (p_n, p_t, mode) if not p_n <= 0.0 else (0.0, 0.0, SLIP)
 
 
-def consistent_answers(step: Step, margin: float = 0.0) -> list[tuple[float, float]]:
+def consistent_solutions(step: Step, margin: float = 0.0) -> list[tuple[float, float]]:
     """Every answer of the complementarity problem: those of release, stick and both slips that obey it.
 
     Args:
@@ -104,20 +104,20 @@ def consistent_answers(step: Step, margin: float = 0.0) -> list[tuple[float, flo
 def test_the_law_with_stick_gives_one_of_these_answers() -> None:
     stored = released = 0
     for step in MANY:
-        result = answer_of(step)[:2]
-        results = consistent_answers(step, 1.0)
+        result = solution_of(step)[:2]
+        results = consistent_solutions(step, 1.0)
         size = max(abs(x) for value in results for x in value)
         assert any(result == pytest.approx(x, rel=1e-6, abs=1e-9 * size) for x in results), step
-        if len(consistent_answers(step, -1.0)) == 3:
+        if len(consistent_solutions(step, -1.0)) == 3:
             stored += result[0] > 0.0
             released += result[0] == 0.0
     assert min(stored, released) > 20
 
 
 def test_what_stuck_is_held_and_what_slid_is_released() -> None:
-    ambiguous = [step for step in MANY if len(consistent_answers(step, -1.0)) == 3]
+    ambiguous = [step for step in MANY if len(consistent_solutions(step, -1.0)) == 3]
     assert len(ambiguous) > 50
     for step in ambiguous:
-        assert answer_of(replace(step, slip=0.0))[2] == STICK
+        assert solution_of(replace(step, slip=0.0))[2] == STICK
         slid = replace(step, slip=step.tangential_rate * 0.75)
-        assert answer_of(slid)[0] == 0.0
+        assert solution_of(slid)[0] == 0.0

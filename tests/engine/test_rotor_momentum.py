@@ -13,7 +13,7 @@ from contactlab.testing.plants import paper_motor
 
 
 def momentum(law: ContactLaw, damping: float, torque: float, passed_on: float = 1.0) -> float:
-    """The metric of a run, of whose friction impulses a share is told."""
+    """The metric of a run, of which a share of the friction impulses is recorded."""
     motor = paper_motor()
     rotor = dataclasses.replace(motor.rotor, damping=damping, load_torque=torque)
     motor = dataclasses.replace(motor, rotor=rotor)

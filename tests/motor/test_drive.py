@@ -1,4 +1,4 @@
-"""Phasors give the voltages of eqs. 1 and 2, and whatever else is asked of them."""
+"""Phasors give the voltages of eqs. 1 and 2."""
 
 import numpy as np
 import pytest

@@ -13,7 +13,7 @@ from contactlab.estimate import Estimate
 from contactlab.metrics import INVARIANTS, METRICS, Run, assess
 from contactlab.motor.drive import Drive, NoPeriodError, period_of
 from contactlab.settling.statistics import LEAST_VALUES, approach
-from contactlab.settling.verdict import Settling, UnknownError, period_told, periods_of, settling_of
+from contactlab.settling.verdict import Settling, UnknownError, configured_period, periods_of, settling_of
 
 PERIOD, LIMIT, SWING, TIME_CONSTANT = 3e-4, -2.0, 2.0, 8e-3
 """Of a rotor that comes to its steady state like a first-order lag [s], [rad/s], [rad/s], [s]."""
@@ -187,8 +187,13 @@ def test_tones_that_repeat_together_have_a_period_and_silent_ones_do_not_count()
     assert period_of(Drive.two_mode(1.0, 0.0, 1e3, sqrt(2.0))) == pytest.approx(1e-3)
     with pytest.raises(NoPeriodError, match="do not repeat themselves"):
         period_of(Drive.two_mode(1.0, 1.0, 1e3, sqrt(2.0)))
-    assert period_told({"drive": {"frequency": 500.0}}) == 2e-3
-    assert period_told({"drive": {"frequency": None}}) == period_told({"drive": 3}) == period_told({}) == 0.0
+    assert configured_period({"drive": {"frequency": 500.0}}) == 2e-3
+    assert (
+        configured_period({"drive": {"frequency": None}})
+        == configured_period({"drive": 3})
+        == configured_period({})
+        == 0.0
+    )
     with pytest.raises(UnknownError):
         periods_of(lag(100.0, PERIOD / 20), {}, 0.0, 1)
 

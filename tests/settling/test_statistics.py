@@ -1,4 +1,4 @@
-"""Means of long runs have an error that holds, and kinds of motion are told apart where they are known."""
+"""Means of long runs have an error that holds, and the kinds of known motions are distinguished."""
 
 import numpy as np
 import pytest

@@ -39,8 +39,8 @@ def bouncing() -> Followed:
     return branch(ball, 1.9, 1.0)
 
 
-def only(found: Followed, mark: Mark) -> float:
-    (event,) = [point for point in found.points if point.mark is mark]
+def only(branch: Followed, mark: Mark) -> float:
+    (event,) = [point for point in branch.points if point.mark is mark]
     return event.value
 
 

@@ -26,7 +26,7 @@ def free(*overrides: str) -> cl.Steady:
 
 
 @cache
-def held(*overrides: str) -> cl.Steady:
+def at_rest(*overrides: str) -> cl.Steady:
     return cl.steady(setup_of(*overrides), belt=0.0)
 
 
@@ -96,7 +96,7 @@ def test_what_the_drive_gives_is_lost_or_taken_from_the_rotor(overrides: tuple[s
 def test_a_brake_slows_either_rotation_and_beyond_the_holding_torque_the_rotor_stands(
     overrides: tuple[str, ...],
 ) -> None:
-    holding, velocity = abs(held(*overrides).torque[0]), free(*overrides).velocity[0]
+    holding, velocity = abs(at_rest(*overrides).torque[0]), free(*overrides).velocity[0]
     setup = setup_of(*overrides)
     braked = cl.steady(setup, brake=0.5 * holding)
     assert 0.0 < braked.velocity[0] / velocity < 1.0
@@ -110,7 +110,7 @@ def test_a_belt_as_fast_as_the_free_rotor_is_hardly_pushed() -> None:
     result = free()
     ripple = float(np.abs(result.curves().series["rotor_velocity"] - result.velocity[0]).max())
     on_belt = cl.steady(result.setup, belt=result.velocity[0])
-    slope = held().torque[0] / result.velocity[0]
+    slope = at_rest().torque[0] / result.velocity[0]
     assert on_belt.velocity == (result.velocity[0], 0.0)
     assert abs(on_belt.torque[0] / slope) < ripple
 
@@ -252,8 +252,8 @@ def test_what_makes_no_steady_state_is_told_in_a_sentence(
 @pytest.mark.parametrize("law", ["newton", "hertz_penalty"])
 def test_a_motor_and_a_law_made_in_python_have_the_steady_states_of_their_setup(law: str) -> None:
     setup = setup_of(f"law={law}")
-    given = {"contact_step": setup.contact_step}
-    of_setup, of_parts = cl.converged(setup), cl.converged(setup.motor, setup.law, **given)
+    options = {"contact_step": setup.contact_step}
+    of_setup, of_parts = cl.converged(setup), cl.converged(setup.motor, setup.law, **options)
     for name in ("velocity", "torque"):
         assert getattr(of_parts, name) == getattr(of_setup, name)
     for name in ("velocity", "torque", "impulse", "peak_force", "contact_share"):

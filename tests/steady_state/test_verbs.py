@@ -31,7 +31,7 @@ def test_the_command_maps_starts_and_leaves_dataset_and_picture(command: Command
 
 
 @pytest.mark.parametrize(
-    ("words", "key"),
+    ("arguments", "key"),
     [
         (("branch", "law=newton"), "study.over"),
         (("branch", "contact.clearnce=1e-6..2e-6"), "contact.clearance"),
@@ -44,9 +44,9 @@ def test_the_command_maps_starts_and_leaves_dataset_and_picture(command: Command
     ],
 )
 def test_what_has_no_range_or_no_orbit_is_refused_by_its_key(
-    command: Command, words: tuple[str, ...], key: str
+    command: Command, arguments: tuple[str, ...], key: str
 ) -> None:
-    status, out, err = command(*words)
+    status, out, err = command(*arguments)
     assert (status, out) == (2, "")
     assert key in err
     assert "Traceback" not in err

@@ -89,10 +89,13 @@ class Cooling(Spring):
         return -warmth / time
 
 
+@final
 @dataclass(frozen=True)
-class Denting(Spring):
+class FreshDent(Spring):
     """A plastic spring that leaves half of its depth as a dent: N = k (d - d_p) from d = d_p on."""
 
+    name = "fresh_dent"
+    internal_variables = (InternalVariable("dent", "d_p", "m", "depth of the dent"), DENTED)
     guards = 1
 
     @staticmethod
@@ -117,24 +120,6 @@ class Denting(Spring):
     @kernel
     def limits(dent):
         return -dent, -dent
-
-
-@final
-@dataclass(frozen=True)
-class LastingDent(Denting):
-    """The dent stays for the run."""
-
-    name = "lasting_dent"
-    internal_variables = (InternalVariable("dent", "d_p", "m", "depth of the dent", life="run"), DENTED)
-
-
-@final
-@dataclass(frozen=True)
-class FreshDent(Denting):
-    """The next contact meets another place."""
-
-    name = "fresh_dent"
-    internal_variables = (InternalVariable("dent", "d_p", "m", "depth of the dent"), DENTED)
 
 
 @final

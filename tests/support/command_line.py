@@ -74,7 +74,7 @@ class Elsewhere:
         return self.python("-m", "contactlab", *arguments, **variables)
 
     def commands(self, lines: Sequence[Sequence[str]]) -> list[tuple[int, str, str]]:
-        """The same of several commands, one after another in one process; words with NAME= set variables."""
+        """Run several commands, one after another in one process; arguments with NAME= set variables."""
         message = json.dumps([*map(list, lines)])
         status, out, err = self.python("-c", ONE_AFTER_ANOTHER, message)
         assert status == 0, err

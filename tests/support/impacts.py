@@ -11,7 +11,7 @@ from contactlab.testing.kernel_properties import answers_of
 from contactlab.testing.plants import Bench, impulses_of
 
 Delassus = tuple[float, float, float]
-Answer = tuple[float, float, int]
+Solution = tuple[float, float, int]
 
 
 def drawn_impacts(count: int, coupling: float = 0.99) -> Iterator[tuple[float, float, Delassus, float]]:
@@ -29,21 +29,21 @@ def drawn_impacts(count: int, coupling: float = 0.99) -> Iterator[tuple[float, f
         )
 
 
-def answer_of(law: MultiplierLaw, normal: float, slip: float, d: Delassus) -> Answer:
-    """Answer to an impact in which nothing else acts."""
+def answer_of(law: MultiplierLaw, normal: float, slip: float, d: Delassus) -> Solution:
+    """Impulses and mode of an impact in which nothing else acts."""
     return impulses_of(law, normal, slip, d)  # type: ignore[no-any-return]
 
 
-def after(normal: float, slip: float, d: Delassus, answer: Answer) -> tuple[float, float]:
+def after(normal: float, slip: float, d: Delassus, solution: Solution) -> tuple[float, float]:
     """Gap rate and slip behind an impulse [m/s]."""
-    p_n, p_t, _ = answer
+    p_n, p_t, _ = solution
     return normal + d[0] * p_n + d[1] * p_t, slip + d[1] * p_n + d[2] * p_t
 
 
-def loss(normal: float, slip: float, d: Delassus, answer: Answer) -> float:
+def loss(normal: float, slip: float, d: Delassus, solution: Solution) -> float:
     """Energy that an impulse takes: minus impulse times mean velocity [J]."""
-    end = after(normal, slip, d, answer)
-    return -0.5 * (answer[0] * (normal + end[0]) + answer[1] * (slip + end[1]))
+    end = after(normal, slip, d, solution)
+    return -0.5 * (solution[0] * (normal + end[0]) + solution[1] * (slip + end[1]))
 
 
 def contact_energy(normal: float, slip: float, d: Delassus) -> float:

@@ -164,7 +164,7 @@ def random_stiffness(seed: int) -> float:
 
 
 def stepped_beam(resonator: FiniteElementResonator) -> SteppedBeam:
-    """The same beam for the transfer matrices, from dimensions and materials alone."""
+    """The beam of a resonator for the transfer matrices, from dimensions and materials alone."""
     r, w = resonator, resonator.width
     inner, outer = 0.5 * r.beam_thickness, 0.5 * r.beam_thickness + r.patch_thickness
     bare = r.steel.bending_modulus * w * 2.0 / 3.0 * inner**3

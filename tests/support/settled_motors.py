@@ -1,6 +1,5 @@
 """Random motors under every law with internal variables, settled twice: by shooting, and by a run of 1 s."""
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -9,7 +8,6 @@ import contactlab as cl
 from contactlab.metrics.convergence import richardson
 from contactlab.motor.drive import period_of
 from contactlab.settling.statistics import mean_with_error
-from contactlab.steady_state import BrokenOffError, NotSettledError, UnboundedError
 from contactlab.steady_state.arrival import _grows
 
 SEED: Final = 26
@@ -29,26 +27,6 @@ LAWS: Final[tuple[tuple[str, ...], ...]] = (
     *((*COMPOSED, f"law/friction={name}") for name in ("iwan", "rate_and_state", "ageing_stick")),
 )
 """A law of each kind; those whose variables live for the run come more often."""
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What became of one motor: mean velocities [rad/s], what they may be off by, or why there is none."""
-
-    law: str
-    kind: str
-    reason: str = ""
-    steady: float = np.nan
-    run: float = np.nan
-    allowance: float = np.nan
-    grows: bool = False
-
-    @property
-    def agrees(self) -> bool:
-        """Whether shooting and run are within their errors, or a variable that grows was refused."""
-        if self.kind == "refused":
-            return self.grows
-        return abs(self.steady - self.run) <= self.allowance
 
 
 def drawn(number: int) -> cl.Setup:
@@ -90,22 +68,3 @@ def by_run(setup: cl.Setup) -> tuple[float, float, bool]:
     shakes = float(np.ptp(tenths[-1])) > 1e-3 * abs(mean)
     grows = any(_grows(made.series[name][-tenth:]) for name in made.lasting)
     return (mean, scatter, grows) if shakes else (float(velocity[-1]), left, grows)
-
-
-def outcome(number: int) -> Outcome:
-    """Settle one motor both ways."""
-    setup = drawn(number)
-    law = setup.law.title
-    run, left, grows = by_run(setup)
-    try:
-        result = cl.converged(setup)
-    except UnboundedError as error:
-        return Outcome(law, "refused", str(error), run=run, grows=grows)
-    except (BrokenOffError, NotSettledError) as error:
-        return Outcome(law, "without", str(error), run=run)
-    first, error = result.steps[0].velocity
-    # The run has the first step or tolerance, whose error is the distance to the finest.
-    step = abs(first - result.velocity[0]) + result.velocity[1]
-    ripple = 1e-9 * float(np.abs(result.best.curves().series["rotor_velocity"]).max())
-    allowance = left + error + step + ripple
-    return Outcome(law, result.best.kind, steady=first, run=run, allowance=allowance)

@@ -64,7 +64,7 @@ class Belt:
 
     @property
     def motor(self) -> Motor:
-        """The same for the engine."""
+        """The motor of the engine."""
         return block(
             MASS,
             height=-self.depth,

@@ -213,22 +213,22 @@ def _of_estimate(number: Any, name: str, label: str = "") -> Values:
     return {f"{name}{label}": number[0], f"{name}_error{label}": number[1]}
 
 
-def _of_steady(found: Any, at: str) -> Values:
+def _of_steady(state: Any, at: str) -> Values:
     label = f"[{at}]"
     values: Values = {
-        f"text/kind{label}": found.kind,
-        f"count/periods{label}": found.periods,
-        f"count/warm_up{label}": found.warm_up,
-        f"steady/closure{label}": found.closure,
+        f"text/kind{label}": state.kind,
+        f"count/periods{label}": state.periods,
+        f"count/warm_up{label}": state.warm_up,
+        f"steady/closure{label}": state.closure,
     }
     for name in ("velocity", "torque", "impulse", "peak_force", "contact_share"):
-        values |= _of_estimate(getattr(found, name), f"steady/{name}", label)
+        values |= _of_estimate(getattr(state, name), f"steady/{name}", label)
     for name in ("drive_work", "damping_loss", "friction_loss", "contact_loss", "load_work"):
-        values |= _of_estimate(found.average(name), f"steady/power/{name}", label)
-    values |= {f"motion/{name}{label}": column for name, column in found.motion.contacts.items()}
-    if found.orbit is not None:
-        values |= _of_orbit(found.orbit, label)
-        curves = found.curves(200)
+        values |= _of_estimate(state.average(name), f"steady/power/{name}", label)
+    values |= {f"motion/{name}{label}": column for name, column in state.motion.contacts.items()}
+    if state.orbit is not None:
+        values |= _of_orbit(state.orbit, label)
+        curves = state.curves(200)
         values |= {f"curve/{name}{label}": column for name, column in curves.series.items()}
     return values
 
