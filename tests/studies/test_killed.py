@@ -21,8 +21,8 @@ COMMANDS = {
     "compare": ["compare", LAWS, "samples=2", "starts=2", "workers=1", "output=killed"],
     "steady states over phase": ["-m", "steady", "drive.phase=0,-0.6", LAWS, "output=killed"],
     "numbers of runs": [
-        "-m", "drive.phase=0,-0.6", LAWS, "sweep.keep=metrics", "solver.duration=5e-3",
-        "hydra.sweep.dir=killed",
+        "-m", "contact.clearance=linspace(0,2e-6,30)", LAWS, "sweep.keep=metrics", "sweep.chunk=2",
+        "sweep.workers=2", "solver.duration=5e-3", "hydra.sweep.dir=killed",
     ],
 }  # fmt: skip
 OF_IMPACTS = ("fit", "validate")

@@ -1,6 +1,5 @@
 """Metrics alone: every cell is the run of its own configuration, and a kill costs one chunk at most."""
 
-import random
 import signal
 import subprocess
 import sys
@@ -18,7 +17,6 @@ from contactlab.config import build
 from contactlab.metrics import METRICS
 from contactlab.studies.run_state import Status
 from contactlab.studies.runner import TASKS
-from contactlab.studies.sweep import DIGEST, MANIFEST
 from contactlab.studies.sweep_dataset import DATASET
 from contactlab.studies.sweep_plan import Outputs, with_key
 
@@ -49,29 +47,6 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
             cell = result.sel({"clearance": clearance, "phase": phase})
             assert cell["final_rotor_velocity"] == run.series["rotor_velocity"][-1]
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
-
-
-@pytest.mark.long
-def test_a_sweep_killed_twenty_times_ends_with_the_bytes_of_one_that_was_not(tmp_path: Path) -> None:
-    arguments = [
-        *(sys.executable, "-m", "contactlab", *METRICS_ALONE, "sweep.chunk=4", "sweep.workers=2"),
-        *("contact.clearance=linspace(0,2e-6,30)", "drive.phase=linspace(-3,3,30)", SHORT),
-    ]
-    moments = random.Random(27)
-    for _ in range(20):
-        running = subprocess.Popen([*arguments, "hydra.sweep.dir=cut"], cwd=tmp_path)
-        finished = len(list(tmp_path.glob(f"cut/{TASKS}/*-*.nc")))
-        while len(list(tmp_path.glob(f"cut/{TASKS}/*-*.nc"))) == finished:
-            assert running.poll() is None, "the sweep was over before it could be killed"
-            time.sleep(0.002)
-        time.sleep(moments.uniform(0.0, 0.05))
-        running.send_signal(signal.SIGKILL)
-        running.wait()
-    assert not (tmp_path / "cut" / DATASET).exists()
-    for folder in ("cut", "whole"):
-        subprocess.run([*arguments, f"hydra.sweep.dir={folder}"], cwd=tmp_path, check=True)
-        assert {path.name for path in (tmp_path / folder).iterdir()} == {DATASET, DIGEST, MANIFEST}
-    assert (tmp_path / "cut" / DATASET).read_bytes() == (tmp_path / "whole" / DATASET).read_bytes()
 
 
 def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Command) -> None:
