@@ -7,7 +7,6 @@ the difference of two laws is one of pairs.
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import permutations
 from math import nan
 from pathlib import Path
 from typing import Any, Final, final
@@ -236,19 +235,18 @@ def _of_impacts(
             f"impact_error_over_floor does not apply to {measurement.title}: admissible impulses reproduce "
             f"its velocities to {means[-1]:.1g} of the approach, which is round-off."
         )
-    tail = 0.5 * (1.0 - LEVEL)
-    for i, law in enumerate(known):
-        values[0, law], spread[0, law] = means[i], half[i]
-        if bounded:
-            ratios = intervals.resampled[i] / intervals.resampled[-1]
-            low, high = np.quantile(ratios, [tail, 1.0 - tail])
-            values[1, law], spread[1, law] = means[i] / means[-1], 0.5 * float(high - low)
-        if known.size > 1:
-            j = known.size + i
-            values[2, law], spread[2, law] = means[j], half[j]
+    tail, count = 0.5 * (1.0 - LEVEL), known.size
+    values[0, known], spread[0, known] = means[:count], half[:count]
+    if bounded:
+        ratios = intervals.resampled[:count] / intervals.resampled[-1]
+        values[1, known] = means[:count] / means[-1]
+        spread[1, known] = 0.5 * np.ptp(np.quantile(ratios, [tail, 1.0 - tail], axis=1), axis=0)
+    if count > 1:
+        values[2, known], spread[2, known] = means[count:-1], half[count:-1]
     apart, ends = paired_differences(errors[:, known], SEED)
-    for i, j in permutations(range(known.size), 2):
-        nearer[known[i], known[j]] = apart[j, i], *ends[j, i]
+    pairs = np.concatenate([apart[:, :, None], ends], axis=2).swapaxes(0, 1)
+    pairs[np.diag_indices(known.size)] = nan
+    nearer[np.ix_(known, known)] = pairs
     about = measurement.title
     texts = {
         "impact_error": (

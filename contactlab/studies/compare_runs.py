@@ -51,10 +51,21 @@ def read_runs(sources: Sequence[Source]) -> list[Run]:
             )
     runs = []
     for key, place in places.items():
+        name = str(key)
+        if isinstance(place, Path):
+            name = str(place.parent if place.name == DATASET else place)
         try:
-            runs.append(_read(str(key), place))
+            run = Run.of(read_run(place))
         except ValueError as error:
-            faults.append(str(error))
+            faults.append(f"'{name}' cannot be compared. {error}")
+            continue
+        runs.append(replace(run, source=name, label=run.law or Path(name).stem))
+        if not reached_end(run.attributes):
+            reason = run.attributes.get("message") or run.attributes.get("ending", "no reason")
+            faults.append(
+                f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at {run.time[-1]:.6g} "
+                f"s ({reason}); a run that is compared must have reached its end."
+            )
     if faults:
         raise ComparisonError(faults)
     return runs
@@ -92,23 +103,6 @@ def _datasets(source: Path) -> list[Path]:
     return sorted(source.rglob(DATASET), key=lambda path: re.sub(r"\d+", lambda x: x[0].zfill(20), str(path)))
 
 
-def _read(name: str, source: Path | xarray.DataTree) -> Run:
-    """Read a run that has reached its end; ValueError otherwise."""
-    if isinstance(source, Path):
-        name = str(source.parent if source.name == DATASET else source)
-    try:
-        run = Run.of(read_run(source))
-    except ValueError as error:
-        raise ValueError(f"'{name}' cannot be compared. {error}") from error
-    if not reached_end(run.attributes):
-        reason = run.attributes.get("message") or run.attributes.get("ending", "no reason")
-        raise ValueError(
-            f"The run '{name}' of {run.law or 'some law'} is incomplete: it ended at {run.time[-1]:.6g} s "
-            f"({reason}); a run that is compared must have reached its end. Run it again or leave it out."
-        )
-    return replace(run, source=name, label=run.law or Path(name).stem)
-
-
 def _differences(runs: Sequence[Run], *, transient: bool) -> Iterator[str]:
     """Yield the differences of runs other than their laws."""
     keys = dict.fromkeys(key for run in runs for key in run.settings)
@@ -130,11 +124,12 @@ def _unequal(key: str, values: Iterable[tuple[Run, Any]]) -> Iterator[str]:
     for run, value in values:
         groups.setdefault(shown(value), []).append(f"'{run.source}'")
     if len(groups) > 1:
-        listed = " and ".join(
-            f"{value} in {names[0]}" + (f" and {len(names) - 1} more" if len(names) > 1 else "")
-            for value, names in groups.items()
+        more = {n: f" and {n - 1} more" if n > 1 else "" for n in map(len, groups.values())}
+        texts = [f"{value} in {names[0]}{more[len(names)]}" for value, names in groups.items()]
+        yield (
+            f"{key} is {' and '.join(texts)}; it must be the same: laws are compared in one motor with one "
+            "drive."
         )
-        yield f"{key} is {listed}; it must be the same: laws are compared in one motor with one drive."
 
 
 def shown(value: Any) -> str:
