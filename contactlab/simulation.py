@@ -207,7 +207,9 @@ def simulate(
             )
     longest = {"duration": LONGEST} if until == STEADY and not isinstance(motor, Setup) else {}
     setup = setup_of(motor, law, longest | settings)
-    trajectory = setup.run(progress=progress, start=None if start is None else start.state)
+    trajectory = setup.run(
+        progress=progress, start=None if start is None else start.state, keep_interrupted=True
+    )
     return Solution(to_datatree(trajectory, setup.configuration), setup)
 
 

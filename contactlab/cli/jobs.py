@@ -74,7 +74,7 @@ def _simulated(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
             show(time)
             check()
 
-        trajectory = setup.run(progress=report)
+        trajectory = setup.run(progress=report, keep_interrupted=True)
     wall_time = perf_counter() - started
     with terminal.raising():
         tree = netcdf.to_datatree(trajectory, setup.configuration)

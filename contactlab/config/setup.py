@@ -29,7 +29,7 @@ from contactlab.motor import (
     Steel,
 )
 from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
-from contactlab.trajectory import Trajectory
+from contactlab.trajectory import Ending, Trajectory
 
 RESONANCE = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
@@ -67,13 +67,21 @@ class Setup:
     until: Until = "duration"
     precision: float = PRECISION
 
-    def run(self, **others: Any) -> Trajectory:
-        """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own."""
+    def run(self, *, keep_interrupted: bool = False, **others: Any) -> Trajectory:
+        """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own.
+
+        Raises:
+            KeyboardInterrupt: somebody pressed Ctrl-C, unless what there is by then is to be kept.
+        """
         names = ["duration", "record_interval", "contact_step", "tolerance"]
-        if self.until != STEADY:
-            return simulate(self.motor, self.law, **{name: getattr(self, name) for name in names} | others)
-        arguments = {name: getattr(self, name) for name in (*names, "precision")} | others
-        return simulate_until_steady(self.motor, self.law, **arguments)
+        if self.until == STEADY:
+            names.append("precision")
+        arguments = {name: getattr(self, name) for name in names} | others
+        function = simulate_until_steady if self.until == STEADY else simulate
+        trajectory = function(self.motor, self.law, **arguments)
+        if trajectory.ending is Ending.INTERRUPTED and not keep_interrupted:
+            raise KeyboardInterrupt(trajectory.message)
+        return trajectory
 
 
 def build(configuration: Values | Sequence[str] = ()) -> Setup:

@@ -18,6 +18,7 @@ from contactlab.steady_state import NotSettledError, attractors
 from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled
 from contactlab.studies.compare_draws import on_other_basis
 from contactlab.studies.study import Part
+from contactlab.trajectory import Ending
 
 FRICTION_CHANGE: Final = 0.01
 """Relative change of the friction coefficient for the sensitivity to it."""
@@ -84,7 +85,10 @@ def do_rerun(rerun: "Setup | dict[str, Any]", transient: bool, period: float) ->
         interval = min(setup.record_interval, period / RECORDS_PER_PERIOD)
         if setup.duration / interval > MOST_RECORDS:
             interval = setup.record_interval
-        return simulate(setup, record_interval=interval).tree
+        run = simulate(setup, record_interval=interval)
+        if run.ending is Ending.INTERRUPTED:
+            raise KeyboardInterrupt
+        return run.tree
     state = settled(setup)
     tree = to_datatree(motion_of(state), setup.configuration)
     tree["means"] = _tree_of([means_of(state)])

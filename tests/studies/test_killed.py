@@ -33,15 +33,15 @@ OF_IMPACTS = ("fit", "validate")
 def test_a_study_killed_at_random_leaves_the_same_bytes(study: str, tmp_path: Path) -> None:
     if study == "fit":
         pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
-    words = ["-m", "support.study_of_impacts", study, "killed"]
+    arguments = ["-m", "support.study_of_impacts", study, "killed"]
     if study in COMMANDS:
-        words = ["-m", "contactlab", *COMMANDS[study]]
+        arguments = ["-m", "contactlab", *COMMANDS[study]]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(TESTS.parent), str(TESTS)])}
     folder = tmp_path / "killed"
 
     def begun() -> "subprocess.Popen[bytes]":
         return subprocess.Popen(
-            [sys.executable, *words], env=environment, cwd=tmp_path, stdout=subprocess.DEVNULL
+            [sys.executable, *arguments], env=environment, cwd=tmp_path, stdout=subprocess.DEVNULL
         )
 
     def files() -> dict[str, bytes]:

@@ -115,6 +115,16 @@ def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(command: Command, simulations
     assert simulations.seen == [1.0, 2.0, 2.0, 3.0]
 
 
+def test_ctrl_c_in_a_run_stops_a_sweep_of_numbers(command: Command, simulations: Simulations) -> None:
+    simulations.endings = {2.0: Ending.INTERRUPTED}
+    three = ("-m", "contact.clearance=1e-6,2e-6,3e-6", "sweep.keep=metrics", "sweep.chunk=1", "law=newton")
+    assert command(*three, *QUICK)[0] == 130
+    assert simulations.seen == [1.0, 2.0]
+    simulations.endings = {}
+    assert command(*three, *QUICK)[0] == 0
+    assert simulations.seen == [1.0, 2.0, 2.0, 3.0]
+
+
 def test_the_same_run_leaves_the_same_state(command: Command, simulations: Simulations) -> None:
     for place in ("one", "two"):
         assert command("contact.clearance=1e-6", f"hydra.run.dir={place}")[0] == 0
