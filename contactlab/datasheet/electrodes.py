@@ -1,8 +1,7 @@
-"""What flows into the electrodes: charge and current of a run, from the motion of every normal mode.
+"""Charge and current of the electrodes during a run, from the motion of every normal mode.
 
-A run records the tip and not its modes. Each mode is an oscillator of its own, though, driven by tones and by
-the recorded force of the contact, so that its motion follows from the run's start: exactly under the drive,
-and under the mean force of each record interval.
+The modes follow from the start of the run: exactly under the drive, and under the mean contact force of each
+record interval.
 
 Source: Andersen, Blanke and Helbo (2001), eqs. 19, 20, 26 and 32.
 """
@@ -19,9 +18,9 @@ from contactlab.trajectory import Trajectory
 def modal_motion(run: Trajectory) -> tuple[Array, Array]:
     """Return displacement [m kg^1/2] and velocity [m s^-1 kg^1/2] of every mode at the records of a run.
 
-    Each of shape (mode, time). A force that acts within a record interval is spread over it, which moves its
-    impulse by half of the interval at most: the error falls with the square of it where the force is smooth.
-    The run must begin at t = 0 of its drive, from the start of its motor.
+    Each has the shape (mode, time). A force is spread over its record interval: the error is of second order
+    in the interval where the force is smooth. The run must begin at t = 0 of its drive, from the start of its
+    motor.
     """
     modes, drive, start = run.motor.modes, run.motor.drive, run.motor.start
     w, k, c = drive.angular_frequency, modes.stiffness[:, None], modes.damping[:, None]

@@ -1,21 +1,12 @@
-"""What a data sheet tells of a motor: names, units and meaning, once for file, page and terminal."""
+"""Quantities of a data sheet: names, units and meaning."""
 
 from typing import Final
 
 from contactlab.variables import Variable
 
-
-def _at_a_point(*rows: tuple[str, str, str, str]) -> dict[str, Variable]:
-    return {name: Variable(name, ("point",), *rest) for name, *rest in rows}
-
-
-def _of_a_motor(*rows: tuple[str, str, str, str]) -> dict[str, Variable]:
-    return {name: Variable(name, (), *rest) for name, *rest in rows}
-
-
-POINT: Final = _at_a_point(
+POINT: Final = {name: Variable(name, ("point",), *rest) for name, *rest in (
     ("velocity", "rad s-1", "Omega", "velocity in the motor's own sense of rotation"),
-    ("velocity_ripple", "rad s-1", "", "largest less smallest velocity of a free rotor; a belt has none"),
+    ("velocity_ripple", "rad s-1", "", "largest less smallest velocity of a free rotor, else zero"),
     ("torque", "N m", "M", "load that the rotor carries, -R F - C_r Omega in the motor's sense: a load that "
      "brakes is positive, one that drives it negative"),
     ("output_power", "W", "P_out", "M Omega, to the load; negative where the load puts power in"),
@@ -24,7 +15,7 @@ POINT: Final = _at_a_point(
     ("friction_power", "W", "P_f", "loss in friction"),
     ("contact_power", "W", "P_n", "loss in normal damping and impacts"),
     ("dielectric_power", "W", "P_e", "loss in the dielectric of the patches"),
-    ("balance", "W", "r", "electrical input less output, losses and what is stored; the ledger's error"),
+    ("balance", "W", "r", "electrical input less output, losses and stored power; the energy balance error"),
     ("mechanical_efficiency", "1", "eta_m", "output power over the power of the drive"),
     ("electrical_efficiency", "1", "eta_e", "output power over active electrical power"),
     ("active_power", "W", "P", "electrical input: power of the drive and of the dielectric loss"),
@@ -37,16 +28,16 @@ POINT: Final = _at_a_point(
     ("stick_share", "1", "t_st/t_c", "share of the time in contact that sticks"),
     ("friction_work_per_slip", "J m-1", "W_f/s", "friction work per metre of slip"),
     ("friction_work_per_travel", "J m-1", "W_f/x", "friction work per metre that the rotor's rim travels"),
-)  # fmt: skip
-"""Of every point of the speed-torque curve."""
+)}  # fmt: skip
+"""Quantities of each point of the speed-torque curve."""
 
-MOTOR: Final = _of_a_motor(
+MOTOR: Final = {name: Variable(name, (), *rest) for name, *rest in (
     ("no_load_velocity", "rad s-1", "Omega_0", "velocity of the free rotor in the motor's sense"),
-    ("curve_root", "rad s-1", "", "velocity at which the curve on belts is zero, a check"),
+    ("curve_root", "rad s-1", "", "velocity at which the speed-torque curve is zero, a check"),
     ("stall_torque", "N m", "M_0", "load that holds the rotor at rest"),
     ("holding_torque", "N m", "M_h", "load that moves the rotor when the drive is off"),
     ("start_time", "s", "t_90", "from the start to 90 % of the no-load velocity"),
     ("stop_time", "s", "t_10", "from the no-load velocity to 10 % of it, the drive switched off and short"),
     ("coasting_velocity", "rad s-1", "", "velocity at which the tip leaves the rotor after switching off"),
-)  # fmt: skip
-"""Of a motor."""
+)}  # fmt: skip
+"""Quantities of a motor."""

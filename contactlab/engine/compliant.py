@@ -35,14 +35,17 @@ from contactlab.engine.memory import (
     SLIP_ROUND_OFF,
     correct_memory,
     end_at,
+    first_moments,
+    fit_moments,
     guess_memory,
     jump,
+    missed_moments,
     note_turn,
     open_step,
     recall,
     recall_start,
+    set_moments,
 )
-from contactlab.engine.moments import first_moments, fit_moments, missed_moments, set_moments
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import (
@@ -197,17 +200,17 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
 
 
 @inner_kernel
-def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
+def _collocate(run: Run, law: Law, level: int, at_zero_slip: bool) -> int:
     """Iterate the nodal forces of a step; returns the number of sweeps, 0 where it does not contract.
 
-    Rate-dependent friction may begin `held`, with the friction of zero slip: Newton's method then converges
-    from the steep part of the law, where from the level part it would alternate.
+    Rate-dependent friction may begin `at_zero_slip`: Newton's method then converges from the steep part of
+    the law, where from the level part it would alternate.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
     sign, kind, sticks = float(state.sign), state.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
     slides = not sticks and not follows
-    least_slip = HELD_SLIP if held else LEAST_SLIP
+    least_slip = HELD_SLIP if at_zero_slip else LEAST_SLIP
     for sweep in range(1, MOST_ITERATIONS + 1):
         change, most = 0.0, 0.0
         for i in range(NODES):
@@ -220,7 +223,7 @@ def _collocate(run: Run, law: Law, level: int, held: bool) -> int:
             change = max(change, abs(state.friction.node[i] - old_friction))
             # Friction that would have to hold far more than the law lets it has the round-off of its size.
             most = max(most, state.normal.node[i], abs(old_friction))
-        holds = (held and sweep == 1) or (sticks and not follows)
+        holds = (at_zero_slip and sweep == 1) or (sticks and not follows)
         if holds or follows:
             change = max(change, correct_friction(run, law, level, holds, least_slip))
         flowed = correct_memory(run, law, law.memory, state.length)

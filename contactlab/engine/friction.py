@@ -17,8 +17,7 @@ import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
-from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start, solve_linear
-from contactlab.engine.moments import push_moments
+from contactlab.engine.memory import end_at, jump, memory_at, push_moments, recall, recall_start, solve_linear
 from contactlab.engine.state import HEAD, NODES, START, Law, Memory, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN

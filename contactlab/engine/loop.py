@@ -8,8 +8,7 @@ from contactlab.engine.compliant import count_event, step_compliant, switch_fric
 from contactlab.engine.flight import step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
-from contactlab.engine.memory import jump, leave, note_release
-from contactlab.engine.moments import press
+from contactlab.engine.memory import jump, leave, note_release, press
 from contactlab.engine.propagator import step_length
 from contactlab.engine.recorder import CRAWL, commit
 from contactlab.engine.rigid import step_rigid
@@ -51,7 +50,9 @@ def run_law(
     """Run a law from starts, see `contactlab.engine.preparation.advance`."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
-        _begin_at(each, motions[i])
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            mode.q[START], mode.v[START] = motions[i, 0, j], motions[i, 1, j]
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law):
             event = NOTHING
@@ -66,23 +67,9 @@ def run_law(
             commit(each, law, records.series, records.traces)
             _act(each, law, records.ends, event)
             left -= 1
-        _leave_at(each, motions[i])
-
-
-@inner_kernel
-def _begin_at(run: Run, motion: Array) -> None:
-    """Set displacements and rates at the start of a step."""
-    for j in range(run.plant.mode_count):
-        mode = run.plant.modes[j]
-        mode.q[START], mode.v[START] = motion[0, j], motion[1, j]
-
-
-@inner_kernel
-def _leave_at(run: Run, motion: Array) -> None:
-    """Take displacements and rates from the start of a step."""
-    for j in range(run.plant.mode_count):
-        mode = run.plant.modes[j]
-        motion[0, j], motion[1, j] = mode.q[START], mode.v[START]
+        for j in range(run.plant.mode_count):
+            mode = run.plant.modes[j]
+            motions[i, 0, j], motions[i, 1, j] = mode.q[START], mode.v[START]
 
 
 @inner_kernel

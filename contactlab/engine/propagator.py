@@ -171,9 +171,9 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
 
 
 @merged_kernel
-def _fill(rule: Any, mode: Any, response: Any, answers: Any, i: int) -> None:
+def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
     """Fill the responses of one coordinate at one node, and add what the contact sees of them."""
-    integrals, tip_q, tip_v = rule.integrals, answers.tip_q, answers.tip_v
+    integrals, tip_q, tip_v = rule.integrals, results.tip_q, results.tip_v
     w = integrals[1]
     response.flow[i, 0] = integrals[0] + mode.damping * w
     response.flow[i, 1] = w
@@ -185,9 +185,9 @@ def _fill(rule: Any, mode: Any, response: Any, answers: Any, i: int) -> None:
     for m in range(NODES):
         q, v, scale = 0.0, 0.0, 1.0
         for d in range(NODES):
-            # (s/h)^d = d!/h^d times s^d/d!, whose answers are I_(d+1) and I_d.
+            # (s/h)^d = d!/h^d times s^d/d!, whose results are I_(d+1) and I_d.
             if d > 0:
-                scale *= d / answers.length
+                scale *= d / results.length
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
         response.answer_q[i, m], response.answer_v[i, m] = q, v

@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
-from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
-from contactlab.engine.moments import moment_power, moments_at
+from contactlab.engine.memory import end_at, memory_at, moment_power, moments_at, stored_apart, take_memory
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (

@@ -42,19 +42,9 @@ def steady(
     linearised map. Otherwise the transient is continued and the test repeated. A motion without an orbit
     after the longest run is averaged over a run of the same length, with statistical errors.
 
-    Errors are those of the orbit, or of statistics, at one step of the solver. `converged` computes the
-    state at three steps and adds the discretisation error.
-
-    Args:
-        motor: what moves, or a whole setup.
-        law: what acts between tip and rotor; a setup has its own.
-        belt: velocity at which the rotor is held [rad/s]; None for one that is free.
-        load: torque in place of that of the rotor [N m]: positive brakes positive rotation, drives negative.
-        brake: torque of a load against whatever motion there is [N m], positive. Its sign is that of the
-            rotation without load; a motor that does not hold its rotation against it stands.
-        start: another steady state, or modal state and rotor velocity [rad/s] at the drive's phase 0.
-        contact_step, tolerance: as of `contactlab.simulate`.
-        longest: run without an orbit [periods of the drive].
+    Errors are those of the orbit, or of statistics, at one step of the solver; `converged` adds the
+    discretisation error. Arguments are those of `contactlab.steady`. A brake takes the sign of the rotation
+    without load; a motor that does not keep its rotation against it stands.
 
     Raises:
         NoPeriodError: the drive does not repeat itself.
@@ -62,7 +52,6 @@ def steady(
         NotSettledError: there is no steady state, or it is not reached.
         BrokenOffError: a run broke off.
         ValueError, TypeError: an argument is out of range, or of another kind.
-        KeyboardInterrupt: as it comes.
     """
     setup = steady_setup(motor, law, contact_step, tolerance)
     _check(belt, load, brake, longest)

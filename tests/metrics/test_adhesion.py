@@ -84,13 +84,6 @@ def test_cohesion_that_is_declared_widens_the_cone() -> None:
             assert (value == 0.0) is inside
 
 
-def test_a_static_ratio_is_that_of_the_law_whoever_declares_it() -> None:
-    assert cone(made("hertz_point", "coulomb", static_ratio=1.5)) == pytest.approx((0.45, 0.0))
-    # Of a law that is not installed here, the numbers are what there is.
-    unknown = made("hertz_point", "of_another_package", static_ratio=2.0)
-    assert cone(unknown) == pytest.approx((0.6, 0.0))
-
-
 def test_where_adhesion_begins_to_pull_a_mean_is_not_held_to_the_cone() -> None:
     run = of_normal(Jkr)
     run.columns["friction_force"][[1, 3, 4]] = 10.0

@@ -1,12 +1,10 @@
 """A run that agrees with itself keeps every invariant; each way of disagreeing breaks its own."""
 
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray
-from support.command_line import Command
 from support.configurations import case_a_tree
 
 from contactlab.laws import LAWS
@@ -94,16 +92,3 @@ def test_a_contact_of_no_length_is_a_phantom() -> None:
         empty[name] *= 0.0
     run["contacts"] = xarray.DataTree(xarray.concat([rows, empty], "contact"))
     assert broken(run) == {"phantom_contacts"}
-
-
-def test_the_command_judges_a_recorded_run(command: Command, tmp_path: Path) -> None:
-    run = run_of()
-    run.to_netcdf(tmp_path / "run.nc", engine="netcdf4")
-    status, out, _ = command("verify", ".")
-    assert status == 0
-    assert f"{len(INVARIANTS)} hold" in out
-    run["contacts/peak_normal_force"].values[:] /= 13.0
-    run.to_netcdf(tmp_path / "wrong.nc", engine="netcdf4")
-    status, out, _ = command("verify", ".", "wrong.nc")
-    assert status == 1
-    assert "Failed: peak_deficit" in out

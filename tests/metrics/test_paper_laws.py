@@ -96,11 +96,6 @@ def test_rigid_stick_shows_its_order() -> None:
 LOADED = VARIED["near the steady state, loaded"]
 
 
-@pytest.mark.parametrize("law", ["newton", "poisson", "stronge", "moreau_jean"])
-def test_laws_of_restitution_neither_reverse_the_slip_nor_make_energy(law: str) -> None:
-    assert failed(assess(datatree(configured(law, **LOADED)))) == set()
-
-
 @pytest.mark.parametrize(
     ("friction", "lines"),
     [
@@ -143,3 +138,21 @@ def test_a_run_recorded_at_its_ends_only_has_every_metric_that_takes_no_records(
         assert not (metric.usual and metric.needs_records), key
     assert isnan(result["slip_reversal"])
     assert isnan(result["rotor_velocity"])
+
+
+def test_a_contact_lasts_longer_than_hertzs_free_impact_by_little() -> None:
+    ratio = assess(case_a_tree("hertz_penalty", None, 1e-6))["hertz_duration_ratio"]
+    assert 1.0 < ratio < 1.3
+    assert isnan(assess(case_a_tree("lagrange_stick", None, 1e-6))["hertz_duration_ratio"])
+
+
+def test_the_stiffness_of_a_composed_law_is_found_among_its_parts() -> None:
+    parts = assess(datatree(configured("composed")))
+    alone = assess(case_a_tree("hertz_penalty", None, 1e-6))
+    for key in ("hertz_duration_ratio", "penetration_over_radius"):
+        assert parts[key] == pytest.approx(alone[key], rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["newton", "poisson", "stronge", "moreau_jean"])
+def test_laws_of_restitution_neither_reverse_the_slip_nor_make_energy(law: str) -> None:
+    assert failed(assess(datatree(configured(law, **LOADED)))) == set()

@@ -80,13 +80,6 @@ def test_the_window_is_the_last_three_drive_periods() -> None:
     assert not window.coarse
 
 
-def test_a_drive_without_a_frequency_is_driven_at_the_first_natural_frequency() -> None:
-    reported = {**CONFIGURATION, "drive": {"frequency": None}}
-    window = shown(tree := to_datatree(synthetic_trajectory(), reported))
-    first = float(tree["natural_frequency"][0])
-    assert window.end - window.start == pytest.approx(3.0 / first)
-
-
 def test_an_envelope_loses_no_peak() -> None:
     x = np.linspace(0.0, 1.0, 300_001)
     y = np.sin(x)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.settling.statistics import chaos_indicator, mean_with_error, repeats_after, trend
+from contactlab.settling.statistics import mean_with_error, trend
 
 
 def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
@@ -33,20 +33,6 @@ def test_a_constant_has_no_error_and_a_line_has_its_slope() -> None:
     change, error = trend(np.linspace(0.0, 2.0, 400) + 1e-3 * np.random.default_rng(0).normal(size=400))
     assert change == pytest.approx(2.0, abs=3.0 * error)
     assert error < 1e-3
-
-
-def test_kinds_of_motion_are_told_apart_where_they_are_known() -> None:
-    logistic = np.empty((2, 2000))
-    for row, rate in enumerate((3.55, 4.0)):
-        x = 0.3
-        for i in range(logistic.shape[1]):
-            x = rate * x * (1.0 - x)
-            logistic[row, i] = x
-    turning = np.cos(2.0 * np.pi * np.sqrt(2.0) * np.arange(2000))
-    assert chaos_indicator(logistic[1]) > 0.9
-    assert chaos_indicator(turning) < 0.1
-    assert repeats_after(logistic[:1].T, 1e-6) == 8
-    assert repeats_after(logistic[1:].T, 1e-3) == repeats_after(turning[:, None], 1e-3) == 0
 
 
 @pytest.mark.long

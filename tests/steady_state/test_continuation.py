@@ -54,16 +54,6 @@ def test_a_branch_over_the_frequency_keeps_its_orbits_closed() -> None:
     )
 
 
-def test_the_torque_of_a_belt_vanishes_at_the_velocity_of_the_free_rotor() -> None:
-    """But for the ripple of the velocity, which the belt has not."""
-    setup = cl.build(["law=newton"])
-    result = cl.branch(setup, "belt", -4.0, -2.0, step=0.2)
-    velocity, torque = (np.array([getattr(p, name) for p in result.points]) for name in ("value", "torque"))
-    assert np.all(np.diff(torque) < 0.0)
-    free = float(np.interp(0.0, -torque, velocity))
-    assert free == pytest.approx(cl.steady(setup).velocity[0], rel=2e-2)
-
-
 def test_a_dataset_of_a_branch_says_what_is_in_it(over_clearance: cl.Branch, tmp_path: Path) -> None:
     path = tmp_path / "branch.nc"
     over_clearance.to_xarray().to_netcdf(path)

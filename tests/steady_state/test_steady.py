@@ -222,13 +222,6 @@ def test_an_orbit_behind_another_is_not_where_a_motor_goes(place: float, goes: b
     assert _goes_to(orbit, np.array([place + 0.05]), line.run(np.array([place + 0.05]), 5), 5)
 
 
-def test_an_orbit_that_the_motor_is_not_seen_to_go_to_is_not_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    setup = cl.build(["law=newton"])
-    assert cl.steady(setup, belt=0.0, longest=200).orbit is not None
-    monkeypatch.setattr("contactlab.steady_state.arrival._goes_to", lambda *_: False)
-    assert cl.steady(setup, belt=0.0, longest=200).orbit is None
-
-
 @pytest.mark.parametrize(
     ("arguments", "error", "key"),
     [

@@ -14,7 +14,6 @@ from contactlab.steady_state import NotSettledError, UnboundedError
 from contactlab.steady_state.arrival import _drifts, _grows
 from contactlab.steady_state.basins import same
 from contactlab.steady_state.branches import NoBranchError
-from contactlab.steady_state.period_map import PeriodMap
 from contactlab.testing.plants import run
 
 PRONY = ("law=composed", "law/normal=prony")
@@ -43,16 +42,6 @@ def test_the_multiplier_of_a_memory_is_that_of_its_decay(time: float) -> None:
     own = np.exp(-result.orbit.map.period / time)
     assert np.abs(result.orbit.multipliers - own).min() < 1e-9
     assert result.end[3] == pytest.approx(0.0, abs=1e-8)
-
-
-def test_states_with_a_memory_end_where_runs_from_them_end() -> None:
-    section = PeriodMap(cl.build(FAST), phase=0.3, weights=(2.0**20,))
-    start = section.end_of(section.run(section.state_of(*section.parts_of(np.zeros(10))), 5.0))
-    assert start.size == 10
-    assert section.parts_of(start)[2] > 0.0
-    nudged = start * (1.0 + 1e-3 * np.eye(start.size))
-    for z, end in zip(nudged, section.ends(nudged), strict=True):
-        assert np.array_equal(end, section.end_of(section.run(z)))
 
 
 def test_an_orbit_with_memory_is_one_whatever_its_section_and_start() -> None:

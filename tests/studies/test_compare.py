@@ -11,12 +11,10 @@ from support.configurations import altered, datatree
 import contactlab as cl
 from contactlab.metrics import METRICS, Run
 from contactlab.parameter import Parameter
-from contactlab.steady_state.means import QUANTITIES
 from contactlab.studies.compare_causes import (
     Difference,
     largest_differences,
     samples_needed,
-    shares_sentence,
     unclear,
     written_share,
 )
@@ -29,7 +27,6 @@ from contactlab.studies.compare_draws import (
     on_other_basis,
     shares,
 )
-from contactlab.studies.compare_figures import draw_causes, draw_shares
 from contactlab.studies.compare_scorecard import CAUSES, PARAMETERS, START
 
 EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
@@ -226,45 +223,6 @@ def test_a_share_with_a_wide_interval_is_inconclusive() -> None:
     assert written_share(-0.01, -0.05, 0.03) == "below 0.03"
     # The width falls with the root of the samples, here from 0.76 to below 0.3.
     assert samples_needed(np.array([[0.89, 0.57, 1.33]]), 32) == 256
-
-
-def test_figures_show_no_share_beyond_one_and_none_that_is_inconclusive() -> None:
-    laws, quantities = ["a", "b"], list(QUANTITIES)
-    value = np.array([[-2.0, 3.0, 0.95, 0.5], [-1.9, 3.1, 0.0, 0.5]])
-    moved = np.broadcast_to(value[:, None, :], (2, len(CAUSES), 4))
-    estimates = np.array([[0.89, 0.57, 1.33], [0.3, 0.2, 0.35]])
-    data = xarray.Dataset(
-        {
-            "value": (("law", "metric"), value),
-            "least": (("law", "cause", "quantity"), moved - 0.04),
-            "greatest": (("law", "cause", "quantity"), moved + 0.04),
-            **{
-                name: (("quantity", "factor", "estimate"), np.broadcast_to(estimates, (4, 2, 3)))
-                for name in ("first_order", "total_order")
-            },
-        },
-        coords={
-            "law": laws,
-            "kind": ("law", ["periodic", "periodic"]),
-            "metric": quantities,
-            "quantity": quantities,
-            "cause": list(CAUSES),
-            "factor": ["basis", "law"],
-            "draw": np.arange(32 * 4),
-        },
-    )
-    # Three times the numerical error of 0.04 is 1.07.
-    ends = [
-        x
-        for bars in draw_causes(data).axes[quantities.index("stick_share")].collections
-        for segment in bars.get_segments()
-        for x in segment[:, 0]
-    ]
-    assert (min(ends), max(ends)) == (0.0, pytest.approx(1.0))
-    (axes,) = draw_shares(data).axes
-    assert sorted(bar.get_width() for bar in axes.patches) == [0.3, 0.3]
-    assert "0.89" not in shares_sentence(data)
-    assert "256" in shares_sentence(data)
 
 
 def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_follows() -> None:
