@@ -245,6 +245,31 @@ def test_the_error_of_the_default_motors_is_one_to_95_percent_of_the_orbits_that
     assert max(off) <= 1.5
 
 
+@pytest.mark.long
+def test_the_error_covers_what_nineteen_in_twenty_motors_come_to_in_the_long_run() -> None:
+    rng, covered = np.random.default_rng(3), []
+    for number in range(30):
+        values = {
+            "law": LAWS[number % 3],
+            "contact.clearance": np.exp(rng.uniform(np.log(3e-7), np.log(2e-6))),
+            "contact.friction_coefficient": rng.uniform(0.1, 0.8),
+            "rotor.inertia": np.exp(rng.uniform(np.log(5e-6), np.log(1e-4))),
+            "rotor.initial_velocity": rng.uniform(-3.0, 3.0),
+            "drive.phase": rng.uniform(-pi, pi),
+            "solver.duration": np.exp(rng.uniform(np.log(0.015), np.log(0.2))),
+            "record.interval": 1e-5,
+        }
+        setup = cl.build([f"{key}={value}" for key, value in values.items()])
+        result = Run.of_trajectory(setup.run(), setup.configuration).settling
+        late = np.diff(setup.run(duration=0.8, record_interval=0.1).series["rotor_angle"][-3:]) / 0.1
+        doubt, mean = float(np.ptp(late)), float(late.mean())
+        if doubt > 1e-3 * abs(mean) or not result.error <= 0.5 * abs(result.velocity):
+            continue
+        covered.append(abs(result.velocity - mean) <= result.error + doubt)
+    assert len(covered) >= 15
+    assert np.mean(covered) >= 0.9
+
+
 def test_a_run_that_is_too_short_is_no_fault_of_its_law() -> None:
     solution = cl.simulate(cl.build(["record.interval=1e-5"]))
     assert solution.tree.attrs["settled"] == 0
