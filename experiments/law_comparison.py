@@ -151,7 +151,7 @@ class LawComparison(Experiment):
         "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "
         "compared by eye."
     )
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"others": re.compile(r"[a-z_]+")}
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"others": re.compile(r"[a-z_]+")}
 
     others: Annotated[list[str] | None, option("further laws")] = None
 

@@ -112,7 +112,7 @@ class ObliqueSpheres(Experiment):
         "Kharaz et al. (2001): the tangential restitution of 5 mm alumina spheres on glass falls to 0.60 "
         "near 20 degrees. A rigid contact that sticks leaves 5/7."
     )
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"path": re.compile(r"[^=]+")}
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"path": re.compile(r"[^=]+")}
 
     path: Annotated[str, option("CSV file of the measured rebounds")]
 

@@ -158,7 +158,7 @@ def test_painleves_paradox_leaves_no_number() -> None:
 
 
 @pytest.mark.parametrize(
-    ("matrix", "before", "more", "words"),
+    ("matrix", "before", "more", "text"),
     [
         (COUPLED, [0.1, 0.0], {}, "gap rate"),
         ([[1.0, 2.0], [2.0, 1.0]], [-0.1, 0.0], {}, "positive definite"),
@@ -171,8 +171,8 @@ def test_painleves_paradox_leaves_no_number() -> None:
         (COUPLED, [-0.1, 0.0], {"history": 10}, "newton"),
     ],
 )
-def test_impossible_impacts_are_refused(matrix: Any, before: Any, more: dict[str, Any], words: str) -> None:
-    with pytest.raises((ValueError, TypeError), match=words):
+def test_impossible_impacts_are_refused(matrix: Any, before: Any, more: dict[str, Any], text: str) -> None:
+    with pytest.raises((ValueError, TypeError), match=text):
         cl.impact(cl.Newton(), matrix, before, **more)
 
 

@@ -41,11 +41,11 @@ def main() -> int:
     return status
 
 
-def _perform(*words: str) -> int:
+def _perform(*line: str) -> int:
     """Do the work of a verb, of a study, or of a run, which has no verb."""
-    if words[:1] in (("-m",), ("--multirun",)):
-        words = (*words[1:], words[0])
-    verb, arguments = words[0] if words else "", words[1:]
+    if line[:1] in (("-m",), ("--multirun",)):
+        line = (*line[1:], line[0])
+    verb, arguments = line[0] if line else "", line[1:]
     if verb == "help":
         if not arguments:
             print(*_verbs(), sep="\n")
@@ -67,7 +67,7 @@ def _perform(*words: str) -> int:
         hint = suggestion(verb, known, f"It must be one of {', '.join(known)}.")
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
     elif verb != RUN:
-        arguments = words
+        arguments = line
     # Imported here: it brings Hydra, which other verbs do not need.
     from contactlab.cli import app
 

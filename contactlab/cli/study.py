@@ -34,7 +34,7 @@ FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
 
 
-def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
+def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     """Return the arguments of a verb as Hydra reads them.
 
     An option of the study may be written NAME=VALUE, --NAME VALUE or --NAME=VALUE, one that is true or
@@ -45,23 +45,23 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     """
     study = study_class(verb)
     options = declared_fields(study)
-    sweeps = not {"-m", "--multirun"}.isdisjoint(words)
+    sweeps = not {"-m", "--multirun"}.isdisjoint(arguments)
     place = FOLDER[sweeps]
     lines, several = [f"study={verb}"], list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
-    for word in _without_dashes(words, options):
+    for word in _without_dashes(arguments, options):
         name, sign, value = word.partition("=")
         if name == "output" and sign:
             lines.append(f"{place}={quoted(value)}")
         elif name in options and sign:
             matched[name] += _values(options[name], value)
-        elif taken := next((key for key, form in study.words.items() if form.fullmatch(word)), ""):
+        elif taken := next((key for key, form in study.patterns.items() if form.fullmatch(word)), ""):
             matched[taken].append(word)
         else:
             (several if study.several and not sweeps and LISTED.match(word) else lines).append(word)
     for name, values in matched.items():
         kinds = options[name].kinds
-        if len(values) > 1 and name in study.words and list[str] not in kinds:
+        if len(values) > 1 and name in study.patterns and list[str] not in kinds:
             raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
         texts = [quoted(value) if str in kinds and value != "null" else value for value in values]
         if list[str] in kinds and not values[0].startswith("["):
@@ -73,9 +73,9 @@ def as_overrides(verb: str, words: Sequence[str]) -> list[str]:
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
 
 
-def _without_dashes(words: Sequence[str], options: Mapping[str, DeclaredField]) -> Iterator[str]:
+def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredField]) -> Iterator[str]:
     """Yield words with NAME=VALUE in place of --NAME VALUE, --NAME and --no-NAME; flags are left."""
-    rest = list(words)
+    rest = list(arguments)
     while rest:
         word = rest.pop(0)
         key, sign, value = word.partition("=")

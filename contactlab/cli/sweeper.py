@@ -1,6 +1,6 @@
 """The sweep of a command line: every run checked before the first, what is complete skipped, all collected.
 
-Hydra's own sweeper hands every job to the launcher, so that a cluster would be asked for a node to find a run
+Hydra's own sweeper hands every job to the launcher, so that a cluster would allocate a node to find a run
 complete. Here the launcher receives the jobs that are to run, where runs leave folders. A sweep that keeps
 numbers alone is the study `contactlab.studies.sweep.Sweep`.
 """
@@ -111,7 +111,7 @@ class Arguments:
             raise ConfigurationError(faults_of(error, lines)) from error
 
     def job(self, plan: Plan, cell: int) -> tuple[str, Job]:
-        """Return the name of a run's folder, as Hydra makes it, and what the run was asked for.
+        """Return the name of a run's folder, as Hydra makes it, and its configuration.
 
         Raises:
             ConfigurationError: the run is faulty.

@@ -65,4 +65,4 @@ def _row(claim: Claim, width: int) -> str:
     text = shorten(claim.statement + unit, width, placeholder="...")
     tolerance = f"{claim.tolerance:.1e}" if claim.relation == "=" else ""
     expected = f"{'' if claim.relation == '=' else claim.relation + ' '}{claim.expected:.9g}"
-    return f"{text:<{width}}" + NUMBERS.format(expected, f"{claim.found:.9g}", tolerance, claim.verdict)
+    return f"{text:<{width}}" + NUMBERS.format(expected, f"{claim.value:.9g}", tolerance, claim.verdict)

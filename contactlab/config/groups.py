@@ -20,7 +20,7 @@ from contactlab.settling.until import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
 
 DURATION: Final = 0.02
-"""Duration of a run where none is asked for [s]."""
+"""Duration of a run where none is configured [s]."""
 
 _Names = list[str] | str | None
 _declared = partial(Parameter, "", "1")
@@ -111,7 +111,7 @@ class Uncertainty(Checked):
 
 
 def duration_for(until: object) -> float:
-    """Return the duration of a run where none is asked for [s]; until steady it is the longest."""
+    """Return the duration of a run where none is configured [s]; until steady it is the longest."""
     return LONGEST if until == STEADY else DURATION
 
 
@@ -248,7 +248,7 @@ def keys_of_law(owner: Any) -> Keys:
 
 @final
 class _OfFamily(Mapping[str, Keys]):
-    """The keys of laws, or of the parts of a family, by name; one is imported when its keys are asked for.
+    """The keys of laws, or of the parts of a family, by name; one is imported when its keys are read.
 
     A ValueError says of one that is broken what is wrong with it.
     """

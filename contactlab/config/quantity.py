@@ -114,7 +114,7 @@ def to_si(text: str, unit: str) -> float:
 
 
 @cache
-def factor(given: str, unit: str) -> Decimal:
+def factor(text: str, unit: str) -> Decimal:
     """Return the factor that converts a number in a unit to an SI unit, '1' for none.
 
     Both may be written as configurations do, 'N/m^1.5', or as CF does, 'N m-1.5'.
@@ -122,16 +122,16 @@ def factor(given: str, unit: str) -> Decimal:
     Raises:
         UnitError: the unit is unknown or has another dimension.
     """
-    have, wanted = _root(given), _root(unit)
+    have, wanted = _root(text), _root(unit)
     if have is None:
-        raise UnitError(f"whose unit '{given.strip()}' is unknown")
+        raise UnitError(f"whose unit '{text.strip()}' is unknown")
     if wanted is None:
         raise UnitError(f"which cannot be converted to the declared unit {unit}: that is unknown")
     # A damper's N m s per rad is usually written without the rad.
     without_angle = _root(unit.removesuffix("/rad")) or wanted
     if have[1] not in (wanted[1], without_angle[1]):
         expected = "a pure number" if unit == "1" else unit
-        raise UnitError(f"whose unit '{given.strip()}' cannot be converted to {expected}")
+        raise UnitError(f"whose unit '{text.strip()}' cannot be converted to {expected}")
     return have[0] / wanted[0]
 
 

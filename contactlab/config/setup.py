@@ -153,24 +153,24 @@ _two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 @lru_cache(maxsize=256)
 def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     """Return the modes of a resonator by its sections, flat."""
-    given, constants, placement = nested(dict(values)).values()
+    resonator, constants, placement = nested(dict(values)).values()
     if constants.pop("constants") == "bending":
         piezoceramic = Piezoceramic(**constants)
     else:
         piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
-    given |= {"steel": Steel(**given["steel"]), "piezoceramic": piezoceramic}
-    given |= {f"patch_{edge}": place for edge, place in placement.items()}
+    resonator |= {"steel": Steel(**resonator["steel"]), "piezoceramic": piezoceramic}
+    resonator |= {f"patch_{edge}": place for edge, place in placement.items()}
     try:
-        modes: NormalModes = BASES[given.pop("basis")](**given).modes
+        modes: NormalModes = BASES[resonator.pop("basis")](**resonator).modes
     except ValueError as error:
         raise ConfigurationError([f"resonator, piezoceramic or placement: {error}"]) from error
     return modes
 
 
-def _law(given: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
-    name = given["name"]
+def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+    name = values["name"]
     try:
-        law: ContactLaw = build_law(law_class(name), given, friction_coefficient)
+        law: ContactLaw = build_law(law_class(name), values, friction_coefficient)
         # Those of this package are sound, and their kernels are not needed yet.
         if not all(map(is_own, classes_of(law))):
             _take_in_once(law)

@@ -6,13 +6,13 @@ has a restitution e with
     (1 + e) D = ln((1 + D) / (1 - e D)),   D = a v
 
 from m u du / (1 + a u) = -f dd over compression and restitution. The published models say D as a function
-of a nominal restitution, and achieve it near 1 only; here D is solved for what is asked.
+of a nominal restitution, and achieve it near 1 only; here D is solved for the required restitution.
 
     Hunt-Crossley         a = 3 (1 - e_n) / (2 v)       v a constant of the contact
     Lankarani-Nikravesh   a = 3 (1 - e_n^2) / (4 v)     v the speed of each impact
     Flores                a = 8 (1 - e_n) / (5 e_n v)   v the speed of each impact
 
-A model whose largest nominal D, that of e_n = 0, is smaller than what is asked cannot achieve it and says so.
+A model whose largest nominal D, that of e_n = 0, is smaller than required raises an error.
 """
 
 from collections.abc import Mapping
@@ -33,7 +33,7 @@ from contactlab.parameter import Parameter, positive
 
 ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
 
-LEAST_SPEED = positive("v_min", "m s-1", "slowest approach that is told apart")
+LEAST_SPEED = positive("v_min", "m s-1", "slowest approach that is distinguished")
 """A contact that begins without approach has no speed to divide by."""
 
 NEARLY_PLASTIC, NEARLY_ELASTIC = 0.025, 1e-6
@@ -87,11 +87,11 @@ class LinearDamping(Damping):
 
 
 @cache
-def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
-    """Return the c [N s/m] at which a free impact has the restitution that is asked."""
-    if asked.restitution == 1.0:
+def damping_coefficient(damping: LinearDamping, normal: NormalForce) -> float:
+    """Return the c [N s/m] at which a free impact has the restitution of the damping."""
+    if damping.restitution == 1.0:
         return 0.0
-    mass, speed = asked.effective_mass, asked.impact_speed
+    mass, speed = damping.effective_mass, damping.impact_speed
     known: Any = normal.coefficients()
     kernel: Any = normal.elastic
     place = names_of(kernel).index("depth")
@@ -127,7 +127,7 @@ def damping_coefficient(asked: LinearDamping, normal: NormalForce) -> float:
         end.terminal, end.direction = True, -1.0
         accuracy = {"rtol": INTEGRATION, "atol": INTEGRATION}
         done = solve_ivp(motion, (0.0, 1e9), [0.0, 1.0], "DOP853", events=end, **accuracy)
-        return -float(done.y[1, -1]) - asked.restitution
+        return -float(done.y[1, -1]) - damping.restitution
 
     right = 1.0
     while excess(right) > 0.0:

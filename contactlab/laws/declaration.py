@@ -50,7 +50,7 @@ class Declared(ABC):
     source: ClassVar[str]
     """Where it is published."""
 
-    def __init__(self, *given: object, **named: object) -> None:
+    def __init__(self, *positional: object, **named: object) -> None:
         # A dataclass has its own: this one is reached where the decorator is missing.
         refuse_unsound(type(self))
 

@@ -19,7 +19,7 @@ TIP_RADIUS = positive("r", "m", "radius of the tip", hint=LEFT_OUT)
 @final
 @dataclass(frozen=True)
 class HertzPenalty(PenaltyLaw):
-    """Hertz point contact with Coulomb friction and exact stick: a composition that has a name.
+    """Hertz point contact with Coulomb friction and tangentially rigid stick: a composition that has a name.
 
     Elastic: the normal direction loses nothing, V = 2/5 K max(-g, 0)^(5/2). Not valid when the contact
     radius nears the tip's, nor above the yield limit. Exactly one of stiffness and tip radius is given;

@@ -10,7 +10,7 @@ this one changed. Its group is "contactlab.laws", and that of a part has the fam
     [project.entry-points."contactlab.laws.friction"]
     sticky = "their_module:Sticky"
 
-It is imported when it is asked for, and no other, so that a package that is broken harms no other law.
+It alone is imported when it is chosen, so that a broken package harms no other law.
 """
 
 from collections import Counter
@@ -116,7 +116,7 @@ def law_names(family: str = "") -> list[str]:
 
 
 def origin_of(name: str, family: str = "") -> Origin:
-    """Tell where a law or part comes from, or say in a ValueError that none alone has the name."""
+    """Return where a law or part comes from; a ValueError where none, or more than one, has the name."""
     result = [origin for origin in origins(family) if origin.name == name]
     for origin in result:
         if not origin.fault:
@@ -261,7 +261,7 @@ def _clash(origin: Origin, family: str, count: int) -> str:
     if origin.name in own(family):
         fault = "takes the name of one of contactlab's own, which stays what it is"
     elif count > 1:
-        fault = f"has the name of a {kind} of another package, so that neither can be told by it"
+        fault = f"has the name of a {kind} of another package, so that the name is ambiguous"
     elif not origin.name.isidentifier():
         fault = "has a name that is no option"
     else:

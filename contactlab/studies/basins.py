@@ -42,7 +42,7 @@ class Basins(Study):
         "solver.until",
         "solver.precision",
     )
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("attractor_count", (), "1", "n", "number of attractors"),
         Variable("largest_share", (), "1", "s", "share of the starts in the largest basin"),

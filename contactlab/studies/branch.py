@@ -40,7 +40,7 @@ class Branch(Study):
         "solver.until",
         "solver.precision",
     )
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("orbit_count", (), "1", "n", "number of orbits computed"),
         Variable("event_count", (), "1", "m", "number of folds, bifurcations and grazings"),

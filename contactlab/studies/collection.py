@@ -46,7 +46,7 @@ from contactlab.studies.sweep_values import SweepError
 from contactlab.trajectory import Ending
 from contactlab.variables import INTERNAL, Variable
 
-NOT_ASKED: Final = "No run was asked for."
+NOT_CONFIGURED: Final = "No run was configured."
 """Reason of a cell of a grid that no run has."""
 
 MOST_EMPTY: Final = 2
@@ -66,12 +66,12 @@ _GROUP: Final = re.compile(r"\w+(/\w+)*")
 class Run:
     """A run in a folder, by its name seen from the folder that is collected.
 
-    What it was asked for may not be known; metrics are empty where it did not reach its end.
+    Its configuration may not be known; metrics are empty where it did not reach its end.
     """
 
     name: str
     folder: Path
-    asked: bool
+    configured: bool
     job: Job
     status: Status = Status.COMPLETE
     reason: str = ""
@@ -128,7 +128,7 @@ def collect(
     dataset = _dataset(runs, outputs.metrics)
     if dims := [] if plan and plan.samples else dimensions(dataset):
         texts = {name: "" for name, variable in dataset.variables.items() if variable.dtype.kind == "O"}
-        empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_ASKED}
+        empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_CONFIGURED}
         dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(RUN, fill_value=empty)
         dataset.attrs["complete"] = int(not dataset["status"].any())
     path = directory / DATASET if output is None else Path(output)
@@ -203,7 +203,7 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
     }
     return dataset_of(
-        parameters([run.job for run in runs], all(run.asked for run in runs)),
+        parameters([run.job for run in runs], all(run.configured for run in runs)),
         columns,
         attributes,
         samples=True,
@@ -281,14 +281,14 @@ def _different(table: Any) -> int:
     return len(table.drop_duplicates()) if len(table.columns) else 1
 
 
-def parameters(jobs: Sequence[Job], asked: bool) -> list[Axis]:
-    """Return what differs between runs, in what they were asked for or else in what they recorded."""
+def parameters(jobs: Sequence[Job], configured: bool) -> list[Axis]:
+    """Return what differs between runs, in their configurations or else in what they recorded."""
     settings = [
         {key: value for key, value in flat(job.configuration).items() if _KEY.fullmatch(key)} for job in jobs
     ]
     keys = list(dict.fromkeys(key for setting in settings for key in setting))
     columns: dict[str, list[Any]] = {}
-    if asked:
+    if configured:
         groups = dict.fromkeys(group for job in jobs for group in job.choices)
         overridden = {line.partition("=")[0].lstrip("+~") for job in jobs for line in job.overrides}
         columns = {

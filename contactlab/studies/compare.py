@@ -68,7 +68,7 @@ class Compare(Study):
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = ("record.picture", "sweep")
     delay: ClassVar[float] = 10.0
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {
         # A folder of a sweep is named by its overrides: two/law=newton.
         "runs": re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
     }

@@ -46,7 +46,7 @@ class Fit(Study):
 
     name: ClassVar[str] = "fit"
 
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
     data: Annotated[str, option("file of measured impacts, or of series of a motor")] = ""
     choice: Annotated[

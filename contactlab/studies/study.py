@@ -92,7 +92,7 @@ class Study(ABC):
     ignored: ClassVar[tuple[str, ...]] = ("record", "uncertainty", "sweep")
     """Groups and keys of a configuration on which the study does not depend; they are refused."""
 
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = {}
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {}
     """Options that take words of the command line matching a pattern, as KEY=START..END."""
 
     delay: ClassVar[float] = 0.0

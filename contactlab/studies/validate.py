@@ -46,7 +46,7 @@ class Validate(Study):
 
     name: ClassVar[str] = "validate"
 
-    words: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
+    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
     data: Annotated[str, option("file of measured impacts")] = ""
     choice: Annotated[

@@ -15,14 +15,14 @@ from typing import final
 @final
 @dataclass(frozen=True)
 class Claim:
-    """Hold what is found to an expected value within a tolerance, or to a bound ("<=" or ">=").
+    """A value that is expected within a tolerance, or within a bound ("<=" or ">=").
 
     An excuse is the reason why a law declares to break the claim; then it must be broken.
     """
 
     statement: str
     expected: float
-    found: float
+    value: float
     tolerance: float = 0.0
     relation: str = "="
     units: str = "1"
@@ -32,10 +32,10 @@ class Claim:
     def true(self) -> bool:
         """Whether the statement itself is true; a NaN never is."""
         if self.relation == "<=":
-            return self.found <= self.expected
+            return self.value <= self.expected
         if self.relation == ">=":
-            return self.found >= self.expected
-        return abs(self.found - self.expected) <= self.tolerance
+            return self.value >= self.expected
+        return abs(self.value - self.expected) <= self.tolerance
 
     @property
     def holds(self) -> bool:
@@ -57,7 +57,7 @@ class Claim:
         unit = "" if self.units == "1" else f" {self.units}"
         within = f" within {self.tolerance:.3g}" if self.relation == "=" else ""
         text = (
-            f"{self.statement}: found {self.found:.9g}{unit}, expected {self.relation} "
+            f"{self.statement}: {self.value:.9g}{unit}, expected {self.relation} "
             f"{self.expected:.9g}{unit}{within}: {self.verdict}."
         )
         return f"{text} Declared: {self.excuse}" if self.excuse else text
@@ -65,7 +65,7 @@ class Claim:
 
 def close(
     statement: str,
-    found: float,
+    value: float,
     expected: float,
     relative: float,
     units: str = "1",
@@ -73,17 +73,17 @@ def close(
 ) -> Claim:
     """Claim equality within `relative` of a scale, by default the expected value."""
     size = abs(expected) if scale is None else scale
-    return Claim(statement, float(expected), float(found), relative * size, "=", units)
+    return Claim(statement, float(expected), float(value), relative * size, "=", units)
 
 
-def at_most(statement: str, found: float, bound: float, units: str = "1") -> Claim:
+def at_most(statement: str, value: float, bound: float, units: str = "1") -> Claim:
     """Claim an upper bound."""
-    return Claim(statement, float(bound), float(found), 0.0, "<=", units)
+    return Claim(statement, float(bound), float(value), 0.0, "<=", units)
 
 
-def at_least(statement: str, found: float, bound: float) -> Claim:
+def at_least(statement: str, value: float, bound: float) -> Claim:
     """Claim a lower bound of a number without unit."""
-    return Claim(statement, float(bound), float(found), 0.0, ">=")
+    return Claim(statement, float(bound), float(value), 0.0, ">=")
 
 
 Claims = Iterator[Claim]

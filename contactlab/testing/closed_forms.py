@@ -218,7 +218,7 @@ def friction_oscillator(ratio: float = 0.8, share: float = 0.3) -> Claims:
 
 
 def achieved_restitution(mass: float = 2e-3, speed: float = 0.1) -> Claims:
-    """A ball comes back with the restitution that the damping is asked for, whatever the elastic force.
+    """A ball rebounds with the restitution of the damping, whatever the elastic force.
 
     (1 + e) D = ln[(1 + D)/(1 - e D)] with D = a v where the loss is in proportion to the force.
     """

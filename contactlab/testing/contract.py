@@ -58,7 +58,7 @@ def claims_of(proof: Callable[[], Claims], excuse: str = "") -> list[Claim]:
     """
     try:
         claims = list(proof())
-    # The kernel is asked without the engine around it, and may raise anything.
+    # The kernel is called without the engine around it, and may raise anything.
     except Exception as error:
         known = isinstance(error, RuntimeError | ValueError | TypeError)
         text = str(error) if known else f"{type(error).__name__}: {error}"

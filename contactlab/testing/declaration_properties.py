@@ -44,7 +44,7 @@ def reads_what_it_declares(bench: Bench) -> Claims:
     """Every parameter that a law declares changes some answer of its kernels."""
     law, unread = bench.law, []
     benches = [bench, *(replace(bench, law=other) for other in _elsewhere(law))]
-    results = [_answers(each.law, each) for each in benches]
+    results = [_outputs(each.law, each) for each in benches]
     for name, value, text in law.effective():
         # How many pieces there are, the number of the variables shows.
         if text is None or isinstance(value, int):
@@ -60,13 +60,13 @@ def _acts(name: str, bench: Bench, before: Array) -> bool:
     # What decides between two answers, as the end of stick, shows by larger steps alone.
     for nearby in (1.001 * now, 0.5 * now, 2.0 * now, 0.01 * now, 100.0 * now) if now != 0.0 else (1e-3, 1.0):
         with suppress(ValueError, TypeError):
-            other = _answers(bench.law.changed(name, nearby), bench)
+            other = _outputs(bench.law.changed(name, nearby), bench)
             if not np.array_equal(other, before, equal_nan=True):
                 return True
     return False
 
 
-def answers_scale_with_units(bench: Bench) -> Claims:
+def scales_with_units(bench: Bench) -> Claims:
     """In other units of length, mass and time the kernels give the same answers, in those units.
 
     Every number has the units that are declared of it: a stiffness of a power that is not the declared one,
@@ -74,7 +74,7 @@ def answers_scale_with_units(bench: Bench) -> Claims:
     """
     law, worst = bench.law, Worst()
     other = _in_other_units(law)
-    pairs = zip(_named_answers(other, bench, scaled=True), _named_answers(law, bench), strict=True)
+    pairs = zip(_named_outputs(other, bench, scaled=True), _named_outputs(law, bench), strict=True)
     for (values, _), (expected, kind) in pairs:
         missed = abs(values / _scale(kind) - expected) / (abs(expected) + TINY)
         worst.take("answers in other units less those in SI, relative", missed, 1e-9)
@@ -102,17 +102,17 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
         }
         known |= {"z": z, **dict(zip(names, z.tolist(), strict=True))}
 
-        def answer(d: float, known: dict[str, Any] = known) -> tuple[float, ...]:
+        def value(d: float, known: dict[str, Any] = known) -> tuple[float, ...]:
             return tuple(part.evaluate(kernel, **known, depth=d, gap=-d))
 
         step = 1e-4 * abs(depth) + 1e-14
-        _, _, stiffness, slope, *_ = answer(depth)
+        _, _, stiffness, slope, *_ = value(depth)
         for text, place, declared in (("stiffness", 0, stiffness), ("slope of the stiffness", 2, slope)):
             coarse, fine = (
-                (answer(depth + h)[place] - answer(depth - h)[place]) / (2.0 * h) for h in (step, 0.5 * step)
+                (value(depth + h)[place] - value(depth - h)[place]) / (2.0 * h) for h in (step, 0.5 * step)
             )
             # What a kink within the step, float64 and the next order leave of a difference.
-            error = 2.0 * abs(coarse - fine) + 1e-13 * abs(answer(depth)[place]) / step
+            error = 2.0 * abs(coarse - fine) + 1e-13 * abs(value(depth)[place]) / step
             size = abs(fine) + abs(declared) + TINY
             missed = max(abs(declared - fine) - error, 0.0) / size
             worst.take(f"{text} less the difference of the force, relative", missed, DIFFERENCE)
@@ -181,11 +181,11 @@ def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
     yield other
 
 
-def _answers(law: ContactLaw, bench: Bench) -> Array:
+def _outputs(law: ContactLaw, bench: Bench) -> Array:
     """Return all that the kernels of a law answer to the states of a bench, after long histories too."""
     evaluator = Evaluator(law)
     with np.errstate(all="ignore"):
-        result = [value for longer in LONGER for value, _ in _named_answers(law, bench, longer)]
+        result = [value for longer in LONGER for value, _ in _named_outputs(law, bench, longer)]
         # What units do not tell: the signs of guards, and moments, of which few laws have any.
         for gap, rate, slip, speed, kept in [] if bench.rigid else states_of(bench):
             normal = evaluator.force(gap, rate, slip, speed, kept)[0]
@@ -194,7 +194,7 @@ def _answers(law: ContactLaw, bench: Bench) -> Array:
         return np.array(result)
 
 
-def _named_answers(
+def _named_outputs(
     law: ContactLaw, bench: Bench, longer: float = 1.0, scaled: bool = False
 ) -> Iterator[tuple[float, str]]:
     """Yield answers of a law, with their units, to the states of a bench, or to these in other units.

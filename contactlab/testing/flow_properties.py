@@ -48,7 +48,7 @@ def energy_of(evaluator: Evaluator, at: Instant) -> float:
     return float(evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[2])
 
 
-def held_of(evaluator: Evaluator, at: Instant) -> float:
+def stored_energy(evaluator: Evaluator, at: Instant) -> float:
     """Return what friction stores [J]."""
     normal = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
     return float(evaluator.friction(at.gap, at.rate, at.slip, normal, at.kept)[2])
@@ -64,7 +64,7 @@ def losses_of(bench: Bench) -> tuple[Worst, Worst]:
         pressed.take("negative normal loss along a flow, over the power", -loss / size)
         if evaluator.has_friction:
             drag = evaluator.friction(at.gap, at.rate, at.slip, normal, at.kept)[0]
-            change, error = slope(partial(held_of, evaluator), evaluator, at, flow.span)
+            change, error = slope(partial(stored_energy, evaluator), evaluator, at, flow.span)
             power = abs(drag * at.slip) + abs(change) + TINY
             gained = max(drag * at.slip + change - error, 0.0) / power
             dragged.take("energy that friction makes along a flow, over the power", gained, DIFFERENCE)
@@ -114,7 +114,7 @@ def jumps_lose(bench: Bench) -> Claims:
     evaluator = Evaluator(bench.law)
 
     def stored(at: Instant) -> float:
-        return energy_of(evaluator, at) + (held_of(evaluator, at) if evaluator.has_friction else 0.0)
+        return energy_of(evaluator, at) + (stored_energy(evaluator, at) if evaluator.has_friction else 0.0)
 
     largest = max([abs(stored(at)) for at in flow.instants], default=0.0) + TINY
     for jump in flow.jumps:
@@ -178,9 +178,9 @@ def memory_is_its_own(bench: Bench) -> Claims:
     if not flow.instants:
         return
     changed = wild = 0
-    lured = [Evaluator(bench.law, lure) for lure in (np.nan, 1.0, -1.0)]
+    perturbed = [Evaluator(bench.law, value) for value in (np.nan, 1.0, -1.0)]
     for at in flow.instants:
-        results = [_all_of(evaluator, at) for evaluator in lured]
+        results = [_all_of(evaluator, at) for evaluator in perturbed]
         changed += any(repr(result) != repr(results[0]) for result in results)
         wild += not np.isfinite(results[0]).all()
     yield at_most("answers that change with what lies beyond the memory", changed, 0)
@@ -225,8 +225,8 @@ def _signed(evaluator: Evaluator, at: Instant, side: float, signs: Array) -> lis
     if evaluator.law.guards:
         result += evaluator.guards(*state).tolist()
     if evaluator.has_friction:
-        drag, _, held, stiffness = evaluator.friction(*state)
-        result += [side * drag, held, stiffness]
+        drag, _, friction_energy, stiffness = evaluator.friction(*state)
+        result += [side * drag, friction_energy, stiffness]
     for event in range(AT_TOUCH, evaluator.law.guards):
         result += (signs * evaluator.jumped(event, *state)).tolist()
     return [float(each) for each in result]

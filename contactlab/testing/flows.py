@@ -2,7 +2,7 @@
 
 On a path (`contactlab.testing.paths`) gap, gap rate and slip are given functions of time. The internal
 variables flow by Runge's and Kutta's method, guards and releases are found where they are, and what jumps is
-written down: the states that a law's kernels are asked about are those that its own history leads to.
+written down: the states at which a law's kernels are evaluated are those that its own history leads to.
 """
 
 from collections.abc import Callable
@@ -31,7 +31,7 @@ MOST_PARTS = 256
 """Of a step in which a variable relaxes faster than the path goes; beyond, an implicit method takes over."""
 
 ASKED = 5
-"""Steps between two states that the kernels are asked about."""
+"""Steps between two states at which the kernels are evaluated."""
 
 
 class Instant(NamedTuple):

@@ -32,10 +32,10 @@ TINY = 1e-300
 class Worst(dict[str, Claim]):
     """The largest of each figure so far, from zero, as a claim of its bound; a NaN stays."""
 
-    def take(self, words: str, figure: float, bound: float = ROUND_OFF) -> None:
+    def take(self, statement: str, figure: float, bound: float = ROUND_OFF) -> None:
         """Take one more figure of what the words say."""
-        before = self[words].found if words in self else 0.0
-        self[words] = at_most(words, float(np.maximum(before, figure)) + 0.0, bound)
+        before = self[statement].value if statement in self else 0.0
+        self[statement] = at_most(statement, float(np.maximum(before, figure)) + 0.0, bound)
 
 
 def drawn_states() -> Iterator[tuple[float, float, float, float]]:
@@ -129,11 +129,11 @@ def kernel_is_consistent(bench: Bench) -> Claims:
 
     N >= 0, 0 <= bound <= mu (N + C), loss >= 0, without a memory loss = -(N + dV/dg) gdot; a spring's
     F = -k z and E = 1/2 k z^2, no creep that pushes, nothing stored at first; for a rigid law see
-    `answers_of`.
+    `impacts_of`.
     """
     law, worst = bench.law, Worst()
     if not isinstance(law, PenaltyLaw):
-        yield from answers_of(bench)["kernel_is_consistent"].values()
+        yield from impacts_of(bench)["kernel_is_consistent"].values()
         return
     result, evaluator = [*contradictions(law)], Evaluator(law)
     yield at_most(f"contradictions in what is said of friction {result}", len(result), 0)
@@ -184,7 +184,7 @@ def variables_of_friction(law: ContactLaw) -> int:
 
 
 @lru_cache(maxsize=1)
-def answers_of(bench: Bench) -> dict[str, Worst]:
+def impacts_of(bench: Bench) -> dict[str, Worst]:
     """Ask a rigid law about drawn steps; give the worst of its answers by the property that they are of.
 
     Beyond the critical friction, mu |d_nt| >= d_nn, an approach may have no answer and what opens by
@@ -202,13 +202,15 @@ def answers_of(bench: Bench) -> dict[str, Worst]:
             kept = evaluator.jumped(AT_TOUCH, 0.0, gap_rate, slip, 0.0, kept)
         p_n, p_t, mode = evaluator.solve(step, length, impact, kept)
         finite = isfinite(p_n) and isfinite(p_t)
-        sound.take("answers without numbers or mode", not finite or mode not in (SLIP, STICK), 0)
+        sound.take("impulses or modes that are none", not finite or mode not in (SLIP, STICK), 0)
         if not finite:
             continue
         released = p_n <= 0.0
-        approach, held = released and rate < 0.0, not released and rate >= 0.0
+        approach, kept_closed = released and rate < 0.0, not released and rate >= 0.0
         sound.take("approaches that are not stopped", approach and not critical, 0)
-        sound.take("contacts held though they open by themselves", held and not critical, 0)
+        sound.take(
+            "contacts that are kept closed though they open by themselves", kept_closed and not critical, 0
+        )
         if released:
             continue
         terms = np.abs((rate, end_slip, d_nn * p_n, d_tt * p_t, d_nt * p_n, d_nt * p_t))

@@ -20,7 +20,7 @@ def parts_keep_apart(bench: Bench) -> Claims:
         return
     evaluator = Evaluator(law)
     for gap, rate, slip, speed, kept in states_of(bench):
-        expected = answers_of_parts(law, gap, rate, slip, speed, kept)
+        expected = forces_of_parts(law, gap, rate, slip, speed, kept)
         result = [*evaluator.force(gap, rate, slip, speed, kept)]
         state = gap, rate, slip, result[0], kept
         if evaluator.has_friction:
@@ -38,7 +38,7 @@ def parts_keep_apart(bench: Bench) -> Claims:
     yield from worst.values()
 
 
-def answers_of_parts(
+def forces_of_parts(
     law: Composed, gap: float, rate: float, slip: float, speed: float, kept: Array
 ) -> list[float]:
     """Return force, friction, rates, guards, limits and jumps of the parts of a law in one state."""

@@ -48,7 +48,7 @@ RIGID_CASE_A = {
     "normal_impulse": (3.380450e-3, 4e-7, "N s"),
     "duration": (5.198480e-4, 1e-8, "s"),
 }
-"""Rigid contact with exact stick, mu = 0.3: value, what extrapolation may leave, unit."""
+"""Rigid contact with tangentially rigid stick, mu = 0.3: value, what extrapolation may leave, unit."""
 
 CASE_A_DURATION = 5e-3
 

@@ -19,7 +19,7 @@ RECORDS = 150
 
 
 def repeats_bit_for_bit(bench: Bench) -> Claims:
-    """The same run twice."""
+    """A run that is repeated has the same bits."""
     result = _differing(bench, bench.motor)
     yield at_most(f"quantities that differ when run again {result}", len(result), 0)
 

@@ -14,12 +14,12 @@ from contactlab.testing.claim import Claims, at_least, at_most, close
 from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flights import flight_of
 from contactlab.testing.flow_properties import losses_of
-from contactlab.testing.kernel_properties import TINY, answers_of
+from contactlab.testing.kernel_properties import TINY, impacts_of
 from contactlab.testing.plants import BELT_MASS, FLAT, MASS, WEIGHT, Bench, block, completed, run
 from contactlab.trajectory import Trajectory
 
 TOO_SMALL = 1e-5
-"""Relative error of a coarse run of which no order can be told: steps end at events, and little is left."""
+"""Relative error of a coarse run below which no order is computed: steps end at events."""
 
 STEP_ERROR = 1e-5
 """Share that may have the wrong sign in the step in which slip or force ends: an error of the step."""
@@ -67,7 +67,7 @@ def friction_opposes_slip(bench: Bench) -> Claims:
 
     What a friction with a memory stores is part of that work, along drawn flows too.
     """
-    result = answers_of(bench)["friction_opposes_slip"] if bench.rigid else losses_of(bench)[1]
+    result = impacts_of(bench)["friction_opposes_slip"] if bench.rigid else losses_of(bench)[1]
     yield from result.values()
     for text, made in bench.runs.items():
         gained = _gained(np.diff(made.series["friction_loss"]))
@@ -76,7 +76,7 @@ def friction_opposes_slip(bench: Bench) -> Claims:
 
 def dissipates(bench: Bench) -> Claims:
     """Every contact loses energy; a compliant one at every instant, a rigid one in any impact."""
-    yield from (answers_of(bench)["dissipates"] if bench.rigid else losses_of(bench)[0]).values()
+    yield from (impacts_of(bench)["dissipates"] if bench.rigid else losses_of(bench)[0]).values()
     for text, made in bench.runs.items():
         if not bench.rigid:
             normal, friction = (np.diff(made.series[f"{n}_loss"]) for n in ("contact", "friction"))
@@ -187,8 +187,8 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     # Of both forces on u and on th.
     acted = np.einsum("ijk,ji->ki", np.reshape(frames, (-1, 2, 2)), impulses)
     first, second = flight.exponents[motor.drive.frequency.size :].reshape(2, -1, 1)
-    answer = ((np.exp(first * late) - np.exp(second * late)) / (first - second)).real
-    driven = (answer * (np.transpose(rows) @ acted)).sum(axis=1)
+    response = ((np.exp(first * late) - np.exp(second * late)) / (first - second)).real
+    driven = (response * (np.transpose(rows) @ acted)).sum(axis=1)
     for name, row, free in zip(names, rows, (flight.u, flight.th), strict=True):
         result = (np.exp(flight.exponents * end) @ free).real + row @ driven
         scale, text = np.abs(series[name]).max(), f"{name} under the recorded forces"

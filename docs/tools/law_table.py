@@ -127,10 +127,10 @@ def _number(entry: Entry) -> str:
     unit = "" if claim.units == "1" else f" {claim.units}"
     relation = "" if claim.relation == "=" else f"{claim.relation} "
     size = abs(claim.expected)
-    apart = f"{abs(claim.found - claim.expected) / size:.1e}" if size and not relation else ""
+    apart = f"{abs(claim.value - claim.expected) / size:.1e}" if size and not relation else ""
     wrong = "" if claim.true else "**"
     text = f"{entry.heading} {claim.statement}".replace("|", "\\|")
-    return f"{text} | {relation}{claim.expected:.6g}{unit} | {wrong}{claim.found:.6g}{unit}{wrong} | {apart}"
+    return f"{text} | {relation}{claim.expected:.6g}{unit} | {wrong}{claim.value:.6g}{unit}{wrong} | {apart}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,9 +1,8 @@
 """Refuse private words in names, docstrings, comments and pages: the nouns of the field are used.
 
-    python docs/tools/plain_words.py [--prune]
+    python docs/tools/plain_words.py
 
-`plain_words.txt` lists files that are not yet checked. It only becomes shorter: `--prune` removes those that
-pass or that do not exist any more. The exit status is 1 where another file fails.
+The exit status is 1 where a file fails.
 """
 
 import ast
@@ -13,7 +12,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-UNCHECKED = Path(__file__).with_suffix(".txt")
 FOLDERS = ("contactlab", "hydra_plugins", "experiments", "benchmarks", "tests", "docs", "paper")
 MADE = ("docs/examples", "docs/followed", "docs/laws.md", "docs/plausibility.md")
 """Pages made from docstrings, which are checked themselves."""
@@ -21,12 +19,20 @@ MADE = ("docs/examples", "docs/followed", "docs/laws.md", "docs/plausibility.md"
 NAMES = re.compile(
     r"(?:^|_)(?:one|found|given|said|told|words|answers?|asked|held|lures?|struck|strikes?)(?:_|$)"
 )
+TERMS = re.compile(r"one_line|one_sided|held_out|struck_discs")
+"""Names of the field or of Python that contain a private word."""
+
 OPENINGS = re.compile(r"(?:Give|Tell|Say|Of|And|The same)\b")
 PHRASES = re.compile(
     r"\b(?:is|are|was|were|be) (?:told|asked|taken in)\b|\bcannot (?:be told|tell)\b|\bopen ledger\b"
     r"|\b(?:strobes?|lures?|struck|front door|exact stick|due to the law|closed books|in our words)\b",
     re.IGNORECASE,
 )
+
+
+def private(name: str) -> bool:
+    """Return whether a name contains a private word."""
+    return NAMES.search(TERMS.sub("", name)) is not None
 
 
 def faults_of_module(source: str) -> Iterator[tuple[int, str]]:
@@ -41,14 +47,14 @@ def faults_of_module(source: str) -> Iterator[tuple[int, str]]:
     for node in ast.walk(tree):
         if id(node) in inherited:
             continue
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and NAMES.search(node.id):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and private(node.id):
             yield node.lineno, node.id
-        elif isinstance(node, ast.arg) and NAMES.search(node.arg):
+        elif isinstance(node, ast.arg) and private(node.arg):
             yield node.lineno, node.arg
         elif isinstance(node, ast.FunctionDef | ast.ClassDef | ast.Module):
             name = "" if isinstance(node, ast.Module) else node.name
             # A test's name is a sentence.
-            if NAMES.search(name.lower()) and not name.startswith("test_"):
+            if private(name.lower()) and not name.startswith("test_"):
                 yield node.lineno, name
             text = ast.get_docstring(node) or ""
             if (opening := OPENINGS.match(text)) and node.body:
@@ -65,21 +71,20 @@ def faults_of(path: Path) -> list[tuple[int, str]]:
     return [(text[: each.start()].count("\n") + 1, each[0]) for each in PHRASES.finditer(text)]
 
 
-def main(prune: bool) -> int:
+def main() -> int:
     """Check all files and return the exit status."""
     paths = [p for folder in FOLDERS for p in (ROOT / folder).rglob("*") if p.suffix in (".py", ".md")]
     names = {p.relative_to(ROOT).as_posix(): p for p in [*paths, *ROOT.glob("*.md")]}
     this = Path(__file__).relative_to(ROOT).as_posix()
     checked = {n: p for n, p in names.items() if not n.startswith(MADE) and n not in ("CHANGELOG.md", this)}
-    faults = {name: private for name, path in sorted(checked.items()) if (private := faults_of(path))}
-    unchecked = set(UNCHECKED.read_text(encoding="utf-8").split())
-    if prune:
-        UNCHECKED.write_text("".join(f"{name}\n" for name in faults if name in unchecked), encoding="utf-8")
-    wrong = {name: private for name, private in faults.items() if name not in unchecked}
-    for name, private in wrong.items():
-        print(*(f"{name}:{line}: {text}" for line, text in sorted(private)), sep="\n")
-    return int(bool(wrong))
+    faults = [
+        f"{name}:{line}: {text}"
+        for name, path in sorted(checked.items())
+        for line, text in sorted(faults_of(path))
+    ]
+    print(*faults, sep="\n", end="\n" if faults else "")
+    return int(bool(faults))
 
 
 if __name__ == "__main__":
-    sys.exit(main("--prune" in sys.argv[1:]))
+    sys.exit(main())

@@ -19,16 +19,16 @@ RUN = "solver.duration=0.2 ms"
 STREAMS = ("2>&-", ">&-", "<&- >&- 2>&-", "> /dev/full", "| true")
 
 
-def shell(words: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {words}"
+def shell(redirection: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    command = f"{sys.executable} -m contactlab '{RUN}' record.picture=false hydra.run.dir=run {redirection}"
     return subprocess.run(["/bin/sh", "-c", command], cwd=folder, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("words", cases(STREAMS, ("<&- >&- 2>&-",)), ids=str)
-def test_a_run_is_whole_wherever_its_words_go(words: str, tmp_path: Path) -> None:
-    if "/dev/full" in words and not Path("/dev/full").exists():
+@pytest.mark.parametrize("redirection", cases(STREAMS, ("<&- >&- 2>&-",)), ids=str)
+def test_a_run_is_whole_wherever_its_words_go(redirection: str, tmp_path: Path) -> None:
+    if "/dev/full" in redirection and not Path("/dev/full").exists():
         pytest.skip("There is no /dev/full, a device that takes nothing; run the tests on Linux.")
-    ran = shell(words, tmp_path)
+    ran = shell(redirection, tmp_path)
     assert json.loads((tmp_path / "run/state.json").read_text())["state"] == "complete"
     tree = read_run(tmp_path / "run" / "run.nc")
     assert tree["time"].values[-1] == 0.2e-3

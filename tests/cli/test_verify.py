@@ -26,17 +26,17 @@ def test_an_installed_copy_verifies_itself(command: Command, monkeypatch: pytest
 
 
 @pytest.mark.parametrize(
-    ("claim", "status", "words"),
+    ("claim", "status", "text"),
     [
         (close("a true one", 1.0, 1.0, 1e-9), 0, "1 hold"),
-        (close("a false one", 1.1, 1.0, 1e-9), 1, "Failed: a false one: found 1.1"),
+        (close("a false one", 1.1, 1.0, 1e-9), 1, "Failed: a false one: 1.1"),
         (close("not a number", float("nan"), 1.0, 1.0), 1, "1 fail"),
         (at_most("a broken one", 2.0, 1.0).excused("it says so"), 0, "1 are broken"),
         (at_most("a kept one", 0.0, 1.0).excused("it says so"), 1, "HOLDS, declared broken"),
     ],
 )
 def test_the_exit_status_is_the_verdict(
-    claim: Claim, status: int, words: str, monkeypatch: pytest.MonkeyPatch, command: Command
+    claim: Claim, status: int, text: str, monkeypatch: pytest.MonkeyPatch, command: Command
 ) -> None:
     def groups() -> Iterator[tuple[str, Callable[[], list[Claim]]]]:
         yield "One claim", lambda: [claim]
@@ -44,7 +44,7 @@ def test_the_exit_status_is_the_verdict(
     monkeypatch.setattr(GROUPS, groups)
     result, out, _ = command("verify")
     assert result == status
-    assert words in out
+    assert text in out
 
 
 # The random flights have tests of their own.

@@ -1,4 +1,4 @@
-"""The engine compiled ahead, and what is told while one waits for the compiler."""
+"""The engine compiled ahead, and the messages while one waits for the compiler."""
 
 import gc
 import sys

@@ -12,7 +12,7 @@ SIGMA = 0.1
 
 
 class Linear(Problem):
-    """y = a + b t with noise of a known size; a third number, where it is asked for, changes nothing."""
+    """y = a + b t with noise of a known size; an optional third number changes nothing."""
 
     law = "linear"
     nuisances = ()

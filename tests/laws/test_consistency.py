@@ -169,7 +169,7 @@ class Rigid(MultiplierLaw):
 
 
 @pytest.mark.parametrize(
-    "words",
+    "arguments",
     [
         {"solve": staticmethod(nowhere)},
         {"solve": staticmethod(endless)},
@@ -180,8 +180,8 @@ class Rigid(MultiplierLaw):
     ],
     ids=["mode", "number", "approach", "variable", "limits", "guard"],
 )
-def test_a_rigid_law_that_contradicts_itself_is_refused(words: dict[str, Any]) -> None:
-    spoilt = dataclass(frozen=True)(type("Spoilt", (Rigid,), words))
+def test_a_rigid_law_that_contradicts_itself_is_refused(arguments: dict[str, Any]) -> None:
+    spoilt = dataclass(frozen=True)(type("Spoilt", (Rigid,), arguments))
     with pytest.raises(LawError, match="rigid"):
         short_run(spoilt())
 

@@ -40,26 +40,26 @@ def impact(draw: st.DrawFn, jams: bool = False) -> tuple[float, Delassus]:
     return mu, (d_nn, draw(st.floats(-1.0, 1.0)) * most, d_tt)
 
 
-def answer_of(law: MultiplierLaw, normal: float, tangential: float, d: Delassus) -> Answer:
+def impact_of(law: MultiplierLaw, normal: float, tangential: float, d: Delassus) -> Answer:
     """Answer to an impact in which nothing else acts."""
     return solve_of(law, normal, tangential, normal, tangential, *d)
 
 
-def after(normal: float, tangential: float, d: Delassus, answer: Answer) -> tuple[float, float]:
+def after(normal: float, tangential: float, d: Delassus, impact: Answer) -> tuple[float, float]:
     """Gap rate and slip behind an impulse."""
-    p_n, p_t, _ = answer
+    p_n, p_t, _ = impact
     return normal + d[0] * p_n + d[1] * p_t, tangential + d[1] * p_n + d[2] * p_t
 
 
-def energy_change(normal: float, tangential: float, d: Delassus, answer: Answer) -> float:
+def energy_change(normal: float, tangential: float, d: Delassus, impact: Answer) -> float:
     """Work of an impulse: impulse times mean velocity [J]."""
-    end = after(normal, tangential, d, answer)
-    return 0.5 * (answer[0] * (normal + end[0]) + answer[1] * (tangential + end[1]))
+    end = after(normal, tangential, d, impact)
+    return 0.5 * (impact[0] * (normal + end[0]) + impact[1] * (tangential + end[1]))
 
 
-def round_off(normal: float, tangential: float, d: Delassus, answer: Answer) -> float:
-    """Of a velocity [m/s]: the largest that takes part, as often as the matrix is near to singular."""
-    p_n, p_t, _ = answer
+def round_off(normal: float, tangential: float, d: Delassus, impact: Answer) -> float:
+    """Return the round-off of a velocity [m/s], larger where the matrix is near to singular."""
+    p_n, p_t, _ = impact
     terms = [normal, tangential, d[0] * p_n, d[1] * p_t, d[1] * p_n, d[2] * p_t]
     return 1e-12 * max(abs(term) for term in terms) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
 
@@ -71,7 +71,7 @@ def test_without_friction_every_restitution_is_that_of_the_gap_rate(
     law: Law, normal: float, tangential: float, e: float, drawn: tuple[float, Delassus]
 ) -> None:
     _, d = drawn
-    result = answer_of(law(0.0, e), normal, tangential, d)
+    result = impact_of(law(0.0, e), normal, tangential, d)
     assert result[1] == 0.0
     end, _ = after(normal, tangential, d, result)
     assert end == pytest.approx(-e * normal, abs=round_off(normal, tangential, d, result))
@@ -88,7 +88,7 @@ def test_where_slip_does_not_end_newton_poisson_and_stronge_are_one(
     slip = max((mu * d[2] - d[1]) * p_n, 0.0) * (1.0 + more) + 1e-6
     expected = (p_n, -mu * p_n)
     for law in (Newton, Poisson, Stronge):
-        result = answer_of(law(mu, e), normal, slip, d)
+        result = impact_of(law(mu, e), normal, slip, d)
         assert result[:2] == pytest.approx(expected, rel=1e-9, abs=0.0), law.name
 
 
@@ -102,7 +102,7 @@ def test_where_slip_reverses_the_restitutions_differ_and_newtons_creates_energy(
         @ np.linalg.solve([[REVERSING[0], REVERSING[1]], [REVERSING[1], REVERSING[2]]], [normal, slip])
     )
     for law in (Newton, Poisson, Stronge):
-        result = answer_of(law(mu, e), normal, slip, REVERSING)
+        result = impact_of(law(mu, e), normal, slip, REVERSING)
         gains[law] = energy_change(normal, slip, REVERSING, result) / before
         ends[law] = after(normal, slip, REVERSING, result)[0]
     print("energy made, over that of the contact velocity:", {k.name: gains[k] for k in gains})
@@ -127,7 +127,7 @@ def test_a_process_with_friction_creates_no_energy(
     drawn: tuple[float, Delassus],
 ) -> None:
     mu, d = drawn
-    result = answer_of(law(mu, e), normal, tangential, d)
+    result = impact_of(law(mu, e), normal, tangential, d)
     error = round_off(normal, tangential, d, result)
     assert result[0] > 0.0
     assert abs(result[1]) <= mu * result[0] * (1.0 + 1e-15)
@@ -142,7 +142,7 @@ def test_the_normal_impulse_of_stronge_gives_back_the_square_of_e_of_its_work(
 ) -> None:
     # The plastic impact of the same process is its compression.
     mu, d = drawn
-    results = [answer_of(Stronge(mu, k), normal, tangential, d) for k in (0.0, e)]
+    results = [impact_of(Stronge(mu, k), normal, tangential, d) for k in (0.0, e)]
     taken, kept = (-_normal_work(normal, tangential, mu, d, result[0]) for result in results)
     error = max(result[0] * round_off(normal, tangential, d, result) for result in results)
     assert kept == pytest.approx((1.0 - e * e) * taken, abs=error)
@@ -190,7 +190,7 @@ def test_the_closed_form_is_the_process_in_small_steps(law: type[Poisson] | type
         d = (d_nn, d_nt, d_tt)
         normal, slip = -0.1, rng.normal() * 0.1
         chosen = law(mu, e)
-        result = answer_of(chosen, normal, slip, d)
+        result = impact_of(chosen, normal, slip, d)
         for k, count in enumerate(counts):
             p_n, p_t = _brute(chosen, normal, slip, d, -normal / d_nn / count)
             error = max(abs(p_n - result[0]), abs(p_t - result[1])) / result[0]

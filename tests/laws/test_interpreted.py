@@ -87,8 +87,8 @@ def python(folder: Path, *arguments: str, jit: bool = True) -> str:
     return done.stderr
 
 
-def columns_of(found: Trajectory) -> dict[str, np.ndarray]:
-    return {**found.series, **found.contacts}
+def columns_of(run: Trajectory) -> dict[str, np.ndarray]:
+    return {**run.series, **run.contacts}
 
 
 @pytest.mark.long

@@ -41,21 +41,21 @@ def slip_law(mu: float, normal: float, tangential: float, slip: float, d: Delass
     return solve_of(law, normal, tangential, normal, slip, *d)
 
 
-def after(normal: float, tangential: float, d: Delassus, answer: Answer) -> tuple[float, float]:
+def after(normal: float, tangential: float, d: Delassus, impact: Answer) -> tuple[float, float]:
     """Gap rate and slip behind an impulse."""
-    p_n, p_t, _ = answer
+    p_n, p_t, _ = impact
     return normal + d[0] * p_n + d[1] * p_t, tangential + d[1] * p_n + d[2] * p_t
 
 
-def energy_change(normal: float, tangential: float, d: Delassus, answer: Answer) -> float:
+def energy_change(normal: float, tangential: float, d: Delassus, impact: Answer) -> float:
     """Work of an impulse: impulse times mean velocity [J]."""
-    end = after(normal, tangential, d, answer)
-    return 0.5 * (answer[0] * (normal + end[0]) + answer[1] * (tangential + end[1]))
+    end = after(normal, tangential, d, impact)
+    return 0.5 * (impact[0] * (normal + end[0]) + impact[1] * (tangential + end[1]))
 
 
-def size(normal: float, tangential: float, d: Delassus, answer: Answer) -> float:
+def size(normal: float, tangential: float, d: Delassus, impact: Answer) -> float:
     """Largest velocity that takes part, for round-off: the solution cancels terms of this size."""
-    p_n, p_t, _ = answer
+    p_n, p_t, _ = impact
     terms = [normal, tangential, d[0] * p_n, d[1] * p_t, d[1] * p_n, d[2] * p_t]
     return max(abs(term) for term in terms)
 
@@ -192,10 +192,10 @@ def test_the_stiffness_of_a_hertz_law_follows_from_its_tip_and_the_rotor() -> No
     np.testing.assert_array_equal(result.series["gap"], expected.series["gap"])
 
 
-@pytest.mark.parametrize("given", [{"stiffness": None}, {"tip_radius": 5e-3}])
-def test_stiffness_and_tip_radius_are_not_given_both_nor_neither(given: dict[str, Any]) -> None:
+@pytest.mark.parametrize("arguments", [{"stiffness": None}, {"tip_radius": 5e-3}])
+def test_stiffness_and_tip_radius_are_not_given_both_nor_neither(arguments: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="tip_radius"):
-        HertzPenalty(**given)
+        HertzPenalty(**arguments)
 
 
 def test_a_law_describes_every_parameter_by_name() -> None:

@@ -123,7 +123,7 @@ def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses:
                     )
                     for s in ([0.13, 0.01], [0.13, -0.01])
                 ),
-                key=lambda one: one.fun,
+                key=lambda result: result.fun,
             )
             errors[~fitted] = ellipses.errors(after(result.x))[~fitted]
         assert errors.mean() == pytest.approx(expected, abs=5e-4)

@@ -22,10 +22,10 @@ WORD = st.text(st.characters(categories=("L", "N", "P", "Zs"), exclude_character
 )
 
 
-def same(one: MeasuredImpacts, other: MeasuredImpacts, but: tuple[str, ...] = ()) -> bool:
+def same(first: MeasuredImpacts, other: MeasuredImpacts, but: tuple[str, ...] = ()) -> bool:
     """Return whether two have the same bits."""
-    names = [field.name for field in fields(one) if field.name not in but]
-    pairs = [(getattr(one, name), getattr(other, name)) for name in names]
+    names = [field.name for field in fields(first) if field.name not in but]
+    pairs = [(getattr(first, name), getattr(other, name)) for name in names]
     return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
 
 

@@ -27,7 +27,7 @@ def law(friction: cl.Friction) -> cl.Composed:
     return cl.Composed(HertzPoint(ALUMINA_ON_GLASS.hertz), Flores(spheres.RESTITUTION), friction)
 
 
-def answers(chosen: cl.ContactLaw, incidence: np.ndarray) -> dict[str, np.ndarray]:
+def predicted(chosen: cl.ContactLaw, incidence: np.ndarray) -> dict[str, np.ndarray]:
     return spheres.law_predictions(lambda _: chosen)(incidence)
 
 
@@ -43,7 +43,7 @@ def test_a_rigid_law_leaves_five_sevenths_in_stick_and_never_less(
     rigid: type[cl.Newton], mu: float, e: float
 ) -> None:
     """Friction that ends with the slip has D <= 2/7 v_t; that of sliding is mu (1 + e) v_n."""
-    result = answers(rigid(mu, e), ANGLES)["tangential_restitution"]
+    result = predicted(rigid(mu, e), ANGLES)["tangential_restitution"]
     sliding = 1.0 - mu * (1.0 + e) / np.tan(np.radians(ANGLES))
     np.testing.assert_allclose(result, np.maximum(RIGID_STICK, sliding), rtol=1e-12)
 
@@ -52,7 +52,7 @@ def test_sliding_is_that_of_the_closed_form_with_microslip_too() -> None:
     steep = np.array([40.0, 55.0, 80.0])
     sliding = 1.0 - spheres.FRICTION * (1.0 + spheres.RESTITUTION) / np.tan(np.radians(steep))
     patch = spheres.microslip(ALUMINA_ON_GLASS.effective, ALUMINA_ON_GLASS.stiffness_ratio)
-    for result, within in ((patch(steep), 1e-4), (answers(law(cl.Mindlin(spheres.FRICTION)), steep), 1e-6)):
+    for result, within in ((patch(steep), 1e-4), (predicted(law(cl.Mindlin(spheres.FRICTION)), steep), 1e-6)):
         np.testing.assert_allclose(result["tangential_restitution"], sliding, rtol=within)
 
 
@@ -99,7 +99,7 @@ def test_under_mindlin_the_restitution_dips_to_what_is_measured_with_nothing_fit
 ) -> None:
     kappa, grid = ALUMINA_ON_GLASS.stiffness_ratio, np.arange(10.0, 31.0)
     mindlin = law(cl.Mindlin(spheres.FRICTION, kappa))
-    dip = answers(mindlin, grid)["tangential_restitution"]
+    dip = predicted(mindlin, grid)["tangential_restitution"]
     assert float(dip.min()) == pytest.approx(DIP, abs=WITHIN)
     assert abs(grid[np.argmin(dip)] - 20.0) < 3.0
     measured = rebounds.value[rebounds.quantity == "tangential_restitution"]

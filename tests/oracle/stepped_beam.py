@@ -70,7 +70,7 @@ def middle_states(beam: SteppedBeam, omega: float) -> np.ndarray:
     return states
 
 
-def held_and_load(beam: SteppedBeam, omega: float, lifting: bool) -> tuple[np.ndarray, ...]:
+def stored_and_load(beam: SteppedBeam, omega: float, lifting: bool) -> tuple[np.ndarray, ...]:
     """Motion of the tip, motion that symmetry forbids, load on the tip; for each state, (3,)."""
     deflection, slope, moment, shear = middle_states(beam, omega)
     heavy = omega**2 * (1.0 - 1j * beam.alpha / omega)
@@ -86,7 +86,7 @@ def natural_frequencies(beam: SteppedBeam, highest: float) -> np.ndarray:
     for lifting in (True, False):
 
         def determinant(frequency: float, lifting: bool = lifting) -> float:
-            _, stored, load = held_and_load(undamped, 2.0 * np.pi * frequency, lifting)
+            _, stored, load = stored_and_load(undamped, 2.0 * np.pi * frequency, lifting)
             return float((stored[0] * load[1] - stored[1] * load[0]).real)
 
         grid = np.geomspace(10.0, highest, 2000)
@@ -101,7 +101,7 @@ def response(beam: SteppedBeam, frequency: float, lifting: bool) -> tuple[comple
 
     u in m/N and m/V, or theta in rad/(N m) and rad/V.
     """
-    motion, stored, load = held_and_load(beam, 2.0 * np.pi * frequency, lifting)
+    motion, stored, load = stored_and_load(beam, 2.0 * np.pi * frequency, lifting)
     system = np.array([stored[:2], load[:2]])
     compliance = motion[:2] @ np.linalg.solve(system, [0.0, 1.0])
     driven = motion[2] - motion[:2] @ np.linalg.solve(system, [stored[2], load[2]])

@@ -1,4 +1,4 @@
-"""A dataset that is not as its run left it is told before anything opens it."""
+"""A dataset that is not as its run left it is refused before anything opens it."""
 
 import random
 from pathlib import Path

@@ -131,7 +131,7 @@ def test_what_somebody_may_be_writing_stays(tmp_path: Path) -> None:
     kept = [
         left_by(os.getpid(), mine, tmp_path),
         left_by(os.getppid(), mine, tmp_path),
-        # A process of that number on another machine cannot be asked.
+        # A process of that number on another machine cannot be signalled.
         left_by(dead_process(), "00000000", tmp_path),
         tmp_path / ".run.nc.partial",
         tmp_path / "run.nc.0123abcd.partial",

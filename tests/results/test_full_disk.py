@@ -1,4 +1,4 @@
-"""A disk that is full is told in a sentence with the system's own words, and nothing half-written stays."""
+"""A full disk is a one-line error with the system's own reason, and no part of a file stays."""
 
 import gc
 from collections.abc import Iterator

@@ -21,7 +21,7 @@ from contactlab.studies.run_state import COMPLETE, Job, State, Status, write_sta
 def left_run(
     folder: Path, configuration: dict[str, Any], choices: dict[str, Any], **attributes: object
 ) -> None:
-    """A complete run that was asked for these options and this clearance."""
+    """A complete run with these options and this clearance."""
     folder.mkdir(parents=True)
     tree = to_datatree(synthetic_trajectory(duration=1e-3), CONFIGURATION)
     tree.attrs |= attributes
@@ -70,9 +70,9 @@ def test_a_state_that_is_none_harms_no_other_run(tmp_path: Path, change: dict[st
     assert int((result["status"] == Status.COMPLETE).sum()) >= 1
 
 
-@pytest.mark.parametrize("said", ["yes", "1", 2, -1, float("nan"), [1, 1]])
-def test_complete_is_one_or_zero(tmp_path: Path, said: object) -> None:
-    left_run(tmp_path / "1", sound(1e-6), {}, complete=said)
+@pytest.mark.parametrize("value", ["yes", "1", 2, -1, float("nan"), [1, 1]])
+def test_complete_is_one_or_zero(tmp_path: Path, value: object) -> None:
+    left_run(tmp_path / "1", sound(1e-6), {}, complete=value)
     left_run(tmp_path / "2", sound(2e-6), {})
     with pytest.raises(ValueError, match="complete"):
         read_run(tmp_path / "1" / "run.nc")
@@ -84,12 +84,12 @@ def test_complete_is_one_or_zero(tmp_path: Path, said: object) -> None:
     assert sorted(result["status"].values.ravel().tolist()) == [Status.COMPLETE, Status.FAILED]
 
 
-@pytest.mark.parametrize(("said", "meant"), [(1, True), (1.0, True), (0, False), (None, True)])
-def test_who_says_that_a_run_is_complete_may_say_it_in_any_number(said: float | None, meant: bool) -> None:
+@pytest.mark.parametrize(("value", "meant"), [(1, True), (1.0, True), (0, False), (None, True)])
+def test_who_says_that_a_run_is_complete_may_say_it_in_any_number(value: float | None, meant: bool) -> None:
     tree = to_datatree(synthetic_trajectory(duration=1e-3), CONFIGURATION)
     tree.attrs.pop("complete")
-    if said is not None:
-        tree.attrs["complete"] = said
+    if value is not None:
+        tree.attrs["complete"] = value
     assert isinstance(tree, xarray.DataTree)
     assert is_complete(read_run(tree)) is meant
 

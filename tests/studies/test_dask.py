@@ -66,12 +66,12 @@ def test_a_worker_that_dies_loses_nothing_and_changes_no_bit(
     here = run(Slow(), setups)
     counts: list[int] = []
 
-    def kill_one(done: int, total: int) -> None:
+    def kill_a_worker(done: int, total: int) -> None:
         counts.append(done)
         if done == 3:
             workers[0].send_signal(signal.SIGKILL)
 
-    there = run(Slow(scheduler=address), setups, tmp_path / "there", kill_one)
+    there = run(Slow(scheduler=address), setups, tmp_path / "there", kill_a_worker)
     assert counts == [*range(13)]
     assert there.data.identical(here.data)
 

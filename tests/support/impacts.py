@@ -7,7 +7,7 @@ import numpy as np
 
 from contactlab.laws import MultiplierLaw
 from contactlab.testing.claim import Claim
-from contactlab.testing.kernel_properties import answers_of
+from contactlab.testing.kernel_properties import impacts_of
 from contactlab.testing.plants import Bench, impulses_of
 
 Delassus = tuple[float, float, float]
@@ -29,7 +29,7 @@ def drawn_impacts(count: int, coupling: float = 0.99) -> Iterator[tuple[float, f
         )
 
 
-def answer_of(law: MultiplierLaw, normal: float, slip: float, d: Delassus) -> Solution:
+def impact_of(law: MultiplierLaw, normal: float, slip: float, d: Delassus) -> Solution:
     """Impulses and mode of an impact in which nothing else acts."""
     return impulses_of(law, normal, slip, d)  # type: ignore[no-any-return]
 
@@ -54,7 +54,7 @@ def contact_energy(normal: float, slip: float, d: Delassus) -> float:
 
 def broken(law: MultiplierLaw) -> dict[str, list[str]]:
     """Claims of the contract on the kernel that do not come out as the law declares, by property."""
-    result = answers_of(Bench(law))
+    result = impacts_of(Bench(law))
     return {
         name: wrong
         for name, claims in result.items()

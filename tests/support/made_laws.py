@@ -41,11 +41,11 @@ class Made(PenaltyLaw):
         return type(self).friction
 
 
-def made(function: Callable[..., Any], **words: Any) -> Made:
+def made(function: Callable[..., Any], **arguments: Any) -> Made:
     """A law of a kernel, and of what it says."""
-    members = words | {"function": staticmethod(function)}
+    members = arguments | {"function": staticmethod(function)}
     if members.get("friction") is not None:
-        members["friction"] = staticmethod(words["friction"])
+        members["friction"] = staticmethod(arguments["friction"])
     subclass = dataclass(frozen=True)(type("Subclass", (Made,), members))
     return subclass()  # type: ignore[no-any-return]
 
@@ -65,5 +65,5 @@ def flowing():
     return 1.0
 
 
-def variable(**words: Any) -> InternalVariable:
-    return replace(TWO[1], **words)
+def variable(**arguments: Any) -> InternalVariable:
+    return replace(TWO[1], **arguments)

@@ -20,7 +20,7 @@ def evaluate(normal: NormalForce, kernel: str, depth: float, rate: float, z: Any
     return normal.evaluate(kernel, **known, **more)
 
 
-def answer(normal: NormalForce, depth: float, rate: float = 0.0, z: Any = ()) -> tuple[float, ...]:
+def forces(normal: NormalForce, depth: float, rate: float = 0.0, z: Any = ()) -> tuple[float, ...]:
     """Force, stored energy, stiffness, its slope and loss."""
     if normal.force is None:
         return *normal.evaluate("elastic", depth=depth), 0.0
@@ -34,8 +34,8 @@ def imbalance(normal: NormalForce, depth: float, rate: float, z: Any = ()) -> fl
     if normal.rate is not None:
         rates[:] = [evaluate(normal, "rate", depth, rate, now, which=k) for k in range(now.size)]
     h = 1e-5 * depth / max(abs(rate), *np.abs(rates), 1e-300)
-    ends = [answer(normal, depth + s * h * rate, rate, now + s * h * rates)[1] for s in (1.0, -1.0)]
-    force, _, _, _, loss = answer(normal, depth, rate, now)
+    ends = [forces(normal, depth + s * h * rate, rate, now + s * h * rates)[1] for s in (1.0, -1.0)]
+    force, _, _, _, loss = forces(normal, depth, rate, now)
     stored, power = (ends[0] - ends[1]) / (2.0 * h), force * rate
     return abs(stored - power + loss) / (abs(stored) + abs(power) + abs(loss))
 
@@ -44,5 +44,5 @@ def lost_by(normal: NormalForce, event: int, depth: float, rate: float, z: Any) 
     """What a jump does to the stored energy, over it [1]."""
     now = np.array(z, dtype=float)
     after = [evaluate(normal, "jump", depth, rate, now, which=k, event=event) for k in range(now.size)]
-    stored = answer(normal, depth, rate, now)[1]
-    return abs(answer(normal, depth, rate, after)[1] - stored) / stored
+    stored = forces(normal, depth, rate, now)[1]
+    return abs(forces(normal, depth, rate, after)[1] - stored) / stored

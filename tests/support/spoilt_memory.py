@@ -36,7 +36,7 @@ class Kept(PenaltyLaw):
     # Where the force begins to pull the bound has a kink, and no step ends there.
     convergence_order: ClassVar[float] = 0.5
     violations: ClassVar[Mapping[str, str]] = {
-        "answers_scale_with_units": "its numbers stand in its kernels, and are declared nowhere."
+        "scales_with_units": "its numbers stand in its kernels, and are declared nowhere."
     }
 
 

@@ -47,7 +47,7 @@ class Fragile(PenaltyLaw):
 
     @staticmethod
     def force(gap):
-        # Between the depths at which it is asked before it runs.
+        # Between the depths at which it is evaluated before it runs.
         if -5e-7 < gap < -2e-7:
             return {"text": [f"{gap}"]}["FOUND"], 0.0, 0.0, 0.0
         return -1e7 * gap, 0.0, 5e6 * gap * gap, 0.0

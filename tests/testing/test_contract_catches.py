@@ -152,16 +152,14 @@ def holds_what_opens(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d
     return abs(normal_rate) / d_nn, 0.0, SLIP
 
 
-def answers_opening_with_no_number(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters
-):
+def opening_with_no_number(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, parameters):
     p_n, p_t, mode = stick_or_slip_impulse(
         normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, parameters[0]
     )
     return p_n, p_t if normal_rate < 0.0 else np.nan, mode
 
 
-@pytest.mark.parametrize("cheat", [holds_what_opens, answers_opening_with_no_number])
+@pytest.mark.parametrize("cheat", [holds_what_opens, opening_with_no_number])
 def test_a_wrong_answer_to_what_opens_is_found(cheat: Callable[..., Any]) -> None:
     bench = Bench(RigidCheat(fleeting_kernel(cheat)))
     assert not all(claim.holds for claim in check(bench, "kernel_is_consistent"))
@@ -205,7 +203,7 @@ class Declaring(MultiplierLaw):
 
 
 @pytest.mark.parametrize(
-    ("name", "words"),
+    ("name", "reason"),
     [
         ("declares_its_parameters", "parameters without declaration ['friction_coefficient']"),
         ("declares_what_it_breaks", "['is_pretty']"),
@@ -213,10 +211,10 @@ class Declaring(MultiplierLaw):
         ("mirrors", "HOLDS, declared broken"),
     ],
 )
-def test_a_false_declaration_is_found(name: str, words: str) -> None:
+def test_a_false_declaration_is_found(name: str, reason: str) -> None:
     class Contract(LawContract):
         law = Declaring()
 
     with pytest.raises(AssertionError) as failure:
         Contract().assert_property(name)
-    assert words in str(failure.value)
+    assert reason in str(failure.value)

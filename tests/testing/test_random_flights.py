@@ -60,7 +60,7 @@ def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -
 
 
 def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    touching, open_one = drawn(touches=True), drawn(touches=False)
+    touching, open_gap = drawn(touches=True), drawn(touches=False)
     when = touching.first_touch(DURATION)
     assert when is not None
     assert faults_of(monkeypatch, touching, when, when + 1e-5) == set()
@@ -68,8 +68,8 @@ def test_the_judge_sees_what_an_engine_does_wrong(monkeypatch: pytest.MonkeyPatc
     assert faults_of(monkeypatch, touching, when + 1e-9) == {"late"}
     assert judge(touching)["error"] == pytest.approx(1e-9, rel=1e-6)
     assert faults_of(monkeypatch, touching, when - 1e-9) == {"invented"}
-    assert faults_of(monkeypatch, open_one, 1e-4) == {"invented"}
-    assert faults_of(monkeypatch, open_one) == set()
+    assert faults_of(monkeypatch, open_gap, 1e-4) == {"invented"}
+    assert faults_of(monkeypatch, open_gap) == set()
 
 
 def test_a_flight_whose_run_gives_up_is_named_and_no_verdict_is_made_of_it(

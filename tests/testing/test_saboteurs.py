@@ -219,7 +219,7 @@ SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
     "a damping that feeds energy": (lambda: law_of(active), "dissipates"),
     "friction that knows left from right": (lambda: law_of(one_sided), "mirrors"),
     "a parameter that no kernel reads": (lambda: law_of(hertz(), idle=True), "reads_what_it_declares"),
-    "a stiffness in wrong units": (lambda: law_of(hertz(), units="N m-1"), "answers_scale_with_units"),
+    "a stiffness in wrong units": (lambda: law_of(hertz(), units="N m-1"), "scales_with_units"),
     "normal force with half its stiffness": (lambda: normal_of(stiffness=0.5), "consistency"),
     "normal force with a wrong slope": (lambda: normal_of(slope=2.0), "part_says_its_stiffness"),
     "normal force with 1.5 times its stored energy": (lambda: normal_of(stored=1.5), "consistency"),

@@ -87,7 +87,7 @@ def drawn_motors() -> list[Item]:
     items = []
     for number in range(JUDGED):
         case = case_of(number)
-        text = _law_words(case.law)
+        text = _law_overrides(case.law)
         for section, names in KEYS.items():
             pairs = names.items() if isinstance(names, dict) else zip(names, names, strict=True)
             text += [f"{section}.{key}={case.changes[name]!r}" for name, key in pairs]
@@ -102,7 +102,7 @@ def drawn_motors() -> list[Item]:
     return items
 
 
-def _law_words(law: Any) -> list[str]:
+def _law_overrides(law: Any) -> list[str]:
     """Return the overrides that make a law, without its friction coefficient."""
     text = [f"law={law.name}"]
     if is_dataclass(getattr(law, "normal", None)):

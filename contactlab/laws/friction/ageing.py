@@ -13,7 +13,7 @@ from contactlab.parameter import not_negative, positive
 @final
 @dataclass(frozen=True)
 class AgeingStick(Friction):
-    """Set-valued friction with exact stick, the stronger the longer it sticks.
+    """Set-valued friction with tangentially rigid stick, the stronger the longer it sticks.
 
         |F| <= mu_s(t) N in stick,  mu_s(t) = mu + delta ln(1 + min(t, t_max)/t_0)
         F = -mu N sign(v) in slip;  dt/dt = 1 in stick;  t = 0 at touch-down and where slip begins

@@ -12,7 +12,7 @@ from contactlab.parameter import not_negative
 @final
 @dataclass(frozen=True)
 class Cohesive(Friction):
-    """Two-term friction: set-valued, with exact stick, as if the force C pressed the bodies together too.
+    """Two-term friction with tangentially rigid stick, as if the force C pressed the bodies together too.
 
         |F| <= mu_s (N + C),  F = -mu (N + C) sign(v) where v != 0,  N > -C
 

@@ -1,4 +1,4 @@
-"""Coulomb's cone: set-valued friction with exact stick."""
+"""Coulomb's cone: set-valued friction with tangentially rigid stick."""
 
 from dataclasses import dataclass
 from typing import Annotated, final
@@ -12,7 +12,7 @@ STATIC_RATIO = Parameter("mu_s/mu", "1", "static over kinetic coefficient", at_l
 @final
 @dataclass(frozen=True)
 class Coulomb(Friction):
-    """Set-valued friction: exact stick."""
+    """Set-valued friction: tangentially rigid stick."""
 
     name = "coulomb"
     equation = "|F| <= mu_s N, F = -mu N sign(v) where v != 0"

@@ -13,7 +13,7 @@ from contactlab.parameter import positive
 @final
 @dataclass(frozen=True)
 class Stribeck(Friction):
-    """Coulomb's cone with a Stribeck curve for its coefficient: exact stick, and no jump where it ends.
+    """Coulomb's cone with a Stribeck curve for its coefficient: rigid stick, and no jump where it ends.
 
         |F| <= mu(v) N,  F = -mu(v) N sign(v) where v != 0
         mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p)

@@ -33,7 +33,7 @@ def newton_impulse(
     normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
 ):
     """Return impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
-    # The plastic law to the rate that is asked for in place of zero.
+    # The plastic law, to the final rate in place of zero.
     missing = normal_rate + restitution * min(gap_rate, 0.0)
     return stick_or_slip_impulse(missing, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
 

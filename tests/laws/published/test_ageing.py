@@ -20,11 +20,11 @@ STIFFNESS = 100.0
 LAW = Composed(Linear(SPRING), friction=AgeingStick(MU, DELTA, BEGINS))
 
 
-def breakaway(speed: float, held: float = 0.0, before: float = 0.0) -> float:
+def breakaway(speed: float, duration: float = 0.0, before: float = 0.0) -> float:
     """Time t at which held + k v t = mu_s(before + t) N [s]."""
 
     def excess(t: float) -> float:
-        return held + STIFFNESS * speed * t - WEIGHT * (MU + DELTA * log1p((before + t) / BEGINS))
+        return duration + STIFFNESS * speed * t - WEIGHT * (MU + DELTA * log1p((before + t) / BEGINS))
 
     # Until the rates meet, friction grows faster than the pull.
     least = max(DELTA * WEIGHT / (STIFFNESS * speed) - BEGINS - before, 0.0)

@@ -72,7 +72,7 @@ def test_one_of_its_shapes_is_dahls() -> None:
 
 
 @pytest.mark.parametrize(
-    ("constants", "words"),
+    ("constants", "reason"),
     [
         ((1.0, 0.2, 0.8, 1.0), "shape is 0.2; it must be at least 0.5"),
         ((1.0, 0.2, -0.8, 1.0), "beta \\+ gamma -0.6; both must be greater than 0"),
@@ -80,7 +80,7 @@ def test_one_of_its_shapes_is_dahls() -> None:
     ],
 )
 def test_constants_that_make_energy_or_no_friction_are_refused(
-    constants: tuple[float, float, float, float], words: str
+    constants: tuple[float, float, float, float], reason: str
 ) -> None:
-    with pytest.raises(ValueError, match=words):
+    with pytest.raises(ValueError, match=reason):
         BoucWen.of_wen(MU, *constants)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.impacts import after, answer_of, contact_energy, drawn_impacts, loss
+from support.impacts import after, contact_energy, drawn_impacts, impact_of, loss
 
 from contactlab.laws import Brach, Newton
 from contactlab.testing.plants import block, first, last, run
@@ -18,7 +18,7 @@ def test_it_is_newtons_impact_where_that_makes_no_energy_and_else_one_without_lo
         # Beyond the critical friction Newton's law may have no answer.
         if mu * abs(d[1]) >= 0.99 * d[0]:
             continue
-        result, newton = (answer_of(law(mu, 0.8), normal, slip, d) for law in (Brach, Newton))
+        result, newton = (impact_of(law(mu, 0.8), normal, slip, d) for law in (Brach, Newton))
         kept = contact_energy(normal, slip, d)
         if loss(normal, slip, d, newton) > 1e-9 * kept:
             cases["alike"] += 1
@@ -53,7 +53,7 @@ def test_the_double_pendulum_that_gains_energy_from_newtons_law_gains_none() -> 
     normal, slip, d = double_pendulum()
     kept = contact_energy(normal, slip, d)
     gains = {
-        law: -loss(normal, slip, d, answer_of(law(0.5, 0.7), normal, slip, d)) / kept
+        law: -loss(normal, slip, d, impact_of(law(0.5, 0.7), normal, slip, d)) / kept
         for law in (Newton, Brach)
     }
     print("energy made, over that of the pendulum:", {law.name: gain for law, gain in gains.items()})

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.impacts import after, answer_of, contact_energy, drawn_impacts, loss
+from support.impacts import after, contact_energy, drawn_impacts, impact_of, loss
 
 from contactlab.laws import ChatterjeeRuina, LagrangeStick, Newton
 from contactlab.laws.base import SLIP, STICK
@@ -26,7 +26,7 @@ def test_it_is_the_published_impulse_and_creates_no_energy_at_any_restitution() 
     rng, on_cone = np.random.default_rng(2), 0
     for normal, slip, d, mu in drawn_impacts(2000):
         e, e_t = rng.uniform(0.0, 1.0), rng.uniform(-1.0, 1.0)
-        result = answer_of(ChatterjeeRuina(mu, e, e_t), normal, slip, d)
+        result = impact_of(ChatterjeeRuina(mu, e, e_t), normal, slip, d)
         matrix = np.array([[d[0], d[1]], [d[1], d[2]]])
         expected = published(np.array([normal, slip]), matrix, mu, e, e_t)
         assert result[:2] == pytest.approx(expected, rel=1e-9, abs=1e-11 * result[0])
@@ -42,7 +42,7 @@ def test_the_energies_of_both_directions_are_lost_apart() -> None:
     for normal, slip, (d_nn, d_nt, d_tt), _ in drawn_impacts(200):
         e, e_t = 0.7, 0.4
         d = (d_nn, d_nt, d_tt)
-        result = answer_of(ChatterjeeRuina(1e9, e, e_t), normal, slip, d)
+        result = impact_of(ChatterjeeRuina(1e9, e, e_t), normal, slip, d)
         # With so much friction it is the candidate wherever that presses.
         if result[0] < abs(result[1]) * 1e-8:
             continue
@@ -58,7 +58,7 @@ def test_the_plastic_one_is_that_of_lagrange_stick_but_where_the_slip_reverses()
         if abs(d[1]) >= 0.99 * min(mu * d[2], d[0] / mu):
             continue
         result, plastic = (
-            answer_of(law, normal, slip, d) for law in (ChatterjeeRuina(mu, 0.0, 0.0), LagrangeStick(mu))
+            impact_of(law, normal, slip, d) for law in (ChatterjeeRuina(mu, 0.0, 0.0), LagrangeStick(mu))
         )
         assert result[:2] == pytest.approx(plastic[:2], rel=1e-9, abs=1e-12 * plastic[0])
 
@@ -67,17 +67,17 @@ def test_on_the_cone_it_is_newtons_slip() -> None:
     for normal, slip, (d_nn, _, d_tt), mu in drawn_impacts(200):
         e, far = 0.6, np.sign(slip) * (mu * d_tt * 1.6 * -normal / d_nn * 2.0 + abs(slip))
         d = (d_nn, 0.0, d_tt)
-        results = [answer_of(law, normal, far, d) for law in (ChatterjeeRuina(mu, e, 0.5), Newton(mu, e))]
+        results = [impact_of(law, normal, far, d) for law in (ChatterjeeRuina(mu, e, 0.5), Newton(mu, e))]
         assert results[0][2] == results[1][2] == SLIP
         assert results[0][:2] == pytest.approx(results[1][:2], rel=1e-12)
 
 
 def test_it_sticks_only_where_no_slip_is_left() -> None:
     alone, coupled = (1000.0, 0.0, 2000.0), (1000.0, 300.0, 2000.0)
-    assert answer_of(ChatterjeeRuina(0.9, 0.5, 0.0), -0.1, 0.05, alone)[2] == STICK
-    assert answer_of(ChatterjeeRuina(0.9, 0.0, 0.0), -0.1, 0.05, coupled)[2] == STICK
-    assert answer_of(ChatterjeeRuina(0.9, 0.5, 0.0), -0.1, 0.05, coupled)[2] == SLIP
-    assert answer_of(ChatterjeeRuina(0.9, 0.5, 0.2), -0.1, 0.05, alone)[2] == SLIP
+    assert impact_of(ChatterjeeRuina(0.9, 0.5, 0.0), -0.1, 0.05, alone)[2] == STICK
+    assert impact_of(ChatterjeeRuina(0.9, 0.0, 0.0), -0.1, 0.05, coupled)[2] == STICK
+    assert impact_of(ChatterjeeRuina(0.9, 0.5, 0.0), -0.1, 0.05, coupled)[2] == SLIP
+    assert impact_of(ChatterjeeRuina(0.9, 0.5, 0.2), -0.1, 0.05, alone)[2] == SLIP
 
 
 def test_a_perfectly_rough_ball_turns_as_garwin_found() -> None:
@@ -89,7 +89,7 @@ def test_a_perfectly_rough_ball_turns_as_garwin_found() -> None:
     mass, inertia = 0.1, 0.4
     for speed, spin in ((0.3, 0.0), (0.3, 0.2), (-0.1, 0.4), (0.2, 0.2)):
         d = (1.0 / mass, 0.0, (1.0 + 1.0 / inertia) / mass)
-        result = answer_of(ChatterjeeRuina(1e3, 1.0, 1.0), -0.5, speed - spin, d)
+        result = impact_of(ChatterjeeRuina(1e3, 1.0, 1.0), -0.5, speed - spin, d)
         moved, spun = speed + result[1] / mass, spin - result[1] / (inertia * mass)
         assert moved == pytest.approx((3.0 * speed + 4.0 * spin) / 7.0, abs=1e-15)
         assert spun == pytest.approx((10.0 * speed - 3.0 * spin) / 7.0, abs=1e-15)

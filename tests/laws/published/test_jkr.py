@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
-from support.normal_balance import answer
+from support.normal_balance import forces
 
 from contactlab.laws import Composed, HertzPoint, Jkr
 from contactlab.testing.closed_forms import restitution
@@ -57,22 +57,22 @@ def test_force_over_depth_is_the_published_one_over_the_contact_radius() -> None
         1.0 / 3.0
     )
     for radius in least * np.geomspace(1.01, 1e3, 40):
-        result = answer(SPHERE, approach(float(radius)))[0]
+        result = forces(SPHERE, approach(float(radius)))[0]
         assert_allclose(result, force(float(radius)), rtol=1e-9, atol=1e-11 * PULL_OFF)
 
 
 def test_the_pulls_are_the_published_shares_of_three_halves_pi_w_r() -> None:
-    largest = minimize_scalar(lambda x: answer(SPHERE, -x * BREAK)[0], (0.1, 0.5, 0.9))
+    largest = minimize_scalar(lambda x: forces(SPHERE, -x * BREAK)[0], (0.1, 0.5, 0.9))
     assert_allclose(-largest.fun, PULL_OFF, rtol=1e-9)
-    assert_allclose(answer(SPHERE, 0.0)[0], -8.0 / 9.0 * PULL_OFF, rtol=1e-12)
-    assert_allclose(answer(SPHERE, -BREAK)[0], -5.0 / 9.0 * PULL_OFF, rtol=1e-6)
+    assert_allclose(forces(SPHERE, 0.0)[0], -8.0 / 9.0 * PULL_OFF, rtol=1e-12)
+    assert_allclose(forces(SPHERE, -BREAK)[0], -5.0 / 9.0 * PULL_OFF, rtol=1e-6)
 
 
 def test_the_work_of_parting_has_the_published_number() -> None:
     """7.09 (w^5 R^4 / E*^2)^(1/3): what is still stored where the contact breaks."""
     assert work_of_parting() / SCALE == pytest.approx(7.09, abs=5e-3)
-    assert answer(SPHERE, 0.0)[1] == pytest.approx(0.0, abs=1e-14 * SCALE)
-    assert_allclose(answer(SPHERE, -BREAK)[1], work_of_parting(), rtol=1e-10)
+    assert forces(SPHERE, 0.0)[1] == pytest.approx(0.0, abs=1e-14 * SCALE)
+    assert_allclose(forces(SPHERE, -BREAK)[1], work_of_parting(), rtol=1e-10)
 
 
 @pytest.mark.parametrize("ratio", [1.01, 1.5, 10.0, 100.0])
@@ -117,4 +117,4 @@ def test_a_constant_pull_parts_the_bodies_beyond_the_pull_off_force(share: float
 def test_without_surface_energy_it_is_hertz() -> None:
     bare = Jkr(work_of_adhesion=1e-9)
     hertz = HertzPoint(4.0 / 3.0 * bare.effective_modulus * sqrt(bare.radius))
-    assert_allclose(answer(bare, 1e-6)[:3], answer(hertz, 1e-6)[:3], rtol=1e-5)
+    assert_allclose(forces(bare, 1e-6)[:3], forces(hertz, 1e-6)[:3], rtol=1e-5)

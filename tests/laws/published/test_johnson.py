@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from support.impacts import answer_of, drawn_impacts
+from support.impacts import drawn_impacts, impact_of
 from support.kernels import solve_of
 
 from contactlab.laws import Johnson, LagrangeStick, Newton
@@ -17,7 +17,7 @@ MODULUS, STRENGTH, RADIUS = 115e9, 3e8, 4.5e-3
 
 def restitution(law: Johnson, speed: float, mass: float) -> float:
     """Rebound over approach of a mass that hits without friction."""
-    p_n, _, _ = answer_of(law, -speed, 0.0, (1.0 / mass, 0.0, 1.0 / mass))
+    p_n, _, _ = impact_of(law, -speed, 0.0, (1.0 / mass, 0.0, 1.0 / mass))
     return p_n / (mass * speed) - 1.0
 
 
@@ -68,11 +68,11 @@ def test_with_friction_it_is_newtons_impact_of_that_restitution() -> None:
         law = Johnson(mu, MODULUS, 5e7, RADIUS)
         e = restitution(law, -normal, 1.0 / d[0])
         result, expected = (
-            answer_of(law, normal, slip, d),
-            answer_of(Newton(mu, min(e, 1.0)), normal, slip, d),
+            impact_of(law, normal, slip, d),
+            impact_of(Newton(mu, min(e, 1.0)), normal, slip, d),
         )
         assert result == pytest.approx(expected, rel=1e-9)
-        turned = answer_of(law, normal, -slip, (d[0], -d[1], d[2]))
+        turned = impact_of(law, normal, -slip, (d[0], -d[1], d[2]))
         assert turned == (result[0], -result[1], result[2])
 
 

@@ -62,7 +62,7 @@ def test_ageing_holds_the_first_stick_and_the_next_for_as_long_as_it_grows() -> 
         assert twice - once == pytest.approx(stick, abs=2.0 * step)
 
 
-def asked(law: LagrangeAgeing, age: float, *state: float) -> tuple[float, float, int]:
+def impact_of(law: LagrangeAgeing, age: float, *state: float) -> tuple[float, float, int]:
     return solve_of(law, *state, age=age)  # type: ignore[no-any-return]
 
 
@@ -70,7 +70,7 @@ def test_without_ageing_and_with_one_coefficient_it_is_lagrange_stick() -> None:
     law, plain = LagrangeAgeing(MU, 1.0, 0.0), LagrangeStick(MU)
     for step in drawn_steps(MU):
         for age in (0.0, 1.0):
-            assert asked(law, age, *step) == solve_of(plain, *step)
+            assert impact_of(law, age, *step) == solve_of(plain, *step)
 
 
 def test_the_kernel_is_inside_of_its_cone_dissipates_and_has_a_mirror() -> None:
@@ -78,8 +78,8 @@ def test_the_kernel_is_inside_of_its_cone_dissipates_and_has_a_mirror() -> None:
     modes = {SLIP: 0, STICK: 0}
     for rate, end, begun, start, d_nn, d_nt, d_tt in drawn_steps(law.friction_limit):
         for age in (0.0, 1e-2):
-            p_n, p_t, mode = asked(law, age, rate, end, begun, start, d_nn, d_nt, d_tt)
-            mirrored = asked(law, age, rate, -end, begun, -start, d_nn, -d_nt, d_tt)
+            p_n, p_t, mode = impact_of(law, age, rate, end, begun, start, d_nn, d_nt, d_tt)
+            mirrored = impact_of(law, age, rate, -end, begun, -start, d_nn, -d_nt, d_tt)
             assert mirrored == (p_n, -p_t, mode)
             if p_n <= 0.0:
                 continue
@@ -100,13 +100,13 @@ def test_static_friction_holds_what_rests_and_catches_what_would_turn_back_but_b
     law, d = LagrangeAgeing(MU, 1.5, 0.0), (1000.0, 0.0, 1000.0)
     # In one step: an impulse of 1e-4 N s presses, and 0.4 of it would hold.
     rate, stored = -0.1, 0.04
-    assert asked(law, 1.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
-    assert asked(law, 0.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
+    assert impact_of(law, 1.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
+    assert impact_of(law, 0.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
     # It slid the other way, and has been stopped within the step.
-    assert asked(law, 0.0, rate, stored, 0.0, -0.001, *d)[2] == STICK
-    assert asked(law, 0.0, rate, stored, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+    assert impact_of(law, 0.0, rate, stored, 0.0, -0.001, *d)[2] == STICK
+    assert impact_of(law, 0.0, rate, stored, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
     # More than the static cone holds.
-    assert asked(law, 1.0, rate, 0.046, 0.0, 0.0, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+    assert impact_of(law, 1.0, rate, 0.046, 0.0, 0.0, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
 
 
 def test_age_runs_in_stick_and_ends_with_it() -> None:
@@ -121,4 +121,4 @@ def test_growth_ends_at_the_longest_age() -> None:
     limit = MU + 0.02 * log1p(500.0)
     assert law.friction_limit == pytest.approx(limit, rel=1e-14)
     for share, mode in ((1.0 - 1e-9, STICK), (1.0 + 1e-9, SLIP)):
-        assert asked(law, 1e9, -0.1, 0.1 * limit * share, 0.0, 0.0, *d)[2] == mode
+        assert impact_of(law, 1e9, -0.1, 0.1 * limit * share, 0.0, 0.0, *d)[2] == mode

@@ -21,14 +21,14 @@ GLASSY = LINING.relaxed_stiffness + sum(arm for arm, _ in ARMS)
 TIGHT: Any = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-18}
 
 
-def held(depth: float) -> Any:
+def force_under(depth: float) -> Any:
     """A body so heavy that nothing moves it, pressed in."""
     return block(HEAVY * 1e9, height=-depth)
 
 
 def test_a_held_depth_relaxes_as_a_prony_series() -> None:
     depth, interval = 1e-6, 2e-5
-    made = run(held(depth), Composed(LINING), 1e-3, record_interval=interval)
+    made = run(force_under(depth), Composed(LINING), 1e-3, record_interval=interval)
     time = made.time
 
     def impulse(t: np.ndarray) -> np.ndarray:

@@ -23,7 +23,7 @@ SLOW = RateAndState(MU, A, B, D, V0, creep_velocity=1e-14)
 """Of which the least creep is far below all slips here."""
 
 
-def answer(friction: RateAndState, slip: float, z: float) -> tuple[float, float]:
+def response(friction: RateAndState, slip: float, z: float) -> tuple[float, float]:
     """F/N against the slip, and the rate of z [1/s]."""
     force, rate, stored, _ = state_of(friction, NORMAL, slip, z)
     assert stored == 0.0
@@ -34,7 +34,7 @@ def aged(slip: float, z: float, duration: float) -> float:
     """Let z flow at a constant slip."""
 
     def flow(_: float, y: Array) -> list[float]:
-        return [answer(SLOW, slip, float(y[0]))[1]]
+        return [response(SLOW, slip, float(y[0]))[1]]
 
     return float(solve_ivp(flow, (0.0, duration), [z], "LSODA", rtol=1e-10, atol=1e-12).y[0, -1])
 
@@ -45,16 +45,16 @@ def test_a_step_of_the_slip_has_its_direct_effect_and_evolves_over_the_distance(
 ) -> None:
     """F/N rises by a ln(v2/v1), then theta = D/v2 + (theta_1 - D/v2) exp(-v2 t/D) takes b ln(v2/v1) off."""
     z, leap = log(V0 / before), log(after / before)
-    steady = answer(SLOW, before, z)[0]
-    assert answer(SLOW, after, z)[0] - steady == pytest.approx(A * leap, rel=1e-8)
+    steady = response(SLOW, before, z)[0]
+    assert response(SLOW, after, z)[0] - steady == pytest.approx(A * leap, rel=1e-8)
     for ways in (0.3, 1.0, 3.0):
         theta = D / after + (D / before - D / after) * exp(-ways)
         result = aged(after, z, ways * D / after)
         assert result == pytest.approx(log(V0 * theta / D), abs=1e-8)
         evolved = steady + A * leap + B * log(theta * before / D)
-        assert answer(SLOW, after, result)[0] == pytest.approx(evolved, abs=1e-9)
+        assert response(SLOW, after, result)[0] == pytest.approx(evolved, abs=1e-9)
     gone = aged(after, z, 40.0 * D / after)
-    assert answer(SLOW, after, gone)[0] - steady == pytest.approx((A - B) * leap, rel=1e-7)
+    assert response(SLOW, after, gone)[0] - steady == pytest.approx((A - B) * leap, rel=1e-7)
 
 
 def test_at_rest_the_age_is_the_time_so_that_static_friction_grows_with_its_logarithm() -> None:
@@ -67,9 +67,11 @@ def test_least_creep_changes_nothing_of_faster_slips_and_levels_no_other_frictio
     """v_c takes (v_c/v)^2 / 2 of the part of the exponent that is slower, and no answer overflows."""
     for z in (-14.0, -7.0, 0.0, 5.0, 40.0):
         for slip in (1e-6, 1e-3, 1.0):
-            assert answer(RateAndState(MU), slip, z)[0] == pytest.approx(answer(SLOW, slip, z)[0], rel=1e-6)
+            assert response(RateAndState(MU), slip, z)[0] == pytest.approx(
+                response(SLOW, slip, z)[0], rel=1e-6
+            )
         slips = np.logspace(-16.0, 1.0, 300)
-        forces = [answer(RateAndState(MU), slip, z)[0] for slip in slips]
+        forces = [response(RateAndState(MU), slip, z)[0] for slip in slips]
         assert np.all(np.isfinite(forces))
         assert np.all(np.diff(forces) > 0.0)
         assert forces[0] < 1e-4
@@ -120,7 +122,7 @@ def swings(made: Trajectory) -> Array:
 
 @pytest.mark.parametrize("share", [0.9, 1.2])
 def test_a_slider_swings_up_below_the_critical_stiffness_and_calms_down_above(share: float) -> None:
-    """Ruina (1983): k_c = N (b - a)/D; how fast is told by the characteristic equation.
+    """Ruina (1983): k_c = N (b - a)/D; the rate follows from the characteristic equation.
 
     The mass lifts k_c by m v_s^2/(N a D) (Rice and Ruina 1983, J. Appl. Mech. 50, 343), here by 4%.
     """

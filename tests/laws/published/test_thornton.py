@@ -5,7 +5,7 @@ from math import pi, sqrt
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
-from support.normal_balance import answer
+from support.normal_balance import forces
 
 from contactlab.laws import Composed, HertzPoint, Thornton
 from contactlab.testing.closed_forms import restitution
@@ -65,28 +65,28 @@ def test_the_force_is_the_sum_of_hertzs_pressure_cut_off_at_its_limit(over: floa
 
     flat = radius * sqrt(1.0 - 1.0 / over)
     whole = quad(ring, 0.0, flat)[0] + quad(ring, flat, radius)[0]
-    assert_allclose(answer(SPHERE, depth, 0.1, YIELDING)[0], whole, rtol=1e-8)
+    assert_allclose(forces(SPHERE, depth, 0.1, YIELDING)[0], whole, rtol=1e-8)
 
 
 @pytest.mark.parametrize("over", [1.0, 1.5, 8.0])
 def test_it_comes_back_as_a_sphere_with_the_same_contact_circle(over: float) -> None:
     """dN/dd = 2 E* a just behind the turn, and N = 0 at the dent that the limits say."""
     depth = over * SPHERE.yield_depth
-    force = answer(SPHERE, depth, 0.1, YIELDING)[0]
-    back, _, stiffness, _, _ = answer(SPHERE, depth, -0.1, (0.0, depth))
+    force = forces(SPHERE, depth, 0.1, YIELDING)[0]
+    back, _, stiffness, _, _ = forces(SPHERE, depth, -0.1, (0.0, depth))
     assert_allclose(back, force, rtol=1e-12)
     assert_allclose(stiffness, 2.0 * SPHERE.effective_modulus * sqrt(SPHERE.radius * depth), rtol=1e-12)
     flatter = 4.0 / 3.0 * SPHERE.effective_modulus * (SPHERE.radius * depth) ** 1.5 / force
     dent = -SPHERE.evaluate("limits", largest_depth=depth)[1]
     assert_allclose(depth - dent, SPHERE.radius * depth / flatter, rtol=1e-12)
-    assert answer(SPHERE, dent, -0.1, (0.0, depth))[0] == 0.0
+    assert forces(SPHERE, dent, -0.1, (0.0, depth))[0] == 0.0
 
 
 def test_it_is_hertz_until_it_yields_and_its_stiffness_does_not_jump() -> None:
     hertz = HertzPoint(SPHERE.parameters()[0])
-    assert_allclose(answer(SPHERE, 3e-7, 0.1, ELASTIC), answer(hertz, 3e-7), rtol=1e-12)
+    assert_allclose(forces(SPHERE, 3e-7, 0.1, ELASTIC), forces(hertz, 3e-7), rtol=1e-12)
     at = SPHERE.yield_depth
-    before, after = answer(SPHERE, at, 0.1, ELASTIC), answer(SPHERE, at, 0.1, YIELDING)
+    before, after = forces(SPHERE, at, 0.1, ELASTIC), forces(SPHERE, at, 0.1, YIELDING)
     assert_allclose(after[:3], before[:3], rtol=1e-12)
     assert after[4] == pytest.approx(0.0, abs=1e-12 * before[0])
 
@@ -111,7 +111,7 @@ def test_a_dent_is_elastic_until_its_depth_is_reached_again() -> None:
 
 def test_a_contact_that_begins_under_load_is_at_rest_and_loses_nothing() -> None:
     weight = 10.0
-    depth = SPHERE.yield_depth + (weight / answer(SPHERE, SPHERE.yield_depth, 0.0, ELASTIC)[0] - 1.0) * (
+    depth = SPHERE.yield_depth + (weight / forces(SPHERE, SPHERE.yield_depth, 0.0, ELASTIC)[0] - 1.0) * (
         SPHERE.yield_depth / 1.5
     )
     assert depth > SPHERE.yield_depth

@@ -7,7 +7,7 @@ of S0.
 from math import copysign, cos, sin
 
 import pytest
-from support.impacts import Delassus, after, answer_of, drawn_impacts
+from support.impacts import Delassus, after, drawn_impacts, impact_of
 
 from contactlab.laws import Newton, Poisson
 from contactlab.laws.base import SLIP, STICK
@@ -23,7 +23,7 @@ MODES = {
 
 
 def mode_of(normal: float, slip: float, d: Delassus, mu: float, e: float) -> str:
-    """Tell the mode by the normal impulses at which the slip ends and compression ends, cross-multiplied.
+    """Return the mode by the normal impulses at which the slip ends and compression ends, cross-multiplied.
 
     P_d = (B2 + s mu B3) s S0 against P_q = (mu B1 + s B3) (-C0), and mu against that of stick, |B3|/B1.
     """
@@ -66,7 +66,7 @@ def test_poisson_has_the_impulses_of_every_mode_of_wang_and_mason() -> None:
         e = 0.7
         mode = mode_of(normal, slip, d, mu, e)
         seen[mode] += 1
-        result = answer_of(Poisson(mu, e), normal, slip, d)
+        result = impact_of(Poisson(mu, e), normal, slip, d)
         assert result[2] == MODES[mode], mode
         expected = impulses(mode, normal, slip, d, mu, e)
         assert result[:2] == pytest.approx(expected, rel=1e-8, abs=1e-10 * result[0]), mode
@@ -92,7 +92,7 @@ def test_a_rod_that_falls_without_slip_sticks_or_slides_by_the_coefficient_of_it
     d, e, speed = rod(angle), 0.5, 1.0
     critical = 3.0 * sin(angle) * cos(angle) / (1.0 + 3.0 * sin(angle) ** 2)
     mu = critical * (1.1 if mode == STICK else 0.9)
-    p_n, p_t, result = answer_of(Poisson(mu, e), -speed, 0.0, d)
+    p_n, p_t, result = impact_of(Poisson(mu, e), -speed, 0.0, d)
     assert result == mode
     ratio = min(mu, critical)
     assert p_n == pytest.approx((1.0 + e) * speed / (d[0] + ratio * d[1]), rel=1e-12)
@@ -108,7 +108,7 @@ def test_newtons_law_here_has_one_ratio_where_wang_and_masons_reverses_within_th
         if mu * abs(d[1]) >= 0.95 * d[0]:
             continue
         e, (d_nn, d_nt, d_tt), s = 0.7, d, copysign(1.0, slip)
-        result = answer_of(Newton(mu, e), normal, slip, d)
+        result = impact_of(Newton(mu, e), normal, slip, d)
         slid = -s * slip / (s * d_nt - mu * d_tt)
         needed = -(1.0 + e) * normal
         straight = needed / (d_nn - s * mu * d_nt)
