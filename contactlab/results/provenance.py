@@ -18,8 +18,8 @@ PACKAGES: Final = ("contactlab", "numpy", "scipy", "numba", "xarray", "netCDF4")
 _SOURCES: Final = ("contactlab/", "conf/")
 """Folders of a checkout in which a file that git does not know can still change a run."""
 
-_AFTER_A_RUN: Final = ("datasheet", "examples", "metrics", "sweeps", "testing")
-"""Folders of the package that see a run only when its numbers are made, and that no run depends on."""
+_WITHOUT_NUMBERS: Final = ("cli", "examples", "plot", "testing")
+"""Folders of the package on which no number of a run or a study depends."""
 
 _GIT_TIMEOUT: Final = 10.0
 
@@ -38,7 +38,7 @@ def versions() -> dict[str, str]:
 
 @cache
 def code_digest() -> str:
-    """Return the digest of the sources of this package that a run's numbers depend on, 64 hexadecimal digits.
+    """Return the digest of the sources of this package that numbers depend on, 64 hexadecimal digits.
 
     A version names a release, and a commit what was committed; this names the code as it lies on the
     disk, in a checkout with changes too.
@@ -53,7 +53,7 @@ def digest_of(package: Path) -> str:
     every = (file for file in package.rglob("*.py") if "__pycache__" not in file.parts)
     files = {file.relative_to(package): file for file in every}
     for name, file in sorted((name.as_posix(), file) for name, file in files.items()):
-        if name.partition("/")[0] not in _AFTER_A_RUN:
+        if name.partition("/")[0] not in _WITHOUT_NUMBERS:
             # Line ends differ between systems, and say nothing.
             digest.update(f"{name}\0".encode() + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()
@@ -76,7 +76,7 @@ def code_attributes() -> dict[str, str | int]:
 def checkout_state() -> tuple[str, int | str]:
     """Return revision and dirty flag of the checkout that this package runs from.
 
-    Evaluator once a process, since the code in memory does not change afterwards either.
+    Evaluated once a process, since the code in memory does not change afterwards either.
     """
     return git_state(Path(__file__).resolve().parents[2])
 

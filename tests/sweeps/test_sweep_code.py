@@ -20,11 +20,11 @@ THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
 
 def test_a_change_of_any_source_that_a_run_depends_on_changes_the_digest(tmp_path: Path) -> None:
-    for name in ("engine/loop.py", "metrics/run.py"):
+    for name in ("engine/loop.py", "plot/run.py"):
         (tmp_path / name).parent.mkdir()
         (tmp_path / name).write_bytes(b"x = 1\n")
     first = provenance.digest_of(tmp_path)
-    (tmp_path / "metrics/run.py").write_bytes(b"x = 2\n")
+    (tmp_path / "plot/run.py").write_bytes(b"x = 2\n")
     (tmp_path / "engine/loop.py").write_bytes(b"x = 1\r\n")
     assert provenance.digest_of(tmp_path) == first
     (tmp_path / "engine/loop.py").write_bytes(b"x = 2\n")
