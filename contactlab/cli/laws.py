@@ -18,7 +18,7 @@ from contactlab.laws.registry import PARTS, Origin, class_of, law_names, origins
 from contactlab.parameter import DeclaredField
 from contactlab.suggestion import suggestion
 
-STICK = {True: "exact", False: "not exact: it gives, creeps or chatters"}
+STICK = {True: "tangentially rigid", False: "not rigid: it yields, creeps or chatters"}
 
 KERNELS = {
     "limits": "a contact begins and ends at the gaps that it says, not at zero",
