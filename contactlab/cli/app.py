@@ -206,7 +206,7 @@ def _folder_faults(config: DictConfig) -> Iterator[str]:
     except OmegaConfBaseException as error:
         yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
         return
-    yield from refusals(Path(folder), "hydra.run.dir")
+    yield from refusals(Path(folder), "hydra.run.dir" if config.study.name == RUN else "output")
 
 
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:

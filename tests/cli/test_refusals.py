@@ -42,6 +42,7 @@ FAULTS = [
     (["steady", "record.interval=1e-6"], ["record.interval"]),
     (["steady", "--brake", "-1"], ["brake"]),
     (["steady", "--load", "3 kg"], ["load"]),
+    (["steady", "output=a\0b"], ["output"]),
     (["--config-name", "other"], ["other"]),
     (["--config-dir", "nowhere"], ["nowhere"]),
     (["--frobnicate"], ["--frobnicate"]),
