@@ -165,7 +165,8 @@ def _bars(labels: Any, height: float) -> tuple[Figure, Any, Any]:
     figure, (axes,) = drawing(1, 1, height)
     place = np.arange(len(labels))
     axes.set_yticks(place, labels)
-    axes.invert_yaxis()
+    # A row may have a note in place of bars, which does not count for automatic limits.
+    axes.set_ylim(place.size - 0.5, -0.5)
     return figure, axes, place
 
 
