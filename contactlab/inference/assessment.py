@@ -32,9 +32,7 @@ from contactlab.inference.cross_validation import (
     floors_of,
     folds_of,
 )
-from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.noise import noise_from_outside
-from contactlab.measured.repeats import copies_warning, measurements
+from contactlab.measured.impacts import MeasuredImpacts, noise_from_outside
 
 ASSESSED: Final = (RIGID, COMPLIANT)
 """Kinds of laws, in contrast to baselines and floors."""
@@ -93,7 +91,7 @@ def assessed(
     data.coords["impact"] = "impact", impacts.number, {"long_name": "number in the file"}
     for name in ("velocity_before", "velocity_after"):
         data[name] = ("impact", "direction"), getattr(impacts, name), {"units": "m s-1"}
-    data["fold"] = "impact", folds_of(measurements(impacts), folds, seed)
+    data["fold"] = "impact", folds_of(impacts.measurements(), folds, seed)
     noise = noise_of(impacts)
     data["noise_bound"] = "impact", noise.bound, {"units": "1", "long_name": "error that noise may cause"}
     smallest = laws_in(data)["error"].values.min(axis=0)
@@ -106,7 +104,7 @@ def assessed(
         "data_digest": digest_of(impacts),
         "data_notes": "\n".join(impacts.notes),
         "left_out": impacts.left_out,
-        "copies": copies_warning(impacts),
+        "copies": impacts.copies_warning(),
         "folds": int(data["fold"].max()) + 1,
         "seed": seed,
         "resamples": RESAMPLES,

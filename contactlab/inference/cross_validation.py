@@ -25,7 +25,6 @@ from contactlab.inference.impact_problem import (
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.repeats import measurements
 
 FOLDS: Final = 5
 
@@ -122,7 +121,7 @@ def predictors_of(
         raise ValidationError(f"{', '.join(twice)} occurs twice; the laws must differ.")
     most = max(every, key=lambda item: len(item.free))
     least = folds * max(len(most.free), 1)
-    count = int(measurements(impacts).max(initial=-1)) + 1
+    count = int(impacts.measurements().max(initial=-1)) + 1
     if count < least:
         kind = "impacts" if count == len(impacts) else f"different measurements among {len(impacts)} impacts"
         raise ValidationError(
@@ -144,7 +143,7 @@ def cross_validated(
         ValueError: there is a prediction at none of the starts.
     """
     problem = ImpactProblem(impacts, predictor)
-    fold = folds_of(measurements(impacts), folds, seed)
+    fold = folds_of(impacts.measurements(), folds, seed)
     predicted = np.full_like(impacts.velocity_before, np.nan)
     fits, sizes, lost = list[Optimum](), list[int](), 0
     for number in range(int(fold.max()) + 1):

@@ -24,7 +24,6 @@ from contactlab.inference.problem import Observation, Problem
 from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.repeats import copies_warning
 from contactlab.measured.series import MeasuredSeries
 
 STARTS: Final = 16
@@ -119,7 +118,7 @@ def candidates_of(
             continue
         configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
-        if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
+        if isinstance(data, MeasuredImpacts) and (copies := data.copies_warning()):
             origin["duplicates"] = copies
         label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = truth_in(data, setup.configuration)

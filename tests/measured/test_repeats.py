@@ -10,7 +10,6 @@ from support.struck_discs import struck_discs
 import contactlab as cl
 from contactlab.inference.cross_validation import ValidationError, digest_of
 from contactlab.measured.files import read_impacts, write_impacts
-from contactlab.measured.repeats import copies_warning, measurements
 
 
 def copied(impacts, times):
@@ -22,15 +21,15 @@ def copied(impacts, times):
 def test_impacts_without_copies_are_each_a_measurement_of_its_own():
     impacts = drawn_impacts(50, seed=0, covariance=True)
 
-    assert measurements(impacts).tolist() == list(range(50))
-    assert copies_warning(impacts) == ""
+    assert impacts.measurements().tolist() == list(range(50))
+    assert impacts.copies_warning() == ""
 
 
 def test_copies_are_counted_and_belong_to_one_measurement():
     impacts = copied(drawn_impacts(50, seed=0, covariance=True), 5)
 
-    assert measurements(impacts).tolist() == list(range(50)) * 5
-    assert copies_warning(impacts).startswith("200 of 250 ")
+    assert impacts.measurements().tolist() == list(range(50)) * 5
+    assert impacts.copies_warning().startswith("200 of 250 ")
 
 
 def test_a_difference_in_the_last_bit_is_no_copy():
@@ -38,17 +37,17 @@ def test_a_difference_in_the_last_bit_is_no_copy():
     after = impacts.velocity_after.copy()
     after[13, 1] = np.nextafter(after[13, 1], np.inf)
 
-    assert copies_warning(replace(impacts, velocity_after=after)).startswith("9 of 20 ")
+    assert replace(impacts, velocity_after=after).copies_warning().startswith("9 of 20 ")
 
 
 def test_labels_unite_and_copies_unite_labels():
     impacts = replace(drawn_impacts(6, seed=1), measurement=np.array([7, 7, 3, 3, 9, -2]))
-    assert measurements(impacts).tolist() == [0, 0, 1, 1, 2, 3]
-    assert copies_warning(impacts) == ""
+    assert impacts.measurements().tolist() == [0, 0, 1, 1, 2, 3]
+    assert impacts.copies_warning() == ""
     # The fifth repeats the first: 7 and 9 are one.
     places = np.array([0, 1, 2, 3, 0, 5])
     united = replace(impacts.part(places), measurement=impacts.measurement)
-    assert measurements(united).tolist() == [0, 0, 1, 1, 0, 2]
+    assert united.measurements().tolist() == [0, 0, 1, 1, 0, 2]
 
 
 @pytest.mark.parametrize("ending", ["csv", "nc"])
