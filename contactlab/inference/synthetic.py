@@ -11,10 +11,9 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.impacts import velocities_after
-from contactlab.inference.likelihood import approach_scale
 from contactlab.inference.series_problem import series_of
 from contactlab.laws import ContactLaw
-from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.impacts import MeasuredImpacts, squared_norm
 from contactlab.measured.series import MeasuredSeries
 
 TRUTH: Final = "truth"
@@ -79,7 +78,7 @@ def made_impacts(
     after = velocities_after(law, delassus, before)
     if not np.isfinite(after).all():
         raise ValueError(f"The law {law.name} does not predict some of the impacts; choose other values.")
-    scale = approach_scale(delassus, before)
+    scale = squared_norm(delassus, before)
     covariance = noise**2 * scale[:, None, None] * delassus
     error = np.linalg.cholesky(covariance) @ draws.standard_normal((count, 2, 1))
     truth = json.dumps(truth_of(configuration or {}))
@@ -163,5 +162,5 @@ def with_noise(measured: MeasuredSeries | MeasuredImpacts, noise: float) -> Meas
     if isinstance(measured, MeasuredSeries):
         sizes = {name: noise * (float(np.sqrt(np.mean(x**2))) or 1.0) for name, x in measured.values.items()}
         return replace(measured, errors={k: np.full(measured.time.size, x) for k, x in sizes.items()})
-    scale = approach_scale(measured.delassus, measured.velocity_before)
+    scale = squared_norm(measured.delassus, measured.velocity_before)
     return replace(measured, covariance=noise**2 * scale[:, None, None] * measured.delassus)

@@ -17,8 +17,16 @@ import xarray
 
 from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
-from contactlab.inference.evidence import Evidence, ranked, sentences
-from contactlab.inference.fit import STARTS, Candidate, Data, Discrepancy, candidates_of, fitted
+from contactlab.inference.fit import (
+    STARTS,
+    Candidate,
+    Data,
+    Discrepancy,
+    candidates_of,
+    compared,
+    evidences_of,
+    fitted,
+)
 from contactlab.inference.law_choice import LawChoice
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
@@ -130,7 +138,7 @@ class Fit(Study):
         except PackageNotFoundError:
             sampler = UNKNOWN
         free = [str(item) for item in candidate.problem.free]
-        data = [item.values.tobytes() for item in candidate.problem.data]
+        data = [item.values.tobytes() for item in candidate.problem.data.values()]
         parts = (candidate.label, *candidate.origin.items(), *free, sampler, code_digest(), *data)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
@@ -155,7 +163,7 @@ class Fit(Study):
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the comparison of the laws, then what limits each fit."""
-        result = sentences(evidences(data))
+        result = compared(data.children)
         for label, fit in data.children.items():
             before = f"{label}: " if len(data.children) > 1 else ""
             result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
@@ -165,12 +173,9 @@ class Fit(Study):
         """Return evidence and, for each law, posterior and correlation."""
         tables = {}
         if len(data.children) > 1:
-            every = ranked(evidences(data))
-            rows = [
-                {"law": x.label, "ln Z": Estimate(x.log_evidence, x.error), "less the largest": less}
-                for x in every
-                for less in [x.log_evidence - every[0].log_evidence]
-            ]
+            every = evidences_of(data.children)
+            largest = next(iter(every.values())).value
+            rows = [{"law": x, "ln Z": z, "less the largest": z.value - largest} for x, z in every.items()]
             tables["evidence"] = table(rows, caption="Evidence")
         for label, fit in data.children.items():
             rows = []
@@ -226,20 +231,6 @@ def number_or_free(name: str, text: str | float | None, largest: float) -> float
             return value
     limit = "" if largest == inf else f" and at most {largest:g}"
     raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
-
-
-def evidences(data: xarray.DataTree) -> list[Evidence]:
-    """Return the evidence of each law."""
-    return [
-        Evidence(
-            label,
-            float(fit.attrs["log_evidence"]),
-            float(fit.attrs["log_evidence_error"]),
-            bool(fit.attrs["covers"]),
-            float(fit.attrs["coverage"]),
-        )
-        for label, fit in data.children.items()
-    ]
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ from scipy.stats import kstest
 
 import contactlab as cl
 from contactlab.inference import nested_sampling as nested
-from contactlab.inference.evidence import strength
+from contactlab.inference.fit import strength
 from contactlab.inference.free_parameters import free_parameters, from_cube
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.nested_sampling import sample
