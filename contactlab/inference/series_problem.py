@@ -85,7 +85,7 @@ class SeriesProblem(Problem):
         """Noise that is not stated, discrepancy and degrees of freedom."""
         result = []
         for name, series in self.measured.values.items():
-            size, units = _rms(series), MEASURABLE[name].units
+            size, units = root_mean_square(series), MEASURABLE[name].units
             if name not in self.measured.errors:
                 result.append(size_prior(f"{NOISE}.{name}", units, size, "noise"))
             if self.correlation > 0.0:
@@ -132,7 +132,9 @@ class SeriesProblem(Problem):
             return np.full(self.measured.time.size * len(self.measured.values), np.nan)
         errors = self.measured.errors
         series = self.measured.values.items()
-        return np.concatenate([(x - predicted[name]) / errors.get(name, _rms(x)) for name, x in series])
+        return np.concatenate(
+            [(x - predicted[name]) / errors.get(name, root_mean_square(x)) for name, x in series]
+        )
 
     def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Return the log density of each datum given those before it, by name."""
@@ -237,7 +239,7 @@ def records_at(time: Array) -> tuple[float, Array | None]:
     return float(np.diff(time).min()) / FINER, None
 
 
-def _rms(values: Array) -> float:
+def root_mean_square(values: Array) -> float:
     """Return the size of a series, one where it is zero."""
     return float(np.sqrt(np.mean(values**2))) or 1.0
 
