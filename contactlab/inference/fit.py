@@ -6,7 +6,7 @@ that the data determine. Odds are stated only where the law with the larger evid
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import product
@@ -193,7 +193,6 @@ def fitted(
     starts: int = STARTS,
     checkpoint: Path | None = None,
     workers: int | None = None,
-    announce: Callable[[str], object] = bool,
 ) -> xarray.DataTree:
     """Fit a law: least squares of law and motor, then posterior and evidence of all that is free.
 
@@ -204,7 +203,6 @@ def fitted(
         starts: of least squares.
         checkpoint: file from which an interrupted fit resumes.
         workers: processes; None is one a processor where that pays.
-        announce: receives a sentence if the checkpoint is damaged and the fit starts again.
 
     Returns:
         ArviZ's groups posterior, posterior_predictive, log_likelihood, sample_stats and observed_data;
@@ -220,9 +218,7 @@ def fitted(
             best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
         except ValueError as error:
             raise ValueError(f"{candidate.label}: {error}") from error
-    posterior = sample(
-        problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers, announce=announce
-    )
+    posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
     drawn = posterior.draws(DRAWS)
     units = {item.name: item.parameter.units for item in problem.free}
     columns = zip(units.items(), posterior.samples[drawn].T, strict=True)

@@ -6,11 +6,10 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from math import inf, isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
-from warnings import warn
 
 import pandas
 import xarray
@@ -33,7 +32,7 @@ from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
-from contactlab.results.provenance import UNKNOWN, code_digest
+from contactlab.results.provenance import code_digest
 from contactlab.studies.measurements import PATTERNS, choice_of, measured
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
@@ -124,31 +123,24 @@ class Fit(Study):
         available()
         # Likelihoods are evaluated by several processes where the laws are not.
         workers = None if self.workers == 1 and self.scheduler is None else 1
-        tasks = []
-        for item in self.candidates:
-            settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
-            key = f"{item.label} {self._digest(item)}"
-            tasks.append(Task(key, _fitted, (item, settings, workers), resumes=True))
-        return tasks
+        settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
+        return [
+            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings, workers), resumes=True)
+            for item in self.candidates
+        ]
 
     def _digest(self, candidate: Candidate) -> str:
         """Return the digest of all that a fit depends on."""
-        try:
-            sampler = version("dynesty")
-        except PackageNotFoundError:
-            sampler = UNKNOWN
         free = [str(item) for item in candidate.problem.free]
         data = [item.values.tobytes() for item in candidate.problem.data.values()]
-        parts = (candidate.label, *candidate.origin.items(), *free, sampler, code_digest(), *data)
+        parts = (candidate.label, *candidate.origin.items(), *free, version("dynesty"), code_digest(), *data)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the fits, a group for each law."""
         del setups
         fits = {key.rpartition(" ")[0]: tree for key, tree in parts.items()}
-        tree = xarray.DataTree.from_dict({f"/{label}": None for label in fits})
-        for label, fit in fits.items():
-            tree[label] = fit
+        tree = xarray.DataTree(children=fits)
         tree.attrs["title"] = f"Fit of {', '.join(fits)}"
         return tree
 
@@ -178,19 +170,18 @@ class Fit(Study):
             rows = [{"law": x, "ln Z": z, "less the largest": z.value - largest} for x, z in every.items()]
             tables["evidence"] = table(rows, caption="Evidence")
         for label, fit in data.children.items():
-            rows = []
+            end, rows = _ending(data, label), []
             for row in _rows(fit):
                 mean = Estimate(row["mean"], row["deviation"])
                 number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
                 rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
             frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
-            tables[f"posterior{_ending(data, label)}"] = (
-                frame.drop(columns="truth") if frame["truth"].isna().all() else frame
-            )
-            matrix = fit["summary"].to_dataset()["correlation"].to_pandas()
+            known = frame["truth"].notna().any()
+            tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
+            matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
             if len(matrix) > 1:
-                related = [{"number": name, **values} for name, values in matrix.round(2).iterrows()]
-                tables[f"correlation{_ending(data, label)}"] = table(
+                related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
+                tables[f"correlation{end}"] = table(
                     related, caption=f"Correlation of the posterior of {label}"
                 )
         return tables
@@ -210,12 +201,7 @@ class Fit(Study):
 def _fitted(
     candidate: Candidate, settings: dict[str, int], workers: int | None, checkpoint: Path | None = None
 ) -> Part:
-    """Fit one law."""
-
-    def announce(sentence: str) -> None:
-        warn(sentence, stacklevel=1)
-
-    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers, announce=announce))
+    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers))
 
 
 def number_or_free(name: str, text: str | float | None, largest: float) -> float | str | None:
