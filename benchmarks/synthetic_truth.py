@@ -30,7 +30,7 @@ from tqdm import tqdm
 
 import contactlab as cl
 from contactlab.config.schema import declared_in
-from contactlab.inference.evidence import strength
+from contactlab.inference.fit import strength
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, with_values
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.least_squares import best_fit

@@ -4,9 +4,7 @@ Every resonator moves the same motor with a Hertz contact. The effective mass is
 frequency moves at the tip, 1 / sum u_j^2; the compliance is what a constant force bends, sum u_j^2 / k_j.
 """
 
-import sys
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -31,12 +29,10 @@ QUANTITIES = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
 class BasisConvergence(Experiment):
     """How do frequencies and contact depend on the number of shapes?"""
 
-    name: ClassVar[str] = "basis_convergence"
-    says: ClassVar[str] = (
+    says = (
         "All simulations take the first four eigenmodes of the beam without patches and tip. Whether "
         "four are enough is not asked."
     )
@@ -112,16 +108,15 @@ class BasisConvergence(Experiment):
         falls = bool(np.all(np.diff(data.first_frequency.values) < 1e-6))
         return (
             f"Converged, the patched beam has f1 = {float(end.first_frequency):.1f} Hz and f2 = "
-            f"{float(end.second_frequency):.1f} Hz; four shapes give {float(four.first_frequency):.0f} "
-            f"and {float(four.second_frequency):.0f}, {int(most.shapes)} still "
-            f"{float(most.first_frequency):.0f} and {float(most.second_frequency):.0f}. At the "
-            "converged frequency the motor with four shapes peaks at "
-            f"{float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N and "
-            f"turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
+            f"{float(end.second_frequency):.1f} Hz; four shapes give {float(four.first_frequency):.0f} and "
+            f"{float(four.second_frequency):.0f}, {int(most.shapes)} still {float(most.first_frequency):.0f} "
+            f"and {float(most.second_frequency):.0f}. At the converged frequency the motor with four shapes "
+            f"peaks at {float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N "
+            f"and turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
             "rad/s: the printed frequencies are those of the truncated basis.",
             falls,
         )
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -4,10 +4,8 @@ Every cell is the steady state that a motor comes to from rest. The two laws sha
 they differ, what the impact does decides what the motor does.
 """
 
-import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -37,19 +35,16 @@ def turn(data: xarray.DataArray) -> tuple[float, float]:
     return 2.0 * abs(mean), 0.5 * float(np.angle(mean))
 
 
-@dataclass(frozen=True, kw_only=True)
 class DrivePhaseMap(SettledMap):
     """Where do a rigid and a compliant law agree over phase and frequency of the drive?"""
 
-    name: ClassVar[str] = "drive_phase_map"
-    says: ClassVar[str] = (
-        "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, "
-        "though not the highest "
-        "final velocity. No map is given, and the frequency of the contact runs is not stated."
+    says = (
+        "The phase between the tones was found by trial: -pi/5 gives the highest acceleration, though not "
+        "the highest final velocity. No map is given, and the frequency of the contact runs is not stated."
     )
 
-    rigid_step: ClassVar[float] = STICK_STEP
-    metrics: ClassVar[tuple[str, ...]] = ("contact_count",)
+    rigid_step = STICK_STEP
+    metrics = ("contact_count",)
 
     def axes(self, setup: cl.Setup) -> dict[str, xarray.DataArray]:
         """Return frequencies and phases; the short form has two by three."""
@@ -123,16 +118,15 @@ class DrivePhaseMap(SettledMap):
         )
         shift = (best_hertz - best_stick + 0.5 * np.pi) % np.pi - 0.5 * np.pi
         sentence = (
-            f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 "
-            f"% in {100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in "
-            f"{100.0 * twofold.mean():.0f} %, and turn in opposite directions in "
-            f"{100.0 * opposite:.0f} %. The maps are alike, of {size_hertz:.2f} (Hertz) and "
-            f"{size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} pi: a rigid impact "
-            "gives its impulse at the touch-down, a compliant contact later, when the tip moves "
-            "sideways otherwise. They agree where the map is flat."
+            f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 % in "
+            f"{100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in {100.0 * twofold.mean():.0f} "
+            f"%, and turn in opposite directions in {100.0 * opposite:.0f} %. The maps are alike, of "
+            f"{size_hertz:.2f} (Hertz) and {size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} "
+            "pi: a rigid impact gives its impulse at the touch-down, a compliant contact later, when the tip "
+            "moves sideways otherwise. They agree where the map is flat."
         )
         return sentence, bool((apart < 0.1).any() and twofold.any())
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -14,7 +14,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final, NoReturn
 
 import matplotlib.pyplot as plt
 import pandas
@@ -40,7 +40,7 @@ DONE, CONTRADICTED, REFUSED = 0, 1, 2
 
 @dataclass(frozen=True, kw_only=True)
 class Experiment(Study):
-    """Base class of experiments."""
+    """Base class of experiments; the name of one is that of its module."""
 
     says: ClassVar[str]
     """The claim that is tested, in our own words."""
@@ -48,6 +48,9 @@ class Experiment(Study):
     ignored: ClassVar[tuple[str, ...]] = ()
 
     short: Annotated[bool, option("whether the short form, which the tests run, is computed")] = False
+
+    def __init_subclass__(cls) -> None:
+        cls.name = cls.__module__
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return one task; experiments that take long return several."""
@@ -151,8 +154,8 @@ def perform(name: str, folder: Path, **options: Any) -> Result:
     return result
 
 
-def main(file: str) -> int:
-    """Run the experiment of a file with the arguments of the command line and return the exit status."""
+def main(file: str) -> NoReturn:
+    """Run the experiment of a file with the arguments of the command line, and exit with the status."""
     name = Path(file).stem
     class_of(name)
     arguments, folder = [f"workers={processors()}", *sys.argv[1:]], OUTPUTS / name
@@ -165,5 +168,5 @@ def main(file: str) -> int:
     data = folder / f"{name}.nc"
     if status == DONE and data.is_file() and not {"--help", "-h"} & {*arguments}:
         with xarray.open_dataset(data, engine="netcdf4") as collected:
-            return DONE if collected.attrs["holds"] else CONTRADICTED
-    return status
+            status = DONE if collected.attrs["holds"] else CONTRADICTED
+    sys.exit(status)

@@ -1,9 +1,5 @@
 """Figure 10: rotor and tip velocity where the contact would stick, with and without that state."""
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -51,15 +47,12 @@ def chatter(data: xarray.Dataset, case: int) -> tuple[float, float, int]:
     return length, float(np.sqrt(np.mean(slip**2))), changes
 
 
-@dataclass(frozen=True, kw_only=True)
 class Fig10Sticking(Experiment):
     """Is the oscillation of the slip velocity under the slip-only law a stick?"""
 
-    name: ClassVar[str] = "fig10_sticking"
-    says: ClassVar[str] = (
-        "Figure 10 shows the velocities of rotor and tip during a contact. For a while both "
-        "oscillate about each "
-        "other, from which the paper concludes that tip and rotor stick and the model needs that state."
+    says = (
+        "Figure 10 shows the velocities of rotor and tip during a contact. For a while both oscillate about "
+        "each other, from which the paper concludes that tip and rotor stick and the model needs that state."
     )
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
@@ -70,16 +63,8 @@ class Fig10Sticking(Experiment):
             "lagrange_slip, fine": (laws["lagrange_slip"], FINE),
             "lagrange_stick": (laws["lagrange_stick"], FINE),
         }
-        runs = [
-            cl.simulate(
-                setup.motor,
-                law,
-                duration=setup.duration,
-                record_interval=setup.record_interval,
-                contact_step=step,
-            )
-            for law, step in cases.values()
-        ]
+        times = {"duration": setup.duration, "record_interval": setup.record_interval}
+        runs = [cl.simulate(setup.motor, law, contact_step=step, **times) for law, step in cases.values()]
         names = ["rotor_velocity", "slip_velocity", "contact_mode"]
         result = xarray.concat([run.tree.to_dataset()[names] for run in runs], "case")
         rim = setup.motor.geometry.rotor_radius * result.rotor_velocity
@@ -145,4 +130,4 @@ class Fig10Sticking(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

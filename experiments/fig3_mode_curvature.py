@@ -1,9 +1,5 @@
 """Figure 3: the curvature of the shapes, and the patches that it drives (eq. 31)."""
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -18,12 +14,10 @@ from contactlab.testing.references import PLACEMENTS
 SHAPES = 5
 
 
-@dataclass(frozen=True, kw_only=True)
 class Fig3ModeCurvature(Experiment):
     """How large is the coupling of the patches to the third shape?"""
 
-    name: ClassVar[str] = "fig3_mode_curvature"
-    says: ClassVar[str] = (
+    says = (
         "Figure 3 shows the second derivatives of the first five shapes and two places for the "
         "patches. The coupling to a shape is its curvature integrated over a patch: the first two "
         "couplings are to be large against the others, and the third is small though not zero."
@@ -89,4 +83,4 @@ class Fig3ModeCurvature(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

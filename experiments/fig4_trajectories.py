@@ -1,9 +1,5 @@
 """Figure 4: tip trajectories of both placements, driven at f2/2 and f2, and at f1 and 2 f1."""
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -29,16 +25,13 @@ def sizes(data: xarray.Dataset) -> tuple[np.ndarray, np.ndarray]:
     return np.ptp(data.height.values, axis=-1), np.ptp(data.across.values, axis=-1)
 
 
-@dataclass(frozen=True, kw_only=True)
 class Fig4Trajectories(Experiment):
     """How do placement and drive frequency change the free trajectory of the tip?"""
 
-    name: ClassVar[str] = "fig4_trajectories"
-    says: ClassVar[str] = (
-        "Figure 4 shows the tip's figure of eight for both placements. It is wider where the second "
-        "tone meets the second natural frequency and higher where the first tone meets the first; with "
-        "placement 1 it loses much of its height when the first mode is not in resonance. Phases were "
-        "found by trial."
+    says = (
+        "Figure 4 shows the tip's figure of eight for both placements. It is wider where the second tone "
+        "meets the second natural frequency and higher where the first tone meets the first; with placement "
+        "1 it loses much of its height when the first mode is not in resonance. Phases were found by trial."
     )
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
@@ -114,4 +107,4 @@ class Fig4Trajectories(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

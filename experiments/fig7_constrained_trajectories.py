@@ -1,9 +1,6 @@
 """Figure 7: the tip's trajectory, free and in contact, for three clearances."""
 
-import sys
-from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -25,12 +22,10 @@ def cut(data: xarray.Dataset) -> np.ndarray:
     return np.asarray(top[:, :1] - top[:, 1:])
 
 
-@dataclass(frozen=True, kw_only=True)
 class Fig7ConstrainedTrajectories(Experiment):
     """How does contact change the trajectory of the tip?"""
 
-    name: ClassVar[str] = "fig7_constrained_trajectories"
-    says: ClassVar[str] = (
+    says = (
         "Figure 7 shows the free figure of eight and the trajectories that contact leaves of it, for "
         "clearances of 0, 1 and 2 um: the rotor cuts off the top of the eight."
     )
@@ -73,12 +68,8 @@ class Fig7ConstrainedTrajectories(Experiment):
         for j, (ax, title) in enumerate(zip(axes, titles, strict=True)):
             for i, law in enumerate(data.law.values):
                 path = data.isel(law=i, clearance=j)
-                ax.plot(
-                    1e6 * path.tip_tangential_displacement,
-                    1e6 * path.tip_normal_displacement,
-                    ["-", "--"][i],
-                    label=str(law),
-                )
+                x, y = 1e6 * path.tip_tangential_displacement, 1e6 * path.tip_normal_displacement
+                ax.plot(x, y, ["-", "--"][i], label=str(law))
             if j:
                 ax.axhline(1e6 * CLEARANCES[j - 1], color="0.5", lw=0.8)
             ax.set_title(title)
@@ -101,4 +92,4 @@ class Fig7ConstrainedTrajectories(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -4,11 +4,10 @@ The loads of 8c are put on settled motors, on the paper's basis and, beside it, 
 curves are those of the data sheet, from motors on belts.
 """
 
-import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
-from typing import Any, ClassVar
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -72,12 +71,10 @@ def with_rotor(motor: cl.Motor, **changes: float) -> cl.Motor:
     return replace(motor, rotor=replace(motor.rotor, **changes))
 
 
-@dataclass(frozen=True, kw_only=True)
 class Fig8RotorVelocity(Experiment):
     """How does the rotor velocity depend on clearance, initial velocity and load?"""
 
-    name: ClassVar[str] = "fig8_rotor_velocity"
-    says: ClassVar[str] = (
+    says = (
         "Figure 8a shows the rotor from rest at clearances of 0, 1 and 2 um; the smallest is called "
         "the best, since its contact lasts longest. 8b starts at -0.9 rad/s and reaches a steady "
         "state. 8c gives the velocity for loads of 0, 1, 2 and 5 mN m."
@@ -196,4 +193,4 @@ class Fig8RotorVelocity(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -1,9 +1,5 @@
 """Figure 9: the normal force over time under the paper's law at two steps, and under Hertz."""
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import xarray
 from experiment import Experiment, main
@@ -16,12 +12,10 @@ STEPS = (1e-6, 2.5e-7)
 """Contact steps of the paper's law [s]; records are as fine as the finer one."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class Fig9NormalForce(Experiment):
     """Does the peak of the normal force depend on the contact step?"""
 
-    name: ClassVar[str] = "fig9_normal_force"
-    says: ClassVar[str] = (
+    says = (
         "Figure 9 shows the normal force with a high peak at every impact. The peak is called without "
         "physical meaning, made by a multiplier that stops the tip within one step."
     )
@@ -31,16 +25,8 @@ class Fig9NormalForce(Experiment):
         laws = laws_of(setup)
         cases = {f"lagrange_slip, step {1e6 * h:g} µs": (laws["lagrange_slip"], h) for h in STEPS}
         cases["hertz_penalty"] = (laws["hertz_penalty"], None)
-        runs = [
-            cl.simulate(
-                setup.motor,
-                law,
-                duration=setup.duration,
-                record_interval=setup.record_interval,
-                contact_step=step,
-            )
-            for law, step in cases.values()
-        ]
+        times = {"duration": setup.duration, "record_interval": setup.record_interval}
+        runs = [cl.simulate(setup.motor, law, contact_step=step, **times) for law, step in cases.values()]
         force = xarray.concat([run["normal_force"] for run in runs], "case")
         return xarray.Dataset(
             {
@@ -64,13 +50,8 @@ class Fig9NormalForce(Experiment):
         late = data.time >= data.time[-1] - 4.2e-4
         for i, case in enumerate(data.case.values):
             force = data.normal_force[i][late]
-            axes.semilogy(
-                1e6 * data.time[late],
-                force.where(force > 1e-2),
-                ["-", "--", "-"][i],
-                lw=[0.8, 0.8, 1.4][i],
-                label=str(case),
-            )
+            line, width = ["-", "--", "-"][i], [0.8, 0.8, 1.4][i]
+            axes.semilogy(1e6 * data.time[late], force.where(force > 1e-2), line, lw=width, label=str(case))
         axes.set_xlabel("time (µs)")
         axes.set_ylabel("normal force (N)")
         axes.legend()
@@ -90,4 +71,4 @@ class Fig9NormalForce(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

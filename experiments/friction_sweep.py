@@ -1,9 +1,7 @@
 """Settled rotor velocity over the friction coefficient, which the paper does not give, under every law."""
 
-import sys
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -18,18 +16,16 @@ RIGID_STEP = 1e-7
 """Contact step of the rigid laws [s]."""
 
 
-@dataclass(frozen=True, kw_only=True)
 class FrictionSweep(SettledMap):
     """How does the settled velocity depend on the friction coefficient?"""
 
-    name: ClassVar[str] = "friction_sweep"
-    says: ClassVar[str] = (
+    says = (
         "Coulomb friction is assumed and its coefficient appears in every equation of the contact, "
         "but not in a table."
     )
 
-    rigid_step: ClassVar[float] = RIGID_STEP
-    metrics: ClassVar[tuple[str, ...]] = ("stick_share", "friction_share", "normal_loss_share")
+    rigid_step = RIGID_STEP
+    metrics = ("stick_share", "friction_share", "normal_loss_share")
 
     def axes(self, setup: cl.Setup) -> dict[str, xarray.DataArray]:
         """Return the coefficients; the short form has two."""
@@ -103,4 +99,4 @@ class FrictionSweep(SettledMap):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

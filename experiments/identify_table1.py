@@ -5,10 +5,6 @@ Jacobian J at the best fit the covariance is (J' J)^-1; the singular values of J
 how well every combination is known.
 """
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -54,12 +50,10 @@ def _table_of(setup: cl.Setup, inputs: np.ndarray) -> np.ndarray:
     return np.array(rows)
 
 
-@dataclass(frozen=True, kw_only=True)
 class IdentifyTable1(Experiment):
     """Which inputs of the resonator follow from the numbers of Table 1?"""
 
-    name: ClassVar[str] = "identify_table1"
-    says: ClassVar[str] = (
+    says = (
         "Table 1 gives couplings and frequencies for two placements of the patches. Where the patches "
         "lie is drawn, not written, and neither mass nor inertia of the tip nor the constants of the "
         "ceramic are given."
@@ -146,4 +140,4 @@ class IdentifyTable1(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -7,11 +7,8 @@ grazes where it just reaches the stop (Nordmark, J. Sound Vib. 145 (1991) 279).
 """
 
 import re
-import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 import xarray
@@ -117,14 +114,10 @@ def _draw_branch(ax: Axes, data: xarray.Dataset, name: str, colour: str, label: 
             lines[0].set_label(f"{label}, {'stable' if kind else 'unstable'}")
 
 
-@dataclass(frozen=True, kw_only=True)
 class ImpactOscillatorBranches(Experiment):
     """Do computed bifurcations agree with those in closed form?"""
 
-    name: ClassVar[str] = "impact_oscillator"
-    says: ClassVar[str] = (
-        "Nothing: the paper has no bifurcations. Published are those of the oscillator with a stop."
-    )
+    says = "Nothing: the paper has no bifurcations. Published are those of the oscillator with a stop."
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
         """Return branches, long runs (few of them in the short form) and bifurcations."""
@@ -218,12 +211,11 @@ class ImpactOscillatorBranches(Experiment):
         sentence = (
             "The period of the oscillator with its stop at the place of rest and e = 0.8 doubles at "
             f"{float(data.found[0]):.7f} of its natural frequency, in closed form at "
-            f"{float(data.published[0]):.7f}. "
-            f"Of {apart.size} bifurcations the {worst} is farthest from the published one, by "
-            f"{float(apart.max()):.1e} of it."
+            f"{float(data.published[0]):.7f}. Of {apart.size} bifurcations the {worst} is farthest from the "
+            f"published one, by {float(apart.max()):.1e} of it."
         )
         return sentence, bool((apart <= AGREE).all())
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -146,8 +146,7 @@ class LawComparison(Experiment):
     Over clearance, phase and friction coefficient, one at a time; LAW ... adds laws to the paper's three.
     """
 
-    name: ClassVar[str] = "law_comparison"
-    says: ClassVar[str] = (
+    says = (
         "Three contact laws are tried on one motor, each at a clearance, a phase and a step of its own, and "
         "compared by eye."
     )
@@ -233,4 +232,4 @@ class LawComparison(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -7,7 +7,6 @@ those measured.
 """
 
 import re
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
@@ -107,8 +106,7 @@ class ObliqueSpheres(Experiment):
     digitised: a CSV file with the columns quantity, incidence_deg, value.
     """
 
-    name: ClassVar[str] = "oblique_spheres"
-    says: ClassVar[str] = (
+    says = (
         "Kharaz et al. (2001): the tangential restitution of 5 mm alumina spheres on glass falls to 0.60 "
         "near 20 degrees. A rigid contact that sticks leaves 5/7."
     )
@@ -205,4 +203,4 @@ class ObliqueSpheres(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, ClassVar, Literal
+from typing import Annotated, Literal
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -268,9 +268,8 @@ def _rival(data: xarray.Dataset, result: xarray.Dataset) -> str:
         return f"Under {data.rival} its velocity is {float(change[0]):.2f} times that."
     same = int(both.velocity.argmax("motor")) == int(both.velocity_under_rival.argmax("motor"))
     return (
-        f"Under {data.rival} their velocities are {float(change.min()):.2f} to "
-        f"{float(change.max()):.2f} times those under {data.law}, and the fastest of them is "
-        f"{'the same' if same else 'another'} motor."
+        f"Under {data.rival} their velocities are {float(change.min()):.2f} to {float(change.max()):.2f} "
+        f"times those under {data.law}, and the fastest of them is {'the same' if same else 'another'} motor."
     )
 
 
@@ -292,8 +291,7 @@ def _pruned(data: xarray.Dataset) -> str:
 class OptimiseMotor(Experiment):
     """Which phase, frequency, placement and clearance make a better motor than the configured one?"""
 
-    name: ClassVar[str] = "optimise_motor"
-    says: ClassVar[str] = (
+    says = (
         "Placement, phase and clearance are tried at a few values, one at a time. The smallest clearance is "
         "called the best, and the phase was found by trial."
     )
@@ -459,4 +457,4 @@ if __name__ == "__main__":
     folders = [word.removeprefix("output=") for word in sys.argv if word.startswith("output=")]
     database = Path([str(OUTPUTS / OptimiseMotor.name), *folders][-1]) / "study.db"
     sys.argv[1:1] = [f"file={database}", f"fixed=[{','.join(fixed_by(sys.argv[1:]))}]"]
-    sys.exit(main(__file__))
+    main(__file__)

@@ -4,10 +4,6 @@ Along the curve f2(start, end) = 2 f1(start, end) the coupling |Gamma_31| is fol
 |Gamma_11| and |Gamma_21| is what a designer has to choose from.
 """
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -50,12 +46,10 @@ def best(data: xarray.Dataset) -> xarray.Dataset:
     return strong.isel(point=int(np.argmin(np.abs(strong.curve_coupling.sel(shape=3).values))))
 
 
-@dataclass(frozen=True, kw_only=True)
 class OptimumPlacement(Experiment):
     """Which placements of the patches have a ratio of two of the natural frequencies?"""
 
-    name: ClassVar[str] = "optimum_placement"
-    says: ClassVar[str] = (
+    says = (
         "Two placements are compared, with f2/f1 of 2.67 and 1.71, and a ratio of two is said to be "
         "within reach by moving the patches further; no such placement is given."
     )
@@ -133,12 +127,11 @@ class OptimumPlacement(Experiment):
         sentence = (
             f"A ratio of two is within reach: patches from {1e3 * float(point.curve[0]):.2f} to "
             f"{1e3 * float(point.curve[1]):.2f} mm have f2/f1 = {float(point.curve_ratio):.4f} with "
-            f"couplings of {first:.4f}, {second:.4f} and {third:.4f} N/V. |Gamma_31| can be made as "
-            f"small as {least:.1e} N/V along the curve, but there the couplings that drive the motor "
-            "shrink as well."
+            f"couplings of {first:.4f}, {second:.4f} and {third:.4f} N/V. |Gamma_31| can be made as small as "
+            f"{least:.1e} N/V along the curve, but there the couplings that drive the motor shrink as well."
         )
         return sentence, abs(float(point.curve_ratio) - 2.0) < 1e-3
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

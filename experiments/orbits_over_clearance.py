@@ -5,9 +5,7 @@ touch folds at a clearance beyond the one that the tip just bridges without cont
 motion with contact and one without are both stable.
 """
 
-import sys
-from dataclasses import dataclass, replace
-from typing import ClassVar
+from dataclasses import replace
 
 import numpy as np
 import xarray
@@ -51,12 +49,10 @@ def bridged(motor: cl.Motor) -> float:
     return float(np.max(u - fall - aside))
 
 
-@dataclass(frozen=True, kw_only=True)
 class OrbitsOverClearance(Experiment):
     """Where do the periodic orbits fold and end over the clearance?"""
 
-    name: ClassVar[str] = "orbits_over_clearance"
-    says: ClassVar[str] = "The clearance is given, what happens to the motor where it grows is not looked at."
+    says = "The clearance is given, what happens to the motor where it grows is not looked at."
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
         """The branch of every law; the short form is the end of one."""
@@ -145,4 +141,4 @@ class OrbitsOverClearance(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

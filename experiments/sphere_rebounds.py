@@ -10,13 +10,13 @@ contact. With D, the friction impulse against the slip over m [m/s], and v_t = v
 so that each of the three tells D, and so the other two.
 """
 
-import csv
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 import numpy as np
+import pandas
 from scipy.optimize import least_squares
 
 from contactlab.arrays import Array
@@ -75,23 +75,22 @@ def read_rebounds(path: str | Path) -> Rebounds:
         ValueError: it cannot be read, or has other columns, quantities or no numbers; a sentence.
     """
     try:
-        lines = Path(path).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"'{path}' cannot be read ({error}); it must be a CSV file.") from error
-    rows = [*csv.DictReader(line for line in lines if line and not line.startswith("#"))]
-    if not rows or any(set(row) != set(COLUMNS) for row in rows):
+        table = pandas.read_csv(path, comment="#", dtype=str)
+    except (OSError, ValueError) as error:
+        needed = f"it must be a CSV file with the columns {', '.join(COLUMNS)}"
+        raise ValueError(f"'{path}' cannot be read ({error}); {needed}.") from error
+    if table.empty or {*table} != {*COLUMNS}:
         raise ValueError(f"'{path}' must have the columns {', '.join(COLUMNS)} and one row at least.")
-    for row in rows:
-        if row["quantity"] not in FULL_SCALE:
-            known = ", ".join(FULL_SCALE)
-            raise ValueError(f"'{path}' has the quantity {row['quantity']!r}; it must be one of {known}.")
+    if unknown := {*table.quantity} - {*FULL_SCALE}:
+        known = ", ".join(FULL_SCALE)
+        raise ValueError(f"'{path}' has the quantity {unknown.pop()!r}; it must be one of {known}.")
     try:
-        numbers = np.array([[float(row[name]) for name in COLUMNS[1:]] for row in rows])
-    except (TypeError, ValueError) as error:
+        incidence, value = (np.array(table[name], dtype=np.float64) for name in COLUMNS[1:])
+    except ValueError as error:
         raise ValueError(f"'{path}' has an entry that is no number ({error}).") from error
-    if not np.isfinite(numbers).all() or not ((numbers[:, 0] > 0.0) & (numbers[:, 0] < 90.0)).all():
+    if not np.isfinite(value).all() or not ((incidence > 0.0) & (incidence < 90.0)).all():
         raise ValueError(f"'{path}' must have finite values at incidences between 0 and 90 degrees.")
-    return Rebounds(np.array([row["quantity"] for row in rows]), *numbers.T)
+    return Rebounds(np.array(table.quantity, dtype=str), incidence, value)
 
 
 def approach(incidence: Array) -> Array:

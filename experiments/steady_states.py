@@ -17,7 +17,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from time import process_time
-from typing import Any, ClassVar
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -212,12 +212,10 @@ def three_ways(setup: cl.Setup, label: str) -> Part:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
 class SteadyStates(Experiment):
     """Do shooting, a rotor of prescribed speed and a long run give the same settled velocity?"""
 
-    name: ClassVar[str] = "steady_states"
-    says: ClassVar[str] = "The paper runs its motor for 0.1 s from rest and draws what it does on the way."
+    says = "The paper runs its motor for 0.1 s from rest and draws what it does on the way."
 
     def size(self) -> tuple[int, list[str]]:
         """Return the number of motors and the laws; the short form is one motor under two laws."""
@@ -315,4 +313,4 @@ class SteadyStates(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -1,9 +1,5 @@
 """Table 2: the sign of v_T - R Omega and the direction of the friction force (eqs. 43-47)."""
 
-import sys
-from dataclasses import dataclass
-from typing import ClassVar
-
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -36,12 +32,10 @@ def computed(data: xarray.Dataset) -> list[tuple[str, str]]:
     ]
 
 
-@dataclass(frozen=True, kw_only=True)
 class Table2FrictionSigns(Experiment):
     """Does the friction of an impact have the sign that Table 2 prints?"""
 
-    name: ClassVar[str] = "table2_friction_signs"
-    says: ClassVar[str] = (
+    says = (
         "Table 2 lists the sign of the slip and the direction of the friction on the tip for all signs "
         "of the tip's velocity and the rotor's: left where the tip is ahead of the rotor, right where "
         "it is behind."
@@ -55,12 +49,8 @@ class Table2FrictionSigns(Experiment):
         )
         d = delassus(plant, n_u, n_th, t_u, t_th)
         law = LagrangeSlip(setup.configuration["contact"]["friction_coefficient"])
-        impulses = []
-        for tip, rotor, _, _ in CASES:
-            slip = tip - rotor
-            _, friction, _ = impulses_of(law, -0.1, slip, d)
-            # Along t = (1, 0): to the right.
-            impulses.append(friction)
+        # Along t = (1, 0): to the right.
+        impulses = [impulses_of(law, -0.1, tip - rotor, d)[1] for tip, rotor, _, _ in CASES]
         tips, rotors, signs, directions = zip(*CASES, strict=True)
         return xarray.Dataset(
             {
@@ -89,24 +79,15 @@ class Table2FrictionSigns(Experiment):
     def draw(self, data: xarray.Dataset) -> Figure:
         """Both velocities and the friction as arrows, a row a case."""
         figure, axes = plt.subplots(figsize=(3.4, 2.6), layout="constrained")
-        height = np.arange(data.case.size)[::-1]
+        height, nothing = np.arange(data.case.size)[::-1], np.zeros(data.case.size)
         for values, lift, label in (
             (data.tip_velocity, 0.18, "tip, $v_T$"),
             (data.rim_velocity, 0.0, r"rotor, $R\Omega$"),
             (0.6 * np.sign(data.friction_impulse), -0.18, "friction on the tip"),
         ):
             colour = axes.plot([], [], label=label)[0].get_color()
-            axes.quiver(
-                np.zeros(height.size),
-                height + lift,
-                values,
-                np.zeros(height.size),
-                color=colour,
-                angles="xy",
-                scale_units="xy",
-                scale=1.0,
-                width=0.008,
-            )
+            scale = {"angles": "xy", "scale_units": "xy", "scale": 1.0}
+            axes.quiver(nothing, height + lift, values, nothing, color=colour, width=0.008, **scale)
         axes.set_xlim(-1.2, 1.2)
         axes.set_ylim(-0.6, data.case.size - 0.4)
         axes.set_yticks(height, [f"{k + 1}" for k in range(height.size)])
@@ -125,4 +106,4 @@ class Table2FrictionSigns(Experiment):
 
 
 if __name__ == "__main__":
-    sys.exit(main(__file__))
+    main(__file__)

@@ -3,7 +3,7 @@
 import sys
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any, ClassVar
 
@@ -139,7 +139,6 @@ def settled(cells: Sequence[Cell]) -> Part:
     return part_of(xarray.Dataset({name: ("cell", columns[name].to_numpy()) for name in columns}))
 
 
-@dataclass(frozen=True, kw_only=True)
 class SettledMap(Experiment):
     """Base class of experiments on steady states under several laws over values of parameters."""
 

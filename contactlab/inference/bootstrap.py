@@ -33,15 +33,12 @@ class MeanIntervals(NamedTuple):
         return np.asarray(0.5 * (self.interval[:, 1] - self.interval[:, 0]))
 
 
-def mean_intervals(
-    values: Array, seed: int, level: float = LEVEL, resamples: int = RESAMPLES
-) -> MeanIntervals:
+def mean_intervals(values: Array, seed: int, resamples: int = RESAMPLES) -> MeanIntervals:
     """Return the means of columns with their intervals; the same seed gives the same bits.
 
     Args:
         values: shape (row, column).
         seed: of the resamples, which are the same for every table with as many rows.
-        level: of confidence.
         resamples: how many.
     """
     # Imported here: a run needs no scipy.stats.
@@ -68,7 +65,7 @@ def mean_intervals(
             n_resamples=resamples,
             batch=_BATCH,
             vectorized=True,
-            confidence_level=level,
+            confidence_level=LEVEL,
             rng=np.random.default_rng(seed),
         )
         interval[varying] = np.column_stack([result.confidence_interval.low, result.confidence_interval.high])

@@ -1,11 +1,16 @@
-"""Fit of laws to measurements: optimum, posterior with evidence, and predictions, as one tree of datasets."""
+"""Fit of laws to measurements: optimum, posterior with evidence, and predictions, as one tree of datasets.
+
+Laws are compared by Bayes factors B = Z_1 / Z_2, by which the data change the odds of law 1 over law 2.
+Evidence is of law and prior together: an even range that is ten times as wide takes ln 10 from a parameter
+that the data determine. Odds are stated only where the law with the larger evidence covers the data.
+"""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import product
-from math import inf
+from math import exp, hypot, inf, log
 from pathlib import Path
 from typing import Any, Final, Literal, final
 
@@ -15,16 +20,16 @@ import yaml
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
+from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import FreeParameter, label_of
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.law_choice import LawChoice, free_keys, numbers_of, setups_of
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
-from contactlab.inference.problem import Observation, Problem
+from contactlab.inference.problem import Problem
 from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.repeats import copies_warning
 from contactlab.measured.series import MeasuredSeries
 
 STARTS: Final = 16
@@ -46,13 +51,23 @@ MIDDLE: Final = (0.25, 0.75)
 """Quantiles of the intervals by which outliers are noticed, 50 %."""
 
 ERRORS: Final = 3.0
-"""Binomial standard deviations by which the coverage of the data may be off."""
+"""Standard deviations by which the coverage of the data may be off, and by which ln B is significant."""
 
 UNINFORMED: Final = 0.95
 """Width of a posterior's interval over the prior's from which on the data do not inform it."""
 
 AT_END: Final = 2e-3
 """Distance of an interval from an end of the range below which it lies there, as a share of the range."""
+
+LEAST: Final = log(3.0)
+"""Smallest significant |ln B|."""
+
+_STRENGTHS: Final = (
+    (log(100.0), "decisive"),
+    (log(30.0), "very strong"),
+    (log(10.0), "strong"),
+    (LEAST, "substantial"),
+)
 
 SAMPLED: Final = ("chain", "draw")
 
@@ -119,7 +134,7 @@ def candidates_of(
             continue
         configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
-        if isinstance(data, MeasuredImpacts) and (copies := copies_warning(data)):
+        if isinstance(data, MeasuredImpacts) and (copies := data.copies_warning()):
             origin["duplicates"] = copies
         label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = truth_in(data, setup.configuration)
@@ -178,7 +193,6 @@ def fitted(
     starts: int = STARTS,
     checkpoint: Path | None = None,
     workers: int | None = None,
-    announce: Callable[[str], object] = bool,
 ) -> xarray.DataTree:
     """Fit a law: least squares of law and motor, then posterior and evidence of all that is free.
 
@@ -189,7 +203,6 @@ def fitted(
         starts: of least squares.
         checkpoint: file from which an interrupted fit resumes.
         workers: processes; None is one a processor where that pays.
-        announce: receives a sentence if the checkpoint is damaged and the fit starts again.
 
     Returns:
         ArviZ's groups posterior, posterior_predictive, log_likelihood, sample_stats and observed_data;
@@ -205,29 +218,26 @@ def fitted(
             best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
         except ValueError as error:
             raise ValueError(f"{candidate.label}: {error}") from error
-    posterior = sample(
-        problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers, announce=announce
-    )
+    posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
     drawn = posterior.draws(DRAWS)
     units = {item.name: item.parameter.units for item in problem.free}
     columns = zip(units.items(), posterior.samples[drawn].T, strict=True)
     predictive = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
-    groups: dict[str, Mapping[str, Any]] = {
+    groups: dict[str, Mapping[Any, Any]] = {
         "posterior": {name: (SAMPLED, column[None], {"units": unit}) for (name, unit), column in columns},
         **predictive,
         "sample_stats": {"lp": (SAMPLED, posterior.log_likelihood[drawn][None])},
-        "observed_data": {x.name: (x.dims, x.values, {"units": x.units}) for x in problem.data},
+        "observed_data": problem.data.data_vars,
         "weighted_samples": {
             "value": (("sample", "parameter"), posterior.samples),
             "log_weight": ("sample", posterior.log_weight),
             "log_likelihood": ("sample", posterior.log_likelihood),
         },
     }
-    coordinates: dict[str, Any] = {
-        **problem.coordinates,
+    coordinates: dict[Any, Any] = {
+        **dict(problem.data.coords),
         "chain": np.arange(1),
         "draw": np.arange(DRAWS),
-        "direction": ["normal", "tangential"],
         "parameter": np.array([*units], dtype=object),
     }
     tree = xarray.DataTree()
@@ -259,20 +269,21 @@ def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str
         ):
             for name, numbers in result.items():
                 part.setdefault(name, []).append(numbers)
-    known = {item.name: item for item in problem.data}
 
-    def over(numbers: list[Array], item: Observation, attributes: dict[str, str]) -> xarray.Variable:
+    def over(name: str, numbers: list[Array], **attributes: str) -> xarray.Variable:
         """Return a variable over the draws; both directions of an impact have one density."""
         values = np.array(numbers)
-        return xarray.Variable((*SAMPLED, *item.dims[: values.ndim - 1]), values[None], attributes)
+        dims = map(str, problem.data[name].dims[: values.ndim - 1])
+        return xarray.Variable((*SAMPLED, *dims), values[None], attributes)
 
-    predictive = {name: over(x, known[name], {"units": known[name].units}) for name, x in parts[1].items()}
+    units = {str(name): str(item.attrs["units"]) for name, item in problem.data.items()}
+    predictive = {name: over(name, x, units=units[name]) for name, x in parts[1].items()}
     for name, x in parts[0].items():
-        attributes = {"units": known[name].units, "long_name": f"{name} without noise and discrepancy"}
-        predictive[f"{name}_predicted"] = over(x, known[name], attributes)
+        meaning = f"{name} without noise and discrepancy"
+        predictive[f"{name}_predicted"] = over(name, x, units=units[name], long_name=meaning)
     return {
         "posterior_predictive": predictive,
-        "log_likelihood": {name: over(x, known[name], {}) for name, x in parts[2].items()},
+        "log_likelihood": {name: over(name, x) for name, x in parts[2].items()},
     }
 
 
@@ -306,11 +317,11 @@ def _coverage(problem: Problem, predictive: Mapping[str, xarray.Variable]) -> di
 
     Both directions of an impact count once in the binomial error.
     """
-    count, result = sum(len(item.values) for item in problem.data), {}
+    count, result = sum(len(item) for item in problem.data.values()), {}
     for name, ends in {"coverage": ENDS, "coverage_50": MIDDLE}.items():
         inside = []
-        for item in problem.data:
-            low, high = np.quantile(predictive[item.name].values[0], ends, axis=0)
+        for name_of_data, item in problem.data.items():
+            low, high = np.quantile(predictive[str(name_of_data)].values[0], ends, axis=0)
             inside.append(((low <= item.values) & (item.values <= high)).ravel())
         level = ends[1] - ends[0]
         result[name] = float(np.mean(np.concatenate(inside)))
@@ -383,4 +394,50 @@ def _findings(
         known = summary.sel(parameter=[*candidate.truth])
         inside = int(((known["low"] <= known["truth"]) & (known["truth"] <= known["high"])).sum())
         result.append(f"Truth: {inside} of {len(candidate.truth)} known numbers lie in their 90 % intervals.")
+    return result
+
+
+def strength(difference: float, error: float) -> str:
+    """Return the word for a difference of ln Z of either sign; empty where it is not significant.
+
+    Words of Jeffreys (1961), Theory of Probability, app. B.
+    """
+    size = abs(difference)
+    if not size >= max(LEAST, ERRORS * error):
+        return ""
+    return next(word for limit, word in _STRENGTHS if size >= limit)
+
+
+def evidences_of(fits: Mapping[str, xarray.DataTree]) -> dict[str, Estimate]:
+    """Return ln Z of the fits by label, in falling order."""
+    every = {
+        label: Estimate(float(fit.attrs["log_evidence"]), float(fit.attrs["log_evidence_error"]))
+        for label, fit in fits.items()
+    }
+    return dict(sorted(every.items(), key=lambda item: -item[1].value))
+
+
+def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
+    """Return a sentence on the law with the largest evidence and each of the others."""
+    (first, largest), *others = evidences_of(fits).items()
+    covers = {label: bool(fit.attrs["covers"]) for label, fit in fits.items()}
+    share = {label: float(fit.attrs["coverage"]) for label, fit in fits.items()}
+    result = []
+    for other, evidence in others:
+        difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
+        shown = f"ln B = {difference:.1f} +- {error:.1g}"
+        if not covers[first]:
+            whose = "its own do not" if any(covers.values()) else "those of no law here do"
+            result.append(
+                f"{first} has a larger evidence than {other} ({shown}), but no odds follow from it: 90 % "
+                f"intervals must contain about 90 % of the data, and {whose} ({first} {share[first]:.1%}, "
+                f"{other} {share[other]:.1%})."
+            )
+        elif word := strength(difference, error):
+            odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"
+            result.append(
+                f"The evidence for {first} against {other} is {word}: odds of {odds} to 1 ({shown})."
+            )
+        else:
+            result.append(f"{first} and {other} are not distinguishable ({shown}).")
     return result

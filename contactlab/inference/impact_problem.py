@@ -1,21 +1,30 @@
-"""Measured impacts as an inference problem: a law, or a baseline, predicts the velocities after them."""
+"""Measured impacts as an inference problem: a law, or a baseline, predicts the velocities after them.
+
+The residual of the velocity after an impact has the covariance
+
+    C + s^2 (u' D^-1 u) D
+
+of the stated error C and an isotropic term in the norm of the kinetic energy, relative to the approach u: the
+error of the law as `contactlab.measured` defines errors, s being its size.
+"""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import inf
+from math import inf, log, log1p
 from typing import ClassVar, Final, Self, final
 
 import numpy as np
+import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
+from contactlab.compiled import kernel
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, label_of, with_values
-from contactlab.inference.likelihood import approach_scale, impact_log_densities, student_factor
-from contactlab.inference.problem import LARGEST, LOWEST, Observation, Problem
+from contactlab.inference.problem import LARGEST, LOG_TWO_PI, LOWEST, Problem, student_factor
 from contactlab.laws import ContactLaw, Newton, PenaltyLaw
 from contactlab.measured.floors import best_impulses, with_constant_impulse
-from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.impacts import MeasuredImpacts, squared_norm
 from contactlab.parameter import Parameter, positive
 
 DISCREPANCY: Final = "discrepancy"
@@ -169,17 +178,12 @@ class ImpactProblem(Problem):
         discrepancy = [FreeParameter(DISCREPANCY, LOWEST, LARGEST, True, size)] if self.discrepancy else []
         return (*discrepancy, *self.free_tails)
 
-    @property
-    def data(self) -> tuple[Observation, ...]:
+    @cached_property
+    def data(self) -> xarray.Dataset:
         """The velocities after the impacts."""
-        return (
-            Observation("velocity_after", ("impact", "direction"), self.measured.velocity_after, "m s-1"),
-        )
-
-    @property
-    def coordinates(self) -> dict[str, Array]:
-        """Numbers of the impacts in their file."""
-        return {"impact": self.measured.number.astype(np.float64)}
+        velocities = ("impact", "direction"), self.measured.velocity_after, {"units": "m s-1"}
+        coordinates = {"impact": self.measured.number.astype(float), "direction": ["normal", "tangential"]}
+        return xarray.Dataset({"velocity_after": velocities}, coordinates)
 
     @property
     def step(self) -> float | None:
@@ -188,7 +192,7 @@ class ImpactProblem(Problem):
 
     @cached_property
     def _scale(self) -> Array:
-        return approach_scale(self.measured.delassus, self.measured.velocity_before)
+        return squared_norm(self.measured.delassus, self.measured.velocity_before)
 
     @cached_property
     def _covariance(self) -> Array:
@@ -241,11 +245,11 @@ class ImpactProblem(Problem):
         """Return the log density of each impact."""
         missed = self.measured.velocity_after - predicted["velocity_after"]
         size, tails = self.value(values, DISCREPANCY, 0.0), self.tails(values)
-        return {
-            "velocity_after": impact_log_densities(
-                missed, self._covariance, self.measured.delassus, self._scale, size, tails
-            )
-        }
+        terms = np.empty(len(missed))
+        impact_log_densities(
+            missed, self._covariance, self.measured.delassus, self._scale, size, tails, terms
+        )
+        return {"velocity_after": terms}
 
     def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
@@ -256,3 +260,42 @@ class ImpactProblem(Problem):
         noise = np.linalg.cholesky(covariance) @ draws.standard_normal((len(self.measured), 2, 1))
         factor = student_factor(draws, tails, len(self.measured))[:, None]
         return {"velocity_after": predicted["velocity_after"] + factor * noise[..., 0]}
+
+
+@kernel
+def impact_log_densities(
+    residuals: Array,
+    covariance: Array,
+    delassus: Array,
+    scale: Array,
+    spread: float,
+    degrees_of_freedom: float,
+    terms: Array,
+) -> None:
+    """Write the log density of each impact's residual into `terms`; -inf where it has no variance.
+
+    Args:
+        residuals: measured minus predicted velocity after the impact [m/s], shape (impact, 2).
+        covariance: of the stated error [m^2/s^2], shape (impact, 2, 2), zero where none is stated.
+        delassus: [1/kg], shape (impact, 2, 2).
+        scale: u' D^-1 u of the approach [J], shape (impact,).
+        spread: s [1].
+        degrees_of_freedom: of a bivariate Student-t distribution; infinite is the normal one.
+        terms: shape (impact,).
+    """
+    for i in range(residuals.shape[0]):
+        size = spread * spread * scale[i]
+        a = covariance[i, 0, 0] + size * delassus[i, 0, 0]
+        b = covariance[i, 0, 1] + size * delassus[i, 0, 1]
+        c = covariance[i, 1, 1] + size * delassus[i, 1, 1]
+        determinant = a * c - b * b
+        if not (a > 0.0 and determinant > 0.0):
+            terms[i] = -inf
+            continue
+        x, y = residuals[i, 0], residuals[i, 1]
+        distance = (c * x * x - 2.0 * b * x * y + a * y * y) / determinant
+        if degrees_of_freedom < inf:
+            # The gamma functions of the density in two dimensions leave 1/(2 pi).
+            power = 0.5 * degrees_of_freedom + 1.0
+            distance = 2.0 * power * log1p(distance / degrees_of_freedom)
+        terms[i] = -LOG_TWO_PI - 0.5 * (log(determinant) + distance)

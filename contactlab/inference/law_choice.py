@@ -16,12 +16,24 @@ from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION, declared_in
-from contactlab.inference.candidates import usual_law, usual_laws
-from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters
-from contactlab.inference.impact_problem import LawPredictor
-from contactlab.laws import Composed
+from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters, label_of
+from contactlab.inference.impact_problem import LawPredictor, Ranges
+from contactlab.laws import (
+    Composed,
+    ContactLaw,
+    Flores,
+    HertzPoint,
+    HuntCrossley,
+    LuGre,
+    Mindlin,
+    MultiplierLaw,
+    Regularised,
+    Stribeck,
+    Thornton,
+    WaltonBraun,
+    registry,
+)
 from contactlab.laws.declaration import SHARED
-from contactlab.laws.registry import PARTS
 from contactlab.suggestion import suggestion
 
 LAW: Final = "law."
@@ -31,6 +43,9 @@ FORMS: Final = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HI
 NOT_OF_A_PROBLEM: Final = ("hydra", "sweep", "record", "uncertainty")
 LASTING: Final = ("solver.duration", "solver.until", "solver.precision")
 """Groups and keys on which no prediction depends: times are those of the measurements."""
+
+FREE_OF: Final[dict[str, tuple[str, ...]]] = {"johnson": ("friction_coefficient", "yield_strength")}
+"""Free numbers of laws whose other numbers act through a product with these."""
 
 _RANGE: Final = re.compile(r"(?P<key>[\w.]+)=(?P<low>[^=]+?)\.\.(?P<high>[^=]+)")
 
@@ -269,11 +284,11 @@ def law_predictors(texts: Sequence[str]) -> list[LawPredictor]:
 
 def _check_forms(texts: Sequence[str]) -> None:
     """Raise a ConfigurationError if an override does not choose a law or a number of it."""
-    parts = [f"{PART}{family}" for family in PARTS]
+    parts = [f"{PART}{family}" for family in registry.PARTS]
     for text in texts:
         key, _, value = text.partition("=")
         if not value or not (key in ("law", FRICTION, *parts) or key.startswith(LAW)):
-            hint = suggestion(key, ["law", *parts], f"Parts are {', '.join(PARTS)}.")
+            hint = suggestion(key, ["law", *parts], f"Parts are {', '.join(registry.PARTS)}.")
             raise ConfigurationError([f"{text} does not choose a law; it must have the form {FORMS}. {hint}"])
 
 
@@ -298,3 +313,52 @@ def _changed(predictor: LawPredictor, key: str, ends: Sequence[str]) -> LawPredi
         raise ConfigurationError([f"{shown} has a value {error}; write KEY=0.3 or KEY=0.1..0.5."]) from error
     except ValueError as error:
         raise ConfigurationError([f"{shown}: {error}"]) from error
+
+
+def usual_laws() -> list[LawPredictor]:
+    """Return predictors of every installed rigid law and of compliant ones composed of common parts."""
+    rigid = [name for name in registry.law_names() if issubclass(registry.class_of(name), MultiplierLaw)]
+    return [*(usual_law(name) for name in rigid), *(LawPredictor.of(*item) for item in _compliant_laws())]
+
+
+def usual_law(name: str, **parts: str) -> LawPredictor:
+    """Return the predictor of a law by its name and those of its parts, with the free numbers as usual.
+
+    All numbers of a law that is not among the usual ones are free.
+
+    Raises:
+        ValueError: there is no such law or part.
+        TypeError: the law has no such part.
+    """
+    made = registry.law(name, **parts)
+    if not isinstance(made, MultiplierLaw):
+        for item, ranges in _compliant_laws():
+            if label_of(item) == label_of(made):
+                return LawPredictor.of(item, ranges)
+    return LawPredictor.of(made, dict.fromkeys(FREE_OF[name]) if name in FREE_OF else None)
+
+
+def _compliant_laws() -> list[tuple[ContactLaw, Ranges]]:
+    """Return compliant laws and what is free of them; the absolute stiffness of a spring has no effect."""
+    cone: dict[str, tuple[float, float] | None] = {"friction.friction_coefficient": None}
+    lossy = {"damping.restitution": None, **cone}
+    # The range of the loss of Hunt and Crossley at this speed.
+    slowing = {"damping.restitution": (0.4, 1.0), **cone}
+    yielding = {"normal.unloading_stiffness": (1e7, 1e9), **cone}
+    elastic, dent = HertzPoint(), WaltonBraun(loading_stiffness=1e7, unloading_stiffness=3e7)
+    ratio = {"friction.stiffness_ratio": None}
+    return [
+        (registry.law("hertz_penalty"), {"friction_coefficient": None}),
+        (Composed(elastic, Flores()), lossy),
+        (Composed(elastic, HuntCrossley(0.8, impact_speed=1.0)), slowing),
+        (Composed(Thornton()), {"normal.yield_pressure": None, **cone}),
+        (Composed(dent), yielding),
+        (Composed(elastic, Flores(), Mindlin()), lossy | ratio),
+        (Composed(elastic, Flores(), Regularised()), lossy | {"friction.creep_velocity": (1e-2, 3.0)}),
+        (Composed(elastic, Flores(), LuGre()), lossy | {"friction.bristle_stiffness": (1e3, 1e7)}),
+        (
+            Composed(elastic, Flores(), Stribeck()),
+            lossy | {"friction.static_ratio": (1.0, 4.0), "friction.stribeck_velocity": (3e-2, 3.0)},
+        ),
+        (Composed(dent, friction=Mindlin()), yielding | ratio),
+    ]

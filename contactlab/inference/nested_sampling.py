@@ -132,7 +132,6 @@ def sample(
     checkpoint: Path | None = None,
     workers: int | None = None,
     single_mode: bool = False,
-    announce: Callable[[str], object] = bool,
 ) -> Posterior:
     """Sample the posterior of a problem.
 
@@ -143,7 +142,8 @@ def sample(
         checkpoint: file of the likelihoods evaluated so far, from which an interrupted run resumes.
         workers: processes; None is one a processor where that pays.
         single_mode: draw proposals from one ellipsoid, not several: quicker where no posterior has two modes.
-        announce: receives a sentence if the checkpoint is damaged and the run starts again.
+
+    A damaged checkpoint is reported by a warning, and the run starts again.
 
     Raises:
         NoSamplerError: dynesty is not installed.
@@ -153,8 +153,6 @@ def sample(
 
     _CURRENT[:] = [problem]
     record = _Record(checkpoint)
-    if record.damage:
-        announce(record.damage)
     _RECORDED.clear()
     _RECORDED.update(zip((row.tobytes() for row in record.values), record.log_likelihood, strict=True))
     with _mapping(problem, workers) as mapping, record.kept():
@@ -259,7 +257,6 @@ class _Record:
         self._path, self._written = path, perf_counter()
         self.values: list[Array] = []
         self.log_likelihood: list[float] = []
-        self.damage = ""
         if path is None or not path.exists():
             return
         try:
@@ -269,7 +266,7 @@ class _Record:
             with np.load(BytesIO(content[:-size]), allow_pickle=False) as stored:
                 self.values, self.log_likelihood = list(stored["values"]), stored["log_likelihood"].tolist()
         except (OSError, EOFError, ValueError, KeyError, BadZipFile) as error:
-            self.damage = f"'{path}' is damaged ({error}); the fit starts again."
+            warnings.warn(f"'{path}' is damaged ({error}); the fit starts again.", stacklevel=3)
 
     def _digest(self, content: bytes) -> bytes:
         assert self._path is not None

@@ -1,15 +1,17 @@
 """An inference problem: measurements, a law with free numbers that predicts them, noise and priors.
 
-One problem serves least squares, nested sampling and, for impacts, cross-validation.
+One problem serves least squares, nested sampling and, for impacts, cross-validation. For data with outliers
+noise may have a Student-t distribution in place of a normal one of the same scale (Lange, Little and Taylor
+1989, J. Am. Stat. Assoc. 84, 881); infinite degrees of freedom are the normal distribution.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
-from math import inf
-from typing import Final, final
+from math import inf, log, pi
+from typing import Final
 
 import numpy as np
+import xarray
 
 from contactlab.arrays import Array
 from contactlab.inference.free_parameters import FreeParameter
@@ -19,6 +21,8 @@ LOWEST: Final = 1e-4
 LARGEST: Final = 1.0
 """Range of the size of noise and discrepancy, over the size of the data."""
 
+LOG_TWO_PI: Final = log(2.0 * pi)
+
 IMPOSSIBLE: Final = -1e300
 """Log likelihood of values without a prediction."""
 
@@ -26,24 +30,6 @@ DEGREES_OF_FREEDOM: Final = FreeParameter(
     "degrees_of_freedom", 1.0, 100.0, True, positive("nu", "1", "degrees of freedom of the Student-t noise")
 )
 """Degrees of freedom of the noise where they are free; at 100 the distribution is nearly normal."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Observation:
-    """A measured quantity.
-
-    Args:
-        name: of the data.
-        dims: names of its dimensions.
-        values: SI.
-        units: in the notation of the CF conventions.
-    """
-
-    name: str
-    dims: tuple[str, ...]
-    values: Array
-    units: str
 
 
 class Problem(ABC):
@@ -72,13 +58,8 @@ class Problem(ABC):
 
     @property
     @abstractmethod
-    def data(self) -> tuple[Observation, ...]:
-        """The measurements."""
-
-    @property
-    @abstractmethod
-    def coordinates(self) -> dict[str, Array]:
-        """Coordinates of their dimensions."""
+    def data(self) -> xarray.Dataset:
+        """The measurements in SI, with the attribute `units` in the notation of the CF conventions."""
 
     @property
     def step(self) -> float | None:
@@ -139,3 +120,10 @@ class Problem(ABC):
 def size_prior(name: str, units: str, size: float, meaning: str) -> FreeParameter:
     """Return a positive number that is log-uniform below the size of the data."""
     return FreeParameter(name, LOWEST * size, LARGEST * size, True, positive("", units, meaning))
+
+
+def student_factor(draws: np.random.Generator, degrees_of_freedom: float, count: int) -> Array:
+    """Draw the factors that turn normal numbers into Student-t ones, shape (count,)."""
+    if degrees_of_freedom == inf:
+        return np.ones(count)
+    return np.asarray(np.sqrt(degrees_of_freedom / draws.chisquare(degrees_of_freedom, count)))

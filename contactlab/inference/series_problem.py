@@ -1,26 +1,34 @@
-"""Measured series of a motor as an inference problem: every set of values is a run from rest."""
+"""Measured series of a motor as an inference problem: every set of values is a run from rest.
+
+Residuals are white noise and a discrepancy of the model, an Ornstein-Uhlenbeck process of the standard
+deviation delta and the correlation time tau, so that residuals at t_i and t_j have the covariance
+
+    sigma_i^2 (i = j) + delta^2 exp(-|t_i - t_j| / tau)
+
+The process is Markov, so that a Kalman filter of one state yields the density of every residual given those
+before it, and their product is that of the multivariate normal, in n steps in place of n^3.
+
+Sources: Uhlenbeck and Ornstein (1930), Phys. Rev. 36, 823; Kalman (1960), J. Basic Eng. 82, 35; of the
+discrepancy Kennedy and O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf
+from math import exp, inf, lgamma, log, pi, sqrt
 from typing import Any, Final, final
 
 import numpy as np
+import xarray
 
 from contactlab.arrays import Array
+from contactlab.compiled import kernel
 from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
 from contactlab.datasheet.electrodes import currents
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
-from contactlab.inference.likelihood import (
-    ornstein_uhlenbeck,
-    series_log_densities,
-    student_factor,
-    student_log_densities,
-)
-from contactlab.inference.problem import Observation, Problem, size_prior
+from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
 from contactlab.laws import LawError
 from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
 from contactlab.settling.until import PRECISION
@@ -76,27 +84,20 @@ class SeriesProblem(Problem):
     def nuisances(self) -> tuple[FreeParameter, ...]:
         """Noise that is not stated, discrepancy and degrees of freedom."""
         result = []
-        for item in self.data:
-            size = _rms(item.values)
-            if item.name not in self.measured.errors:
-                result.append(size_prior(f"{NOISE}.{item.name}", item.units, size, "noise"))
+        for name, series in self.measured.values.items():
+            size, units = root_mean_square(series), MEASURABLE[name].units
+            if name not in self.measured.errors:
+                result.append(size_prior(f"{NOISE}.{name}", units, size, "noise"))
             if self.correlation > 0.0:
-                name = f"{DISCREPANCY}.{item.name}"
-                result.append(size_prior(name, item.units, size, "amplitude of the discrepancy"))
+                meaning = "amplitude of the discrepancy"
+                result.append(size_prior(f"{DISCREPANCY}.{name}", units, size, meaning))
         return (*result, *self.free_tails)
 
     @cached_property
-    def data(self) -> tuple[Observation, ...]:
+    def data(self) -> xarray.Dataset:
         """The series."""
-        return tuple(
-            Observation(name, ("time",), values, MEASURABLE[name].units)
-            for name, values in self.measured.values.items()
-        )
-
-    @property
-    def coordinates(self) -> dict[str, Array]:
-        """The times."""
-        return {"time": self.measured.time}
+        series = {n: ("time", x, {"units": MEASURABLE[n].units}) for n, x in self.measured.values.items()}
+        return xarray.Dataset(series, {"time": self.measured.time})
 
     @property
     def step(self) -> float | None:
@@ -130,26 +131,23 @@ class SeriesProblem(Problem):
         if predicted is None:
             return np.full(self.measured.time.size * len(self.measured.values), np.nan)
         errors = self.measured.errors
+        series = self.measured.values.items()
         return np.concatenate(
-            [
-                (item.values - predicted[item.name]) / errors.get(item.name, _rms(item.values))
-                for item in self.data
-            ]
+            [(x - predicted[name]) / errors.get(name, root_mean_square(x)) for name, x in series]
         )
 
     def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
         """Return the log density of each datum given those before it, by name."""
-        time, tails, terms = self.measured.time, self.tails(values), {}
-        for item in self.data:
-            noise, amplitude = self._noise(item.name, values)
-            missed = item.values - predicted[item.name]
+        time, tails, result = self.measured.time, self.tails(values), {}
+        for name, series in self.measured.values.items():
+            noise, amplitude = self._noise(name, values)
+            missed = series - predicted[name]
             if tails < inf:
-                terms[item.name] = student_log_densities(missed, noise, tails)
+                result[name] = student_log_densities(missed, noise, tails)
             else:
-                terms[item.name] = series_log_densities(
-                    missed, time, noise, amplitude, self.correlation or 1.0
-                )
-        return terms
+                result[name] = terms = np.empty(time.size)
+                series_log_densities(missed, time, noise, amplitude, self.correlation or 1.0, terms)
+        return result
 
     def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
@@ -161,7 +159,9 @@ class SeriesProblem(Problem):
             normal = draws.standard_normal(time.size)
             made[name] = series + noise * normal * student_factor(draws, tails, time.size)
             if amplitude > 0.0:
-                made[name] += ornstein_uhlenbeck(draws, time, amplitude, self.correlation)
+                path = draws.standard_normal(time.size)
+                ornstein_uhlenbeck(path, time, amplitude, self.correlation)
+                made[name] += path
         return made
 
     def _noise(self, name: str, values: Array) -> tuple[Array, float]:
@@ -239,6 +239,59 @@ def records_at(time: Array) -> tuple[float, Array | None]:
     return float(np.diff(time).min()) / FINER, None
 
 
-def _rms(values: Array) -> float:
+def root_mean_square(values: Array) -> float:
     """Return the size of a series, one where it is zero."""
     return float(np.sqrt(np.mean(values**2))) or 1.0
+
+
+@kernel
+def series_log_densities(
+    residuals: Array, time: Array, white: Array, amplitude: float, correlation: float, terms: Array
+) -> None:
+    """Write log p(residual | those before it) of a series into `terms`; their sum is the log likelihood.
+
+    Args:
+        residuals: measured minus predicted, shape (time,), in any unit.
+        time: increasing [s].
+        white: standard deviation of each one's noise, shape (time,), positive, in the unit of the residuals.
+        amplitude: standard deviation of the discrepancy in that unit; 0 is none.
+        correlation: its correlation time [s].
+        terms: shape (time,).
+    """
+    mean, variance, stationary = 0.0, amplitude * amplitude, amplitude * amplitude
+    for i in range(residuals.size):
+        if i > 0:
+            kept = exp(-(time[i] - time[i - 1]) / correlation)
+            mean *= kept
+            variance = kept * kept * variance + (1.0 - kept * kept) * stationary
+        total = variance + white[i] * white[i]
+        missed = residuals[i] - mean
+        terms[i] = -0.5 * (LOG_TWO_PI + log(total) + missed * missed / total)
+        gain = variance / total
+        mean += gain * missed
+        variance *= 1.0 - gain
+
+
+@kernel
+def ornstein_uhlenbeck(normals: Array, time: Array, amplitude: float, correlation: float) -> None:
+    """Turn standard normal numbers into an Ornstein-Uhlenbeck process, in place."""
+    for i in range(normals.size):
+        if i == 0:
+            normals[i] *= amplitude
+        else:
+            kept = exp(-(time[i] - time[i - 1]) / correlation)
+            normals[i] = kept * normals[i - 1] + amplitude * sqrt(1.0 - kept * kept) * normals[i]
+
+
+def student_log_densities(residuals: Array, scale: Array, degrees_of_freedom: float) -> Array:
+    """Return the log density of independent residuals with Student-t distributions, shape as the residuals.
+
+    Args:
+        residuals: measured minus predicted, in any unit.
+        scale: of each one's distribution, positive, in that unit.
+        degrees_of_freedom: positive, finite.
+    """
+    half = 0.5 * degrees_of_freedom
+    constant = lgamma(half + 0.5) - lgamma(half) - 0.5 * log(degrees_of_freedom * pi)
+    square = (residuals / scale) ** 2
+    return np.asarray(constant - np.log(scale) - (half + 0.5) * np.log1p(square / degrees_of_freedom))

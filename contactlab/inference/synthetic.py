@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 
@@ -11,11 +11,12 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.impacts import velocities_after
-from contactlab.inference.likelihood import approach_scale
-from contactlab.inference.series_problem import series_of
+from contactlab.inference.series_problem import root_mean_square, series_of
 from contactlab.laws import ContactLaw
-from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.impacts import MeasuredImpacts, squared_norm
 from contactlab.measured.series import MeasuredSeries
+
+Measured = TypeVar("Measured", bound=MeasuredSeries | MeasuredImpacts)
 
 TRUTH: Final = "truth"
 """Attribute of the true numbers by key, as JSON; of impacts the beginning of a note."""
@@ -41,19 +42,20 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
     run = setup.run()
     if not run.ending.reached_end:
         raise ValueError(f"The truth cannot be run to its end: {run.message}")
-    series = series_of(run, names)
-    draws = np.random.default_rng(seed)
-    values, errors = {}, {}
-    for name in names:
-        size = noise * (float(np.sqrt(np.mean(series[name] ** 2))) or 1.0)
-        values[name] = series[name] + size * draws.standard_normal(run.time.size)
-        errors[name] = np.full(run.time.size, size)
     stated = {
         "title": f"Made by law {setup.law.name}, with {noise:g} of noise",
         TRUTH: json.dumps(truth_of(setup.configuration)),
         "seed": seed,
     }
-    return MeasuredSeries(run.time, values, errors, setup.configuration, stated)
+    exact = with_noise(
+        MeasuredSeries(run.time, series_of(run, names), {}, setup.configuration, stated), noise
+    )
+    draws = np.random.default_rng(seed)
+    values = {
+        name: series + exact.errors[name] * draws.standard_normal(run.time.size)
+        for name, series in exact.values.items()
+    }
+    return replace(exact, values=values)
 
 
 def made_impacts(
@@ -79,24 +81,24 @@ def made_impacts(
     after = velocities_after(law, delassus, before)
     if not np.isfinite(after).all():
         raise ValueError(f"The law {law.name} does not predict some of the impacts; choose other values.")
-    scale = approach_scale(delassus, before)
-    covariance = noise**2 * scale[:, None, None] * delassus
-    error = np.linalg.cholesky(covariance) @ draws.standard_normal((count, 2, 1))
-    truth = json.dumps(truth_of(configuration or {}))
-    return MeasuredImpacts(
+    exact = MeasuredImpacts(
         delassus=delassus,
         velocity_before=before,
-        velocity_after=after + error[..., 0],
-        kinetic_energy=0.5 * scale,
+        velocity_after=after,
+        kinetic_energy=0.5 * squared_norm(delassus, before),
         outside=np.zeros(count),
-        covariance=covariance,
+        covariance=None,
         title=f"Made by law {law.name}, with {noise:g} of noise",
         source=f"contactlab, seed {seed}",
         licence="",
         left_out=0,
         number=np.arange(1, count + 1),
-        notes=(f"{TRUTH}: {truth}",),
+        notes=(f"{TRUTH}: {json.dumps(truth_of(configuration or {}))}",),
     )
+    stated = with_noise(exact, noise)
+    assert stated.covariance is not None
+    error = np.linalg.cholesky(stated.covariance) @ draws.standard_normal((count, 2, 1))
+    return replace(stated, velocity_after=after + error[..., 0])
 
 
 def _approaches(draws: np.random.Generator, count: int) -> tuple[Array, Array]:
@@ -129,9 +131,7 @@ def _names(values: Mapping[str, Any]) -> dict[str, float | str]:
     return {key: str(x) for key, x in values.items() if key.startswith("law.") and key.endswith(".name")}
 
 
-def truth_in(
-    measured: MeasuredSeries | MeasuredImpacts, configuration: Mapping[str, Any]
-) -> dict[str, float]:
+def truth_in(measured: Measured, configuration: Mapping[str, Any]) -> dict[str, float]:
     """Return the numbers that made the data, by key.
 
     Empty where the data are measured, or made by a law other than the configuration's or by other parts.
@@ -151,17 +151,17 @@ def truth_in(
     return {str(key): float(x) for key, x in result.items() if isinstance(x, int | float)}
 
 
-def without_errors(measured: MeasuredSeries | MeasuredImpacts) -> MeasuredSeries | MeasuredImpacts:
+def without_errors(measured: Measured) -> Measured:
     """Return the data without stated noise."""
     if isinstance(measured, MeasuredSeries):
         return replace(measured, errors={})
     return replace(measured, covariance=None)
 
 
-def with_noise(measured: MeasuredSeries | MeasuredImpacts, noise: float) -> MeasuredSeries | MeasuredImpacts:
+def with_noise(measured: Measured, noise: float) -> Measured:
     """Return the data with stated noise, over the root mean square of series or the approach of impacts."""
     if isinstance(measured, MeasuredSeries):
-        sizes = {name: noise * (float(np.sqrt(np.mean(x**2))) or 1.0) for name, x in measured.values.items()}
+        sizes = {name: noise * root_mean_square(x) for name, x in measured.values.items()}
         return replace(measured, errors={k: np.full(measured.time.size, x) for k, x in sizes.items()})
-    scale = approach_scale(measured.delassus, measured.velocity_before)
+    scale = squared_norm(measured.delassus, measured.velocity_before)
     return replace(measured, covariance=noise**2 * scale[:, None, None] * measured.delassus)

@@ -5,15 +5,31 @@ With the mass matrix M and the contact Jacobian G, whose rows are the normal and
     u = G v,    D = G M^-1 G',    v+ - v- = M^-1 G' p + r,    G r = 0
 
 so that r is the part of the jump that no impulse p at the contact makes: an error of the measurement, or of
-the model of rigid bodies with one contact.
+the model of rigid bodies with one contact. A wrong sign in G makes it large.
 """
 
-from dataclasses import dataclass
-from typing import final
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Final, final
 
 import numpy as np
+from scipy.special import fdtrc
 
 from contactlab.arrays import Array
+from contactlab.measured.table import MeasurementError
+
+LARGEST_SHARE: Final = 1e-4
+"""Share of the jump's energy outside of the impulses' span below which a wrong sign makes no difference to a
+comparison of laws: that of a hundredth of the jump."""
+
+BEYOND_ERRORS: Final = 4.0
+"""Ratio of that share to the one that stated errors explain, and to that of another sign, above which a sign
+is wrong."""
+
+BY_CHANCE: Final = 0.01
+"""Probability that a sign reduces the share by chance, over all signs."""
+
+ROUND_OFF: Final = 1e-12
 
 
 @final
@@ -55,15 +71,14 @@ class BodyImpacts:
         return np.asarray(0.5 * np.einsum("ni,nij,nj->n", velocities, self.mass, velocities))
 
     def outside_of(self, jump: Array) -> Array:
-        """Return the part of a jump of the velocities that no impulse makes, shape (impact, coordinate)."""
+        """Return the energy r'Mr/2 of the part of a jump that no impulse makes [J], shape (impact,)."""
         impulse = np.linalg.solve(self.delassus(), self.contact(jump)[..., None])
-        return np.asarray(
-            jump - np.linalg.solve(self.mass, self.jacobian.transpose(0, 2, 1) @ impulse)[..., 0]
-        )
+        made = np.linalg.solve(self.mass, self.jacobian.transpose(0, 2, 1) @ impulse)[..., 0]
+        return self.energy(jump - made)
 
     def outside(self) -> Array:
-        """Return the energy r'Mr/2 of the part of the jump that no impulse makes [J], shape (impact,)."""
-        return self.energy(self.outside_of(self.after - self.before))
+        """Return that energy of the measured jump [J], shape (impact,)."""
+        return self.outside_of(self.after - self.before)
 
     def outside_share(self) -> float:
         """Return the share of the jump's energy that lies outside, median over the impacts [1]."""
@@ -76,7 +91,7 @@ class BodyImpacts:
         # The mean energy of the errors is that of the columns of a root of the covariance.
         values, vectors = np.linalg.eigh(self.covariance)
         roots = vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]
-        parts = [self.energy(self.outside_of(roots[:, :, place])) for place in range(roots.shape[2])]
+        parts = [self.outside_of(roots[:, :, place]) for place in range(roots.shape[2])]
         return self._share(np.sum(parts, axis=0))
 
     def _share(self, energy: Array) -> float:
@@ -93,3 +108,58 @@ class BodyImpacts:
 
 def _symmetric(matrices: Array) -> Array:
     return np.asarray(0.5 * (matrices + matrices.transpose(0, 2, 1)))
+
+
+def sign_note(bodies: BodyImpacts, angles: Mapping[str, bool], *, keep: bool) -> str:
+    """Return a sentence on the share of the jump's energy that no impulse makes.
+
+    A sign of the Jacobian is wrong where the median share outside of the impulses' span is larger than
+    `LARGEST_SHARE`, or `BEYOND_ERRORS` times what stated errors explain, and the other sign makes it so much
+    smaller that chance is excluded: the ratio of two sums of squares of n (coordinates - 2) errors each is
+    F-distributed.
+
+    Args:
+        bodies: the impacts, of three or more coordinates.
+        angles: whether each coordinate is an angle, by name.
+        keep: whether the file states that its Jacobian is right.
+
+    Raises:
+        MeasurementError: a sign is wrong, and the Jacobian is not stated to be right.
+    """
+    share, explained = bodies.outside_share(), bodies.share_of_errors()
+    sentence = f"{_percent(share)} of the jump's energy (median) lies outside of what impulses can do"
+    if explained is not None:
+        sentence += f", and the stated errors explain {_percent(explained)}"
+    column, reversed_share = _best_sign(bodies, angles)
+    freedom = len(bodies.before) * (len(angles) - 2)
+    ratio = share / max(reversed_share, ROUND_OFF)
+    better = ratio > BEYOND_ERRORS and 2 * len(angles) * float(fdtrc(freedom, freedom, ratio)) < BY_CHANCE
+    too_large = share > (LARGEST_SHARE if explained is None else BEYOND_ERRORS * explained)
+    if better and too_large and not keep:
+        raise MeasurementError(
+            f"{sentence} with the Jacobian as it stands, and {_percent(reversed_share)} with the sign of "
+            f"{column} reversed. Reverse that column, or state that the Jacobian is right by 'jacobian: "
+            "checked'."
+        )
+    if better:
+        return f"{sentence}; it would be {_percent(reversed_share)} with the sign of {column} reversed."
+    return f"{sentence}{', and no other sign in the Jacobian makes it much less' if too_large else ''}."
+
+
+def _best_sign(bodies: BodyImpacts, angles: Mapping[str, bool]) -> tuple[str, float]:
+    """Return the component of the Jacobian whose reversal leaves the least share outside, and that share."""
+    shares = []
+    # Arms first: their sign is often wrong, and the reversal of another component may have the same span.
+    for name in sorted(angles, key=lambda each: not angles[each]):
+        sign = np.array([-1.0 if each == name else 1.0 for each in angles])
+        for row in ("tangential", "normal"):
+            other = replace(bodies, **{row: getattr(bodies, row) * sign})
+            values = np.linalg.eigvalsh(other.delassus())
+            if (values[:, 0] > 1e-9 * values[:, 1]).all():
+                shares.append((f"{row}_{name}", other.outside_share()))
+    least = min(share for _, share in shares)
+    return next((name, share) for name, share in shares if share <= 1.05 * least + ROUND_OFF)
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.2g} %"

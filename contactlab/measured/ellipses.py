@@ -21,15 +21,13 @@ from typing import Final
 import numpy as np
 
 from contactlab.measured.bodies import BodyImpacts
-from contactlab.measured.checks import odd_energies
-from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.impacts import MeasuredImpacts, odd_energies
 from contactlab.measured.table import MeasurementError
 
 MASS: Final = 36.4e-3  # [kg], as in the repository DAIRLab/ImpactModeling
 AXES: Final = (35e-3, 25e-3)  # [m] half axes
 
 _COLUMNS: Final = {"states": 12, "n": 3, "d": 3, "flags": 6}
-_SIGNS: Final = (1.0, -1.0)
 
 
 def read_ellipses(path: Path) -> MeasuredImpacts:
@@ -49,53 +47,42 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
         )
     # A truncated file ends in an OSError, a damaged one in nearly any exception.
     except (
-        OSError,
-        LookupError,
-        ValueError,
-        TypeError,
-        NotImplementedError,
+        *(OSError, LookupError, ValueError, TypeError, NotImplementedError),
         scipy.io.matlab.MatReadError,
     ) as error:
         raise MeasurementError(
             f"it is not the MATLAB file with the impacts of ellipses ({error}); write other measurements as "
-            "CSV or "
-            "netCDF, see docs/measured_data.md."
+            "CSV or netCDF, see docs/measured_data.md."
         ) from error
     if not all(np.isfinite(column).all() for column in (states, normal, tangential, flags)):
         raise MeasurementError("some of its numbers are not finite.")
     clean = ~flags.any(axis=1)
     mass = MASS * np.diag([1.0, 1.0, sum(axis**2 for axis in AXES) / 4.0])
     masses = np.broadcast_to(mass, (int(clean.sum()), 3, 3))
-    made = {
-        sign: BodyImpacts(
-            states[clean, 3:6],
-            states[clean, 9:12],
-            masses,
-            normal[clean],
-            tangential[clean] * [1.0, 1.0, sign],
-        )
-        for sign in _SIGNS
-    }
-    shares = {sign: bodies.outside_share() for sign, bodies in made.items()}
-    sign = min(_SIGNS, key=lambda each: shares[each])
-    bodies, taken = made[sign], "as it stands" if sign > 0 else "reversed"
+    states, normal, tangential = states[clean], normal[clean], tangential[clean]
+    made = [
+        BodyImpacts(states[:, 3:6], states[:, 9:12], masses, normal, tangential * [1.0, 1.0, sign])
+        for sign in (1.0, -1.0)
+    ]
+    shares = [bodies.outside_share() for bodies in made]
+    bodies, taken = (made[1], "reversed") if shares[1] < shares[0] else (made[0], "as it stands")
     before, after, delassus = bodies.contact(bodies.before), bodies.contact(bodies.after), bodies.delassus()
     return MeasuredImpacts(
-        delassus,
-        before,
-        after,
-        bodies.energy(bodies.before),
-        bodies.outside(),
-        None,
-        "Impacts of an ellipse on a flat plate",
-        "Fazeli, Zapolsky, Drumwright and Rodriguez (2020), Robotics Research, 555; tracked at 250 Hz",
-        "MIT, the authors; BSD-3-Clause, the copy in DAIRLab/ImpactModeling",
-        int((~clean).sum()),
-        np.flatnonzero(clean) + 1,
-        (
-            f"The third component of the tangential row is taken {taken}: so {100.0 * shares[sign]:.2f} % "
+        delassus=delassus,
+        velocity_before=before,
+        velocity_after=after,
+        kinetic_energy=bodies.energy(bodies.before),
+        outside=bodies.outside(),
+        covariance=None,
+        title="Impacts of an ellipse on a flat plate",
+        source="Fazeli, Zapolsky, Drumwright and Rodriguez (2020), Robotics Research, 555; tracked at 250 Hz",
+        licence="MIT, the authors; BSD-3-Clause, the copy in DAIRLab/ImpactModeling",
+        left_out=int((~clean).sum()),
+        number=np.flatnonzero(clean) + 1,
+        notes=(
+            f"The third component of the tangential row is taken {taken}: so {100.0 * min(shares):.2f} % "
             "of the jump's energy (median) lies outside of what impulses can do, and "
-            f"{100.0 * shares[-sign]:.2f} % with the other sign.",
+            f"{100.0 * max(shares):.2f} % with the other sign.",
             "The gravity of one frame of 4 ms is in the velocities: 0.04 m/s.",
             *odd_energies(before, after, delassus),
         ),

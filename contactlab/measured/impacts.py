@@ -6,16 +6,27 @@ negative on approach, and an impulse p = (p_n, p_t) makes u+ = u- + D p.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Self, final
+from typing import Any, Final, Self, final
 
 import numpy as np
+import pandas
 from numpy.typing import NDArray
+from scipy.special import gammaincinv
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_shape
 from contactlab.impacts import Impacts
 
-_ROUND_OFF = 1e-12
+_SHAPES: Final[dict[str, tuple[int, ...]]] = {
+    "delassus": (2, 2), "velocity_before": (2,), "velocity_after": (2,), "kinetic_energy": (), "outside": (),
+    "covariance": (2, 2), "number": (), "measurement": (),
+}  # fmt: skip
+"""Shape of each array for one impact."""
+
+_WHOLE: Final = ("number", "measurement")
+_OPTIONAL: Final = ("covariance", "measurement")
+
+_ROUND_OFF: Final = 1e-12
 """Error of symmetry and eigenvalues, over the largest element of a matrix."""
 
 
@@ -60,41 +71,31 @@ class MeasuredImpacts:
     measurement: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
-        n = len(self)
-        check_shape("The Delassus matrix", self.delassus, (n, 2, 2), "(impact, 2, 2)")
-        for when in ("before", "after"):
-            check_shape(
-                f"The velocity {when}", getattr(self, f"velocity_{when}"), (n, 2), "(impact, direction)"
-            )
-        check_shape("The kinetic energy", self.kinetic_energy, (n,), "(impact,)")
-        check_shape("The energy outside of the impulses' span", self.outside, (n,), "(impact,)")
-        check_shape("The number of the impacts", self.number, (n,), "(impact,)", "iu")
-        if self.measurement is not None:
-            check_shape("The measurement of the impacts", self.measurement, (n,), "(impact,)", "iu")
-        if self.covariance is not None:
-            check_shape("The covariance", self.covariance, (n, 2, 2), "(impact, 2, 2)")
-            self._check(self.covariance, "covariance", strictly=False)
-        self._check(self.delassus, "Delassus matrix", strictly=True)
-        check_kind("How many impacts are left out", self.left_out, int)
-        if n and not (self.kinetic_energy.min() > 0.0 and self.outside.min() >= 0.0):
+        for name, shape in _SHAPES.items():
+            values, sizes = getattr(self, name), (len(self), *shape)
+            if values is not None or name not in _OPTIONAL:
+                meaning = f"(impact{', 2' * len(shape)})"
+                check_shape(
+                    f"The {name} of the impacts", values, sizes, meaning, "iu" if name in _WHOLE else "iuf"
+                )
+        check_kind("The number of impacts left out", self.left_out, int)
+        for name in ("delassus", "covariance"):
+            if (matrices := getattr(self, name)) is None:
+                continue
+            off, size = np.abs(matrices[:, 0, 1] - matrices[:, 1, 0]), np.abs(matrices).max((1, 2))
+            least = np.linalg.eigvalsh(matrices)[:, 0]
+            # A product with the Jacobian has lost some digits.
+            definite = least > _ROUND_OFF * size if name == "delassus" else least >= -1e-9 * size
+            if (bad := (off > _ROUND_OFF * size) | ~definite).any():
+                first = int(np.argmax(bad))
+                raise ValueError(
+                    f"The {name} of impact {self.number[first]} is {matrices[first].tolist()}; it must be "
+                    f"symmetric and positive {'' if name == 'delassus' else 'semi'}definite."
+                )
+        if len(self) and not (self.kinetic_energy.min() > 0.0 and self.outside.min() >= 0.0):
             raise ValueError(
-                "The kinetic energy before an impact must be positive and the energy outside of the "
-                f"impulses' span not negative; the least are {self.kinetic_energy.min():g} J and "
-                f"{self.outside.min():g} J."
-            )
-
-    def _check(self, matrices: Array, name: str, *, strictly: bool) -> None:
-        """Raise a ValueError for matrices that are not symmetric or not positive (semi)definite."""
-        off, size = np.abs(matrices[:, 0, 1] - matrices[:, 1, 0]), np.abs(matrices).max((1, 2))
-        least = np.linalg.eigvalsh(matrices)[:, 0]
-        # A product with the Jacobian has lost some digits.
-        definite = least > _ROUND_OFF * size if strictly else least >= -1e-9 * size
-        bad = (off > _ROUND_OFF * size) | ~definite
-        if bad.any():
-            first = int(np.argmax(bad))
-            raise ValueError(
-                f"The {name} of impact {self.number[first]} is {matrices[first].tolist()}; it must be "
-                f"symmetric and positive {'' if strictly else 'semi'}definite."
+                f"The least kinetic_energy is {self.kinetic_energy.min():g} J and the least energy outside "
+                f"{self.outside.min():g} J; the former must be positive and the latter not negative."
             )
 
     def __len__(self) -> int:
@@ -102,7 +103,7 @@ class MeasuredImpacts:
 
     @cached_property
     def before(self) -> Impacts:
-        """The state before the impacts, from which laws predict the one after."""
+        """The state before the impacts, from which laws predict the velocities after them."""
         return Impacts(self.delassus, self.velocity_before)
 
     def errors(self, predicted: Array) -> Array:
@@ -115,13 +116,91 @@ class MeasuredImpacts:
         Args:
             predicted: gap rate and slip after the impacts [m/s], shape (impact, 2).
         """
-        missed = self.velocity_after - predicted
-        inside = np.einsum("ni,ni->n", missed, np.linalg.solve(self.delassus, missed[..., None])[..., 0])
+        inside = squared_norm(self.delassus, self.velocity_after - predicted)
         return np.asarray(np.sqrt((inside + 2.0 * self.outside) / (2.0 * self.kinetic_energy)))
 
     def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Self:
         """Return some of the impacts, by a mask or by indices, shape (any,)."""
-        fields = ("delassus", "velocity_before", "velocity_after", "kinetic_energy", "outside", "covariance")
-        columns = {name: getattr(self, name) for name in (*fields, "number", "measurement")}
-        parts: dict[str, Any] = {name: x if x is None else x[chosen] for name, x in columns.items()}
+        columns = {name: getattr(self, name) for name in _SHAPES}
+        parts: dict[str, Any] = {name: x[chosen] for name, x in columns.items() if x is not None}
         return replace(self, **parts)
+
+    @cached_property
+    def _equal_rows(self) -> NDArray[np.int64]:
+        """A number, from 0 in the order of first occurrence, that rows of equal measured numbers share."""
+        names = [name for name in _SHAPES if name not in _WHOLE and getattr(self, name) is not None]
+        columns = pandas.DataFrame(np.hstack([getattr(self, name).reshape(len(self), -1) for name in names]))
+        return np.asarray(columns.groupby([*columns], sort=False).ngroup(), dtype=np.int64)
+
+    def measurements(self) -> NDArray[np.int64]:
+        """Return the number of the measurement that each impact belongs to, from 0, shape (impact,).
+
+        Impacts belong to one measurement if their rows are equal to the last bit or have the same label.
+        Numbers are in the order of first occurrence.
+        """
+        equal = self._equal_rows
+        if self.measurement is None:
+            return equal
+        # Imported here: few files have labels.
+        from scipy.sparse import coo_array
+        from scipy.sparse.csgraph import connected_components
+
+        # A graph of rows and labels: equal rows of two labels unite these.
+        labels = pandas.factorize(self.measurement)[0] + len(self)
+        edges = coo_array((np.ones(len(self)), (equal, labels)), shape=(2 * len(self),) * 2)
+        return np.asarray(pandas.factorize(connected_components(edges, directed=False)[1][equal])[0])
+
+    def copies_warning(self) -> str:
+        """Return a sentence with the number of rows that repeat an earlier one exactly; empty without any."""
+        copies = len(self) - int(self._equal_rows.max(initial=-1)) - 1
+        if not copies:
+            return ""
+        return (
+            f"{copies} of {len(self)} impacts equal an earlier one in every measured number. Each counts as "
+            "independent evidence, so that intervals are too narrow if they are copies; remove the copies."
+        )
+
+
+def squared_norm(delassus: Array, velocity: Array) -> Array:
+    """Return u' D^-1 u of velocities of the contact [J], shape (impact,)."""
+    solved = np.linalg.solve(delassus, velocity[..., None])[..., 0]
+    return np.asarray(np.einsum("ni,ni->n", velocity, solved))
+
+
+def noise_from_outside(impacts: MeasuredImpacts, coordinates: int) -> Array:
+    """Estimate the covariance of the velocity after [m^2/s^2], shape (impact, 2, 2).
+
+    If the jump's errors are normal and isotropic in the norm of the kinetic energy, with the covariance
+    s^2 M^-1, then 2 outside / s^2 has a chi-square distribution with coordinates - 2 degrees of freedom, and
+    the contact's velocities the covariance s^2 D. s^2 [J] follows from the median, which outliers do not
+    move. A second contact or a bending body makes it too large.
+
+    Args:
+        impacts: with the energy outside of the impulses' span.
+        coordinates: number of velocities measured of each impact, 3 or more.
+
+    Raises:
+        ValueError: there are fewer coordinates, or no energy lies outside.
+    """
+    if coordinates < 3:
+        raise ValueError(f"There are {coordinates} coordinates; there must be at least 3.")
+    middle = float(np.median(2.0 * impacts.outside)) if len(impacts) else 0.0
+    if not middle > 0.0:
+        raise ValueError("No energy lies outside of the impulses' span; state the errors with the data.")
+    return np.asarray(middle / (2.0 * gammaincinv(0.5 * (coordinates - 2), 0.5)) * impacts.delassus)
+
+
+def odd_energies(before: Array, after: Array, delassus: Array) -> list[str]:
+    """Return sentences on the number of impacts that gain energy, pull, or go on approaching.
+
+    Args:
+        before, after: velocities of the contact [m/s], shape (impact, 2).
+        delassus: [1/kg], shape (impact, 2, 2).
+    """
+    impulse = np.linalg.solve(delassus, (after - before)[..., None])[..., 0]
+    counts = {
+        "gain energy": np.einsum("ni,ni->n", impulse, before + after) > 0.0,
+        "have a normal impulse that pulls": impulse[:, 0] <= 0.0,
+        "go on approaching": after[:, 0] < 0.0,
+    }
+    return [f"{int(odd.sum())} of {len(before)} impacts {what}." for what, odd in counts.items() if odd.any()]

@@ -116,8 +116,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     if time.size < FEWEST or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
         raise MeasurementError(
             f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
-            "it has "
-            f"{time.size}, from {time.min(initial=np.inf):.9g} s."
+            f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
         )
     deviations = {}
     for name in present:

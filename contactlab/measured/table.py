@@ -7,8 +7,9 @@ have a decimal comma. NetCDF has a variable for each column.
 
 import csv
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -44,6 +45,12 @@ class MeasurementError(ValueError):
     """A file of measurements that cannot be used; the message names the column and the row."""
 
 
+def refuse(bad: NDArray[np.bool_], sentence: Callable[[int], str]) -> None:
+    """Raise a MeasurementError with the sentence about the first bad row, if there is any."""
+    if bad.any():
+        raise MeasurementError(sentence(int(np.argmax(bad))))
+
+
 @final
 @dataclass(frozen=True, eq=False)
 class Table:
@@ -68,7 +75,7 @@ class Table:
     @property
     def texts(self) -> dict[str, str]:
         """The attributes that are among `TEXTS`."""
-        named = {str(k).lower().replace("license", "licence"): str(v) for k, v in self.data.attrs.items()}
+        named = {_text_name(str(name)): str(text) for name, text in self.data.attrs.items()}
         return {name: text for name, text in named.items() if name in TEXTS}
 
     def unit(self, name: str) -> str:
@@ -87,14 +94,13 @@ class Table:
             MeasurementError: a cell is not a number, or the unit does not apply.
         """
         unit, expected = self.unit(name), from_cf(units)
+        needed = f"it must be in {expected} or a unit of its kind."
         if not unit and units != "1":
-            raise MeasurementError(f"{name} has no unit; it must be in {expected} or a unit of its kind.")
+            raise MeasurementError(f"{name} has no unit; {needed}")
         try:
             scale = 1.0 if unit in ("", units, expected) else float(factor(unit, expected))
         except UnitError as error:
-            raise MeasurementError(
-                f"{name} is in '{unit}'; it must be in {expected} or a unit of its kind."
-            ) from error
+            raise MeasurementError(f"{name} is in '{unit}'; {needed}") from error
         variable = self.data.variables[name]
         if variable.dims not in ((), (self.dimension,)):
             raise MeasurementError(
@@ -103,11 +109,10 @@ class Table:
         rows = np.arange(len(self.places)) if rows is None else rows
         cells = np.broadcast_to(variable.values, (len(self.places),))[rows]
         values = _as_numbers(cells)
-        if (bad := ~(np.abs(values) < LARGEST)).any():
-            first = int(np.argmax(bad))
-            raise MeasurementError(
-                f"{name} is '{cells[first]}' in {self.places[int(rows[first])]}; it must be a number."
-            )
+        refuse(
+            ~(np.abs(values) < LARGEST),
+            lambda at: f"{name} is '{cells[at]}' in {self.places[int(rows[at])]}; it must be a number.",
+        )
         return values * scale
 
     def flagged(self, names: Iterable[str]) -> NDArray[np.bool_]:
@@ -116,18 +121,17 @@ class Table:
         for name in names:
             cells = np.broadcast_to(self.data.variables[name].values, marked.shape)
             if cells.dtype.kind not in "biuf":
-                cells = np.array(
-                    [_TRUTHS.get(str(cell).strip().lower(), cell) for cell in cells], dtype=object
+                texts = [_TRUTHS.get(str(cell).strip().lower(), cell) for cell in cells]
+                cells = np.array(texts, dtype=object)
+            values = _as_numbers(cells)
+            if cells.dtype.kind == "O" and not np.isfinite(values).all():
+                first = int(np.argmin(np.isfinite(values)))
+                raise MeasurementError(
+                    f"{name} is '{cells[first]}' in {self.places[first]}; a flag must be 0 or empty for an "
+                    "impact that is used, and another number for one that is left out."
                 )
-                if (bad := ~np.isfinite(_as_numbers(cells))).any():
-                    first = int(np.argmax(bad))
-                    raise MeasurementError(
-                        f"{name} is '{cells[first]}' in {self.places[first]}; a flag must be 0 or empty for "
-                        "an "
-                        "impact that is used, and another number for one that is left out."
-                    )
             # xarray represents an empty cell by NaN.
-            marked |= np.nan_to_num(_as_numbers(cells)) != 0.0
+            marked |= np.nan_to_num(values) != 0.0
         return marked
 
     def check_names(self, known: Iterable[str]) -> None:
@@ -150,69 +154,13 @@ def read_table(path: Path) -> Table:
     if not start.startswith(_NETCDF):
         return _from_text(path)
     try:
-        with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as opened:
-            data = opened.load()
+        data = xarray.load_dataset(path, engine="netcdf4", decode_times=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise MeasurementError(f"it cannot be read as netCDF: {error}.") from error
     first = next((variable.dims[0] for variable in data.variables.values() if variable.dims), "impact")
     dimension = "time" if "time" in data.dims else str(first)
     count = data.sizes.get(dimension, 1)
     return Table(data, dimension, [f"row {number} of {count}" for number in range(1, count + 1)])
-
-
-@final
-class _Text:
-    """Lines of a table in CSV.
-
-    Attributes:
-        separator: of the cells.
-        width: number of the columns.
-        columns: variables by name.
-        texts: comments that are among `TEXTS`.
-    """
-
-    def __init__(self, header: str) -> None:
-        self.separator, self.width = max(",;\t", key=header.count), 0
-        self.columns: dict[str, xarray.Variable] = {}
-        self.texts: dict[str, str] = {}
-        self.width = len(self.cells(header))
-
-    def cells(self, line: str) -> list[str]:
-        """Return the cells of a line, with decimal points."""
-        reader = csv.reader([line], delimiter=self.separator, skipinitialspace=True)
-        cells = [self._with_point(cell.strip()) for cell in next(reader)]
-        # A spreadsheet fills up its lines.
-        while len(cells) > self.width and not cells[-1]:
-            cells.pop()
-        return cells
-
-    def _with_point(self, cell: str) -> str:
-        comma = self.separator != "," and _DECIMAL_COMMA.fullmatch(cell)
-        return cell.replace(",", ".") if comma else cell
-
-    def add(self, name: str, unit: str | None, values: str | list[str]) -> None:
-        """Add a column, or one number for all rows."""
-        if name in self.columns:
-            raise MeasurementError(f"'{name}' occurs twice; it must occur once.")
-        cells = np.array(values, dtype=object)
-        self.columns[name] = xarray.Variable((_ROW,) * cells.ndim, cells, {"units": unit or ""})
-
-    def add_comment(self, line: str) -> None:
-        """Add a text, or one number for all rows; other comments are ignored."""
-        if line.startswith('"'):
-            line = "".join(self.cells(line))
-        comment = _COMMENT.fullmatch(re.sub(rf"{self.separator}{{2,}}$", "", line).lstrip("# \t"))
-        if comment is None:
-            return
-        name, value = comment["name"].lower().replace("license", "licence"), comment["value"].strip()
-        if name in TEXTS:
-            self.texts[name] = f"{self.texts[name]}\n{value}" if name in self.texts else value
-        elif quantity := _QUANTITY.fullmatch(value):
-            if comment["unit"] is not None and quantity["unit"]:
-                raise MeasurementError(f"'{comment['name']}' has two units; it must have one.")
-            self.add(
-                comment["name"], comment["unit"] or quantity["unit"], self._with_point(quantity["number"])
-            )
 
 
 def _from_text(path: Path) -> Table:
@@ -223,55 +171,97 @@ def _from_text(path: Path) -> Table:
         raise MeasurementError("it must be CSV in UTF-8 or netCDF; save a spreadsheet as CSV.") from error
     lines = [(at, line.strip(" ")) for at, line in enumerate(content.split("\n"), 1) if line.strip(" \t,;")]
     # A spreadsheet may put comments in quotes.
-    rows = [item for item in lines if not item[1].startswith(("#", '"#'))]
+    comments = [line for _, line in lines if line.startswith(("#", '"#'))]
+    rows = [(f"line {at}", line) for at, line in lines if not line.startswith(("#", '"#'))]
     if not rows:
         raise MeasurementError("it has no line with the names of its columns; see docs/measured_data.md.")
-    text = _Text(rows[0][1])
-    header, *cells = (text.cells(line) for _, line in rows)
-    places = [f"line {number}" for number, _ in rows[1:]]
+    return _table_of(rows, comments)
+
+
+def _table_of(rows: Sequence[tuple[str, str]], comments: Sequence[str]) -> Table:
+    """Return the table of the lines of a header and of rows, each with its place, and of comments."""
+    separator = max(",;\t", key=rows[0][1].count)
+    header, *cells = (_cells(line, separator) for _, line in rows)
+    places = [place for place, _ in rows[1:]]
+    # A spreadsheet fills up its lines.
+    width = len(header) - len(list(takewhile(lambda cell: not cell, reversed(header))))
     for place, row in zip(places, cells, strict=True):
-        if len(row) != text.width:
+        if len(row) < width or any(row[width:]):
             raise MeasurementError(
-                f"{place} has {len(row)} cells and the header {text.width}; both must have as many. With "
-                "decimal "
+                f"{place} has {len(row)} cells and the header {width}; both must have as many. With decimal "
                 "commas, separate the columns by semicolons."
             )
-    for at, cell in enumerate(header):
-        if (head := _HEAD.fullmatch(cell)) is None:
-            raise MeasurementError(f"'{cell}' is not the name of a column; it must be as 'before_x [m/s]'.")
-        text.add(head["name"], head["unit"], [row[at] for row in cells])
-    for _, line in lines:
-        if line.startswith(("#", '"#')):
-            text.add_comment(line)
-    return Table(xarray.Dataset(text.columns, attrs=text.texts), _ROW, places)
+    named = [_headed(cell, [row[at] for row in cells]) for at, cell in enumerate(header[:width])]
+    texts: dict[str, str] = {}
+    for name, unit, value in filter(None, (_comment(line, separator) for line in comments)):
+        if (text_name := _text_name(name)) in TEXTS:
+            texts[text_name] = f"{texts[text_name]}\n{value}" if text_name in texts else value
+        elif number := _QUANTITY.fullmatch(value):
+            if unit is not None and number["unit"]:
+                raise MeasurementError(f"'{name}' has two units; it must have one.")
+            named.append((name, unit or number["unit"], _with_point(number["number"], separator)))
+    columns: dict[str, xarray.Variable] = {}
+    for name, unit, values in named:
+        if name in columns:
+            raise MeasurementError(f"'{name}' occurs twice; it must occur once.")
+        array = np.array(values, dtype=object)
+        columns[name] = xarray.Variable((_ROW,) * array.ndim, array, {"units": unit or ""})
+    return Table(xarray.Dataset(columns, attrs=texts), _ROW, places)
 
 
-def write_csv(
-    columns: Mapping[str, np.ndarray], units: Mapping[str, str], texts: Mapping[str, str], path: Path
-) -> None:
-    """Write columns, shape (row,), or () as comments, with all digits of each number."""
-    rows = {name: values for name, values in columns.items() if values.ndim}
-    head = [name if units[name] == "1" else f"{name} [{from_cf(units[name])}]" for name in rows]
+def _cells(line: str, separator: str) -> list[str]:
+    """Return the cells of a line, with decimal points."""
+    reader = csv.reader([line], delimiter=separator, skipinitialspace=True)
+    return [_with_point(cell.strip(), separator) for cell in next(reader)]
+
+
+def _with_point(cell: str, separator: str) -> str:
+    return cell.replace(",", ".") if separator != "," and _DECIMAL_COMMA.fullmatch(cell) else cell
+
+
+def _headed(cell: str, values: list[str]) -> tuple[str, str | None, str | list[str]]:
+    """Return name and unit in the head of a column, and its values."""
+    if (head := _HEAD.fullmatch(cell)) is None:
+        raise MeasurementError(f"'{cell}' is not the name of a column; it must be as 'before_x [m/s]'.")
+    return head["name"], head["unit"], values
+
+
+def _comment(line: str, separator: str) -> tuple[str, str | None, str] | None:
+    """Return name, unit and value in a comment; None for other comments, which are ignored."""
+    text = "".join(_cells(line, separator)) if line.startswith('"') else line
+    comment = _COMMENT.fullmatch(re.sub(rf"{separator}{{2,}}$", "", text).lstrip("# \t"))
+    return None if comment is None else (comment["name"], comment["unit"], comment["value"].strip())
+
+
+def write_csv(data: xarray.Dataset, path: Path) -> None:
+    """Write variables with one dimension as columns and numbers and texts as comments, with all digits."""
+    units = {name: from_cf(variable.attrs["units"]) for name, variable in data.variables.items()}
+    columns = {name: x.values for name, x in data.variables.items() if x.ndim}
     with path.open("w", encoding="utf-8", newline="") as stream:
-        for name, text in texts.items():
+        for name, text in data.attrs.items():
             stream.writelines(f"# {name}: {line}\n" for line in text.split("\n"))
-        for name, value in columns.items():
-            if not value.ndim:
-                unit = "" if units[name] == "1" else f" {from_cf(units[name])}"
-                stream.write(f"# {name}: {value.item()!r}{unit}\n")
-        pandas.DataFrame(rows).to_csv(stream, index=False, header=head, lineterminator="\n")
+        for name, variable in data.variables.items():
+            if not variable.ndim:
+                unit = "" if units[name] == "1" else f" {units[name]}"
+                stream.write(f"# {name}: {variable.values.item()!r}{unit}\n")
+        head = [str(name) if units[name] == "1" else f"{name} [{units[name]}]" for name in columns]
+        pandas.DataFrame(columns).to_csv(stream, index=False, header=head, lineterminator="\n")
+
+
+def _text_name(name: str) -> str:
+    return name.lower().replace("license", "licence")
 
 
 def _as_numbers(cells: NDArray[Any]) -> Array:
     """Return cells as numbers, NaN for those that are none."""
     if cells.dtype.kind in "biuf":
         return cells.astype(np.float64)
-    return np.array([_number(str(cell)) for cell in cells], dtype=np.float64)
 
+    def number(cell: str) -> float:
+        try:
+            # Python reads 1_000, which no table means.
+            return np.nan if "_" in cell else float(cell)
+        except ValueError:
+            return np.nan
 
-def _number(cell: str) -> float:
-    try:
-        # Python reads 1_000, which no table means.
-        return np.nan if "_" in cell else float(cell)
-    except ValueError:
-        return np.nan
+    return np.array([number(str(cell)) for cell in cells], dtype=np.float64)

@@ -3,24 +3,21 @@
 from collections.abc import Sequence
 from typing import Final
 
-import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-SIZE: Final = (5.2, 5.4)  # inches; the words are still read where a phone makes it its own width
-DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
+from contactlab.studies.figures import THIN, drawing, style
+
 MARKERS: Final = "os^Dv"
-"""Lines and points of the laws in turn, so that a print without colours tells them apart."""
+"""Points of the laws in turn, which distinguish them in a print without colours."""
 
 DRAWN: Final = {"torque": 1e3, "output_power": 1e3, "electrical_efficiency": 1e2}
 """Quantities of the panels, and what they are multiplied by."""
 
 FINE: Final = 400
 """Velocities at which lines are drawn."""
-
-THIN: Final = {"color": "0.5", "linewidth": 0.6, "zorder": 0}
 
 
 def draw(data: xarray.Dataset) -> Figure:
@@ -29,8 +26,7 @@ def draw(data: xarray.Dataset) -> Figure:
     Belts are points, open where the motion has no orbit, with their errors; a cross is the free rotor.
     Between belts torque and input are straight lines, and power and efficiency what follows from them.
     """
-    figure = Figure(figsize=SIZE, layout="constrained")
-    panels = figure.subplots(3, 1, sharex=True)
+    figure, panels = drawing(3, 1, 5.4, sharex=True)
     for number, label in enumerate(data["law"].values):
         _draw_law(panels, data.sel(law=label), number, str(label))
     torque, power, efficiency = panels
@@ -57,9 +53,8 @@ def draw(data: xarray.Dataset) -> Figure:
 
 def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: str) -> None:
     """Draw one law into the panels of torque, power and efficiency."""
-    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
-    colour, marker = colours[number % len(colours)], MARKERS[number % len(MARKERS)]
-    line = {"color": colour, "linestyle": DASHES[number % len(DASHES)]}
+    line, marker = style(number), MARKERS[number % len(MARKERS)]
+    colour = line["color"]
     on_belt = (law["role"].values != "no load") & np.isfinite(law["torque"].values)
     velocity = law["velocity"].values
     if on_belt.any():
@@ -74,9 +69,9 @@ def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: s
     for axes, (name, scale) in zip(panels, DRAWN.items(), strict=True):
         value, error = scale * law[name].values, scale * law[f"{name}_error"].values
         for which, face in ((on_belt & closed, colour), (on_belt & ~closed, "white")):
-            style = {"linestyle": "", "marker": marker, "color": colour, "markerfacecolor": face}
+            points = {"linestyle": "", "marker": marker, "color": colour, "markerfacecolor": face}
             bars = np.where(np.isfinite(error), error, 0.0)[which]
-            axes.errorbar(velocity[which], value[which], bars, elinewidth=0.8, capsize=2.0, **style)
+            axes.errorbar(velocity[which], value[which], bars, elinewidth=0.8, capsize=2.0, **points)
     free = velocity[law["role"].values == "no load"]
     panels[0].plot(free, np.zeros_like(free), "x", color=colour, markersize=6.0)
     panels[0].plot([], [], marker=marker, label=label, **line)

@@ -6,26 +6,33 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from math import inf, isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
-from warnings import warn
 
 import pandas
 import xarray
 
 from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
-from contactlab.inference.evidence import Evidence, ranked, sentences
-from contactlab.inference.fit import STARTS, Candidate, Data, Discrepancy, candidates_of, fitted
+from contactlab.inference.fit import (
+    STARTS,
+    Candidate,
+    Data,
+    Discrepancy,
+    candidates_of,
+    compared,
+    evidences_of,
+    fitted,
+)
 from contactlab.inference.law_choice import LawChoice
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
-from contactlab.results.provenance import UNKNOWN, code_digest
+from contactlab.results.provenance import code_digest
 from contactlab.studies.measurements import PATTERNS, choice_of, measured
 from contactlab.studies.runner import run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
@@ -116,31 +123,24 @@ class Fit(Study):
         available()
         # Likelihoods are evaluated by several processes where the laws are not.
         workers = None if self.workers == 1 and self.scheduler is None else 1
-        tasks = []
-        for item in self.candidates:
-            settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
-            key = f"{item.label} {self._digest(item)}"
-            tasks.append(Task(key, _fitted, (item, settings, workers), resumes=True))
-        return tasks
+        settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
+        return [
+            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings, workers), resumes=True)
+            for item in self.candidates
+        ]
 
     def _digest(self, candidate: Candidate) -> str:
         """Return the digest of all that a fit depends on."""
-        try:
-            sampler = version("dynesty")
-        except PackageNotFoundError:
-            sampler = UNKNOWN
         free = [str(item) for item in candidate.problem.free]
-        data = [item.values.tobytes() for item in candidate.problem.data]
-        parts = (candidate.label, *candidate.origin.items(), *free, sampler, code_digest(), *data)
+        data = [item.values.tobytes() for item in candidate.problem.data.values()]
+        parts = (candidate.label, *candidate.origin.items(), *free, version("dynesty"), code_digest(), *data)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the fits, a group for each law."""
         del setups
         fits = {key.rpartition(" ")[0]: tree for key, tree in parts.items()}
-        tree = xarray.DataTree.from_dict({f"/{label}": None for label in fits})
-        for label, fit in fits.items():
-            tree[label] = fit
+        tree = xarray.DataTree(children=fits)
         tree.attrs["title"] = f"Fit of {', '.join(fits)}"
         return tree
 
@@ -155,7 +155,7 @@ class Fit(Study):
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the comparison of the laws, then what limits each fit."""
-        result = sentences(evidences(data))
+        result = compared(data.children)
         for label, fit in data.children.items():
             before = f"{label}: " if len(data.children) > 1 else ""
             result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
@@ -165,27 +165,23 @@ class Fit(Study):
         """Return evidence and, for each law, posterior and correlation."""
         tables = {}
         if len(data.children) > 1:
-            every = ranked(evidences(data))
-            rows = [
-                {"law": x.label, "ln Z": Estimate(x.log_evidence, x.error), "less the largest": less}
-                for x in every
-                for less in [x.log_evidence - every[0].log_evidence]
-            ]
+            every = evidences_of(data.children)
+            largest = next(iter(every.values())).value
+            rows = [{"law": x, "ln Z": z, "less the largest": z.value - largest} for x, z in every.items()]
             tables["evidence"] = table(rows, caption="Evidence")
         for label, fit in data.children.items():
-            rows = []
+            end, rows = _ending(data, label), []
             for row in _rows(fit):
                 mean = Estimate(row["mean"], row["deviation"])
                 number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
                 rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
             frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
-            tables[f"posterior{_ending(data, label)}"] = (
-                frame.drop(columns="truth") if frame["truth"].isna().all() else frame
-            )
-            matrix = fit["summary"].to_dataset()["correlation"].to_pandas()
+            known = frame["truth"].notna().any()
+            tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
+            matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
             if len(matrix) > 1:
-                related = [{"number": name, **values} for name, values in matrix.round(2).iterrows()]
-                tables[f"correlation{_ending(data, label)}"] = table(
+                related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
+                tables[f"correlation{end}"] = table(
                     related, caption=f"Correlation of the posterior of {label}"
                 )
         return tables
@@ -205,12 +201,7 @@ class Fit(Study):
 def _fitted(
     candidate: Candidate, settings: dict[str, int], workers: int | None, checkpoint: Path | None = None
 ) -> Part:
-    """Fit one law."""
-
-    def announce(sentence: str) -> None:
-        warn(sentence, stacklevel=1)
-
-    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers, announce=announce))
+    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers))
 
 
 def number_or_free(name: str, text: str | float | None, largest: float) -> float | str | None:
@@ -226,20 +217,6 @@ def number_or_free(name: str, text: str | float | None, largest: float) -> float
             return value
     limit = "" if largest == inf else f" and at most {largest:g}"
     raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
-
-
-def evidences(data: xarray.DataTree) -> list[Evidence]:
-    """Return the evidence of each law."""
-    return [
-        Evidence(
-            label,
-            float(fit.attrs["log_evidence"]),
-            float(fit.attrs["log_evidence_error"]),
-            bool(fit.attrs["covers"]),
-            float(fit.attrs["coverage"]),
-        )
-        for label, fit in data.children.items()
-    ]
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

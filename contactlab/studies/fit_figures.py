@@ -11,8 +11,8 @@ from contactlab.arrays import Array
 from contactlab.inference.fit import ENDS
 from contactlab.parameter import from_cf
 from contactlab.plot.style import COLOURS
+from contactlab.studies.figures import WIDTH, drawing
 
-WIDTH: Final = 5.2  # [in], legible on a phone
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24
 MOST: Final = 8  # parameters of a corner plot
@@ -109,8 +109,8 @@ def draw_predictions(fit: xarray.DataTree) -> Figure:
 def _over_time(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
     """Draw each series with its band, and below both less the median of the predictions."""
     time = 1e3 * data["time"].values
-    figure = Figure(figsize=(WIDTH, 2.6 * len(data) + 0.3), layout="constrained")
-    panels = figure.subplots(2 * len(data), 1, sharex=True, height_ratios=[2, 1] * len(data))
+    count = len(data)
+    figure, panels = drawing(2 * count, 1, 2.6 * count + 0.3, sharex=True, height_ratios=[2, 1] * count)
     for (name, item), upper, lower in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
         low, high = np.quantile(predictive[name].values, ENDS, axis=0)
         middle = np.median(predictive[f"{name}_predicted"].values, axis=0)
@@ -135,8 +135,8 @@ def _of_impacts(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
     values = data["velocity_after"].values
     low, high = np.quantile(predictive["velocity_after"].values, ENDS, axis=0)
     middle = np.median(predictive["velocity_after_predicted"].values, axis=0)
-    figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
-    for k, (axes, name) in enumerate(zip(figure.subplots(1, 2), ("gap rate", "slip velocity"), strict=True)):
+    figure, panels = drawing(1, 2, 2.8)
+    for k, (axes, name) in enumerate(zip(panels, ("gap rate", "slip velocity"), strict=True)):
         measured = values[:, k]
         ends = [float(f(np.concatenate([measured, middle[:, k]]))) for f in (np.min, np.max)]
         axes.plot(ends, ends, color="0.5", linewidth=0.6, zorder=0)

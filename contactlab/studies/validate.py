@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
-from itertools import combinations, product
+from itertools import combinations, pairwise, product
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
@@ -15,8 +15,17 @@ import pandas
 import xarray
 
 from contactlab.estimate import Estimate
-from contactlab.inference.assessment import PLUS_MINUS, assessed, comparisons, laws_in
-from contactlab.inference.cross_validation import FOLDS, cross_validated, digest_of, predictors_of
+from contactlab.inference.cross_validation import (
+    BASELINE,
+    FOLDS,
+    SAME,
+    assessed,
+    cross_validated,
+    digest_of,
+    distinct,
+    laws_in,
+    predictors_of,
+)
 from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
 from contactlab.inference.law_choice import law_predictors
 from contactlab.laws import ContactLaw
@@ -30,6 +39,9 @@ from contactlab.studies.tables import UNIT, table
 
 SHOWN: Final = 40
 """Largest number of unexplained impacts in a sentence; the dataset has all of them."""
+
+LEAST: Final = 1e-4
+"""Difference below which four decimals show nothing."""
 
 Laws = Sequence[str | ContactLaw | LawPredictor]
 
@@ -98,7 +110,7 @@ class Validate(Study):
         return f"{seed} {sha256(repr(depends).encode()).hexdigest()[:16]}"
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
-        """Return the assessment, see `contactlab.inference.assessment`; further seeds are groups seed_N."""
+        """Return the assessment, see `inference.cross_validation`; further seeds are groups seed_N."""
         del setups
         trees = [
             assessed(
@@ -189,12 +201,36 @@ def headline(data: xarray.Dataset) -> str:
     best, floor = laws.isel(law=0), data.isel(law=-1)
     first = laws["law"].values[laws["group"].values == 1]
     low, high = best["prediction_error_interval"].values
-    error = f"{float(best['prediction_error']):.4f} {PLUS_MINUS} {0.5 * (high - low):.4f}"
+    error = f"{float(best['prediction_error']):.4f} +- {0.5 * (high - low):.4f}"
     others = f", not distinguishable from {', '.join(map(str, first[1:]))}" if len(first) > 1 else ""
     return (
         f"{best['law'].item()} predicts best: {error}{others}. The best impulse of each impact leaves "
         f"{float(floor['prediction_error']):.4f}."
     )
+
+
+def comparisons(data: xarray.Dataset) -> list[str]:
+    """Return a sentence for each law and the next in the order of their errors, and for the baselines."""
+    laws = [str(label) for label in laws_in(data)["law"].values]
+    baselines = [str(label) for label in data["law"].values[data["kind"].values == BASELINE]]
+    return [
+        *(comparison(data, better, worse) for better, worse in pairwise(laws)),
+        *(comparison(data, laws[0], baseline, "the baseline ") for baseline in baselines),
+    ]
+
+
+def comparison(data: xarray.Dataset, better: str, worse: str, kind: str = "") -> str:
+    """Return a sentence on which of two laws predicts better and by how much."""
+    apart = float(data["difference"].sel(law=worse, other=better))
+    ends = data["difference_interval"].sel(law=worse, other=better).values
+    largest = float(np.abs(ends).max())
+    if largest < SAME:
+        return f"{better} and {kind}{worse} predict the same."
+    by = f"{apart:.4f} +- {0.5 * float(ends[1] - ends[0]):.4f}"
+    by = by if largest >= LEAST else f"less than {LEAST}"
+    if not distinct(data, better, worse):
+        return f"{better} and {kind}{worse} are not distinguishable: {by} apart."
+    return f"{better} predicts better than {kind}{worse} by {by}."
 
 
 def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:

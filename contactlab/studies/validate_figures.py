@@ -1,14 +1,14 @@
 """Figures of a validation: errors, paired differences, residuals, and a map of the impacts."""
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from contactlab.inference.assessment import abscissas, binned, floors_in, laws_in, residuals_of
-from contactlab.inference.cross_validation import BASELINE, COMPLIANT, FLOOR, RIGID
+from contactlab.arrays import Array
+from contactlab.inference.cross_validation import BASELINE, COMPLIANT, FLOOR, RIGID, floors_in, laws_in
 from contactlab.plot.style import COLOURS
 from contactlab.studies.figures import THIN, WIDTH, drawing, legend_above, style
 
@@ -17,6 +17,10 @@ MOST_NUMBERED: Final = 12
 
 NEGLIGIBLE: Final = 1e-3
 """Share of the least error of a law below which a floor is not drawn."""
+
+BINS: Final = 8
+FEWEST: Final = 10
+"""Impacts in a bin, if there are several bins."""
 
 MARKS: Final = {RIGID: ("o", "C0"), COMPLIANT: ("s", "C1"), BASELINE: ("x", "0.3")}
 """Mark and colour of a kind."""
@@ -145,3 +149,44 @@ def _compared(data: xarray.Dataset) -> list[str]:
     laws = laws_in(data)
     _, firsts = np.unique(laws["group"].values, return_index=True)
     return [str(laws["law"].values[place]) for place in firsts[:4]]
+
+
+class Binned(NamedTuple):
+    """Medians and quartiles in bins of equal numbers, at the medians of the abscissa."""
+
+    at: Array
+    median: Array
+    low: Array
+    high: Array
+
+
+def abscissas(data: xarray.Dataset) -> dict[str, Array]:
+    """Return quantities of the impacts before, shape (impact,), by the label of an axis."""
+    rate, slip = data["velocity_before"].values.T
+    return {
+        "incidence (°)": np.degrees(np.arctan2(np.abs(slip), -rate)),
+        "approach velocity (m/s)": -rate,
+        "slip velocity (m/s)": np.abs(slip),
+    }
+
+
+def residuals_of(data: xarray.Dataset, law: str) -> dict[str, Array]:
+    """Return error and residuals (measured less predicted), shape (impact,), by the label of an axis.
+
+    The residual of the slip velocity is positive along the slip before the impact.
+    """
+    missed = data["velocity_after"].values - data["predicted_velocity"].sel(law=law).values
+    along = np.sign(data["velocity_before"].values[:, 1])
+    return {
+        "error": data["error"].sel(law=law).values,
+        "gap rate residual (m/s)": missed[:, 0],
+        "slip residual (m/s)": missed[:, 1] * along,
+    }
+
+
+def binned(x: Array, y: Array) -> Binned:
+    """Bin one quantity by another."""
+    count = int(np.clip(x.size // FEWEST, 1, BINS))
+    parts = np.array_split(np.argsort(x, kind="stable"), count)
+    low, median, high = np.array([np.quantile(y[part], [0.25, 0.5, 0.75]) for part in parts]).T
+    return Binned(np.array([np.median(x[part]) for part in parts]), median, low, high)

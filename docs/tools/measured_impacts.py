@@ -19,10 +19,11 @@ import xarray
 from tqdm import tqdm
 
 import contactlab as cl
-from contactlab.inference.assessment import abscissas, binned, laws_in, residuals_of
+from contactlab.inference.cross_validation import laws_in
 from contactlab.results.files import whole_file
 from contactlab.studies.runner import finish
 from contactlab.studies.validate import agreement, opposite_orders, parameters, unexplained
+from contactlab.studies.validate_figures import abscissas, binned, residuals_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "measurements.md"

@@ -1,10 +1,11 @@
 """A linear model with flat priors, whose posterior and evidence can be written down."""
 
 import numpy as np
+import xarray
+from scipy.stats import norm
 
 from contactlab.inference.free_parameters import FreeParameter
-from contactlab.inference.likelihood import series_log_densities
-from contactlab.inference.problem import Observation, Problem
+from contactlab.inference.problem import Problem
 from contactlab.parameter import Parameter
 
 ANY = Parameter("x", "1", "any number")
@@ -16,7 +17,7 @@ class Linear(Problem):
 
     law = "linear"
     nuisances = ()
-    parameters = data = coordinates = None
+    parameters = data = None
 
     def __init__(self, idle=False):
         draws = np.random.default_rng(7)
@@ -24,8 +25,7 @@ class Linear(Problem):
         self.values = 0.3 + 0.5 * self.time + SIGMA * draws.standard_normal(12)
         names = ["a", "b", "idle"][: 2 + idle]
         self.parameters = tuple(FreeParameter(name, -2.0, 2.0, False, ANY) for name in names)
-        self.data = (Observation("y", ("time",), self.values, "1"),)
-        self.coordinates = {"time": self.time}
+        self.data = xarray.Dataset({"y": ("time", self.values, {"units": "1"})}, {"time": self.time})
 
     @property
     def design(self):
@@ -38,7 +38,7 @@ class Linear(Problem):
         return (self.values - self.predict(values)["y"]) / SIGMA
 
     def log_densities(self, predicted, _values):
-        return {"y": series_log_densities(self.values - predicted["y"], self.time, np.full(12, SIGMA))}
+        return {"y": norm.logpdf(self.values - predicted["y"], scale=SIGMA)}
 
     def replicate(self, predicted, _values, draws):
         return {"y": predicted["y"] + SIGMA * draws.standard_normal(12)}

@@ -11,10 +11,15 @@ from support.struck_discs import struck_discs
 
 import contactlab as cl
 from contactlab.impacts import velocities_after
-from contactlab.inference.assessment import noise_of
-from contactlab.inference.candidates import usual_law, usual_laws, without_idle
-from contactlab.inference.cross_validation import ValidationError, folds_of, least_error_fit
+from contactlab.inference.cross_validation import (
+    ValidationError,
+    folds_of,
+    least_error_fit,
+    noise_of,
+    without_idle,
+)
 from contactlab.inference.impact_problem import ConstantImpulse, ImpactProblem, LawPredictor, frictionless
+from contactlab.inference.law_choice import usual_law, usual_laws
 from contactlab.measured.files import write_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 

@@ -1,7 +1,6 @@
 """Claims on fits: from synthetic data to posterior, evidence and page, and what is refused."""
 
 import json
-import warnings
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +29,7 @@ def impacts(tmp_path_factory):
     return path
 
 
-def test_two_laws_are_compared_by_evidence_and_leave_posteriors_that_arviz_reads(impacts, tmp_path):
+def test_two_laws_are_compared_by_evidence_and_leave_their_posteriors(impacts, tmp_path):
     result = cl.fit(impacts, ["newton", "lagrange_slip"], free=FREE, points=40, starts=2)
     result.save(tmp_path)
 
@@ -47,20 +46,14 @@ def test_two_laws_are_compared_by_evidence_and_leave_posteriors_that_arviz_reads
         fit = tree["newton"]
         assert json.loads(fit.attrs["truth"])["law.restitution"] == 0.6
         assert fit["posterior"]["law.restitution"].shape == (1, 1000)
+        # The groups and dimensions of ArviZ.
         assert fit["posterior_predictive/velocity_after"].dims == ("chain", "draw", "impact", "direction")
+        assert fit["log_likelihood/velocity_after"].dims == ("chain", "draw", "impact")
+        assert fit["observed_data/velocity_after"].dims == ("impact", "direction")
+        assert fit["sample_stats/lp"].shape == (1, 1000)
         row = fit["summary"].to_dataset().sel(parameter="law.restitution")
         assert float(row["low"]) < float(row["mean"]) < float(row["high"])
         assert float(row["truth"]) == 0.6
-    arviz = pytest.importorskip("arviz")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        outcome = arviz.InferenceData.from_datatree(
-            xarray.open_datatree(tmp_path / "fit.nc").load()["newton"]
-        )
-        assert arviz.summary(outcome, kind="stats").loc["law.restitution", "mean"] == pytest.approx(
-            0.6, abs=0.05
-        )
-        assert np.isfinite(arviz.loo(outcome).elpd_loo)
 
 
 def test_the_truth_is_a_column_where_it_is_known(impacts):

@@ -8,16 +8,15 @@ from scipy.stats import multivariate_normal, multivariate_t, t
 
 import contactlab as cl
 from contactlab.inference.free_parameters import free_parameters
-from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
-from contactlab.inference.likelihood import (
-    approach_scale,
-    impact_log_densities,
+from contactlab.inference.impact_problem import ImpactProblem, LawPredictor, impact_log_densities
+from contactlab.inference.problem import IMPOSSIBLE
+from contactlab.inference.series_problem import (
     ornstein_uhlenbeck,
     series_log_densities,
     student_log_densities,
 )
-from contactlab.inference.problem import IMPOSSIBLE
 from contactlab.inference.synthetic import made_impacts, with_noise, without_errors
+from contactlab.measured.impacts import squared_norm
 
 DRAWS = np.random.default_rng(5)
 TIME = np.sort(DRAWS.uniform(0.0, 3.0, 40))
@@ -30,7 +29,8 @@ def test_the_filter_gives_the_density_of_the_dense_multivariate_normal(amplitude
     apart = np.abs(TIME[:, None] - TIME)
     dense = np.diag(WHITE**2) + amplitude**2 * np.exp(-apart / correlation)
 
-    result = series_log_densities(residuals, TIME, WHITE, amplitude, correlation)
+    result = np.empty(40)
+    series_log_densities(residuals, TIME, WHITE, amplitude, correlation, result)
 
     assert result.sum() == pytest.approx(multivariate_normal(cov=dense).logpdf(residuals), rel=1e-12)
     # Of each given those before it: the first alone knows of none.
@@ -39,7 +39,9 @@ def test_the_filter_gives_the_density_of_the_dense_multivariate_normal(amplitude
 
 def test_a_drawn_discrepancy_has_the_covariance_that_the_likelihood_takes():
     draws, time = np.random.default_rng(1), np.array([0.0, 0.1, 0.5])
-    paths = np.array([ornstein_uhlenbeck(draws, time, 2.0, 0.3) for _ in range(20_000)])
+    paths = draws.standard_normal((20_000, 3))
+    for path in paths:
+        ornstein_uhlenbeck(path, time, 2.0, 0.3)
 
     expected = 4.0 * np.exp(-np.abs(time[:, None] - time) / 0.3)
 
@@ -49,9 +51,10 @@ def test_a_drawn_discrepancy_has_the_covariance_that_the_likelihood_takes():
 def test_the_density_of_an_impact_is_that_of_stated_error_and_error_of_the_law():
     data = made_impacts(cl.law("newton"), 6, 0.05, 1)
     residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
-    scale = approach_scale(data.delassus, data.velocity_before)
+    scale = squared_norm(data.delassus, data.velocity_before)
 
-    result = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2)
+    result = np.empty(6)
+    impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2, np.inf, result)
 
     for i in range(6):
         u = data.velocity_before[i]
@@ -89,9 +92,10 @@ def test_a_law_that_cannot_be_made_of_the_values_is_impossible_not_an_error():
 def test_student_densities_are_those_of_an_independent_library(degrees_of_freedom):
     data = made_impacts(cl.law("newton"), 6, 0.05, 1)
     residuals = 0.1 * np.random.default_rng(2).standard_normal((6, 2))
-    scale = approach_scale(data.delassus, data.velocity_before)
+    scale = squared_norm(data.delassus, data.velocity_before)
 
-    result = impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom)
+    result = np.empty(6)
+    impact_log_densities(residuals, data.covariance, data.delassus, scale, 0.2, degrees_of_freedom, result)
 
     for i in range(6):
         shape = data.covariance[i] + 0.2**2 * scale[i] * data.delassus[i]

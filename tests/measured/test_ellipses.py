@@ -10,14 +10,13 @@ import scipy.io
 from scipy.optimize import minimize
 from support.measurements import ELLIPSES
 
-from contactlab.inference.candidates import usual_laws
 from contactlab.inference.cross_validation import folds_of
 from contactlab.inference.impact_problem import LawPredictor
-from contactlab.inference.likelihood import approach_scale
+from contactlab.inference.law_choice import usual_laws
 from contactlab.measured.ellipses import AXES, MASS, read_ellipses
 from contactlab.measured.files import read_impacts
 from contactlab.measured.floors import with_constant_impulse
-from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.impacts import MeasuredImpacts, squared_norm
 
 pytestmark = pytest.mark.skipif(
     not ELLIPSES.is_file(),
@@ -95,7 +94,7 @@ def test_poissons_friction_coefficient_depends_on_what_is_minimised(
 ) -> None:
     """Mean error as in measurements.md; mean square over the contact's approach as in fitting.md."""
     model, values = _usual("poisson")
-    approach = approach_scale(ellipses.delassus, ellipses.velocity_before)
+    approach = squared_norm(ellipses.delassus, ellipses.velocity_before)
     # What no impulse reaches is no function of the parameters: it does not move the optimum of the squares.
     weight = 1.0 if scale == "body" else np.sqrt(2.0 * ellipses.kinetic_energy / approach)
 

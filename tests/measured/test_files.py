@@ -37,6 +37,7 @@ def test_what_is_written_is_read_again_to_the_last_bit(
     made = drawn_impacts(count, seed, covariance=covariance)
     path = tmp_path / f"impacts{suffix}"
     made = replace(made, title=title or "impacts", source=source, notes=("One.", "Two, of it."))
+    made = replace(made, measurement=np.arange(count) // 2 if seed % 2 else None)
     write_impacts(made, path)
     result = read_impacts(path)
     assert same(made, result, but=("notes",))

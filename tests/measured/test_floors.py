@@ -8,8 +8,7 @@ from scipy.optimize import minimize
 from support.measured_impacts import drawn_bodies, drawn_impacts, kinetic
 
 from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
-from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.noise import noise_from_outside
+from contactlab.measured.impacts import MeasuredImpacts, noise_from_outside
 
 IMPACTS = drawn_impacts(60, 1)
 

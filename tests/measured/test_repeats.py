@@ -9,8 +9,6 @@ from support.struck_discs import struck_discs
 
 import contactlab as cl
 from contactlab.inference.cross_validation import ValidationError, digest_of
-from contactlab.measured.files import read_impacts, write_impacts
-from contactlab.measured.repeats import copies_warning, measurements
 
 
 def copied(impacts, times):
@@ -22,15 +20,15 @@ def copied(impacts, times):
 def test_impacts_without_copies_are_each_a_measurement_of_its_own():
     impacts = drawn_impacts(50, seed=0, covariance=True)
 
-    assert measurements(impacts).tolist() == list(range(50))
-    assert copies_warning(impacts) == ""
+    assert impacts.measurements().tolist() == list(range(50))
+    assert impacts.copies_warning() == ""
 
 
 def test_copies_are_counted_and_belong_to_one_measurement():
     impacts = copied(drawn_impacts(50, seed=0, covariance=True), 5)
 
-    assert measurements(impacts).tolist() == list(range(50)) * 5
-    assert copies_warning(impacts).startswith("200 of 250 ")
+    assert impacts.measurements().tolist() == list(range(50)) * 5
+    assert impacts.copies_warning().startswith("200 of 250 ")
 
 
 def test_a_difference_in_the_last_bit_is_no_copy():
@@ -38,28 +36,23 @@ def test_a_difference_in_the_last_bit_is_no_copy():
     after = impacts.velocity_after.copy()
     after[13, 1] = np.nextafter(after[13, 1], np.inf)
 
-    assert copies_warning(replace(impacts, velocity_after=after)).startswith("9 of 20 ")
+    assert replace(impacts, velocity_after=after).copies_warning().startswith("9 of 20 ")
 
 
 def test_labels_unite_and_copies_unite_labels():
     impacts = replace(drawn_impacts(6, seed=1), measurement=np.array([7, 7, 3, 3, 9, -2]))
-    assert measurements(impacts).tolist() == [0, 0, 1, 1, 2, 3]
-    assert copies_warning(impacts) == ""
+    assert impacts.measurements().tolist() == [0, 0, 1, 1, 2, 3]
+    assert impacts.copies_warning() == ""
     # The fifth repeats the first: 7 and 9 are one.
     places = np.array([0, 1, 2, 3, 0, 5])
     united = replace(impacts.part(places), measurement=impacts.measurement)
-    assert measurements(united).tolist() == [0, 0, 1, 1, 0, 2]
+    assert united.measurements().tolist() == [0, 0, 1, 1, 0, 2]
 
 
-@pytest.mark.parametrize("ending", ["csv", "nc"])
-def test_labels_are_written_and_read_again(tmp_path, ending):
-    impacts = replace(drawn_impacts(8, seed=1), measurement=np.array([1, 1, 2, 2, 3, 3, 4, 4]))
-    impacts = impacts.part(impacts.velocity_after[:, 0] > 0.0)
-    write_impacts(impacts, tmp_path / f"data.{ending}")
-    value = read_impacts(tmp_path / f"data.{ending}")
+def test_labels_change_the_digest():
+    impacts = drawn_impacts(2, seed=1)
 
-    assert value.measurement.tolist() == impacts.measurement.tolist()
-    assert digest_of(value) != digest_of(replace(value, measurement=None))
+    assert digest_of(replace(impacts, measurement=np.array([1, 1]))) != digest_of(impacts)
 
 
 def test_a_validation_holds_copies_and_repeats_out_together_and_warns_of_copies():

@@ -119,17 +119,6 @@ def test_a_series_in_csv_is_read_with_its_units_converted(tmp_path, separator):
     assert (result.attributes, len(result.digest)) == ({"title": "ours"}, 64)
 
 
-def test_a_series_is_the_same_from_csv_and_from_netcdf(tmp_path):
-    first = read(text(tmp_path, "time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS))
-    write_series(first, tmp_path / "series.nc")
-    second = read(tmp_path / "series.nc")
-
-    assert second.time.tobytes() == first.time.tobytes()
-    assert {name: each.tobytes() for name, each in second.values.items()} == {
-        name: each.tobytes() for name, each in first.values.items()
-    }
-
-
 @pytest.mark.parametrize(
     ("head", "rows", "named"),
     [
