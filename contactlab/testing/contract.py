@@ -20,13 +20,13 @@ from contactlab.testing import (
     flow_properties,
     kernel_properties,
     part_properties,
+    published,
     references,
     repetition_properties,
     run_properties,
 )
 from contactlab.testing.claim import Claim, Claims, at_most, proofs_of
 from contactlab.testing.plants import Bench, paper_motor
-from contactlab.testing.published import published
 
 
 def declares_what_it_breaks(bench: Bench) -> Claims:
@@ -38,6 +38,7 @@ def declares_what_it_breaks(bench: Bench) -> Claims:
 
 CLOSED_FORMS = proofs_of(closed_forms)
 REFERENCES = proofs_of(references)
+OF_LAWS = proofs_of(published)
 PROPERTIES = proofs_of(
     kernel_properties,
     declaration_properties,
@@ -123,8 +124,7 @@ def invariants_of(run: xarray.DataTree) -> Claims:
 
 def all_claims() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
     """Yield every heading and the function of its claims: the catalogues, then the contract of every law."""
-    of_laws = (proof for proofs in published().values() for proof in proofs.values())
-    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values(), *of_laws):
+    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values(), *OF_LAWS.values()):
         yield (proof.__doc__ or "").partition("\n")[0], partial(claims_of, proof)
     for name in law_names():
         try:

@@ -10,12 +10,12 @@ from support.made_laws import STRETCH, TWO, flowing, honest, made, short_run, va
 
 from contactlab.compiled import kernel
 from contactlab.engine import simulate
-from contactlab.laws import LAWS, PARTS, ContactLaw, LawError, MultiplierLaw
+from contactlab.laws import ContactLaw, LawError, MultiplierLaw
 from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP, Friction
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import EVEN, MOST_VARIABLES
 from contactlab.testing.contract import check
-from contactlab.testing.plants import Bench, block, paper_motor
+from contactlab.testing.plants import Bench, paper_motor
 
 
 @kernel
@@ -222,18 +222,6 @@ def test_a_law_whose_domain_ends_runs(function: Any) -> None:
     run = simulate(paper_motor(), law, duration=3e-4, record_interval=1e-6)
     assert run.complete
     assert run.series["normal_force"].max() > 0.0
-
-
-@pytest.mark.parametrize(
-    "law",
-    [
-        *(law() for law in LAWS.values()),
-        *(Composed(**{family: part()}) for family, table in PARTS.items() for part in table.values()),
-    ],
-    ids=lambda law: law.title,
-)
-def test_every_law_of_the_package_passes(law: Any) -> None:
-    assert simulate(block(height=1.0), law, duration=1e-6, record_interval=1e-6).complete
 
 
 @kernel

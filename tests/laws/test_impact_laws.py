@@ -5,13 +5,12 @@ from math import sqrt
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings, strategies as st
+from support.impacts import Delassus, after, contact_energy, impact_of, loss, round_off
 from support.kernels import solve_of
 
 from contactlab.laws import LagrangeStick, MoreauJean, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.laws.base import STICK
 
-Delassus = tuple[float, float, float]
-Answer = tuple[float, float, int]
 Law = type[Newton] | type[Poisson] | type[Stronge] | type[MoreauJean]
 
 RESTITUTIONS: tuple[Law, ...] = (Newton, Poisson, Stronge, MoreauJean)
@@ -38,30 +37,6 @@ def impact(draw: st.DrawFn, jams: bool = False) -> tuple[float, Delassus]:
     if not jams:
         most = min(most, 0.99 * d_nn / max(mu, 1e-12))
     return mu, (d_nn, draw(st.floats(-1.0, 1.0)) * most, d_tt)
-
-
-def impact_of(law: MultiplierLaw, normal: float, tangential: float, d: Delassus) -> Answer:
-    """Answer to an impact in which nothing else acts."""
-    return solve_of(law, normal, tangential, normal, tangential, *d)
-
-
-def after(normal: float, tangential: float, d: Delassus, impact: Answer) -> tuple[float, float]:
-    """Gap rate and slip behind an impulse."""
-    p_n, p_t, _ = impact
-    return normal + d[0] * p_n + d[1] * p_t, tangential + d[1] * p_n + d[2] * p_t
-
-
-def energy_change(normal: float, tangential: float, d: Delassus, impact: Answer) -> float:
-    """Work of an impulse: impulse times mean velocity [J]."""
-    end = after(normal, tangential, d, impact)
-    return 0.5 * (impact[0] * (normal + end[0]) + impact[1] * (tangential + end[1]))
-
-
-def round_off(normal: float, tangential: float, d: Delassus, impact: Answer) -> float:
-    """Return the round-off of a velocity [m/s], larger where the matrix is near to singular."""
-    p_n, p_t, _ = impact
-    terms = [normal, tangential, d[0] * p_n, d[1] * p_t, d[1] * p_n, d[2] * p_t]
-    return 1e-12 * max(abs(term) for term in terms) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
 
 
 @all_laws
@@ -96,14 +71,10 @@ def test_where_slip_reverses_the_restitutions_differ_and_newtons_creates_energy(
     mu, e, normal, slip = 0.6, 0.9, -0.1, -0.08
     gains = {}
     ends = {}
-    before = (
-        0.5
-        * np.array([normal, slip])
-        @ np.linalg.solve([[REVERSING[0], REVERSING[1]], [REVERSING[1], REVERSING[2]]], [normal, slip])
-    )
+    before = contact_energy(normal, slip, REVERSING)
     for law in (Newton, Poisson, Stronge):
         result = impact_of(law(mu, e), normal, slip, REVERSING)
-        gains[law] = energy_change(normal, slip, REVERSING, result) / before
+        gains[law] = -loss(normal, slip, REVERSING, result) / before
         ends[law] = after(normal, slip, REVERSING, result)[0]
     print("energy made, over that of the contact velocity:", {k.name: gains[k] for k in gains})
     # Newton's ends the slip: v' D^-1 v = (e v_n)^2 d_tt/det, against v_n^2/d_nn at this slip.
@@ -132,7 +103,7 @@ def test_a_process_with_friction_creates_no_energy(
     assert result[0] > 0.0
     assert abs(result[1]) <= mu * result[0] * (1.0 + 1e-15)
     assert after(normal, tangential, d, result)[0] >= -error
-    assert energy_change(normal, tangential, d, result) <= (result[0] + abs(result[1])) * error
+    assert -loss(normal, tangential, d, result) <= (result[0] + abs(result[1])) * error
 
 
 @settings(deadline=None)

@@ -46,6 +46,13 @@ def loss(normal: float, slip: float, d: Delassus, solution: Solution) -> float:
     return -0.5 * (solution[0] * (normal + end[0]) + solution[1] * (slip + end[1]))
 
 
+def round_off(normal: float, slip: float, d: Delassus, solution: Solution) -> float:
+    """Round-off of a velocity [m/s], larger where the matrix is near to singular."""
+    p_n, p_t, _ = solution
+    terms = [normal, slip, d[0] * p_n, d[1] * p_t, d[1] * p_n, d[2] * p_t]
+    return 1e-12 * max(abs(term) for term in terms) / (1.0 - d[1] ** 2 / (d[0] * d[2]))
+
+
 def contact_energy(normal: float, slip: float, d: Delassus) -> float:
     """Energy that an impact can take at most: v' D^-1 v / 2 [J]."""
     v = np.array([normal, slip])

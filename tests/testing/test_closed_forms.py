@@ -1,4 +1,4 @@
-"""The engine on small plants, against what can be written down."""
+"""Closed forms of small plants, and the published results of every law and part."""
 
 from collections.abc import Callable, Iterator
 from math import exp, pi, sqrt
@@ -6,10 +6,12 @@ from math import exp, pi, sqrt
 import pytest
 from support.tensile_dashpot import TensileDashpot
 
+from contactlab.laws import LAWS, PARTS
 from contactlab.testing import Claim
 from contactlab.testing.closed_forms import dashpot_impacts, hertz_impact, modal_impacts, restitution
-from contactlab.testing.contract import CLOSED_FORMS
+from contactlab.testing.contract import CLOSED_FORMS, OF_LAWS
 from contactlab.testing.plants import block, first, run
+from contactlab.testing.published import PUBLISHED
 
 Form = Callable[..., Iterator[Claim]]
 
@@ -19,9 +21,18 @@ def assert_all(claims: Iterator[Claim]) -> None:
     assert not failed, "\n".join(failed)
 
 
-@pytest.mark.parametrize("form", CLOSED_FORMS.values(), ids=list(CLOSED_FORMS))
+FORMS = CLOSED_FORMS | OF_LAWS
+
+
+@pytest.mark.parametrize("form", FORMS.values(), ids=list(FORMS))
 def test_closed_form(form: Form) -> None:
     assert_all(form())
+
+
+def test_every_published_result_is_of_a_law_or_part() -> None:
+    parts = {f"{family}_{name}" for family, table in PARTS.items() for name in table}
+    assert {*LAWS, *parts, *(name for table in PARTS.values() for name in table)} >= set(PUBLISHED)
+    assert {proof for proofs in PUBLISHED.values() for proof in proofs} >= set(OF_LAWS.values())
 
 
 @pytest.mark.parametrize("speed", [1e-3, 0.05, 2.0])

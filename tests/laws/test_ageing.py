@@ -1,4 +1,4 @@
-"""Static friction that ages: when a pulled block breaks away, and what slip forgets."""
+"""Static friction that ages: its bound, and how slip ends the age."""
 
 from math import atan, log, log1p, pi, sqrt
 
@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
-from contactlab.laws.base import SLIP
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import AgeingStick
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
@@ -58,16 +57,6 @@ def test_the_age_counts_stick_and_is_forgotten_by_slip_and_by_a_new_contact() ->
     assert after == [0.0, 0.7, 0.0, 0.7]
 
 
-def test_while_it_slips_it_has_no_age() -> None:
-    speed = 0.03
-    until = breakaway(speed) + 1e-3
-    motor = resting(stiffness=STIFFNESS, velocity=speed, belt_velocity=speed)
-    made = run(motor, LAW, until, 1e-3, 1e-4)
-    assert made.contact_mode[-1] == SLIP
-    assert made.series["internal_age"][-1] == 0.0
-    assert_allclose(made.series["internal_age"].max(), breakaway(speed), atol=1e-4)
-
-
 def test_every_slip_begins_the_age_anew() -> None:
     """After the slip, which lasts (2/w)[pi - atan(dF w/(k v))], the spring holds mu N - dF."""
     speed, root = 0.03, sqrt(STIFFNESS)
@@ -79,10 +68,3 @@ def test_every_slip_begins_the_age_anew() -> None:
     assert_allclose(result, once + again, rtol=1e-8)
     # With an age that went on it would have held for some hundredths longer.
     assert breakaway(speed, MU * WEIGHT - drop, once) > 1.03 * again
-
-
-def test_without_strengthening_it_is_coulombs() -> None:
-    speed = 0.03
-    law = Composed(Linear(SPRING), friction=AgeingStick(MU, 0.0))
-    expected = MU * WEIGHT / (STIFFNESS * speed)
-    assert_allclose(stick_of(speed, 1.01 * expected, law), expected, rtol=1e-6)

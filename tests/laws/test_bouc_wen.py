@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
-from support.kernels import state_of
 
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction import BoucWen, Dahl
+from contactlab.laws.friction import BoucWen
 from contactlab.laws.normal import Linear
 from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import HEAVY, run
@@ -52,23 +51,6 @@ def test_a_run_follows_wens_equation_of_four_constants(a: float, beta: float, ga
     series = run(heavy, law, 0.03, 1e-4, times[1]).series
     expected = -LIMIT * np.diff(solved.y[1]) / times[1] / ultimate
     assert_allclose(series["friction_force"][1:], expected, atol=1e-5 * LIMIT)
-
-
-@pytest.mark.parametrize(("a", "beta", "gamma", "n"), WEN)
-def test_the_ultimate_value_of_wen_is_mu_n(a: float, beta: float, gamma: float, n: float) -> None:
-    """z_u = (A/(beta + gamma))^(1/n): there dz/dt vanishes, and friction is mu N."""
-    friction = BoucWen.of_wen(MU, a, beta, gamma, n)
-    force, rate, _, _ = state_of(friction, WEIGHT, 0.2, friction.yield_displacement)
-    assert_allclose(force, -LIMIT, rtol=1e-14)
-    assert abs(rate) < 1e-14
-    assert_allclose(a * friction.yield_displacement, (a / (beta + gamma)) ** (1.0 / n), rtol=1e-14)
-
-
-def test_one_of_its_shapes_is_dahls() -> None:
-    wen, dahl = BoucWen(MU, YIELD, 1.0, 1.0), Dahl(MU, MU / YIELD, 1.0)
-    for slip in (-0.3, 0.1):
-        for z in (-2e-6, 0.0, 1e-6):
-            assert_allclose(state_of(wen, WEIGHT, slip, z), state_of(dahl, WEIGHT, slip, z), rtol=1e-14)
 
 
 @pytest.mark.parametrize(

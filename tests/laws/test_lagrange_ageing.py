@@ -3,7 +3,6 @@
 from functools import partial
 from math import atan, log1p, pi, sqrt
 
-import numpy as np
 import pytest
 from scipy.optimize import brentq
 from support.kernels import solve_of
@@ -71,29 +70,6 @@ def test_without_ageing_and_with_one_coefficient_it_is_lagrange_stick() -> None:
     for step in drawn_steps(MU):
         for age in (0.0, 1.0):
             assert impact_of(law, age, *step) == solve_of(plain, *step)
-
-
-def test_the_kernel_is_inside_of_its_cone_dissipates_and_has_a_mirror() -> None:
-    law = LagrangeAgeing(MU, 1.5, 0.05, 1e-3)
-    modes = {SLIP: 0, STICK: 0}
-    for rate, end, begun, start, d_nn, d_nt, d_tt in drawn_steps(law.friction_limit):
-        for age in (0.0, 1e-2):
-            p_n, p_t, mode = impact_of(law, age, rate, end, begun, start, d_nn, d_nt, d_tt)
-            mirrored = impact_of(law, age, rate, -end, begun, -start, d_nn, -d_nt, d_tt)
-            assert mirrored == (p_n, -p_t, mode)
-            if p_n <= 0.0:
-                continue
-            modes[mode] += 1
-            most = MU * 1.5 + 0.05 * log1p(age / 1e-3) if mode == STICK else MU
-            assert abs(p_t) <= most * p_n * (1.0 + 1e-12)
-            terms = [rate, end, d_nn * p_n, d_nt * p_t, d_nt * p_n, d_tt * p_t]
-            size = float(np.abs(terms).max())
-            left, left_slip = rate + d_nn * p_n + d_nt * p_t, end + d_nt * p_n + d_tt * p_t
-            assert left >= -1e-9 * size
-            assert p_t * left_slip <= 1e-9 * (p_n + abs(p_t)) * size
-            work = 0.5 * (p_n * (rate + left) + p_t * (end + left_slip))
-            assert work <= 1e-9 * (p_n + abs(p_t)) * size
-    assert min(modes.values()) > 200
 
 
 def test_static_friction_holds_what_rests_and_catches_what_would_turn_back_but_brakes_nothing() -> None:

@@ -1,11 +1,10 @@
-"""Dahl's friction: its curve, its loops, and what it does under a load that varies."""
+"""Dahl's friction: its curve from rest."""
 
 from math import exp, log
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from support.kernels import state_of
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Dahl
@@ -36,24 +35,3 @@ def test_the_curve_from_rest_is_dahls(exponent: float, way: float) -> None:
     # Recorded is the mean force over half of the way that the first tangent takes to the limit.
     expected = np.diff([work(0.5 * k, exponent) for k in range(11)]) / 0.5
     assert_allclose(-way * series["friction_force"][1:] / LIMIT, expected, atol=1e-9)
-
-
-@pytest.mark.long
-def test_dahls_loop_of_a_small_swing_grows_with_its_cube() -> None:
-    """4/3 sigma^2 X^3/F_c, where viscous damping has X^2 and Coulomb's X; by quadrature of the kernel."""
-    friction = Dahl(MU, SIGMA)
-    swing, steps = 0.03 * YIELD, 4000
-    x = swing * np.sin(2.0 * np.pi * np.arange(40 * steps + 1) / steps)
-    z, force = 0.0, np.zeros(x.size)
-    for k, dx in enumerate(np.diff(x)):
-        # The midpoint rule with the way in the place of time.
-        half = z + 0.5 * state_of(friction, WEIGHT, dx, z)[1]
-        z += state_of(friction, WEIGHT, dx, half)[1]
-        force[k + 1] = -state_of(friction, WEIGHT, dx, z)[0]
-    area = np.trapezoid(force[-steps - 1 :], x[-steps - 1 :])
-    assert_allclose(area, 4.0 / 3.0 * LIMIT * swing**3 / YIELD**2, rtol=2e-3)
-
-
-def test_a_contact_without_friction_has_none() -> None:
-    friction = Dahl(0.0)
-    assert state_of(friction, 5.0, 1.0, 0.0) == (0.0,) * 4

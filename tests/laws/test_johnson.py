@@ -1,4 +1,4 @@
-"""Johnson's restitution of a ball that yields: from its dent, by its power of the speed, bounce by bounce."""
+"""Johnson's restitution of a ball that yields: from its dent, and by its power of the speed."""
 
 from math import pi, sqrt
 
@@ -6,10 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from support.impacts import drawn_impacts, impact_of
-from support.kernels import solve_of
 
-from contactlab.laws import Johnson, LagrangeStick, Newton
-from contactlab.testing.plants import block, last, run
+from contactlab.laws import Johnson, Newton
 
 MODULUS, STRENGTH, RADIUS = 115e9, 3e8, 4.5e-3
 """E* [Pa], Y [Pa], R [m]."""
@@ -74,33 +72,3 @@ def test_with_friction_it_is_newtons_impact_of_that_restitution() -> None:
         assert result == pytest.approx(expected, rel=1e-9)
         turned = impact_of(law, normal, -slip, (d[0], -d[1], d[2]))
         assert turned == (result[0], -result[1], result[2])
-
-
-def test_contact_that_lasts_has_no_restitution() -> None:
-    law, d = Johnson(0.6), (900.0, 20.0, 2000.0)
-    for gap_rate in (0.0, -1e-18):
-        result = solve_of(law, -1e-3, 1e-3, gap_rate, 1e-3, *d)
-        expected = solve_of(LagrangeStick(0.6), -1e-3, 1e-3, gap_rate, 1e-3, *d)
-        assert result == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_ball_that_is_dropped_bounces_with_another_restitution_each_time() -> None:
-    """e_k = e(v_k), v_(k+1) = e_k v_k: the first bounces of a drop, by their speeds."""
-    mass, gravity, height = 2e-3, 9.81, 0.05
-    law = Johnson(0.0, MODULUS, 1e8, RADIUS)
-    speed, flight = sqrt(2.0 * gravity * height), 0.0
-    expected, speeds = [], []
-    for _ in range(4):
-        e = min(1.0, (law.parameters()[1] / (mass * speed**2)) ** 0.125)
-        speeds.append(speed)
-        expected.append(e)
-        speed *= e
-        flight += 2.0 * speed / gravity
-    ball = block(mass, height=height, weight=mass * gravity)
-    fall = sqrt(2.0 * height / gravity)
-    made = run(ball, law, fall + 0.99 * flight, 1e-9)
-    result = -made.contacts["separation_velocity"] / made.contacts["approach_velocity"]
-    assert -made.contacts["approach_velocity"] == pytest.approx(speeds, rel=1e-6)
-    assert result == pytest.approx(expected, rel=1e-6)
-    assert np.all(np.diff(result) > 0.01)
-    assert last(made, "gap") > 0.0

@@ -1,11 +1,10 @@
-"""Wear after Archard: the volume worn is (k/H) times the integral of N |v|, and the surface recedes by it."""
+"""Wear after Archard: the volume worn is (k/H) times the integral of N |v|."""
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from contactlab.engine import simulate
-from contactlab.laws import HertzPenalty
 from contactlab.laws.archard import Archard
 from contactlab.testing.plants import block, paper_motor, run
 
@@ -15,24 +14,6 @@ MU, STIFFNESS, WEIGHT, MASS = 0.3, 1e10, 5.0, 2e-3
 def softness(law: Archard) -> float:
     """Depth worn by a work of N over a way [m/J]."""
     return law.wear_coefficient / (law.hardness * law.apparent_area)
-
-
-def test_kernels_say_one_thing_of_force_energy_and_wear() -> None:
-    """dV/dt = -N gdot - loss along a flow of gap and wear, and where the wear is the contact ends."""
-    law = Archard(wear_coefficient=0.5)
-    wear, gap, gap_rate, slip, step = 3e-7, -1.2e-6, 0.07, -0.4, 1e-11
-    normal, bound, _, loss = law.evaluate("force", depth=-gap, slip=slip, wear=wear)
-    assert normal == pytest.approx(STIFFNESS * 0.9e-6**1.5)
-    assert bound == pytest.approx(MU * normal)
-    worn = law.evaluate("rate", normal=normal, slip=slip)
-    assert worn == pytest.approx(softness(law) * normal * abs(slip))
-    ahead, behind = (
-        law.evaluate("force", depth=-gap - t * gap_rate, slip=slip, wear=wear + t * worn)[2]
-        for t in (step, -step)
-    )
-    assert (ahead - behind) / (2.0 * step) == pytest.approx(-normal * gap_rate - loss, rel=1e-6)
-    assert loss == pytest.approx(normal * worn)
-    assert law.limits(wear) == (-wear, -wear)
 
 
 def test_a_block_with_a_constant_weight_wears_linearly_in_the_way() -> None:
@@ -76,29 +57,3 @@ def test_a_motor_wears_by_the_work_of_its_friction(tolerance: float | None, clos
     assert_allclose(series["contact_loss"][-1], worn_off, rtol=1e-3)
     residual = np.abs(series["energy_residual"]).max()
     assert residual < 1e-6 * series["drive_work"].max()
-
-
-def test_contact_of_a_worn_surface_begins_where_the_surface_is() -> None:
-    """A block comes down again and again, sliding, and each time later by what it has worn."""
-    law = Archard(wear_coefficient=0.1)
-    rate = 2.0 * np.pi * 100.0
-    motor = block(MASS, gap_rate=-0.05, velocity=0.5, normal_stiffness=MASS * rate**2)
-    made = run(motor, law, 1.2e-2, record_interval=1e-6)
-    starts = made.contacts["start_time"]
-    assert starts.size >= 2
-    for start, wear in zip(
-        starts[1:], (np.interp(starts[1:], made.time, made.series["internal_wear"])), strict=True
-    ):
-        gap = np.interp(start, made.time, made.series["gap"])
-        assert gap == pytest.approx(-wear, rel=0.05)
-        assert wear > 1e-8
-
-
-def test_without_wear_it_is_hertz_with_coulombs_friction() -> None:
-    worn, plain = (
-        simulate(paper_motor(), law, duration=1e-3, record_interval=1e-5).series
-        for law in (Archard(wear_coefficient=0.0), HertzPenalty())
-    )
-    scale = np.abs(plain["rotor_velocity"]).max()
-    assert_allclose(worn["rotor_velocity"], plain["rotor_velocity"], atol=1e-9 * scale)
-    assert np.all(worn["internal_wear"] == 0.0)

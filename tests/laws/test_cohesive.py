@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
@@ -77,14 +76,3 @@ def test_a_block_that_hangs_from_its_attraction_still_rubs() -> None:
     slowing = MU * (2.0 * normal.attraction - pull)
     assert_allclose(made.series["slip_velocity"], start - slowing * made.time, atol=1e-9)
     assert_allclose(made.series["normal_force"][1:], -pull, rtol=1e-9)
-
-
-def test_an_impact_without_cohesion_is_that_of_coulomb_and_cohesion_adds_its_own_time() -> None:
-    """m dv_t = -mu (2 m v_n + C T) in an impact that slips throughout, T half a period of the spring."""
-    mass, speed, start = 0.01, 0.1, 0.5
-    duration = np.pi * np.sqrt(mass / SPRING)
-    for cohesion in (0.0, C):
-        law = Composed(Linear(SPRING), friction=Cohesive(MU, 1.0, cohesion))
-        ball = block(mass, height=1e-6, gap_rate=-speed, velocity=start)
-        lost = start - last(run(ball, law, 1e-5 + 2.0 * duration), "slip_velocity")
-        assert_allclose(lost, MU * (2.0 * speed + cohesion * duration / mass), rtol=1e-6)

@@ -1,6 +1,5 @@
 """Rate and state: steady slip, steps of the slip, ageing, and the stability of a slider on a spring."""
 
-from functools import partial
 from math import exp, log, sqrt
 
 import numpy as np
@@ -160,12 +159,3 @@ def test_a_motor_runs_with_a_small_direct_effect_in_a_few_hundred_steps_a_contac
         assert made.statistics["contact_steps"] < 300 * made.statistics["touchdowns"]
         residual = np.abs(made.series["energy_residual"]).max()
         assert residual < 1e-8 * made.series["drive_work"].max()
-
-
-def test_least_creep_is_no_matter_of_a_motor() -> None:
-    simulated = partial(simulate, paper_motor(), duration=1e-3, record_interval=1e-4)
-    ends = [
-        simulated(Composed(friction=RateAndState(creep_velocity=least))).series["rotor_velocity"][-1]
-        for least in (1e-9, 1e-11)
-    ]
-    assert ends[0] == pytest.approx(ends[1], rel=1e-7)

@@ -1,6 +1,6 @@
-"""The Stribeck curve in a set-valued cone: its numbers, stopping, growth on a belt, stick-slip."""
+"""The Stribeck curve in a set-valued cone: its bound, growth on a belt, stick-slip."""
 
-from math import atan, exp, pi, sqrt
+from math import exp, pi, sqrt
 
 import numpy as np
 import pytest
@@ -8,10 +8,10 @@ from numpy.testing import assert_allclose
 from support.stribeck_belt import Belt, Stribeck as BeltLaw
 
 from contactlab.laws.composed import Composed
-from contactlab.laws.friction import Coulomb, Stribeck
+from contactlab.laws.friction import Stribeck
 from contactlab.laws.normal import Linear
 from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
-from contactlab.testing.plants import first, last, run, way_of
+from contactlab.testing.plants import last, run, way_of
 
 MU, RATIO = 0.3, 1.5
 DROP = MU * (RATIO - 1.0)
@@ -63,23 +63,3 @@ def test_stick_slip_on_a_belt_is_that_of_an_ordinary_differential_equation(
     result = way_of(made.series["tip_slope"])[-1], last(made, "slip_velocity") + belt.belt_velocity
     assert_allclose(result, belt.end(4e-3), rtol=1e-6, atol=1e-9)
     assert set(made.contact_mode[1:].tolist()) == {1, 2}
-
-
-def test_a_short_fall_gives_the_stick_slip_of_two_coefficients() -> None:
-    """t_stick = 2 dF/(k v_b) and t_slip = (2/w)[pi - atan(dF w/(k v_b))] where v_s is far below v_b."""
-    stiffness, belt = 100.0, 0.1
-    drop, pull = DROP * WEIGHT, stiffness * belt
-    root = sqrt(stiffness)
-    stick, slip = 2.0 * drop / pull, 2.0 / root * (pi - atan(drop * root / pull))
-    away = MU * RATIO * WEIGHT / pull
-    motor = resting(stiffness=stiffness, velocity=belt, belt_velocity=belt)
-
-    def stuck(law: Composed) -> float:
-        return first(run(motor, law, away + slip + 0.5 * stick, 1e-3), "stick_duration")
-
-    expected = away + 0.5 * stick
-    coulomb = stuck(Composed(Linear(SPRING), friction=Coulomb(MU, RATIO)))
-    assert_allclose(coulomb, expected, rtol=1e-6)
-    errors = [abs(stuck(law_of(v)) - expected) for v in (1e-4, 1e-6)]
-    assert errors[0] < 3e-3 * slip
-    assert errors[1] < 3e-5 * slip
