@@ -78,8 +78,9 @@ class Compare(Study):
     folders of such folders, of one motor with one drive. Other listed values, drive.phase=-1,0,1, are
     operating points. The motors are compared once they have settled, in pairs: a draw of all that is
     uncertain serves every law, so that a difference within it is the law's. KEY=LOW..HIGH,
-    KEY=MEAN+-DEVIATION and KEY=+-SHARE state what is uncertain, beside friction, contact stiffness, clearance, basis, step
-    and start. Draws continue until the order of each pair is known, or `samples` are spent.
+    KEY=MEAN+-DEVIATION and KEY=+-SHARE state what is uncertain, beside friction, contact stiffness,
+    clearance, basis, step and start. Draws continue until the order of each pair is known, or `samples` are
+    spent.
     """
 
     name: ClassVar[str] = "compare"
@@ -106,7 +107,7 @@ class Compare(Study):
     posterior: Annotated[
         str | None, option("file of a fit, whose posteriors the laws' numbers are drawn from")
     ] = None
-    quantities: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
+    observe: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
         field(default_factory=lambda: [*USUAL])
     )
     measured: Annotated[list[str] | None, option("files of measured impacts or series")] = None
@@ -142,11 +143,11 @@ class Compare(Study):
         """
         if self.samples & (self.samples - 1):
             raise ComparisonError([f"study.samples is {self.samples}; it must be a power of two, or 0."])
-        unknown = [name for name in self.quantities if name not in OBSERVABLES]
-        if unknown or not self.quantities or self.quantities[0] != next(iter(OBSERVABLES)):
+        unknown = [name for name in self.observe if name not in OBSERVABLES]
+        if unknown or not self.observe or self.observe[0] != next(iter(OBSERVABLES)):
             raise ComparisonError(
                 [
-                    f"study.quantities is {', '.join(self.quantities)}; it must be rotor_velocity, "
+                    f"study.observe is {', '.join(self.observe)}; it must be rotor_velocity, "
                     f"then any of {', '.join([*OBSERVABLES][1:])}."
                 ]
             )
@@ -212,7 +213,7 @@ class Compare(Study):
             return None
         whole = all("resonator" in setup.configuration for setup in grid.setups.values())
         factors = self.factors(grid) if whole else ()
-        return _Design(grid, factors, self.samples if whole else 0, tuple(self.quantities), self.posteriors)
+        return _Design(grid, factors, self.samples if whole else 0, tuple(self.observe), self.posteriors)
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return reruns, other starts and predictions of measurements of each law, and the draws.
@@ -347,9 +348,9 @@ class _Design:
         """The tasks of the motors as configured, by operating point, basis and step."""
         tasks = {}
         for number, cell in enumerate(self.grid.cells):
-            for basis, step in np.ndindex(*LEVELS.values()):
+            for basis, step in np.ndindex(LEVELS):
                 if self.factors:
-                    tasks[number, basis, step] = self._task(cell, as_configured(self.factors, basis, step))
+                    tasks[number, basis, step] = self._task(cell, as_configured(self.factors, basis), step)
                 elif not basis:
                     setups = {law: self._finer(self.grid.setups[law, cell], step) for law in self.grid.laws}
                     tasks[number, basis, step] = Task(f"step {step}", do_draw, (setups, self.names))
@@ -364,10 +365,11 @@ class _Design:
         """Return the tasks of the first draws, those of an operating point together."""
         return [self._task(cell, draw) for cell in self.grid.cells for draw in self.draws(count)]
 
-    def _task(self, cell: str, draw: Array) -> Task:
+    def _task(self, cell: str, draw: Array, step: int = 0) -> Task:
         laws = {law: self.grid.setups[law, cell] for law in self.grid.laws}
         configurations = {
-            law: configuration_of(setup, self.factors, draw, self.posterior) for law, setup in laws.items()
+            law: configuration_of(setup, self.factors, draw, self.posterior, step)
+            for law, setup in laws.items()
         }
         return Task(_key("draw", "", configurations), do_draw, (configurations, self.names))
 
@@ -384,14 +386,16 @@ class _Design:
     def settled(self, parts: Mapping[str, xarray.DataTree], count: int) -> Settled:
         """Return the settled motors of a number of draws."""
         size = len(self.grid.laws), len(self.grid.cells)
-        nominal = np.full((*size, *LEVELS.values(), len(self.names)), np.nan)
-        for (cell, *level), task in self._nominal.items():
-            nominal[:, cell, *level] = parts[task.key]["value"].values
-        tasks = self.drawn_tasks(count)
-        both = [[parts[task.key][name].values for task in tasks] for name in ("value", "error")]
+        nominal = np.full((*size, *LEVELS, len(self.names)), np.nan)
+        for (cell, basis, step), task in self._nominal.items():
+            nominal[:, cell, basis, step] = parts[task.key].to_dataset()["value"].values
+        every = [parts[task.key].to_dataset() for task in self.drawn_tasks(count)]
         # Draws of an operating point stand together.
         shape = (len(self.grid.cells), count, len(self.grid.laws), len(self.names))
-        values, errors = (np.moveaxis(np.reshape(each, shape), 2, 0) for each in both)
+        values, errors = (
+            np.moveaxis(np.reshape([data[name].values for data in every], shape), 2, 0)
+            for name in ("value", "error")
+        )
         laws = [self.grid.setups[law, self.grid.cells[0]].law for law in self.grid.laws]
         return Settled(nominal, values, errors, [law.convergence_order for law in laws])
 
@@ -399,7 +403,7 @@ class _Design:
         """Return a scorecard with the paired comparison."""
         count = self.spent(parts)
         tasks = [*self.nominal_tasks, *self.drawn_tasks(count)]
-        failures = [str(x) for task in tasks for x in parts[task.key]["failure"].values if x]
+        failures = [str(x) for task in tasks for x in parts[task.key].to_dataset()["failure"].values if x]
         if failures:
             data.attrs["notes"] += (
                 f"\n{len(failures)} of {len(tasks) * len(self.grid.laws)} motors have no steady state: "

@@ -1,7 +1,8 @@
 """What is uncertain of a motor and its laws: priors of any key, and draws that serve all laws alike.
 
-One draw of parameters, basis, step and start serves every law: common random numbers. Draws are points of a
-scrambled Sobol' sequence, whose first 16, 32, 64 points are designs of their own.
+One draw of parameters, basis and start serves every law: common random numbers. Draws are points of a
+scrambled Sobol' sequence, whose first 16, 32, 64 points are designs of their own. They have the configured
+step; what that changes is computed for the motor as configured.
 """
 
 import re
@@ -36,9 +37,11 @@ SPREAD: Final[dict[str, tuple[str, ...]]] = {
 }
 """Parameters by name, in the order of `Uncertainty`: a scale applies to the keys that a law has."""
 
-BASIS, STEP, START, POSTERIOR = "basis", "step", "start", "posterior"
+BASIS, START, POSTERIOR = "basis", "start", "posterior"
 FREQUENCY: Final = "drive.frequency"
-LEVELS: Final = {BASIS: 2, STEP: 3}
+LEVELS: Final = 2, 3
+"""Numbers of bases and of steps."""
+
 
 CONVERGED: Final = "finite_element"
 """Option of the group `resonator` with the converged basis."""
@@ -106,8 +109,7 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, 
     """Return what is drawn for laws: what is uncertain by default, what a prior states, and levels.
 
     Uncertain by default are friction, contact stiffness and clearance within the section `uncertainty` of the
-    configuration, what a law declares by `Parameter.spread`, the basis, the step, and the rotor velocity at
-    the start.
+    configuration, what a law declares by `Parameter.spread`, the basis, and the rotor velocity at the start.
 
     Args:
         runs: with their configurations.
@@ -149,7 +151,7 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, 
         if not (factor.prior == "scale" and (factor.b == 0.0 or not _scalable(runs, factor.keys)))
     ]
     start = () if "rotor.initial_velocity" in priors else (Factor(START, a=-1.0),)
-    return (*parameters, *(Factor(name, prior="level", b=count) for name, count in LEVELS.items()), *start)
+    return (*parameters, Factor(BASIS, prior="level", b=LEVELS[0]), *start)
 
 
 def _prior(key: str, keys: tuple[str, ...], text: str, declared: Parameter) -> Factor | None:
@@ -208,18 +210,17 @@ def drawn(factors: Sequence[Factor], count: int) -> Array:
     return np.column_stack([factor.at(uniform[:, i]) for i, factor in enumerate(factors)])
 
 
-def as_configured(factors: Sequence[Factor], basis: int, step: int) -> Array:
-    """Return the draw of the motor as configured, on a basis and at a step, shape (factor,)."""
-    levels = {BASIS: float(basis), STEP: float(step)}
-    return np.array([levels.get(factor.name, np.nan) for factor in factors])
+def as_configured(factors: Sequence[Factor], basis: int) -> Array:
+    """Return the draw of the motor as configured, on a basis, shape (factor,)."""
+    return np.array([basis if factor.name == BASIS else np.nan for factor in factors])
 
 
 def configuration_of(
-    setup: Setup, factors: Sequence[Factor], draw: Array, posterior: "Posteriors | None" = None
+    setup: Setup, factors: Sequence[Factor], draw: Array, posterior: "Posteriors | None" = None, step: int = 0
 ) -> dict[str, Any]:
-    """Return the configuration of a law's motor in a draw; NaN leaves a parameter as configured."""
-    level = {factor.name: int(x) for factor, x in zip(factors, draw, strict=True) if factor.prior == "level"}
-    settings = flat(on_other_basis(setup)[0] if level[BASIS] else setup.configuration)
+    """Return the configuration of a law's motor in a draw and at a step; NaN leaves a parameter."""
+    other = any(factor.name == BASIS and x for factor, x in zip(factors, draw, strict=True))
+    settings = flat(on_other_basis(setup)[0] if other else setup.configuration)
     settings |= {FREQUENCY: None} if is_tuned(setup) else {}
     for factor, x in zip(factors, draw.tolist(), strict=True):
         if factor.name == START and not np.isnan(x):
@@ -229,7 +230,7 @@ def configuration_of(
         elif not np.isnan(x):
             settings |= _changed(settings, factor, x)
     control = control_of(setup.law)
-    settings[f"solver.{control}"] /= FINER[control][level[STEP]]
+    settings[f"solver.{control}"] /= FINER[control][step]
     return nested(settings)
 
 

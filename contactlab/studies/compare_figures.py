@@ -32,8 +32,8 @@ CAPTIONS: Final = {
     "operating_points": "Settled velocity as configured over the operating points; below, the paired "
     "difference from the first law, median and 5 to 95 % of the draws.",
     "where_to_measure": "Expected natural log Bayes factor of one measurement for the median pair of laws "
-    "that are not equal, by its error over the size of the quantity; 3 is strong evidence. Several bars of one "
-    "error are operating points.",
+    "that are not equal, by its error over the size of the quantity; 3 is strong evidence. Several bars of "
+    "one error are operating points.",
     "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
     "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
@@ -146,7 +146,7 @@ def _last_known(values: Array) -> Array:
 
 def _quantiles(values: Array) -> Array:
     """Return 5 and 95 % of every row, NaN where nothing is known."""
-    known = np.isfinite(values).any(axis=1, keepdims=True)
+    known: Array = np.asarray(np.isfinite(values).any(axis=1, keepdims=True))
     ends = np.nanquantile(np.where(known, values, 0.0), RANGE, axis=1)
     return np.where(known[:, 0], ends, np.nan)
 

@@ -49,8 +49,8 @@ def _values(data: xarray.Dataset) -> Iterator[str]:
         values = values.sortby(values)[[0, -1]]
         spread = ends(values.values, values["law"].values, " rad/s") if data.sizes["law"] > 1 else ""
         yield (
-            f"Settled rotor velocity: {spread or f'{float(values[0]):.4g} rad/s'}; neither numerical error nor "
-            "what is uncertain of the motor was computed, so that no order of the laws is shown."
+            f"Settled rotor velocity: {spread or f'{float(values[0]):.4g} rad/s'}; neither numerical error "
+            "nor what is uncertain of the motor was computed, so that no order of the laws is shown."
         )
 
 
@@ -63,7 +63,7 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
     fixed = data.attrs.get("not_varied", "")
     where = f" at each of {len(points)} operating points" if len(points) > 1 else ""
     yield (
-        f"{draws} motors were drawn{where}, each under every law: {listed([*map(str, data['prior'].values)])}."
+        f"{draws} motors were drawn{where}, each under every law: {listed(list(data['prior'].values))}."
         + (f" Not varied: {fixed}." if fixed else "")
         if draws
         else "Nothing was drawn: the motor counts as exactly known, and no order of laws is shown."
@@ -80,8 +80,8 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
         }
         yield (
             f"Of {len(pairs)} pairs {count['one']} have one order of settled velocities in at least "
-            f"{100 * AGREED:.0f} % of the motors{where}, {count['equal']} are equal, in {count['reversed']} it "
-            f"reverses between operating points, in {count['varies']} it varies with what is drawn, and "
+            f"{100 * AGREED:.0f} % of the motors{where}, {count['equal']} are equal, in {count['reversed']} "
+            f"it reverses between operating points, in {count['varies']} it varies with what is drawn, and "
             f"{count['open']} are inconclusive (95 % for all pairs, Holm)."
         )
         sizes = np.abs(velocity["difference"].values).max(axis=-1)
@@ -136,12 +136,9 @@ def _pair(data: xarray.Dataset, a: int, b: int) -> Iterator[str]:
     if not data.sizes["draw"]:
         yield f"{head}, {error}."
         return
-    most = int(here["sign_share"].fillna(0.0).argmax())
-    count = int(
-        np.isfinite(data["drawn_value"].sel(quantity="rotor_velocity").isel(cell=0, law=[a, b]))
-        .all("law")
-        .sum()
-    )
+    most = int(np.argmax(np.nan_to_num(here["sign_share"].values)))
+    drawn = data["drawn_value"].sel(quantity="rotor_velocity").isel(cell=0, law=[a, b]).values
+    count = int(np.isfinite(drawn).all(axis=0).sum())
     parts = [
         f"{float(mean):.3g} +- {float(deviation):.2g} {'on the other basis' if n else 'as configured'}"
         for n, (mean, deviation) in enumerate(
@@ -159,12 +156,12 @@ def _pair(data: xarray.Dataset, a: int, b: int) -> Iterator[str]:
         INCONCLUSIVE: "whether the order is the laws' is inconclusive",
     }[int(here["order"])]
     yield (
-        f"{head} ({'; '.join(parts)}; {error}); the sign is {sign} in {round(share * count)} of {count} draws, "
-        f"probability {low:.2f} to {high:.2f}: {verdict}."
+        f"{head} ({'; '.join(parts)}; {error}); the sign is {sign} in {round(share * count)} of {count} "
+        f"draws, probability {low:.2f} to {high:.2f}: {verdict}."
     )
     correlation = here["rank_correlation"]
     if correlation.notnull().any():
-        strongest = correlation.isel(factor=int(np.abs(correlation).fillna(0.0).argmax()))
+        strongest = correlation.isel(factor=int(np.argmax(np.nan_to_num(np.abs(correlation.values)))))
         yield (
             f"Its size follows {strongest['factor'].item()} most (rank correlation {float(strongest):.2f})."
         )

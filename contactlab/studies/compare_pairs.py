@@ -9,7 +9,7 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.inference.paired import EQUAL, INCONCLUSIVE, VERDICTS, classes, log_bayes_factors, orders
 from contactlab.metrics.convergence import FINER, richardson
-from contactlab.studies.compare_draws import BASIS, LEVELS, STEP, Factor
+from contactlab.studies.compare_draws import BASIS, LEVELS, Factor
 from contactlab.studies.compare_observables import OBSERVABLES
 
 BASES: Final = ("as configured", "other basis")
@@ -69,15 +69,14 @@ def step_errors(settled: Settled) -> Array:
 def signs_of(settled: Settled, factors: Sequence[Factor], draws: Array) -> Array:
     """Return the signs of differences, shape (law, law, cell, quantity, draw).
 
-    Zero is a difference within `CLEAR` numerical errors on the draw's basis and at its step, or within
+    Zero is a difference within `CLEAR` numerical errors on the draw's basis, or within
     `MARGIN`, with statistical errors of aperiodic motions added; NaN where a motor has no steady state or its
     error is not known.
     """
-    names = [factor.name for factor in factors]
     if not len(draws):
         return np.empty((len(settled.nominal),) * 2 + (*settled.drawn.shape[1::2], 0))
-    basis, step = (draws[:, names.index(name)].astype(int) for name in (BASIS, STEP))
-    numerical = np.moveaxis(step_errors(settled)[:, :, :, basis, step], 3, 4)
+    basis = draws[:, [factor.name for factor in factors].index(BASIS)].astype(int)
+    numerical = np.moveaxis(step_errors(settled)[:, :, :, basis, 0], 3, 4)
     values, statistical = (np.moveaxis(each, 2, 3) for each in (settled.drawn, settled.errors))
     difference = values[:, None] - values[None]
     size = np.maximum(np.abs(values[:, None]), np.abs(values[None]))
@@ -150,63 +149,66 @@ def with_pairs(
     units = {"comment": "units differ by quantity, see `quantity_units`"}
     meaning = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": " ".join(VERDICTS)}
     basis = draws[:, [factor.name for factor in factors].index(BASIS)] if factors else np.empty(0)
-    by_basis = [difference[..., basis == level] for level in range(LEVELS[BASIS])]
+    by_basis = [difference[..., basis == level] for level in range(LEVELS[0])]
     sizes = np.nanmedian(np.abs(values), axis=(0, 3)) if values.size else np.empty((len(cells), len(names)))
     factor_of_bayes = np.full((len(MEASUREMENT_ERRORS), laws, laws, len(cells), len(names)), np.nan)
     for cell, quantity in np.ndindex(sizes.shape if values.size else (0, 0)):
-        deviations = [share * sizes[cell, quantity] for share in MEASUREMENT_ERRORS]
+        deviations = [float(share * sizes[cell, quantity]) for share in MEASUREMENT_ERRORS]
         factor_of_bayes[..., cell, quantity] = log_bayes_factors(values[:, cell, quantity], deviations)
     same = (verdict == EQUAL).all(axis=2)
     sign = (*PAIR, "sign")
-    return data.assign(
-        nominal=(("law", "cell", "basis", "step", "quantity"), settled.nominal, units),
-        drawn=(("draw", "factor"), draws, {"comment": "NaN: as configured; scales, values and levels"}),
-        drawn_value=(("law", "cell", "draw", "quantity"), settled.drawn, units),
-        difference=(PAIR, middle, {"long_name": "law less other law, median over the draws", **units}),
-        difference_low=(PAIR, low, {"long_name": "5 % of the draws", **units}),
-        difference_high=(PAIR, high, {"long_name": "95 % of the draws", **units}),
-        difference_error=(
-            PAIR,
-            np.fmax(error[:, :, :, 0], error[:, :, :, 1]),
-            {"long_name": "numerical error, finest step", **units},
-        ),
-        basis_mean=((*PAIR, "basis"), _by(np.mean, by_basis), {"long_name": "mean of the draws", **units}),
-        basis_deviation=((*PAIR, "basis"), _by(np.std, by_basis), {"long_name": "deviation", **units}),
-        sign_share=(sign, outcome.share, {"units": "1"}),
-        sign_low=(sign, outcome.low, {"units": "1", "long_name": "lower end of the 95 % interval"}),
-        sign_high=(sign, outcome.high, {"units": "1", "long_name": "upper end of the 95 % interval"}),
-        p_value=(PAIR, outcome.p_value, {"units": "1", "long_name": "p-value, corrected by Holm"}),
-        order=(PAIR, verdict.astype(np.int8), meaning),
-        rank_correlation=((*PAIR, "factor"), _correlations(difference, draws), {"units": "1"}),
-        log_bayes_factor=(
-            ("measurement_error", *PAIR),
-            factor_of_bayes,
-            {"units": "1", "long_name": "expected natural log Bayes factor of one measurement"},
-        ),
-        **{
-            "class": (
-                ("quantity", "law"),
-                np.array([classes(same[..., number]) for number in range(len(names))]),
-                {"long_name": "laws that cannot be told apart at any operating point"},
-            )
-        },
-    ).assign_coords(
-        other_law=data["law"].values,
-        cell=list(cells),
-        basis=list(BASES),
-        sign=["+", "-", "0"],
-        quantity=list(names),
-        quantity_units=("quantity", [each.units for each in quantities]),
-        quantity_name=("quantity", [each.long_name for each in quantities]),
-        factor=[factor.name for factor in factors],
-        prior=("factor", [factor.text for factor in factors]),
-        measurement_error=list(MEASUREMENT_ERRORS),
+    members = np.array([classes(same[..., number]) for number in range(len(names))])
+    about = {"long_name": "laws that cannot be told apart at any operating point"}
+    return (
+        data.assign({"class": (("quantity", "law"), members, about)})
+        .assign(
+            nominal=(("law", "cell", "basis", "step", "quantity"), settled.nominal, units),
+            drawn=(("draw", "factor"), draws, {"comment": "NaN: as configured; scales, values and levels"}),
+            drawn_value=(("law", "cell", "draw", "quantity"), settled.drawn, units),
+            difference=(PAIR, middle, {"long_name": "law less other law, median over the draws", **units}),
+            difference_low=(PAIR, low, {"long_name": "5 % of the draws", **units}),
+            difference_high=(PAIR, high, {"long_name": "95 % of the draws", **units}),
+            difference_error=(
+                PAIR,
+                np.fmax(error[:, :, :, 0], error[:, :, :, 1]),
+                {"long_name": "numerical error, finest step", **units},
+            ),
+            basis_mean=(
+                (*PAIR, "basis"),
+                _by(np.mean, by_basis),
+                {"long_name": "mean of the draws", **units},
+            ),
+            basis_deviation=((*PAIR, "basis"), _by(np.std, by_basis), {"long_name": "deviation", **units}),
+            sign_share=(sign, outcome.share, {"units": "1"}),
+            sign_low=(sign, outcome.low, {"units": "1", "long_name": "lower end of the 95 % interval"}),
+            sign_high=(sign, outcome.high, {"units": "1", "long_name": "upper end of the 95 % interval"}),
+            p_value=(PAIR, outcome.p_value, {"units": "1", "long_name": "p-value, corrected by Holm"}),
+            order=(PAIR, verdict.astype(np.int8), meaning),
+            rank_correlation=((*PAIR, "factor"), _correlations(difference, draws), {"units": "1"}),
+            log_bayes_factor=(
+                ("measurement_error", *PAIR),
+                factor_of_bayes,
+                {"units": "1", "long_name": "expected natural log Bayes factor of one measurement"},
+            ),
+        )
+        .assign_coords(
+            other_law=data["law"].values,
+            cell=list(cells),
+            basis=list(BASES),
+            sign=["+", "-", "0"],
+            quantity=list(names),
+            quantity_units=("quantity", [each.units for each in quantities]),
+            quantity_name=("quantity", [each.long_name for each in quantities]),
+            factor=[factor.name for factor in factors],
+            prior=("factor", [factor.text for factor in factors]),
+            measurement_error=list(MEASUREMENT_ERRORS),
+        )
     )
 
 
 def _quantile(values: Array, share: float) -> Array:
     """Return quantiles over the last axis, NaN where nothing is known."""
-    known = np.isfinite(values).any(axis=-1, keepdims=True)
+    known: Array = np.asarray(np.isfinite(values).any(axis=-1, keepdims=True))
     return np.asarray(
         np.where(known[..., 0], np.nanquantile(np.where(known, values, 0.0), share, axis=-1), np.nan)
     )

@@ -207,19 +207,21 @@ def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
     if free := [label for label, kind in kinds.items() if kind == WITHOUT_CONTACT]:
         yield f"Settled without contact, so that nothing turns the rotor: {listed(free)}."
     if other := [
-        f"{x} ({kind})" for x, kind in kinds.items() if kind not in (NOT_KNOWN, WITHOUT_CONTACT, "periodic")
+        f"{label} ({kind})"
+        for label, kind in kinds.items()
+        if kind not in (NOT_KNOWN, WITHOUT_CONTACT, "periodic")
     ]:
         yield (
             f"No periodic motion: {listed(other)}; values are means over {LONGEST // 2} periods, with "
             "statistical errors."
         )
-    several = []
+    several: list[str] = []
     for law in laws:
         reached = law.states.get("starts", ())
         if len(reached) > 1 and law.means:
             # Without contact the rotor keeps its initial velocity.
-            speeds = [x.kind if x.kind == WITHOUT_CONTACT else f"{x.values[0]:.3g} rad/s" for x in reached]
-            several.append(f"{law.label} ({', '.join(speeds)})")
+            each = [x.kind if x.kind == WITHOUT_CONTACT else f"{x.values[0]:.3g} rad/s" for x in reached]
+            several.append(f"{law.label} ({', '.join(each)})")
     if several:
         yield f"Several motions, depending on the start: {listed(several)}."
 

@@ -62,7 +62,7 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
             (x, y) for x in enumerate(cells) for y in combinations(range(len(laws)), 2)
         ):
             pair = here.isel(cell=i, law=a, other_law=b)
-            most = int(pair["sign_share"].fillna(0.0).argmax())
+            most = int(np.argmax(np.nan_to_num(pair["sign_share"].values)))
             bases = zip(pair["basis_mean"].values, pair["basis_deviation"].values, strict=True)
             row: dict[str, Any] = {
                 "quantity": quantity.replace("_", " "),
@@ -84,9 +84,9 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
             row["p"] = float(pair["p_value"])
             rows.append(row)
     caption = (
-        f"Differences of pairs of laws over {data.sizes['draw']} draws that serve all laws: median, 5 and 95 %, "
-        "mean and deviation on each basis, most frequent sign with the lower end of its 95 % interval, and "
-        "p-value of no order, corrected for all pairs"
+        f"Differences of pairs of laws over {data.sizes['draw']} draws that serve all laws: median, 5 and "
+        "95 %, mean and deviation on each basis, most frequent sign with the lower end of its 95 % interval, "
+        "and p-value of no order, corrected for all pairs"
     )
     frame = table(rows, caption=caption)
     frame.attrs["reference"] = len(rows) > 30
