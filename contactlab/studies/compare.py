@@ -15,7 +15,9 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
+from contactlab.inference.calibration import Datum, calibrated
 from contactlab.inference.paired import INCONCLUSIVE, looks_up_to
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.metrics import Run
@@ -107,6 +109,9 @@ class Compare(Study):
     posterior: Annotated[
         str | None, option("file of a fit, whose posteriors the laws' numbers are drawn from")
     ] = None
+    calibrate: Annotated[
+        str | None, option("datum of all laws: restitution=VALUE@SPEED or contact_time=VALUE@SPEED, in SI")
+    ] = None
     observe: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
         field(default_factory=lambda: [*USUAL])
     )
@@ -154,6 +159,8 @@ class Compare(Study):
         if not self.recorded:
             if not setups:
                 raise ComparisonError(["There is nothing to compare; there must be a run or a setup."])
+            if self.calibrate is not None:
+                setups = {label: _brought_to(self.calibrate, setup) for label, setup in setups.items()}
             grid = grid_of(setups.values(), transient=self.transient)
             if len(grid.cells) > 1 and (self.transient or not self.refine):
                 raise ComparisonError(
@@ -427,12 +434,29 @@ def _built(law: Run) -> Setup | None:
         return None
 
 
+def _delassus(motor: Motor) -> Array:
+    """Return D = G M^-1 G' at rest, normal and tangential [1/kg], shape (2, 2)."""
+    rows = np.stack([motor.modes.tip_displacement, motor.geometry.tip_length * motor.modes.tip_slope])
+    return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
+
+
 def _coupling(motor: Motor) -> float:
-    """Return |D_nt| / sqrt(D_nn D_tt) of the Delassus matrix at rest."""
-    normal, tangential = motor.modes.tip_displacement, motor.geometry.tip_length * motor.modes.tip_slope
-    turning = motor.geometry.rotor_radius**2 / motor.rotor.inertia
-    both = np.sqrt((normal @ normal) * (tangential @ tangential + turning))
-    return float(abs(normal @ tangential) / both) if both else 0.0
+    """Return |D_nt| / sqrt(D_nn D_tt) at rest."""
+    matrix = _delassus(motor)
+    return float(abs(matrix[0, 1]) / np.sqrt(matrix[0, 0] * matrix[1, 1]))
+
+
+def _brought_to(text: str, setup: Setup) -> Setup:
+    """Return a setup whose law has a datum; of one that no number brings there, the setup itself."""
+    try:
+        datum = Datum.of(text)
+    except ValueError as error:
+        raise ComparisonError([str(error)]) from None
+    number = calibrated(setup.law, datum, _delassus(setup.motor))
+    if number is None:
+        return setup
+    free, value = number
+    return build(nested(flat(setup.configuration) | {f"law.{free.name}": value}))
 
 
 def _key(label: str, name: str, subject: Setup | Mapping[str, Any]) -> str:
