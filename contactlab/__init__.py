@@ -49,6 +49,7 @@ from contactlab.laws import (
     LinearDamping as LinearDamping,
     Lining as Lining,
     LuGre as LuGre,
+    Microslip as Microslip,
     Mindlin as Mindlin,
     MoreauJean as MoreauJean,
     MultiplierLaw as MultiplierLaw,

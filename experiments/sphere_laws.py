@@ -80,6 +80,7 @@ def candidates(rebounds: spheres.Rebounds, pair: Pair) -> Iterator[Candidate]:
         "regularised": (cl.Regularised(mu), "creep velocity 1 mm/s"),
         "rate_and_state": (cl.RateAndState(mu, reference_velocity=1.0), "a 0.01, b 0.015, D 1 um, v_0 1 m/s"),
         "mindlin": (cl.Mindlin(mu, kappa), ""),
+        "microslip": (cl.Microslip(mu, kappa), ""),
     }
     for name, (friction, free) in over_hertz.items():
         law = _over_hertz(pair, friction)
@@ -106,7 +107,7 @@ def candidates(rebounds: spheres.Rebounds, pair: Pair) -> Iterator[Candidate]:
         kind = "rigid" if rigid.exact_stick else "rigid, no stick"
         yield Candidate(rigid.name, kind, predictions, free=free)
     patch = spheres.microslip(pair.effective, kappa)
-    yield Candidate("microslip", "reference", patch)
+    yield Candidate("200 springs", "reference", patch)
     yield Candidate("any curve", "bound", spheres.floor(rebounds), free="8 values")
 
 

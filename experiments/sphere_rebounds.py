@@ -135,7 +135,7 @@ def microslip(
 ) -> Callable[[Array], dict[str, Array]]:
     """Return what predicts the quantities where the contact slips from its rim inwards, as Mindlin has it.
 
-    It is no law of contactlab, but what its laws of one contact leave out. A foundation of springs
+    It is what the law `microslip` is checked against, in another discretisation. A foundation of springs
     E* dx, which the profile x^2/R presses in and each of which slides by itself at mu of its own normal
     force, is the solution of Cattaneo and Mindlin for spheres exactly, also under a force that changes:
     Popov and Hess (2015), Method of Dimensionality Reduction in Contact Mechanics and Friction, ch. 5. The

@@ -13,7 +13,7 @@ turned, da/dt = v_T / |d|, acts on the tip as M_t - M_t/|d| along the tangent, a
 pressure is normal to it. M_s against the spin thdot - Omega turns tip and rotor against each other.
 """
 
-from math import asin
+from math import asin, copysign
 
 import numpy as np
 
@@ -171,7 +171,8 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
             gap = min(step.gap[i], step.end[i]) if step.kind == COLLOCATED else step.gap[i]
             rate = step.gap_rate[i]
             g = memory.rate(k, gap, rate, slip, normal, law.parameters)
-            dz = NUDGE * ((abs(z) + abs(h * g)) if z >= 0.0 else -(abs(z) + abs(h * g)))
+            # Its sign is odd, so that a mirrored step has mirrored numbers.
+            dz = copysign(NUDGE * (abs(z) + abs(h * g)), z if z != 0.0 else g)
             if dz != 0.0:
                 law.row[HEAD + k] = z + dz
                 g_z = (memory.rate(k, gap, rate, slip, normal, law.parameters) - g) / dz

@@ -25,6 +25,7 @@ from contactlab.laws import (
     HertzPoint,
     HuntCrossley,
     LuGre,
+    Microslip,
     Mindlin,
     MultiplierLaw,
     Regularised,
@@ -354,6 +355,7 @@ def _compliant_laws() -> list[tuple[ContactLaw, Ranges]]:
         (Composed(Thornton()), {"normal.yield_pressure": None, **cone}),
         (Composed(dent), yielding),
         (Composed(elastic, Flores(), Mindlin()), lossy | ratio),
+        (Composed(elastic, Flores(), Microslip()), lossy | ratio),
         (Composed(elastic, Flores(), Regularised()), lossy | {"friction.creep_velocity": (1e-2, 3.0)}),
         (Composed(elastic, Flores(), LuGre()), lossy | {"friction.bristle_stiffness": (1e3, 1e7)}),
         (

@@ -14,6 +14,7 @@ from contactlab.laws.friction import (
     ElastoPlastic,
     Iwan,
     LuGre,
+    Microslip,
     Mindlin,
     RateAndState,
     Regularised,

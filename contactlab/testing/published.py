@@ -25,7 +25,17 @@ from contactlab.laws import (
     Linear,
 )
 from contactlab.laws.archard import Archard
-from contactlab.laws.friction import AgeingStick, BoucWen, Cohesive, Dahl, Iwan, RateAndState, Stribeck
+from contactlab.laws.base import Friction
+from contactlab.laws.friction import (
+    AgeingStick,
+    BoucWen,
+    Cohesive,
+    Dahl,
+    Iwan,
+    Microslip,
+    RateAndState,
+    Stribeck,
+)
 from contactlab.laws.normal import Dmt, Jkr, Prony, Thornton, WaltonBraun
 from contactlab.testing import closed_forms as closed
 from contactlab.testing.claim import Claim, Claims, Proof, close
@@ -143,16 +153,28 @@ def circular_limit(radius: float = 4e-3, modulus: float = 1e11, depth: float = 1
     yield close("elliptic contact of equal radii: force", result, expected, 1e-12, "N")
 
 
-def iwan_microslip(mu: float = 0.3, whole: float = 4e-7, share: float = 0.6, elements: int = 20) -> Claims:
-    """A cycle loses 24/5 mu N x_s {1 - (1 - t)^(5/3) - 5/6 t [1 + (1 - t)^(2/3)]} (Johnson 1985, 7.4)."""
+def _cycle_of_spheres(friction: Friction, whole: float, share: float, error: float) -> Claims:
+    """A cycle of a share of x_s loses 24/5 mu N x_s {1 - (1 - t)^(5/3) - 5/6 t [1 + (1 - t)^(2/3)]}."""
     t, rate = 1.0 - (1.0 - share) ** 1.5, 2.0 * pi * 50.0
     bracket = 1.0 - (1.0 - t) ** (5 / 3) - 5 / 6 * t * (1.0 + (1.0 - t) ** (2 / 3))
     heavy = resting(HEAVY, velocity=rate * share * whole, stiffness=HEAVY * rate**2)
-    law = Composed(Linear(SPRING), friction=Iwan(mu, elements=elements, full_slip=whole))
-    loss = run(heavy, law, 0.06, 1e-4, 0.02).series["friction_loss"]
-    # What is between the elements goes with 1/n^2.
-    error, expected = 4.0 / elements**2, 4.8 * mu * WEIGHT * whole * bracket
+    loss = run(heavy, Composed(Linear(SPRING), friction=friction), 0.06, 1e-4, 0.02).series["friction_loss"]
+    expected = 4.8 * friction.friction_coefficient * WEIGHT * whole * bracket
     yield close("loss in a cycle", loss[3] - loss[2], expected, error, "J")
+
+
+def iwan_microslip(mu: float = 0.3, whole: float = 4e-7, share: float = 0.6, elements: int = 20) -> Claims:
+    """A cycle loses 24/5 mu N x_s {1 - (1 - t)^(5/3) - 5/6 t [1 + (1 - t)^(2/3)]} (Johnson 1985, 7.4)."""
+    # What is between the elements goes with 1/n^2.
+    friction = Iwan(mu, elements=elements, full_slip=whole)
+    yield from _cycle_of_spheres(friction, whole, share, 4.0 / elements**2)
+
+
+def patch_microslip(mu: float = 0.3, kappa: float = 0.8, share: float = 0.6, rings: int = 20) -> Claims:
+    """A cycle loses 24/5 mu N x_s {1 - (1 - t)^(5/3) - 5/6 t [1 + (1 - t)^(2/3)]} (Johnson 1985, 7.4)."""
+    # What is between the rings goes with 1/n^2; they begin to slide over a part of x_s.
+    whole = 1.5 * mu * WEIGHT / (kappa * SPRING)
+    yield from _cycle_of_spheres(Microslip(mu, kappa, rings), whole, share, 4.0 / rings**2 + 0.01)
 
 
 def jkr_pull_off(work: float = 0.1, radius: float = 4.2e-3, modulus: float = 115e9) -> Claims:
@@ -291,6 +313,7 @@ PUBLISHED: Final[Mapping[str, tuple[Proof, ...]]] = {
     "johnson": (johnson_restitution,),
     "lagrange_ageing": (lagrange_ageing_breakaway,),
     "line": (palmgren,),
+    "microslip": (patch_microslip,),
     "prony": (prony_creep,),
     "rate_and_state": (steady_slip,),
     "stribeck": (stribeck_stop,),

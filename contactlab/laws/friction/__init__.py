@@ -8,6 +8,7 @@ from contactlab.laws.friction.cohesive import Cohesive
 from contactlab.laws.friction.coulomb import Coulomb
 from contactlab.laws.friction.dahl import Dahl
 from contactlab.laws.friction.iwan import Iwan
+from contactlab.laws.friction.microslip import Microslip
 from contactlab.laws.friction.mindlin import Mindlin
 from contactlab.laws.friction.rate_and_state import RateAndState
 from contactlab.laws.friction.regularised import Regularised
@@ -17,6 +18,6 @@ FRICTIONS: dict[str, type[Friction]] = {
     part.name: part
     for part in (
         *(Coulomb, Regularised, Mindlin, LuGre, ElastoPlastic),
-        *(Stribeck, Cohesive, AgeingStick, Dahl, BoucWen, Iwan, RateAndState),
+        *(Stribeck, Cohesive, AgeingStick, Dahl, BoucWen, Iwan, Microslip, RateAndState),
     )
 }
