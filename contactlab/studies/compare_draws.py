@@ -190,6 +190,8 @@ def left_fixed(run: Run, factors: Sequence[Factor], priors: Mapping[str, str]) -
     """Return the law's own numbers, and the damping of the resonator, that nothing varies."""
     usual = {key for keys in SPREAD.values() for key in keys}
     treated = usual | {key for factor in factors for key in factor.keys} | set(priors)
+    if "resonator.damping_ratio" in treated or run.settings.get("resonator.damping_ratio") is not None:
+        treated |= {"resonator.mass_damping", "resonator.stiffness_damping"}
     return [
         key.removeprefix("law.")
         for key in run.settings
