@@ -165,7 +165,7 @@ def world(laws: Mapping[str, cl.Setup], errors: Mapping[str, float]) -> dict[str
         signs = np.where(np.abs(apart) <= np.maximum(CLEAR * numerical, MARGIN * size), 0.0, np.sign(apart))
         signs[~np.isfinite(apart)] = np.nan
         counts = {
-            n: dict.fromkeys(("right", "wrong", "cannot tell", "old right", "old wrong"), 0)
+            n: dict.fromkeys(("right", "wrong", "inconclusive", "old right", "old wrong"), 0)
             for n in (16, 32, 64)
         }
         for _ in range(REPETITIONS):
@@ -174,7 +174,7 @@ def world(laws: Mapping[str, cl.Setup], errors: Mapping[str, float]) -> dict[str
             for n, count in counts.items():
                 verdict = sequential(signs[rest[:n]], n)
                 claim = {GREATER: 1.0, LESS: -1.0, EQUAL: 0.0}.get(verdict)
-                count["cannot tell" if claim is None else "right" if claim == true else "wrong"] += 1
+                count["inconclusive" if claim is None else "right" if claim == true else "wrong"] += 1
                 moved = np.abs(pool[[a, b]][:, rest[:n]] - nominal[[a, b], None]).max()
                 if abs(nominal[a] - nominal[b]) > max(moved, CLEAR * numerical):
                     old = np.sign(nominal[a] - nominal[b])

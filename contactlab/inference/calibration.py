@@ -42,10 +42,10 @@ class Datum:
         Raises:
             ValueError: it is something else.
         """
-        found = _FORM.fullmatch(text.replace(" ", ""))
+        match = _FORM.fullmatch(text.replace(" ", ""))
         try:
-            if found and found["quantity"] in QUANTITIES:
-                datum = cls(found["quantity"], float(found["value"]), float(found["speed"]))
+            if match and match["quantity"] in QUANTITIES:
+                datum = cls(match["quantity"], float(match["value"]), float(match["speed"]))
                 highest = 1.0 if datum.quantity == "restitution" else np.inf
                 if 0.0 < datum.value <= highest and 0.0 < datum.speed < np.inf:
                     return datum

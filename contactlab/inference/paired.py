@@ -93,7 +93,7 @@ def classes(equal: Array) -> Array:
     """Return the class of each law: all pairs of laws of a class are equal, shape (law,).
 
     Args:
-        equal: whether two laws cannot be told apart, shape (law, law).
+        equal: whether two laws are equal, shape (law, law).
     """
     if len(equal) < 2:
         return np.ones(len(equal), dtype=int)

@@ -157,10 +157,10 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, 
 def _prior(key: str, keys: tuple[str, ...], text: str, declared: Parameter) -> Factor | None:
     """Return the factor of a text; None where it is faulty."""
     for prior, form in _FORMS.items():
-        if not (found := form.fullmatch(text.replace(" ", ""))):
+        if not (match := form.fullmatch(text.replace(" ", ""))):
             continue
         try:
-            a, b = (float(x) if x else 0.0 for x in found.groups())
+            a, b = (float(x) if x else 0.0 for x in match.groups())
         except ValueError:
             return None
         if prior == "scale":

@@ -108,7 +108,7 @@ def _over_grid(order: Any) -> str:
 
 
 def _classes(data: xarray.Dataset, names: list[str]) -> Iterator[str]:
-    """Yield the laws that cannot be told apart, with the reason where there is one."""
+    """Yield the laws that are equal, with the reason where there is one."""
     number = data["class"].sel(quantity="rotor_velocity").values
     groups = [[names[i] for i in np.flatnonzero(number == each)] for each in np.unique(number)]
     groups = [group for group in groups if len(group) > 1]
@@ -151,7 +151,7 @@ def _pair(data: xarray.Dataset, a: int, b: int) -> Iterator[str]:
     verdict = {
         GREATER: "the order is the laws'",
         LESS: "the order is the laws'",
-        EQUAL: "the two are not told apart",
+        EQUAL: "the two are equal",
         VARIES: "the order depends on what is drawn",
         INCONCLUSIVE: "whether the order is the laws' is inconclusive",
     }[int(here["order"])]
@@ -187,7 +187,7 @@ def _reversals(
 
 
 def _best_measurement(data: xarray.Dataset, points: list[str]) -> Iterator[str]:
-    """Yield the quantity and operating point that tells the laws apart best."""
+    """Yield the quantity and operating point that distinguishes laws best."""
     known = data["log_bayes_factor"].sel(measurement_error=TYPICAL_ERROR)
     middle = known.where(data["order"] != EQUAL).median(["law", "other_law"])
     if not middle.notnull().any():
@@ -198,7 +198,7 @@ def _best_measurement(data: xarray.Dataset, points: list[str]) -> Iterator[str]:
     factor, name = float(middle[cell, quantity]), data["quantity_name"].values[quantity]
     yield (
         f"Of the quantities compared, one measurement of the {name}{at} with {100 * TYPICAL_ERROR:g} % error "
-        f"tells two laws apart best: its expected log Bayes factor is {factor:.2g} for the median pair "
+        f"distinguishes two laws best: its expected log Bayes factor is {factor:.2g} for the median pair "
         f"({'strong' if factor >= 3.0 else 'weak'} evidence)."
     )
 

@@ -1,4 +1,4 @@
-"""What can be measured of a settled motor, and by which laws are told apart."""
+"""What can be measured of a settled motor, to distinguish laws by."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any, Final

@@ -98,9 +98,9 @@ def verdicts_of(signs: Array, looks: int) -> Any:
         verdict=np.where(every.verdict < EQUAL, 1 - every.verdict, every.verdict),
     )
     result = []
-    for one, other in zip(every, mirrored, strict=True):
-        whole = np.full((len(signs), *signs.shape[1:-1], *one.shape[len(signs.shape) - 2 :]), np.nan)
-        whole[first, second], whole[second, first] = one, other
+    for upper, lower in zip(every, mirrored, strict=True):
+        whole = np.full((len(signs), *signs.shape[1:-1], *upper.shape[len(signs.shape) - 2 :]), np.nan)
+        whole[first, second], whole[second, first] = upper, lower
         result.append(whole)
     return type(every)(*result)
 
@@ -158,7 +158,7 @@ def with_pairs(
     same = (verdict == EQUAL).all(axis=2)
     sign = (*PAIR, "sign")
     members = np.array([classes(same[..., number]) for number in range(len(names))])
-    about = {"long_name": "laws that cannot be told apart at any operating point"}
+    about = {"long_name": "laws that are equal at every operating point"}
     return (
         data.assign({"class": (("quantity", "law"), members, about)})
         .assign(

@@ -27,9 +27,9 @@ def test_hertz_gets_a_contact_time_by_the_closed_form_of_its_stiffness() -> None
     """t = 2.943 (m^2 / (k^2 v))^(1/5) for (5/4)^(2/5)-scaled k: t^5 k^2 is constant."""
     law = cl.build(["law=hertz_penalty"]).law
     times = (40e-6, 80e-6)
-    found = [calibrated(law, Datum("contact_time", t, 0.1), BALL) for t in times]
-    assert all(each is not None and each[0].name == "stiffness" for each in found)
-    k = [each[1] for each in found if each]
+    numbers = [calibrated(law, Datum("contact_time", t, 0.1), BALL) for t in times]
+    assert all(each is not None and each[0].name == "stiffness" for each in numbers)
+    k = [each[1] for each in numbers if each]
     assert k[0] / k[1] == pytest.approx((times[1] / times[0]) ** 2.5, rel=1e-6)
 
 

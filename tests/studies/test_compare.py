@@ -98,8 +98,8 @@ def test_the_values_are_those_of_the_steady_states(opposite: cl.Result) -> None:
     assert float(nominal.sel(quantity="rotor_velocity")) == pytest.approx(velocity, rel=1e-9)
     across = np.ptp(state.data["tip_normal_displacement"].values) / 2
     assert float(nominal.sel(quantity="tip_normal_amplitude")) == pytest.approx(across, rel=1e-3)
-    held = cl.steady(cl.build(altered(OPPOSITE, law="hertz_penalty")), belt=0.0).torque.value
-    assert float(nominal.sel(quantity="stall_torque")) == pytest.approx(held, rel=1e-9)
+    stall = cl.steady(cl.build(altered(OPPOSITE, law="hertz_penalty")), belt=0.0).torque.value
+    assert float(nominal.sel(quantity="stall_torque")) == pytest.approx(stall, rel=1e-9)
 
 
 def test_a_recorded_run_that_has_not_settled_is_reported(opposite: cl.Result) -> None:
