@@ -54,6 +54,15 @@ class Metric:
         return bool(self.threshold) and FAIL in self.verdicts
 
     @property
+    def conclusion(self) -> str:
+        """What follows where the value is beyond its bound."""
+        if self.invariant:
+            return "the solver or the file is wrong, whatever the law"
+        if self.judges_law:
+            return "the law is implausible in this motion; nothing follows for other motions or other laws"
+        return "nothing on the law"
+
+    @property
     def brief(self) -> str:
         """The meaning without what explains it."""
         return re.split(r"[:;]|\. ", self.meaning)[0]

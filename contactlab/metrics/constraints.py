@@ -53,6 +53,31 @@ def penetration_over_radius(run: Run) -> float:
     return float(run.contacts("max_penetration").max()) / tip_radius(run)
 
 
+@metric(
+    "p_0 / 1.6, p_0 = (6 N_max E*^2 / (pi^3 R_e^2))^(1/3)",
+    "least yield strength of both bodies at which the largest force stays elastic, steel on steel",
+    "Pa",
+    source="Johnson (1985), Contact Mechanics, eqs. 4.24 and 6.6",
+)
+def yield_strength_needed(run: Run) -> float:
+    force, flat = float(run.contacts("peak_normal_force").max()), hertz_stiffness(1.0, float("inf"))
+    needed(np.isfinite(force) and force > 0.0)
+    modulus, relative = 0.75 * flat, (stiffness(run) / flat) ** 2
+    return float(np.cbrt(6.0 * force * modulus**2 / (np.pi**3 * relative**2))) / 1.6
+
+
+@metric(
+    "0.05 max d_max",
+    "rms roughness below which the largest contact is that of smooth bodies, sigma R_e / a^2 < 0.05",
+    "m",
+    source="Johnson (1985), Contact Mechanics, sec. 13.4",
+)
+def smooth_roughness(run: Run) -> float:
+    # a^2 = R_e d, where the law has Hertz's stiffness.
+    needed(stiffness(run) > 0.0)
+    return 0.05 * float(run.contacts("max_penetration").max())
+
+
 @metric("max d_max / A_u", "largest penetration over the amplitude of the tip's normal vibration")
 def penetration_over_amplitude(run: Run) -> float:
     return float(run.contacts("max_penetration").max()) / run.normal_amplitude()
@@ -250,8 +275,8 @@ def slip_reversal(run: Run) -> float:
 
 
 @metric(
-    "sum max(W_f, 0) / sum |W_f|",
-    "positive work of friction over whole contacts, over its work in all",
+    "sum max(W_f, 0) / max(sum |W_f|, 1e-06 W_d)",
+    "positive work of friction over whole contacts, over its work in all, or round-off of the drive's",
     bound=ONE_STEP,
     reason="a tangential compliance returns at most the energy that it stored: over a whole contact friction "
     "takes energy, except in the step in which the contact ends",
@@ -267,4 +292,6 @@ def friction_work(run: Run) -> float:
     last = np.append(first[1:], before.size) - 1
     lost = run.series("friction_loss")
     work = lost[before[first]] - lost[after[last]]
-    return float(np.maximum(work, 0.0).sum()) / positive(float(np.abs(work).sum()))
+    # An impact without slip has round-off of the ledger in place of friction's work.
+    floor = ROUND_OFF * float(np.ptp(run.series("drive_work"))) if run.holds("drive_work") else 0.0
+    return float(np.maximum(work, 0.0).sum()) / positive(max(float(np.abs(work).sum()), floor))

@@ -9,7 +9,7 @@ import numpy as np
 import xarray
 
 from contactlab.inference.paired import AGREED, EQUAL, GREATER, INCONCLUSIVE, LESS, VARIES
-from contactlab.metrics import FAIL, METRICS, VERDICTS
+from contactlab.metrics import FAIL, METRICS, NOT_APPLICABLE, VERDICTS
 from contactlab.studies.compare_measured import nearest_laws
 from contactlab.studies.compare_pairs import CLEAR, MARGIN
 from contactlab.studies.compare_scorecard import listed
@@ -241,8 +241,11 @@ def _thresholds(data: xarray.Dataset) -> str:
         keys = judged["metric"].values[np.equal(verdicts, FAIL)]
         if keys.size:
             failures.append(f"{label} fails {listed([str(key) for key in keys])}")
-    head = f"Of {judged.sizes['metric']} plausibility thresholds, where they apply, "
-    return f"{head}{'; '.join(failures) or 'none is failed'}."
+    applied = (judged["verdict"] != VERDICTS.index(NOT_APPLICABLE)).sum("metric").values
+    return (
+        f"Of {judged.sizes['metric']} plausibility thresholds {applied.min()} to {applied.max()} apply to a "
+        f"law; {'; '.join(failures) or 'none is failed'}. That is judged in this motion alone."
+    )
 
 
 def _capital(text: str) -> str:

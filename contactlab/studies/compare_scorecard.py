@@ -90,7 +90,7 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str], measured: Sequence[M
             "term": list(ENERGY_TERMS),
             **{
                 name: ("metric", [getattr(metric, name) for metric in every])
-                for name in ("symbol", "units", "meaning", "threshold", "reason")
+                for name in ("symbol", "units", "meaning", "threshold", "reason", "conclusion")
             },
             "metric_source": ("metric", [metric.source for metric in every]),
             "judges_law": ("metric", np.array([metric.judges_law for metric in every], dtype=np.int8)),

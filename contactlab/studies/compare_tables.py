@@ -26,7 +26,8 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
         caption = "Measurements; the errors of their rows are half of a 95 % interval by resampling"
         every["measurements"] = table({head: data[x].values for head, x in names.items()}, caption=caption)
     names = {"metric": "metric", "symbol": "symbol", "meaning": "meaning"}
-    names |= {"must be": "threshold", "reason": "reason", "source": "metric_source"}
+    names |= {"must be": "threshold", "reason": "reason", "beyond it": "conclusion"}
+    names |= {"source": "metric_source"}
     columns = {head: data[name].values for head, name in names.items()}
     every["metrics"] = table(columns, caption="Definitions of the metrics")
     every["metrics"].attrs["reference"] = True

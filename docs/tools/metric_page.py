@@ -48,6 +48,7 @@ def entry(metric: Metric) -> str:
     lines += [f"    {metric.symbol}", ""]
     if metric.threshold:
         lines += [f"* must be {metric.threshold}: {metric.reason}."]
+        lines += [f"* beyond it: {metric.conclusion}."]
     if metric.source:
         lines += [f"* source: {metric.source}"]
     return "\n".join([*lines, ""])

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from support.configurations import DURATION, case_a_tree, composed, configured, datatree
 
+import contactlab as cl
 from contactlab.laws.registry import PARTS
-from contactlab.metrics import FAIL, METRICS, STEP_METRICS, assess, assess_steps, read_run
+from contactlab.metrics import FAIL, METRICS, PASS, STEP_METRICS, Run, assess, assess_steps, read_run
+from contactlab.steady_state.means import motion_of
 
 RIGID_STEPS = (2e-7, 1e-7, 5e-8)
 STEPS = {"lagrange_slip": RIGID_STEPS, "lagrange_stick": RIGID_STEPS, "hertz_penalty": (8e-6, 4e-6, 2e-6)}
@@ -156,3 +158,27 @@ def test_the_stiffness_of_a_composed_law_is_found_among_its_parts() -> None:
 @pytest.mark.parametrize("law", ["newton", "poisson", "stronge", "moreau_jean"])
 def test_laws_of_restitution_neither_reverse_the_slip_nor_make_energy(law: str) -> None:
     assert failed(assess(datatree(configured(law, **LOADED)))) == set()
+
+
+def test_hertz_holds_for_the_yield_strength_and_the_roughness_of_the_closed_forms() -> None:
+    """p_0 = 2 a E* / (pi R), a^2 = R d; smooth contact below sigma R / a^2 = 0.05."""
+    tree = datatree(configured("hertz_penalty"))
+    result, depth = assess(tree), float(tree["contacts"]["max_penetration"].max())
+    modulus = 210e9 / (2.0 * (1.0 - 0.3**2))
+    radius = (
+        float(cl.build(["law=hertz_penalty"]).configuration["law"]["stiffness"]) / (4.0 / 3.0 * modulus)
+    ) ** 2
+    pressure = 2.0 * np.sqrt(radius * depth) * modulus / (np.pi * radius)
+    # The largest force and the largest depth differ by the damping, of which there is none.
+    assert result["yield_strength_needed"] == pytest.approx(pressure / 1.6, rel=1e-3)
+    assert result["smooth_roughness"] == pytest.approx(0.05 * radius * depth / radius)
+    assert isnan(assess(datatree(configured("newton")))["yield_strength_needed"])
+
+
+def test_friction_that_does_no_work_is_not_judged_by_round_off() -> None:
+    """The settled motor under Newton's impact sticks: what friction's ledger has is round-off of the drive's."""
+    state = cl.steady(cl.build(["law=newton"]))
+    run = Run.of_trajectory(motion_of(state.details), state.setups[""].configuration)
+    values = assess(run)
+    assert abs(values["friction_share"]) < 1e-12
+    assert METRICS["friction_work"].verdict(values["friction_work"]) == PASS
