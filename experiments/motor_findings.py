@@ -57,6 +57,7 @@ DAMPING: Final = (
 )
 """The paper's damping per stiffness, and less; damping ratios of all modes."""
 
+BOTH: Final = ("rotor_velocity", "stall_torque")
 POOL: Final = 256
 REPETITIONS: Final = 200
 OUTCOMES: Final = (
@@ -226,43 +227,76 @@ def sequential(signs: np.ndarray, most: int) -> int:
     return verdict
 
 
-def main() -> None:
-    """Compute everything and write the file."""
-    file = Path(sys.argv[1]) if sys.argv[1:] else RESULTS
-    three = ("stick", "newton", "hertz")
-    results: dict[str, Any] = {"versions": versions()}
+def four_shapes() -> dict[str, Any]:
+    """Return three laws on the paper's basis."""
+    return table(("stick", "newton", "hertz"), [], BOTH)
 
-    def add(name: str, value: Any) -> None:
-        results[name] = value
-        file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(results, indent=1, allow_nan=True) + "\n")
-        print(name, json.dumps(value)[:400], flush=True)
 
-    both = ("rotor_velocity", "stall_torque")
-    add("four shapes", table(three, [], both))
-    phases = {}
-    for phase in PHASES:
-        key = [] if phase is None else [f"drive.phase={phase}"]
-        phases["configured" if phase is None else str(phase)] = table(LAWS, [*CONVERGED, *key], both)
-    add("converged, by phase", phases)
-    dampings = {}
+def by_phase() -> dict[str, Any]:
+    """Return laws on the converged beam over the phase of the drive."""
+    keys = {"configured" if phase is None else str(phase): phase for phase in PHASES}
+    return {
+        name: table(LAWS, [*CONVERGED, *([] if phase is None else [f"drive.phase={phase}"])], BOTH)
+        for name, phase in keys.items()
+    }
+
+
+def by_damping() -> dict[str, Any]:
+    """Return laws on the converged beam over damping, at equal free amplitude of the tip."""
+    result = {}
     for damping in DAMPING:
         overrides = at_equal_amplitude(damping)
-        dampings[damping] = {
+        result[damping] = {
             "overrides": overrides,
             "damping_ratio": cl.build(overrides).motor.modes.damping_ratio[:2].tolist(),
             **table([law for law in LAWS if law != "poisson"], overrides, ("rotor_velocity",)),
         }
-    add("converged, by damping ratio at equal free amplitude", dampings)
+    return result
+
+
+def with_rod() -> dict[str, Any]:
+    """Return laws on the converged beam whose tip is a rod that bends."""
+    overrides = [*CONVERGED, "resonator.rod_length=19 mm"]
+    frequencies = cl.build(overrides).motor.modes.natural_frequency[:3].tolist()
+    return {"natural_frequency": frequencies, **table(("stick", "newton", "hertz"), overrides, BOTH)}
+
+
+def pair_on_both_bases() -> dict[str, Any]:
+    """Return the paired comparison of the default motor."""
     pair = [cl.build([f"law={law}"]) for law in ("lagrange_stick", "hertz_penalty")]
-    compared = cl.compare(pair, samples=64, starts=1, workers=processors(), observe=["rotor_velocity"])
-    add("stick less hertz", difference(compared, "lagrange_stick", "hertz_penalty"))
+    result = cl.compare(pair, samples=64, starts=1, workers=processors(), observe=["rotor_velocity"])
+    return difference(result, "lagrange_stick", "hertz_penalty")
+
+
+def synthetic_world() -> dict[str, Any]:
+    """Return error rates of the rules on the converged beam, under several priors."""
     setups = {law: cl.build([*CONVERGED, *LAWS[law]]) for law in ("stick", "newton", "poisson", "hertz")}
     stiffness = setups["hertz"].configuration["law"]["stiffness"]
     setups["stiffer"] = cl.build([*CONVERGED, *LAWS["hertz"], f"law.stiffness={STIFFER * stiffness!r}"])
-    here = phases["configured"]
+    here = table([law for law in LAWS if law in setups], CONVERGED, ("rotor_velocity",))
     errors = {law: here.get(law, here["hertz"])["rotor_velocity_error"] for law in setups}
-    add("synthetic world", {name: world(setups, errors, priors) for name, priors in PRIORS.items()})
+    return {name: world(setups, errors, priors) for name, priors in PRIORS.items()}
+
+
+SECTIONS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
+    "four shapes": four_shapes,
+    "converged, by phase": by_phase,
+    "converged, by damping ratio at equal free amplitude": by_damping,
+    "converged, with a rod": with_rod,
+    "stick less hertz": pair_on_both_bases,
+    "synthetic world": synthetic_world,
+}
+
+
+def main() -> None:
+    """Compute the sections that are named, or all, and write the file."""
+    results = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
+    for name in sys.argv[1:] or SECTIONS:
+        results[name] = SECTIONS[name]()
+        results["versions"] = versions()
+        RESULTS.parent.mkdir(parents=True, exist_ok=True)
+        RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+        print(name, flush=True)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,10 @@ The curvature jumps at a patch edge and under the tip; with nodes there, the fre
 the fourth power of the element. Loads of the tip and of the electrodes (moments at the patch edges,
 eq. 31) act on nodes, where cubic elements are exact in statics on any mesh.
 
+The tip is a rigid body, or a steel rod of its mass that stands on the beam, bends in the beam's plane and
+does not stretch. Its bending is a cantilever's on a foot that turns with the beam's slope; what the contact
+sees of it is the deflection of its end, as the slope theta = w_end / L of a rigid tip.
+
 Modes that are left out carry flexibility that the contact feels. The static correction keeps it
 (MacNeal 1971, Rubin 1975): the responses K^-1 b to unit loads b of tip force, tip moment and both
 electrodes, made orthogonal to the kept modes, span a space in which M and K are diagonalised
@@ -38,6 +42,14 @@ MOST_ELEMENTS = 2000
 
 DEPENDENT = 1e-8
 """A unit vector's distance from the others' span at which it is dropped: it adds nothing but round-off."""
+
+_ROD = Parameter(
+    "L_tip",
+    "m",
+    "length of the tip as a steel rod of tip_mass that bends, in place of a rigid one with tip_inertia",
+    above=0.0,
+    hint="null is a rigid tip.",
+)
 
 # Of as many, the frequencies are verified to FREQUENCY_ERROR.
 _KEPT = Parameter("n", "1", "number of normal modes", at_least=1, at_most=40)
@@ -76,6 +88,13 @@ class HermiteBeam:
     @cached_property
     def shapes(self) -> Array:
         """T [m J^-1/2 and J^-1/2], shape (dof, 2 element), with K^-1 = T T'."""
+        free = self.cantilever
+        clamp = np.linalg.qr(free[-2:].T)[0]
+        return np.asarray(free - (free @ clamp) @ clamp.T, dtype=np.float64)
+
+    @property
+    def cantilever(self) -> Array:
+        """T of the beam without its right clamp."""
         h = self.size
         constant = 1.0 / np.sqrt(self.rigidity * h)
         linear = np.sqrt(3.0) * constant
@@ -88,11 +107,13 @@ class HermiteBeam:
         free[0::2, 0::2] = before * (0.5 * h**2 + h * arm) * constant
         free[0::2, 1::2] = before * (-(h**2) / 6.0) * linear
         free[1::2, 0::2] = before * h * constant
-        clamp = np.linalg.qr(free[-2:].T)[0]
-        return np.asarray(free - (free @ clamp) @ clamp.T, dtype=np.float64)
+        return free
 
-    def mass_matrix(self, mass: Array) -> Array:
-        """Return M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof)."""
+    def mass_matrix(self, mass: Array, first: int = 2) -> Array:
+        """Return M [kg, kg m, kg m^2] of a mass per length in every element [kg/m], shape (dof, dof).
+
+        Without the first degrees of freedom; 2 are those of the left clamp.
+        """
         count = self.size.size
         matrix = np.zeros((2 * count + 2, 2 * count + 2))
         for e, (h, m) in enumerate(zip(self.size, mass, strict=True)):
@@ -104,7 +125,7 @@ class HermiteBeam:
                     [-13.0 * h, -3.0 * h**2, -22.0 * h, 4.0 * h**2],
                 ]
             )
-        return matrix[2:, 2:]
+        return matrix[first:, first:]
 
     def node_at(self, position: float) -> int:
         """Return the degree of freedom of the deflection nearest to a position [m]; its slope is the next."""
@@ -172,6 +193,7 @@ class FiniteElementResonator(PatchedBeam):
     static_correction: Annotated[
         bool, Parameter("", "1", "whether up to four pseudo-modes stand for the modes left out")
     ] = True
+    rod_length: Annotated[float | None, _ROD] = None
 
     def _solve(self) -> NormalModes:
         """Compute kept modes and pseudo-modes, in ascending order of frequency."""
@@ -220,18 +242,35 @@ class FiniteElementResonator(PatchedBeam):
         size = np.diff([0.0, self.patch_start, self.patch_end, 0.5 * self.length])
         layers = np.array([0.0, 1.0, 0.0])[size > 0.0]
         rigidity = self.steel_rigidity + layers * self.layer_rigidity
-        return size[size > 0.0], rigidity, self.steel_mass + layers * self.layer_mass
+        every = size[size > 0.0], rigidity, self.steel_mass + layers * self.layer_mass
+        if self.rod_length is None:
+            return every
+        area = self.tip_mass / (self.steel.density * self.rod_length)
+        # A round rod, I = A^2 / (4 pi).
+        rod = (
+            self.rod_length,
+            self.steel.youngs_modulus * area**2 / (4.0 * np.pi),
+            self.tip_mass / self.rod_length,
+        )
+        size, rigidity, mass = (np.append(values, x) for values, x in zip(every, rod, strict=True))
+        return size, rigidity, mass
 
     def discretise(self, mesh: tuple[int, ...]) -> Discretisation:
-        """Mesh the beam by `mesh[i]` equal elements in section i of its left half, and their mirrors."""
+        """Mesh the beam by `mesh[i]` equal elements in section i of its left half, and their mirrors.
+
+        The last section is the rod, where the tip is one.
+        """
         size, rigidity, mass = self._sections
-        halves = (np.repeat(values, mesh) for values in (size / mesh, rigidity, mass))
+        beam_alone = slice(None if self.rod_length is None else -1)
+        halves = (
+            np.repeat(values, mesh)[: sum(mesh[beam_alone])] for values in (size / mesh, rigidity, mass)
+        )
         sizes, rigidities, masses = (np.concatenate([half, half[::-1]]) for half in halves)
         beam = HermiteBeam(sizes, rigidities)
         matrix = beam.mass_matrix(masses)
         tip = beam.node_at(0.5 * self.length)
         matrix[tip, tip] += self.tip_mass
-        matrix[tip + 1, tip + 1] += self.tip_inertia
+        matrix[tip + 1, tip + 1] += self.tip_inertia if self.rod_length is None else 0.0
         loads = np.zeros((len(matrix), 2 + len(self.patches)))
         loads[tip, 0] = loads[tip + 1, 1] = 1.0
         for column, edges in enumerate(self.patches, start=2):
@@ -239,4 +278,26 @@ class FiniteElementResonator(PatchedBeam):
                 # A moment on a clamp does no work.
                 if 0.0 < edge < self.length:
                     loads[beam.node_at(edge) + 1, column] += sign * self.moment_per_voltage
-        return Discretisation(beam.shapes, matrix, beam.mass_matrix(np.ones_like(masses)), loads)
+        alone = Discretisation(beam.shapes, matrix, beam.mass_matrix(np.ones_like(masses)), loads)
+        if self.rod_length is None:
+            return alone
+        return self._with_rod(alone, tip + 1, np.full(mesh[-1], size[-1] / mesh[-1]), rigidity[-1], mass[-1])
+
+    @staticmethod
+    def _with_rod(
+        beam: Discretisation, foot: int, size: Array, rigidity: float, mass: float
+    ) -> Discretisation:
+        """Return the beam with a rod on it, whose foot turns with one of the beam's degrees of freedom."""
+        rod = HermiteBeam(size, np.full_like(size, rigidity))
+        height = np.cumsum(size)
+        # The foot carries the rod along as a rigid one.
+        carried = np.ravel(np.column_stack([height, np.ones_like(height)]))[:, None] * beam.shapes[foot]
+        nothing = np.zeros((len(beam.shapes), len(carried)))
+        shapes = np.block([[beam.shapes, nothing], [carried, rod.cantilever]])
+        places = np.append(foot, len(beam.mass) + np.arange(len(carried)))
+        matrix, spread = (np.pad(each, (0, len(carried))) for each in (beam.mass, beam.spread))
+        matrix[np.ix_(places, places)] += rod.mass_matrix(np.full_like(size, mass), first=1)
+        loads = np.pad(beam.loads, ((0, len(carried)), (0, 0)))
+        loads[:, 1] = 0.0
+        loads[-2, 1] = 1.0 / height[-1]
+        return Discretisation(shapes, matrix, spread, loads)

@@ -171,12 +171,12 @@ def test_hertz_holds_for_the_yield_strength_and_the_roughness_of_the_closed_form
     pressure = 2.0 * np.sqrt(radius * depth) * modulus / (np.pi * radius)
     # The largest force and the largest depth differ by the damping, of which there is none.
     assert result["yield_strength_needed"] == pytest.approx(pressure / 1.6, rel=1e-3)
-    assert result["smooth_roughness"] == pytest.approx(0.05 * radius * depth / radius)
+    assert result["smooth_roughness"] == pytest.approx(0.05 * depth)
     assert isnan(assess(datatree(configured("newton")))["yield_strength_needed"])
 
 
 def test_friction_that_does_no_work_is_not_judged_by_round_off() -> None:
-    """The settled motor under Newton's impact sticks: what friction's ledger has is round-off of the drive's."""
+    """The settled motor under Newton's impact sticks: its friction loss is round-off of the drive's work."""
     state = cl.steady(cl.build(["law=newton"]))
     run = Run.of_trajectory(motion_of(state.details), state.setups[""].configuration)
     values = assess(run)

@@ -9,7 +9,7 @@ from support.motors import PLACEMENT_1, PLACEMENT_2, stepped_beam
 from threadpoolctl import threadpool_limits
 
 from contactlab.motor import FiniteElementResonator, PatchedBeam, RitzResonator
-from contactlab.motor.finite_element import FREQUENCY_ERROR
+from contactlab.motor.finite_element import FREQUENCY_ERROR, HermiteBeam
 from contactlab.motor.patched_beam import Piezoceramic
 
 PLACEMENTS = [PLACEMENT_1, PLACEMENT_2]
@@ -125,3 +125,43 @@ def test_modes_do_not_depend_on_the_number_of_threads(basis: PatchedBeam) -> Non
 def test_more_modes_than_are_verified_are_refused(kept: int) -> None:
     with pytest.raises(ValueError, match="kept_modes"):
         FiniteElementResonator(kept_modes=kept)
+
+
+def test_a_rod_alone_has_the_frequencies_of_a_clamped_free_beam() -> None:
+    """cosh x cos x = -1: x = 1.875104, 4.694091, 7.854757."""
+    rod = HermiteBeam(np.full(80, 19e-3 / 80), np.full(80, 1.05))
+    inverse = rod.cantilever.T @ rod.mass_matrix(np.full(80, 0.062)) @ rod.cantilever
+    squares = 1.0 / np.linalg.eigvalsh(inverse)[::-1][:3]
+    expected = np.array([1.87510407, 4.69409113, 7.85475744]) ** 4 * 1.05 / (0.062 * 19e-3**4)
+    np.testing.assert_allclose(squares, expected, rtol=1e-6)
+
+
+def test_a_short_rod_is_a_rigid_tip() -> None:
+    """A rod of 2 mm is as thick as wide: its bending is far above, its inertia m L^2 / 3."""
+    length, mass = 2e-3, FiniteElementResonator().tip_mass
+    rod = FiniteElementResonator(rod_length=length, static_correction=False).modes
+    rigid = FiniteElementResonator(tip_inertia=mass * length**2 / 3.0, static_correction=False).modes
+    np.testing.assert_allclose(rod.natural_frequency[:4], rigid.natural_frequency[:4], rtol=2e-5)
+    np.testing.assert_allclose(rod.tip_displacement[:4], rigid.tip_displacement[:4], rtol=1e-3, atol=1e-6)
+    np.testing.assert_allclose(rod.tip_slope[1:4:2], rigid.tip_slope[1:4:2], rtol=1e-3)
+
+
+def test_the_identified_tip_as_a_rod_bends_at_the_second_tone() -> None:
+    """3.2 mm of steel, clamped-free at 6.36 kHz: in the beam it splits the second mode into two."""
+    rigid, rod = (FiniteElementResonator(rod_length=x).modes for x in (None, 19e-3))
+    assert rod.natural_frequency[0] == pytest.approx(rigid.natural_frequency[0], rel=1e-9)
+    lower, upper = rod.natural_frequency[1:3]
+    assert lower < rigid.natural_frequency[1]
+    assert upper > 6360.0
+    # Static: the flexibility of the end is that of the foot's turn and of the rod, L^3 / (3 E I).
+    area = 1.181e-3 / (7850.0 * 19e-3)
+    bending = 19e-3**3 / (3.0 * 210e9 * area**2 / (4.0 * np.pi))
+    soft, stiff = (19e-3**2 * (each.tip_slope**2 / each.stiffness).sum() for each in (rod, rigid))
+    assert soft - stiff == pytest.approx(bending, rel=1e-9)
+
+
+def test_the_rods_mesh_has_converged() -> None:
+    resonator = FiniteElementResonator(rod_length=19e-3)
+    coarse = resonator.discretise(resonator.mesh).lowest(6)[0]
+    fine = resonator.discretise(tuple(2 * n for n in resonator.mesh)).lowest(6)[0]
+    np.testing.assert_allclose(coarse, fine, rtol=3e-6)

@@ -1,0 +1,81 @@
+"""The numbers on the motor in the pages are those of the file of results that a script makes."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+RESULTS: dict[str, Any] = json.loads((ROOT / "docs" / "results" / "motor.json").read_text())
+"""Made by experiments/motor_findings.py."""
+
+NAMES = {
+    "stick": "`lagrange_stick`",
+    "newton": "`newton`",
+    "poisson": "`poisson`",
+    "hertz": "`hertz_penalty`",
+    "mindlin": "composed, `mindlin`",
+}
+PHASES = RESULTS["converged, by phase"]
+DAMPINGS = RESULTS["converged, by damping ratio at equal free amplitude"]
+
+
+def text_of(page: str) -> str:
+    """Return a page as one line."""
+    return " ".join((ROOT / page).read_text(encoding="utf-8").split())
+
+
+@pytest.mark.parametrize("law", NAMES)
+def test_the_table_over_phase(law: str) -> None:
+    cells = [
+        f"{table[law]['rotor_velocity']:.4f}, {1e3 * table[law]['stall_torque']:.3f}"
+        for table in PHASES.values()
+    ]
+    assert f"| {NAMES[law]} | {' | '.join(cells)} |" in text_of("docs/steady.md")
+
+
+@pytest.mark.parametrize("damping", DAMPINGS)
+def test_the_table_over_damping(damping: str) -> None:
+    row = DAMPINGS[damping]
+    cells = [
+        "none" if row[law]["kind"] == "none"
+        # A motion whose mean has an error of a tenth has no digits to show.
+        else "irregular" if row[law]["rotor_velocity_error"] > 0.1
+        else f"{row[law]['rotor_velocity']:.4f}"
+        for law in ("hertz", "stick", "newton", "mindlin")
+    ]  # fmt: skip
+    ratios = ", ".join(
+        f"{ratio:.2g}" if ratio < 0.01 else f"{ratio:.3f}".rstrip("0") for ratio in row["damping_ratio"]
+    )
+    paper = " (paper)" if damping == "stiffness_damping=2e-5" else ""
+    assert f"| `{damping}`{paper} | {ratios} | {' | '.join(cells)} |" in text_of("docs/steady.md")
+
+
+def test_the_velocities_of_the_front_page() -> None:
+    page = text_of("README.md")
+    for basis, table in (("ritz", RESULTS["four shapes"]), ("finite_element", PHASES["configured"])):
+        for law, name in (("stick", "lagrange_stick"), ("newton", "newton"), ("hertz", "hertz_penalty")):
+            assert f"{basis} {name} {table[law]['rotor_velocity']:.4f} +- " in page
+
+
+def test_how_far_the_laws_lie_apart() -> None:
+    """As README says: the range of three laws over the mean of its ends."""
+    apart = {}
+    for phase, table in PHASES.items():
+        every = sorted(table[law]["rotor_velocity"] for law in ("stick", "newton", "hertz"))
+        apart[phase] = (every[-1] - every[0]) / (0.5 * abs(every[0] + every[-1]))
+    assert apart["configured"] < 0.1
+    assert f"at phase 0 they lie {100.0 * apart['0.0']:.0f} % apart" in text_of("README.md")
+    fastest = {name: max(row, key=lambda law: abs(row[law].get("rotor_velocity", 0.0)) if law in NAMES else 0.0)
+               for name, row in DAMPINGS.items()}  # fmt: skip
+    assert {law for name, law in fastest.items() if name != "stiffness_damping=2e-5"} == {"hertz"}
+
+
+def test_the_pair_on_both_bases() -> None:
+    pair = RESULTS["stick less hertz"]
+    ritz, converged = (f"{each['mean']:.2g} +- {each['deviation']:.1g}" for each in pair["bases"])
+    expected = f"{ritz} rad/s on the four shapes and {converged} rad/s on the converged beam"
+    assert expected in text_of("docs/howto/compare.md")
+    assert f"in all of {pair['draws']} draws" in text_of("docs/howto/compare.md")
+    assert pair["shares"]["-"] == 1.0
