@@ -39,7 +39,6 @@ BEYOND = (
     "orbits_over_clearance",
     "impact_oscillator",
     "friction_sweep",
-    "law_comparison",
     "optimise_motor",
     "steady_states",
 )

@@ -13,7 +13,7 @@ once more. Its at most four pseudo-modes are oscillators like the others, with
 * frequencies above the kept ones, pseudo-mode i not below mode (kept + i) of the mesh, because the
   space is a part of what the left-out modes span,
 * the damping of the model, since C = alpha M + beta K: the flexibility left out follows with the
-  time constant beta, as that of all high modes does.
+  time constant beta, as that of all high modes does; with a damping ratio they have that.
 """
 
 from dataclasses import dataclass
@@ -189,7 +189,7 @@ class FiniteElementResonator(PatchedBeam):
         coupling = np.stack(electrodes, axis=1)
         return NormalModes(
             stiffness=squares,
-            damping=self.mass_damping + self.stiffness_damping * squares,
+            damping=self.modal_damping(squares),
             coupling=coupling,
             tip_displacement=tip_displacement,
             tip_slope=tip_slope,

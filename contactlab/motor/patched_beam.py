@@ -176,6 +176,14 @@ class PiezoceramicDatasheet(Checked):
         )
 
 
+_DAMPING_RATIO = Parameter(
+    "zeta",
+    "1",
+    "damping ratio of every mode, in place of alpha and beta",
+    at_least=0.0,
+    below=1.0,
+    hint="null takes mass_damping and stiffness_damping.",
+)
 _TIP_INERTIA = not_negative("I_tip", "kg m2", "inertia of the tip about its foot")
 
 
@@ -183,8 +191,9 @@ _TIP_INERTIA = not_negative("I_tip", "kg m2", "inertia of the tip about its foot
 class PatchedBeam(Checked, ABC):
     """A clamped beam with two mirrored pairs of piezoceramic patches and a rigid tip at its centre.
 
-    A layer is bonded to either side; the second set is the mirror image, [L - a_12, L - a_11], and
-    C = alpha M + beta K. Not modelled: rotary inertia and shear of the layers, and adhesive between them.
+    A layer is bonded to either side; the second set is the mirror image, [L - a_12, L - a_11].
+    C = alpha M + beta K, or 2 zeta omega_j in every mode with a damping ratio. Not modelled: rotary inertia
+    and shear of the layers, and adhesive between them.
     """
 
     length: Annotated[float, positive("L", "m", "length between the clamps")] = 57e-3
@@ -199,6 +208,7 @@ class PatchedBeam(Checked, ABC):
     piezoceramic: Piezoceramic = field(default_factory=Piezoceramic)
     mass_damping: Annotated[float, not_negative("alpha", "s-1", "damping per mass")] = 7.5
     stiffness_damping: Annotated[float, not_negative("beta", "s", "damping per stiffness")] = 2e-5
+    damping_ratio: Annotated[float | None, _DAMPING_RATIO] = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -208,6 +218,12 @@ class PatchedBeam(Checked, ABC):
                 f"The patches lie at {self.patch_start} to {self.patch_end} m; they must satisfy "
                 f"0 <= start < end <= {half} m, half the beam, or they leave it or overlap their mirror."
             )
+
+    def modal_damping(self, squares: Array) -> Array:
+        """Return c_j [1/s] of modes with these omega_j^2 [1/s^2]."""
+        if self.damping_ratio is None:
+            return self.mass_damping + self.stiffness_damping * squares
+        return np.asarray(2.0 * self.damping_ratio * np.sqrt(squares))
 
     @cached_property
     def modes(self) -> NormalModes:

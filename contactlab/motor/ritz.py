@@ -111,7 +111,7 @@ class RitzMatrices:
     tip_slope: Array
 
     def modes(self) -> NormalModes:
-        """Normal modes; C = alpha M + beta K, so they decouple the damping as well."""
+        """Normal modes, which decouple the damping as well: C = alpha M + beta K, or by damping ratio."""
         stiffness, vectors = resolved_eigenpairs(self.stiffness, self.mass)
         # A mode's sign is free; fix it so that equal inputs give equal modes on every machine.
         largest = np.abs(vectors).argmax(axis=0)
@@ -158,9 +158,14 @@ class RitzResonator(PatchedBeam):
             coupling[:, electrode] = self.moment_per_voltage * turn
         mass += self.tip_mass * np.outer(displacement, displacement)
         mass += self.tip_inertia * np.outer(slope, slope)
+        damping = self.mass_damping * mass + self.stiffness_damping * stiffness
+        if self.damping_ratio is not None:
+            squares, vectors = resolved_eigenpairs(stiffness, mass)
+            across = mass @ vectors
+            damping = (across * self.modal_damping(squares)) @ across.T
         return RitzMatrices(
             mass=mass,
-            damping=self.mass_damping * mass + self.stiffness_damping * stiffness,
+            damping=damping,
             stiffness=stiffness,
             coupling=coupling,
             capacitance=self.capacitance,

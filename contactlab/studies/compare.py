@@ -1,14 +1,13 @@
-"""The study `compare`: contact laws in one motor, and the causes of their differences."""
+"""The study `compare`: contact laws in one motor, in pairs."""
 
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
-from itertools import starmap
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Final, final
 
 import numpy as np
 import pandas
@@ -16,16 +15,29 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
-from contactlab.laws import ContactLaw
-from contactlab.metrics import REPORTED, VERDICTS, Run
+from contactlab.inference.calibration import Datum, calibrated
+from contactlab.inference.paired import INCONCLUSIVE, looks_up_to
+from contactlab.laws import ContactLaw, MultiplierLaw
+from contactlab.metrics import Run
+from contactlab.metrics.convergence import FINER, control_of
 from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.simulation import Solution
-from contactlab.steady_state.means import QUANTITIES
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.compare_causes import findings, sample_count, unclear, written_share
-from contactlab.studies.compare_draws import LAW, Factor, configurations_of, drawn, factors_of
+from contactlab.studies.compare_draws import (
+    LEVELS,
+    POSTERIOR,
+    Factor,
+    Posteriors,
+    as_configured,
+    configuration_of,
+    drawn,
+    factors_of,
+    left_fixed,
+)
+from contactlab.studies.compare_findings import findings
 from contactlab.studies.compare_measured import (
     Measurement,
     check_motor,
@@ -34,34 +46,43 @@ from contactlab.studies.compare_measured import (
     read_all,
     with_measurements,
 )
-from contactlab.studies.compare_reruns import Reruns, do_draw, do_rerun, do_starts, means_in, reruns_of
+from contactlab.studies.compare_observables import OBSERVABLES, USUAL, do_draw
+from contactlab.studies.compare_pairs import Settled, signs_of, verdicts_of, with_pairs
+from contactlab.studies.compare_reruns import Reruns, do_rerun, do_starts, reruns_of
 from contactlab.studies.compare_runs import (
     ComparisonError as ComparisonError,
+    Grid,
     Source,
+    grid_of,
     labelled,
     read_runs,
     run_of_setup,
     unchecked,
 )
-from contactlab.studies.compare_scorecard import motion, scorecard, with_causes
+from contactlab.studies.compare_scorecard import limits_of, listed, motion, scorecard
+from contactlab.studies.compare_tables import tables
 from contactlab.studies.runner import finish, run
 from contactlab.studies.study import Result, Setups, Study, Task, option
-from contactlab.studies.tables import UNIT, table
 
-SAMPLES: Final = 32
-"""Rows of the design of draws, which take a minute or two for three laws."""
+SAMPLES: Final = 64
+"""Draws at most, which take a minute or two for three laws."""
 
 STARTS: Final = 6
+_WORD: Final = re.compile(r"(?!(?:law|law/\w+)=)[\w.]+=[^,\[(]*(?:\.\.|\+-).*")
+"""KEY=LOW..HIGH, KEY=MEAN+-DEVIATION, KEY=+-SHARE."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Compare(Study):
-    """By how much do contact laws differ in one motor, and is the law the cause?
+    """Does the difference of contact laws survive where the motor is not exactly known?
 
     Laws are chosen by law=A,B, or are those of recorded runs: DIR..., folders of runs, their run.nc, or
-    folders of such folders, of one motor with one drive. The motors are compared once they have settled. A
-    difference is an effect of the law only if it exceeds the effects of numerical error, basis of the
-    resonator, parameters within their ranges, and initial conditions.
+    folders of such folders, of one motor with one drive. Other listed values, drive.phase=-1,0,1, are
+    operating points. The motors are compared once they have settled, in pairs: a draw of all that is
+    uncertain serves every law, so that a difference within it is the law's. KEY=LOW..HIGH,
+    KEY=MEAN+-DEVIATION and KEY=+-SHARE state what is uncertain, beside friction, contact stiffness,
+    clearance, basis, step and start. Draws continue until the order of each pair is known, or `samples` are
+    spent.
     """
 
     name: ClassVar[str] = "compare"
@@ -70,21 +91,30 @@ class Compare(Study):
     delay: ClassVar[float] = 10.0
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {
         # A folder of a sweep is named by its overrides: two/law=newton.
-        "runs": re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
+        "vary": _WORD,
+        "runs": re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*"),
     }
 
     runs: Annotated[list[str] | None, option("folders or files of recorded runs")] = None
-    refine: Annotated[bool, option("whether the effects of all other causes are computed")] = True
+    refine: Annotated[bool, option("whether numerical errors, draws and starts are computed")] = True
     transient: Annotated[
         bool, option("whether runs are compared from their start on, not settled motors")
     ] = False
-    samples: Annotated[
-        int, option("rows of the design of draws, a power of two; 0 draws nothing", at_least=0)
-    ] = SAMPLES
+    samples: Annotated[int, option("draws at most, a power of two; 0 draws nothing", at_least=0)] = SAMPLES
     starts: Annotated[int, option("initial conditions of each law", at_least=1)] = STARTS
-    range: Annotated[
-        list[str] | None, option("half the range of parameters over their values: KEY=SHARE,...; 0 is exact")
+    vary: Annotated[
+        list[str] | None,
+        option("what is uncertain: KEY=LOW..HIGH, KEY=MEAN+-DEVIATION, KEY=+-SHARE; +-0 is exact"),
     ] = None
+    posterior: Annotated[
+        str | None, option("file of a fit, whose posteriors the laws' numbers are drawn from")
+    ] = None
+    calibrate: Annotated[
+        str | None, option("datum of all laws: restitution=VALUE@SPEED or contact_time=VALUE@SPEED, in SI")
+    ] = None
+    observe: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
+        field(default_factory=lambda: [*USUAL])
+    )
     measured: Annotated[list[str] | None, option("files of measured impacts or series")] = None
     workers: Annotated[int, option("processes at work", at_least=1)] = processors()
 
@@ -99,15 +129,15 @@ class Compare(Study):
         return read_all(self.measured or ())
 
     @cached_property
-    def ranges(self) -> dict[str, float]:
-        """Half the range of parameters over their values, by full key."""
-        pairs = [text.partition("=") for text in self.range or ()]
-        try:
-            return {key.strip(): float(share) for key, _, share in pairs}
-        except ValueError:
-            raise ComparisonError(
-                [f"study.range is {self.range}; it must be KEY=SHARE, as contact.clearance=0.1."]
-            ) from None
+    def priors(self) -> dict[str, str]:
+        """What is uncertain beside the usual, as texts by full key."""
+        pairs = [text.partition("=") for text in self.vary or ()]
+        return {key.strip(): text.strip() for key, _, text in pairs}
+
+    @cached_property
+    def posteriors(self) -> Posteriors | None:
+        """Samples of the laws' numbers."""
+        return None if self.posterior is None else Posteriors.read(self.posterior)
 
     def put_to(self, setups: Setups) -> Setups:
         """Return the setups of the laws by label: those of the recorded runs, if there are any.
@@ -118,36 +148,53 @@ class Compare(Study):
         """
         if self.samples & (self.samples - 1):
             raise ComparisonError([f"study.samples is {self.samples}; it must be a power of two, or 0."])
+        unknown = [name for name in self.observe if name not in OBSERVABLES]
+        if unknown or not self.observe or self.observe[0] != next(iter(OBSERVABLES)):
+            raise ComparisonError(
+                [
+                    f"study.observe is {', '.join(self.observe)}; it must be rotor_velocity, "
+                    f"then any of {', '.join([*OBSERVABLES][1:])}."
+                ]
+            )
         if not self.recorded:
             if not setups:
                 raise ComparisonError(["There is nothing to compare; there must be a run or a setup."])
-            laws = labelled([*starmap(run_of_setup, setups.items())], transient=self.transient)
-            return {law.label: setup for law, setup in zip(laws, setups.values(), strict=True)}
+            if self.calibrate is not None:
+                setups = {label: _brought_to(self.calibrate, setup) for label, setup in setups.items()}
+            grid = grid_of(setups.values(), transient=self.transient)
+            if len(grid.cells) > 1 and (self.transient or not self.refine):
+                raise ComparisonError(
+                    [
+                        "Operating points are compared once motors have settled, with refine=true; leave out "
+                        "transient and refine, or give every key one value."
+                    ]
+                )
+            return {", ".join(filter(None, place)): setup for place, setup in grid.setups.items()}
         if any(setup.configuration != build().configuration for setup in setups.values()):
             raise ConfigurationError(
                 ["Recorded runs have configurations of their own; other keys must be left out beside them."]
             )
         return {law.label: setup for law in self.recorded if (setup := _built(law))}
 
-    def laws(self, setups: Setups) -> list[Run]:
+    def grid(self, setups: Setups) -> Grid:
+        """Return the laws and operating points of the setups that `put_to` returned."""
+        if not self.recorded:
+            return grid_of(setups.values(), transient=self.transient)
+        return Grid(tuple(setups), ("",), {(label, ""): setup for label, setup in setups.items()})
+
+    def laws(self, grid: Grid) -> list[Run]:
         """Return the laws in their order: as recorded, or without records."""
         return self.recorded or [
-            replace(run_of_setup(label, setup), label=label) for label, setup in setups.items()
+            replace(run_of_setup(label, grid.setups[label, grid.cells[0]]), label=label)
+            for label in grid.laws
         ]
 
-    def factors(self, setups: Setups) -> tuple[Factor, ...]:
-        """Return what can be drawn; nothing where a setup was made in Python and has no configuration."""
-        whole = all("resonator" in setup.configuration for setup in setups.values())
-        if not (self.refine and not self.transient and setups and whole):
-            return ()
-        return factors_of([*starmap(run_of_setup, setups.items())], self.ranges)
-
-    def _plan(self, setups: Setups) -> dict[str, dict[str, Task]]:
+    def _plan(self, grid: Grid) -> dict[str, dict[str, Task]]:
         """Return the tasks of each law by what they do: a rerun, "starts", the digest of a measurement."""
         plan: dict[str, dict[str, Task]] = {}
-        recorded = {law.label: law for law in self.laws(setups)}
-        for label, setup in setups.items():
-            tasks = plan[label] = {}
+        recorded = {law.label: law for law in self.laws(grid)}
+        for label in grid.laws:
+            setup, tasks = grid.setups[label, grid.cells[0]], plan.setdefault(label, {})
             if not (self.transient and not self.refine and recorded[label].columns):
                 period = recorded[label].period or 0.1 * setup.duration
                 for name, _, rerun in reruns_of(setup, refine=self.refine):
@@ -161,14 +208,19 @@ class Compare(Study):
                 tasks[measurement.digest] = Task(key, do_prediction, (setup, measurement.data))
         return plan
 
-    def _draws(self, setups: Setups) -> tuple[Array, list[Task]]:
-        """Return the table of draws and the task of each; draws of equal configurations have one task."""
-        factors = self.factors(setups)
-        if not (factors and self.samples):
-            return np.empty((0, len(factors))), []
-        draws = drawn(factors, self.samples)
-        configurations = configurations_of([*setups.values()], factors, draws)
-        return draws, [Task(_key("draw", "", each), do_draw, (each,)) for each in configurations]
+    def factors(self, grid: Grid) -> tuple[Factor, ...]:
+        """Return what is drawn."""
+        runs = [run_of_setup(law, setup) for (law, _), setup in grid.setups.items()]
+        factors = factors_of(runs, self.priors)
+        return (*factors, Factor(POSTERIOR)) if self.posteriors else factors
+
+    def _design(self, grid: Grid) -> "_Design | None":
+        """Return the motors that are compared in pairs; None without any."""
+        if self.transient or not self.refine or not grid.laws:
+            return None
+        whole = all("resonator" in setup.configuration for setup in grid.setups.values())
+        factors = self.factors(grid) if whole else ()
+        return _Design(grid, factors, self.samples if whole else 0, tuple(self.observe), self.posteriors)
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return reruns, other starts and predictions of measurements of each law, and the draws.
@@ -176,15 +228,33 @@ class Compare(Study):
         Raises:
             ComparisonError, ConfigurationError: files or options cannot be used.
         """
-        every = [task for tasks in self._plan(setups).values() for task in tasks.values()]
-        return [*every, *{task.key: task for task in self._draws(setups)[1]}.values()]
+        grid = self.grid(setups)
+        design = self._design(grid)
+        every = [task for tasks in self._plan(grid).values() for task in tasks.values()]
+        if design:
+            every += [*design.nominal_tasks, *design.drawn_tasks(design.looks[0])]
+        return {task.key: task for task in every}.values()
+
+    def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
+        """Return twice as many draws while the order of two laws in the settled velocity is not known."""
+        design = self._design(self.grid(setups))
+        if not design or not (spent := design.spent(parts)) or spent == design.looks[-1]:
+            return ()
+        settled = design.settled(parts, spent)
+        signs = signs_of(settled, design.factors, design.draws(spent))[:, :, :, :1]
+        undecided = (verdicts_of(signs, len(design.looks)).verdict == INCONCLUSIVE) & np.isfinite(signs).any(
+            -1
+        )
+        if not undecided.any():
+            return ()
+        return [task for task in design.drawn_tasks(2 * spent) if task.key not in parts]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
-        """Return the scorecard with the effects of causes; the group motion_N is that of the N-th law."""
-        plan = self._plan(setups)
-        laws = [Reruns(law) for law in self.laws(setups)]
+        """Return scorecard and paired comparison; the group motion_N is that of the N-th law."""
+        grid = self.grid(setups)
+        plan, laws = self._plan(grid), [Reruns(law) for law in self.laws(grid)]
         for law in laws:
-            if setup := setups.get(law.label):
+            if setup := grid.setups.get((law.label, grid.cells[0])):
                 own = {name: parts[task.key] for name, task in plan[law.label].items()}
                 law.add(setup, own, transient=self.transient, refine=self.refine)
             else:
@@ -202,21 +272,20 @@ class Compare(Study):
         notes = [*unchecked(self.recorded), *(note for each in measured for note in each.notes)]
         data = scorecard(laws, notes, measured)
         if not self.transient:
-            factors, (draws, tasks) = self.factors(setups), self._draws(setups)
-            every = {task.key: parts[task.key] for task in tasks}
-            if failures := [part.attrs["failure"] for part in every.values() if "failure" in part.attrs]:
-                data.attrs["notes"] += (
-                    f"\n{len(failures)} of {len(every)} draws have no steady state: {failures[0]}"
-                )
-            # Shape (law, draw, quantity), NaN where a draw is of another law.
-            values = np.full((len(laws), len(tasks), len(QUANTITIES)), np.nan)
-            names = [factor.name for factor in factors]
-            places = draws[:, names.index(LAW)].astype(int) if LAW in names else np.zeros(len(tasks), int)
-            order = [[law.label for law in laws].index(label) for label in setups]
-            for number, (task, place) in enumerate(zip(tasks, places, strict=True)):
-                if "failure" not in every[task.key].attrs:
-                    values[order[place], number] = means_in(every[task.key])[0].values
-            data = with_causes(data, laws, factors, draws, values, self.ranges)
+            data.attrs["limits"] = "\n".join(limits_of(laws))
+        design = self._design(grid)
+        if design and len(design.grid.laws) == len(laws):
+            data = design.compared(data, parts)
+            fixed = {law.label: left_fixed(law.run, design.factors, self.priors) for law in laws}
+            names = dict.fromkeys(name for names in fixed.values() for name in names)
+            data.attrs["not_varied"] = listed(
+                [
+                    f"{name} of {listed([law for law in fixed if name in fixed[law]])}"
+                    if not name.startswith("resonator")
+                    else name
+                    for name in names
+                ]
+            )
         data = with_measurements(data, measured)
         return xarray.DataTree(
             data, {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
@@ -224,7 +293,7 @@ class Compare(Study):
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return the rotor velocity of each law with its error."""
-        key = "rotor_velocity" if "cause" in data.dims else "final_rotor_velocity"
+        key = "rotor_velocity" if "limits" in data.attrs else "final_rotor_velocity"
         every = data.to_dataset().sel(metric=key)
         return {
             str(law): Estimate(
@@ -234,34 +303,128 @@ class Compare(Study):
         }
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the differences with their causes, and failed thresholds."""
+        """Return what limits the comparison, classes and orders of the laws, and failed thresholds."""
         return findings(data.to_dataset())
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
-        """Return scorecard, shares of the variance, files of measurements, and definitions of the metrics."""
-        every = data.to_dataset()
-        tables = {"scorecard": _scorecard_table(every)}
-        if "total_order" in every:
-            tables["shares"] = _shares_table(every)
-        if "measured" in every.dims:
-            names = {"title": "measured", "contents": "measured_contents", "source": "measured_source"}
-            names |= {"file": "measured_file", "SHA-256": "measured_digest"}
-            caption = "Measurements; the errors of their rows are half of a 95 % interval by resampling"
-            columns = {head: every[name].values for head, name in names.items()}
-            tables["measurements"] = table(columns, caption=caption)
-        names = {"metric": "metric", "symbol": "symbol", "unit": "units", "meaning": "meaning"}
-        names |= {"must be": "threshold", "reason": "reason", "source": "metric_source"}
-        columns = {head: every[name].values for head, name in names.items() if head != "unit"}
-        tables["metrics"] = table(columns, caption="Definitions of the metrics")
-        tables["metrics"].attrs["reference"] = True
-        return tables
+        """Return scorecard, pairs of laws, where to measure, files of measurements, and the metrics."""
+        return tables(data.to_dataset())
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
-        """Return effects of causes and shares, or velocities of transients; forces, paths, energy, phases."""
+        """Return laws, pairs and operating points, or transients; forces, paths, energy, phases."""
         # Imported here: it brings matplotlib.
         from contactlab.studies.compare_figures import draw_all
 
         return draw_all(data)
+
+
+@final
+@dataclass(frozen=True)
+class _Design:
+    """The motors that are compared in pairs: as configured, and draws; each task is one motor, all laws.
+
+    Args:
+        grid: laws and operating points.
+        factors: what is drawn; nothing for setups that were made in Python.
+        samples: draws at most.
+        names: of the quantities.
+        posterior: samples of the laws' numbers.
+    """
+
+    grid: Grid
+    factors: tuple[Factor, ...]
+    samples: int
+    names: tuple[str, ...]
+    posterior: Posteriors | None
+
+    @property
+    def looks(self) -> list[int]:
+        """Numbers of draws after which orders are tested."""
+        return looks_up_to(self.samples)
+
+    @cached_property
+    def _every(self) -> Array:
+        return drawn(self.factors, self.samples)
+
+    def draws(self, count: int) -> Array:
+        """Return the first draws, shape (draw, factor)."""
+        return self._every[:count]
+
+    @cached_property
+    def _nominal(self) -> dict[tuple[int, int, int], Task]:
+        """The tasks of the motors as configured, by operating point, basis and step."""
+        tasks = {}
+        for number, cell in enumerate(self.grid.cells):
+            for basis, step in np.ndindex(LEVELS):
+                if self.factors:
+                    tasks[number, basis, step] = self._task(cell, as_configured(self.factors, basis), step)
+                elif not basis:
+                    setups = {law: self._finer(self.grid.setups[law, cell], step) for law in self.grid.laws}
+                    tasks[number, basis, step] = Task(f"step {step}", do_draw, (setups, self.names))
+        return tasks
+
+    @property
+    def nominal_tasks(self) -> Iterable[Task]:
+        """The tasks of the motors as configured."""
+        return self._nominal.values()
+
+    def drawn_tasks(self, count: int) -> list[Task]:
+        """Return the tasks of the first draws, those of an operating point together."""
+        return [self._task(cell, draw) for cell in self.grid.cells for draw in self.draws(count)]
+
+    def _task(self, cell: str, draw: Array, step: int = 0) -> Task:
+        laws = {law: self.grid.setups[law, cell] for law in self.grid.laws}
+        configurations = {
+            law: configuration_of(setup, self.factors, draw, self.posterior, step)
+            for law, setup in laws.items()
+        }
+        return Task(_key("draw", "", configurations), do_draw, (configurations, self.names))
+
+    @staticmethod
+    def _finer(setup: Setup, step: int) -> Setup:
+        control = control_of(setup.law)
+        return replace(setup, **{control: getattr(setup, control) / FINER[control][step]})
+
+    def spent(self, parts: Mapping[str, xarray.DataTree]) -> int:
+        """Return the number of draws that are finished: a look's, or none."""
+        done = [count for count in self.looks if all(task.key in parts for task in self.drawn_tasks(count))]
+        return max(done, default=0)
+
+    def settled(self, parts: Mapping[str, xarray.DataTree], count: int) -> Settled:
+        """Return the settled motors of a number of draws."""
+        size = len(self.grid.laws), len(self.grid.cells)
+        nominal = np.full((*size, *LEVELS, len(self.names)), np.nan)
+        for (cell, basis, step), task in self._nominal.items():
+            nominal[:, cell, basis, step] = parts[task.key].to_dataset()["value"].values
+        every = [parts[task.key].to_dataset() for task in self.drawn_tasks(count)]
+        # Draws of an operating point stand together.
+        shape = (len(self.grid.cells), count, len(self.grid.laws), len(self.names))
+        values, errors = (
+            np.moveaxis(np.reshape([data[name].values for data in every], shape), 2, 0)
+            for name in ("value", "error")
+        )
+        laws = [self.grid.setups[law, self.grid.cells[0]].law for law in self.grid.laws]
+        return Settled(nominal, values, errors, [law.convergence_order for law in laws])
+
+    def compared(self, data: xarray.Dataset, parts: Mapping[str, xarray.DataTree]) -> xarray.Dataset:
+        """Return a scorecard with the paired comparison."""
+        count = self.spent(parts)
+        tasks = [*self.nominal_tasks, *self.drawn_tasks(count)]
+        failures = [str(x) for task in tasks for x in parts[task.key].to_dataset()["failure"].values if x]
+        if failures:
+            data.attrs["notes"] += (
+                f"\n{len(failures)} of {len(tasks) * len(self.grid.laws)} motors have no steady state: "
+                f"{failures[0]}"
+            )
+        settled, draws = self.settled(parts, count), self.draws(count)
+        setups = [self.grid.setups[law, self.grid.cells[0]] for law in self.grid.laws]
+        coupling = {"units": "1", "long_name": "D_nt over sqrt(D_nn D_tt) of the motor at rest"}
+        return with_pairs(
+            data, settled, self.factors, draws, len(self.looks), self.grid.cells, self.names
+        ).assign_coords(
+            normal_tangential_coupling=("law", [_coupling(setup.motor) for setup in setups], coupling),
+            rigid=("law", np.array([isinstance(each.law, MultiplierLaw) for each in setups], np.int8)),
+        )
 
 
 def _built(law: Run) -> Setup | None:
@@ -271,46 +434,35 @@ def _built(law: Run) -> Setup | None:
         return None
 
 
+def _delassus(motor: Motor) -> Array:
+    """Return D = G M^-1 G' at rest, normal and tangential [1/kg], shape (2, 2)."""
+    rows = np.stack([motor.modes.tip_displacement, motor.geometry.tip_length * motor.modes.tip_slope])
+    return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
+
+
+def _coupling(motor: Motor) -> float:
+    """Return |D_nt| / sqrt(D_nn D_tt) at rest."""
+    matrix = _delassus(motor)
+    return float(abs(matrix[0, 1]) / np.sqrt(matrix[0, 0] * matrix[1, 1]))
+
+
+def _brought_to(text: str, setup: Setup) -> Setup:
+    """Return a setup whose law has a datum; of one that no number brings there, the setup itself."""
+    try:
+        datum = Datum.of(text)
+    except ValueError as error:
+        raise ComparisonError([str(error)]) from None
+    number = calibrated(setup.law, datum, _delassus(setup.motor))
+    if number is None:
+        return setup
+    free, value = number
+    return build(nested(flat(setup.configuration) | {f"law.{free.name}": value}))
+
+
 def _key(label: str, name: str, subject: Setup | Mapping[str, Any]) -> str:
     configuration = subject.configuration if isinstance(subject, Setup) else subject
     digest = sha256(json.dumps(configuration, sort_keys=True, default=str).encode()).hexdigest()
     return f"{label} {name} {digest[:16]}"
-
-
-def _scorecard_table(data: xarray.Dataset) -> pandas.DataFrame:
-    """Return a row for each metric: value, error and verdict of each law."""
-    rows = []
-    for key in map(str, data["metric"].values):
-        here = data.sel(metric=key)
-        row: dict[str, Any] = {
-            "metric": key,
-            UNIT: str(here["units"].item()),
-            "must be": str(here["threshold"].item()),
-        }
-        for law in map(str, data["law"].values):
-            cell = here.sel(law=law)
-            verdict = VERDICTS[int(cell["verdict"])]
-            row[law] = Estimate(float(cell["value"]), float(cell["numerical_error"]))
-            row[f"{law}: verdict"] = "" if verdict == REPORTED else verdict
-        rows.append(row)
-    return table(rows, caption="Scorecard")
-
-
-def _shares_table(data: xarray.Dataset) -> pandas.DataFrame:
-    """Return the shares of the factors in the variance of the settled velocity."""
-    here = data.sel(quantity="rotor_velocity")
-    inconclusive = f"{sample_count(data)} samples are inconclusive"
-    columns: dict[str, Any] = {"factor": data["factor"].values}
-    for head, name in (("alone", "first_order"), ("with interactions", "total_order")):
-        columns[head] = [
-            inconclusive if unclear(*estimate[1:]) else written_share(*estimate)
-            for estimate in here[name].values
-        ]
-    caption = (
-        f"Shares in the variance of the settled rotor velocity over {data.sizes['draw']} draws: laws, bases "
-        f"and steps of equal probability, {data.attrs['parameters']}"
-    )
-    return table(columns, caption=caption)
 
 
 def compare(
@@ -318,7 +470,7 @@ def compare(
     law: ContactLaw | Sequence[ContactLaw] | None = None,
     *,
     output: str | Path | None = None,
-    ranges: Mapping[str, float] | None = None,
+    vary: Mapping[str, str] | None = None,
     measured: Sequence[str | Path] = (),
     **options: Any,
 ) -> Result:
@@ -336,21 +488,21 @@ def compare(
             or a motor made in Python.
         law: one or several, of that motor.
         output: folder for the files; None writes none.
-        ranges: half the range of a parameter over its value, by full key, in place of what the section
-            `uncertainty` of the runs states; 0 is exact.
+        vary: what is uncertain by full key, "LOW..HIGH", "MEAN+-DEVIATION" or "+-SHARE", in place of what
+            the section `uncertainty` of the runs states; "+-0" is exact.
         measured: files of measured impacts or series, which the laws predict with their parameters.
         options: fields of `Compare`.
 
     Returns:
         Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
-        `law` and `term`, and the effects of all causes, see `compare_scorecard.with_causes`.
+        `law` and `term`, and the paired comparison, see `compare_pairs.with_pairs`.
 
     Raises:
         ComparisonError: the laws cannot be compared.
         OSError: the folder cannot be written to.
     """
     study = Compare(
-        range=[f"{key}={share}" for key, share in (ranges or {}).items()] or None,
+        vary=[f"{key}={text}" for key, text in (vary or {}).items()] or None,
         measured=[str(path) for path in measured] or None,
         **options,
     )

@@ -1,28 +1,34 @@
-"""Draws of law, parameters, basis and step, and their shares in the variance of the settled motors.
+"""What is uncertain of a motor and its laws: priors of any key, and draws that serve all laws alike.
 
-The design is that of Saltelli et al. (2010), Computer Physics Communications 181, 259: two matrices A and B
-of a scrambled Sobol' sequence, and A with one column of B for each factor. Parameters are distributed evenly
-over their ranges; laws, bases and steps are levels of equal probability.
+One draw of parameters, basis and start serves every law: common random numbers. Draws are points of a
+scrambled Sobol' sequence, whose first 16, 32, 64 points are designs of their own. They have the configured
+step; what that changes is computed for the motor as configured.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
+from math import isfinite, log
+from pathlib import Path
 from typing import Any, Final, final
 
 import numpy as np
+import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup, build
 from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
+from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, control_of
+from contactlab.parameter import Parameter
+from contactlab.steady_state.basins import reach
 from contactlab.studies.compare_runs import ComparisonError
 
 SEED: Final = 0
-RESAMPLES: Final = 999
 
 SPREAD: Final[dict[str, tuple[str, ...]]] = {
     "friction coefficient": ("contact.friction_coefficient",),
@@ -31,7 +37,11 @@ SPREAD: Final[dict[str, tuple[str, ...]]] = {
 }
 """Parameters by name, in the order of `Uncertainty`: a scale applies to the keys that a law has."""
 
-LAW, BASIS, STEP = "law", "basis", "step"
+BASIS, START, POSTERIOR = "basis", "start", "posterior"
+FREQUENCY: Final = "drive.frequency"
+LEVELS: Final = 2, 3
+"""Numbers of bases and of steps."""
+
 
 CONVERGED: Final = "finite_element"
 """Option of the group `resonator` with the converged basis."""
@@ -39,69 +49,135 @@ CONVERGED: Final = "finite_element"
 MORE_MODES: Final = 4
 """Modes that are added to a converged basis."""
 
+_FORMS: Final = {
+    "range": re.compile(r"(?P<a>[^.+]*(?:\.\d[^.+]*)?)\.\.(?P<b>.+)"),
+    "scale": re.compile(r"()\+-(?P<b>.+)"),
+    "normal": re.compile(r"(?P<a>.+)\+-(?P<b>.+)"),
+}
+"""Priors as texts: LOW..HIGH, +-SHARE of the value, MEAN+-DEVIATION."""
+
 
 @final
 @dataclass(frozen=True)
 class Factor:
-    """What is drawn: the scale of a parameter, from 1 - spread to 1 + spread, or one of some levels."""
+    """What is drawn: a number of a motor or a law by its prior, or one of some levels.
+
+    Args:
+        name: of the factor.
+        keys: of the configuration; those that a law lacks are left out.
+        prior: 'scale' from 1 - b to 1 + b of the value, 'uniform' or 'log' from a to b, 'normal' of mean a
+            and deviation b, 'level' of b levels, 'share' from 0 to 1.
+        a, b: of the prior.
+    """
 
     name: str
     keys: tuple[str, ...] = ()
-    spread: float = 0.0
-    levels: int = 0
+    prior: str = "share"
+    a: float = 0.0
+    b: float = 1.0
 
     def at(self, uniform: Array) -> Array:
-        """Return scales or levels of numbers distributed evenly from 0 to 1."""
-        return np.floor(self.levels * uniform) if self.levels else 1.0 + self.spread * (2.0 * uniform - 1.0)
+        """Return values of the prior at numbers distributed evenly from 0 to 1."""
+        match self.prior:
+            case "level":
+                return np.floor(self.b * uniform)
+            case "normal":
+                # Imported here: no other study needs scipy.stats.
+                from scipy.stats import norm
+
+                return np.asarray(norm.ppf(np.clip(uniform, 1e-9, 1.0 - 1e-9), self.a, self.b))
+            case "log":
+                return np.asarray(self.a * np.exp(uniform * log(self.b / self.a)))
+            case "scale":
+                return 1.0 + self.b * (2.0 * uniform - 1.0)
+        return self.a + (self.b - self.a) * uniform
+
+    @property
+    def text(self) -> str:
+        """The prior as in a sentence."""
+        match self.prior:
+            case "scale":
+                return f"{self.name} +-{100.0 * self.b:.3g} %"
+            case "normal":
+                return f"{self.name} {self.a:g} +- {self.b:g}"
+            case "level":
+                return f"{self.name} ({self.b:g})"
+        return self.name if self.prior == "share" else f"{self.name} {self.a:g} to {self.b:g}"
 
 
-def factors_of(runs: Sequence[Run], ranges: Mapping[str, float]) -> tuple[Factor, ...]:
-    """Return what is drawn for laws: parameters that one of them has and that are not exactly known.
+def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, ...]:
+    """Return what is drawn for laws: what is uncertain by default, what a prior states, and levels.
+
+    Uncertain by default are friction, contact stiffness and clearance within the section `uncertainty` of the
+    configuration, what a law declares by `Parameter.spread`, the basis, and the rotor velocity at the start.
 
     Args:
         runs: with their configurations.
-        ranges: half of the range of a parameter over its value, by full key, beside or in place of what the
-            section `uncertainty` of the runs states and what laws declare by `Parameter.spread`.
+        priors: texts by full key, see `_FORMS`; +-0 is exact.
 
     Raises:
-        ComparisonError: a range out of bounds, or of a key that is no number.
+        ComparisonError: a prior out of bounds, or of a key that is no number.
     """
     stated = next((run.configuration.get("uncertainty") for run in runs), None) or {}
     usual = Uncertainty(**stated)
-    spreads = {
-        keys: getattr(usual, field.name)
-        for keys, field in zip(SPREAD.values(), fields(Uncertainty), strict=True)
+    every = {
+        keys: Factor(name, keys, "scale", b=getattr(usual, field.name))
+        for (name, keys), field in zip(SPREAD.items(), fields(Uncertainty), strict=True)
     }
+    declared: dict[str, Parameter] = {}
     for run in runs:
-        for key, parameter in declared_in(dict(run.configuration)).items():
-            if parameter.spread > 0.0 and not any(key in keys for keys in spreads):
-                spreads[key,] = parameter.spread
+        declared |= declared_in(dict(run.configuration))
+    for key, parameter in declared.items():
+        if parameter.spread > 0.0 and not any(key in keys for keys in every):
+            every[key,] = Factor(key, (key,), "scale", b=parameter.spread)
     faults = []
-    for key, spread in ranges.items():
-        keys = next((keys for keys in spreads if key in keys), (key,))
-        if not any(is_scalable(run, key) for run in runs):
-            faults.append(f"range has {key}; it must be the full key of a number, as contact.clearance.")
-        elif not 0.0 <= spread < 1.0:
-            faults.append(f"range of {key} is {spread:g}; it must be at least 0 and less than 1.")
-        spreads[keys] = spread
+    for key, text in priors.items():
+        keys = next((keys for keys in every if key in keys), (key,))
+        if key not in declared:
+            faults.append(f"vary has {key}; it must be the full key of a number, as contact.clearance.")
+        elif factor := _prior(key, keys, text, declared[key]):
+            every[keys] = factor
+        else:
+            faults.append(
+                f"vary has {key}={text}; it must be LOW..HIGH, MEAN+-DEVIATION or +-SHARE below 1, "
+                f"{declared[key].range}."
+            )
     if faults:
         raise ComparisonError(faults)
-    names = {keys: name for name, keys in SPREAD.items()}
-    parameters = (
-        Factor(names.get(keys, keys[0]), keys, spread)
-        for keys, spread in spreads.items()
-        if spread > 0.0 and any(is_scalable(run, key) for run in runs for key in keys)
-    )
-    laws = (Factor(LAW, levels=len(runs)),) if len(runs) > 1 else ()
-    return (*laws, *parameters, Factor(BASIS, levels=2), Factor(STEP, levels=3))
+    parameters = [
+        factor
+        # A frequency relative to the resonance follows from the rest.
+        for factor in sorted(every.values(), key=lambda each: each.keys == (FREQUENCY,))
+        if not (factor.prior == "scale" and (factor.b == 0.0 or not _scalable(runs, factor.keys)))
+    ]
+    start = () if "rotor.initial_velocity" in priors else (Factor(START, a=-1.0),)
+    return (*parameters, Factor(BASIS, prior="level", b=LEVELS[0]), *start)
 
 
-def left_fixed(run: Run, factors: Sequence[Factor], ranges: Collection[str]) -> list[str]:
-    """Return the law's own parameters that no factor varies and that no range declares exactly known."""
-    usual = {key for keys in SPREAD.values() for key in keys}
-    treated = usual | {key for factor in factors for key in factor.keys} | set(ranges)
-    own = (key for key in run.settings if key.startswith("law.") and key not in treated)
-    return [key.removeprefix("law.") for key in own if is_scalable(run, key)]
+def _prior(key: str, keys: tuple[str, ...], text: str, declared: Parameter) -> Factor | None:
+    """Return the factor of a text; None where it is faulty."""
+    for prior, form in _FORMS.items():
+        if not (match := form.fullmatch(text.replace(" ", ""))):
+            continue
+        try:
+            a, b = (float(x) if x else 0.0 for x in match.groups())
+        except ValueError:
+            return None
+        if prior == "scale":
+            name = next((name for name, usual in SPREAD.items() if usual == keys), key)
+            return Factor(name, keys, prior, b=b) if 0.0 <= b < 1.0 else None
+        if prior == "normal":
+            return (
+                Factor(key, (key,), prior, a, b) if declared.admits(a) and b > 0.0 and isfinite(b) else None
+            )
+        if not (a < b and declared.admits(a) and declared.admits(b)):
+            return None
+        return Factor(key, (key,), "log" if a > 0.0 and b / a >= WIDE else "uniform", a, b)
+    return None
+
+
+def _scalable(runs: Sequence[Run], keys: Sequence[str]) -> bool:
+    return any(is_scalable(run, key) for run in runs for key in keys)
 
 
 def is_scalable(run: Run, key: str) -> bool:
@@ -110,37 +186,111 @@ def is_scalable(run: Run, key: str) -> bool:
     return isinstance(value, float) and value != 0.0
 
 
+def left_fixed(run: Run, factors: Sequence[Factor], priors: Mapping[str, str]) -> list[str]:
+    """Return the law's own numbers, and the damping of the resonator, that nothing varies."""
+    usual = {key for keys in SPREAD.values() for key in keys}
+    treated = usual | {key for factor in factors for key in factor.keys} | set(priors)
+    if "resonator.damping_ratio" in treated or run.settings.get("resonator.damping_ratio") is not None:
+        treated |= {"resonator.mass_damping", "resonator.stiffness_damping"}
+    return [
+        key.removeprefix("law.")
+        for key in run.settings
+        if (key.startswith("law.") or ("resonator." in key and "damping" in key))
+        and key not in treated
+        and is_scalable(run, key)
+    ]
+
+
 def drawn(factors: Sequence[Factor], count: int) -> Array:
-    """Return the draws, shape (draw, factor): `count` rows of A, of B, and of A with each column of B."""
+    """Return the draws, shape (draw, factor)."""
     # Imported here: no other study needs scipy.stats.
     from scipy.stats import qmc
 
-    size = len(factors)
-    uniform = qmc.Sobol(2 * size, seed=SEED).random(count)
-    first, second = uniform[:, :size], uniform[:, size:]
-    mixed = [np.where(np.arange(size) == column, second, first) for column in range(size)]
-    points = np.concatenate([first, second, *mixed])
-    return np.column_stack([factor.at(points[:, i]) for i, factor in enumerate(factors)])
+    if not factors:
+        return np.empty((count, 0))
+    uniform = qmc.Sobol(len(factors), seed=SEED).random(count)
+    return np.column_stack([factor.at(uniform[:, i]) for i, factor in enumerate(factors)])
 
 
-def configurations_of(
-    setups: Sequence[Setup], factors: Sequence[Factor], draws: Array
-) -> list[dict[str, Any]]:
-    """Return the configuration of each draw, of the law that it draws."""
-    bases = [[flat(setup.configuration), flat(on_other_basis(setup)[0])] for setup in setups]
-    controls = [control_of(setup.law) for setup in setups]
-    result = []
-    for row in draws:
-        level = {factor.name: int(x) for factor, x in zip(factors, row, strict=True) if factor.levels}
-        law = level.get(LAW, 0)
-        settings = dict(bases[law][level[BASIS]])
-        for factor, scale in zip(factors, row, strict=True):
-            for key in factor.keys:
-                if isinstance(settings.get(key), float):
-                    settings[key] *= float(scale)
-        settings[f"solver.{controls[law]}"] /= FINER[controls[law]][level[STEP]]
-        result.append(nested(settings))
-    return result
+def as_configured(factors: Sequence[Factor], basis: int) -> Array:
+    """Return the draw of the motor as configured, on a basis, shape (factor,)."""
+    return np.array([basis if factor.name == BASIS else np.nan for factor in factors])
+
+
+def configuration_of(
+    setup: Setup, factors: Sequence[Factor], draw: Array, posterior: "Posteriors | None" = None, step: int = 0
+) -> dict[str, Any]:
+    """Return the configuration of a law's motor in a draw and at a step; NaN leaves a parameter."""
+    other = any(factor.name == BASIS and x for factor, x in zip(factors, draw, strict=True))
+    settings = flat(on_other_basis(setup)[0] if other else setup.configuration)
+    settings |= {FREQUENCY: None} if is_tuned(setup) else {}
+    for factor, x in zip(factors, draw.tolist(), strict=True):
+        if factor.name == START and not np.isnan(x):
+            settings["rotor.initial_velocity"] = x * reach(setup)
+        elif factor.name == POSTERIOR and posterior and not np.isnan(x):
+            settings |= posterior.values(setup, x)
+        elif not np.isnan(x):
+            settings |= _changed(settings, factor, x)
+    control = control_of(setup.law)
+    settings[f"solver.{control}"] /= FINER[control][step]
+    return nested(settings)
+
+
+def _changed(settings: Mapping[str, Any], factor: Factor, x: float) -> dict[str, float]:
+    """Return the numbers that a factor changes; a law without a key has none."""
+    if factor.prior != "scale":
+        return {key: x for key in factor.keys if key in settings or not key.startswith("law.")}
+    if factor.keys == (FREQUENCY,) and settings[FREQUENCY] is None:
+        # Relative to the resonance, which other numbers of the draw may move.
+        resonance = build(nested(dict(settings))).motor.modes.natural_frequency[0]
+        return {FREQUENCY: x * float(resonance)}
+    return {key: settings[key] * x for key in factor.keys if isinstance(settings.get(key), float)}
+
+
+@final
+@dataclass(frozen=True)
+class Posteriors:
+    """Samples of the numbers of laws from files of the study `fit`, by name of the law.
+
+    A draw gives every law the sample at the same share of its own posterior: those of different laws are
+    independent.
+    """
+
+    samples: Mapping[str, Mapping[str, Array]]
+
+    @classmethod
+    def read(cls, path: str) -> "Posteriors":
+        """Read the groups of a file.
+
+        Raises:
+            ComparisonError: it is no file of the study `fit`.
+        """
+        file = Path(path) / "fit.nc" if Path(path).is_dir() else Path(path)
+        try:
+            with xarray.open_datatree(file) as tree:
+                groups = {label: fit["posterior"].to_dataset().load() for label, fit in tree.children.items()}
+        except (OSError, KeyError, ValueError) as error:
+            raise ComparisonError([f"'{path}' is no file of the study fit: {error}"]) from None
+        return cls(
+            {
+                str(label).partition(" ")[0]: {
+                    str(name): x.values.ravel() for name, x in data.data_vars.items()
+                }
+                for label, data in groups.items()
+            }
+        )
+
+    def values(self, setup: Setup, share: float) -> dict[str, float]:
+        """Return the numbers of a law's sample by full key; none where there is no posterior of the law."""
+        known = flat(setup.configuration)
+        columns = self.samples.get(setup.law.name, {})
+        keys = {name if name in known else f"law.{name}": x for name, x in columns.items()}
+        return {key: float(x[int(share * x.size)]) for key, x in keys.items() if key in known}
+
+
+def is_tuned(setup: Setup) -> bool:
+    """Return whether the drive is at the first natural frequency, which it then follows."""
+    return bool(setup.configuration["drive"]["frequency"] == setup.motor.modes.natural_frequency[0])
 
 
 @cache
@@ -161,48 +311,5 @@ def on_other_basis(setup: Setup) -> tuple[dict[str, Any], str]:
     else:
         more = resonator["kept_modes"] + MORE_MODES
         other, change = resonator | {"kept_modes": more}, f"resonator.kept_modes={more}"
-    tuned = drive["frequency"] == setup.motor.modes.natural_frequency[0]
-    frequency = {"frequency": None} if tuned else {}
+    frequency = {"frequency": None} if is_tuned(setup) else {}
     return {**configuration, "resonator": other, "drive": drive | frequency}, change
-
-
-def shares(values: Array, factors: int) -> tuple[Array, Array]:
-    """Return first-order and total Sobol' indices of each quantity with 95 % percentile intervals.
-
-    Args:
-        values: of the draws, shape (draw, quantity); a row of the design with a NaN is left out.
-        factors: number of factors.
-
-    Returns:
-        First-order and total indices, each of shape (quantity, factor, 3): share, lower and upper end; NaN
-        where nothing varies or too few motors have a steady state.
-    """
-    rows = values.reshape(factors + 2, -1, values.shape[1])
-    both = np.array([_indices(rows[:, :, quantity]) for quantity in range(values.shape[1])])
-    return both[:, 0], both[:, 1]
-
-
-def _indices(rows: Array) -> Array:
-    """Return first-order and total indices of one quantity, shape (2, factor, 3), of rows (matrix, row)."""
-    sound = rows[:, np.isfinite(rows).all(axis=0)]
-    nothing = np.full((2, len(rows) - 2, 3), np.nan)
-    if sound.shape[1] < 2:
-        return nothing
-    # The estimate requires a power of two of rows.
-    sound = sound[:, : 1 << (sound.shape[1].bit_length() - 1)]
-    scale = float(np.abs(sound).max())
-    if np.ptp(sound) <= 1e-12 * scale:
-        return nothing
-    # Imported here, as above.
-    from scipy.stats import sobol_indices
-
-    def indices(a: Array) -> Array:
-        matrices = {"f_A": a[:1], "f_B": a[1:2], "f_AB": a[2:, np.newaxis]}
-        result = sobol_indices(func=matrices, n=a.shape[1])
-        return np.array([result.first_order, result.total_order]).reshape(2, -1)
-
-    # By percentiles; SobolResult.bootstrap has BCa intervals, which are other numbers.
-    rng = np.random.default_rng(SEED)
-    resamples = rng.integers(sound.shape[1], size=(RESAMPLES, sound.shape[1]))
-    ends = np.quantile([indices(sound[:, which]) for which in resamples], (0.025, 0.975), axis=0)
-    return np.stack([indices(sound), *ends], axis=-1)

@@ -1,5 +1,6 @@
-"""Figures of a comparison: effects of causes, shares, contact, paths, velocities, energy, phase portraits."""
+"""Figures of a comparison: laws over draws and operating points, pairs, contact, paths, energy, phases."""
 
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from textwrap import fill
@@ -7,23 +8,32 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 import xarray
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.ndimage import median_filter
 
 from contactlab.arrays import Array
-from contactlab.metrics import METRICS, NotApplicableError, needed
+from contactlab.inference.paired import EQUAL
+from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.recording import drawable, envelope
 from contactlab.results.summary import prefixed_unit
-from contactlab.studies.compare_causes import CLEAR, sample_count, unclear
-from contactlab.studies.compare_scorecard import CAUSES, CONTACTS, ENERGY_TERMS, NOT_KNOWN, NUMERICAL
+from contactlab.studies.compare_observables import OBSERVABLES
+from contactlab.studies.compare_pairs import RANGE
+from contactlab.studies.compare_scorecard import CONTACTS, ENERGY_TERMS
 from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, drawing, legend_above, style
 
 CAPTIONS: Final = {
-    "settled_quantities": "Diamonds are the motor with every law, bars the effect of each cause: one as long "
-    "as diamonds are apart may explain their difference. A question mark is a cause that is not known.",
-    "variance_shares": "Shares of law, parameters, basis and step in the variance of the settled rotor "
-    "velocity over all draws, with 95 % intervals.",
+    "settled_quantities": "Diamonds are the motor as configured under every law, bars 5 to 95 % of the "
+    "motors drawn, on each basis.",
+    "pairs": "Settled velocity of the row less that of the column, median over draws and operating points. "
+    "The order holds in at least 80 % of the motors: > greater, < less, = equal within numerical error; ~ it "
+    "varies; ? inconclusive. Several signs are those of several operating points.",
+    "classes": "Laws by the root mean square difference of their settled velocities over draws and operating "
+    "points, average linkage.",
+    "operating_points": "Settled velocity as configured over the operating points; below, the paired "
+    "difference from the first law, median and 5 to 95 % of the draws.",
+    "where_to_measure": "Expected natural log Bayes factor of one measurement for the median pair of laws "
+    "that are not equal, by its error over the size of the quantity; 3 is strong evidence. Several bars of "
+    "one error are operating points.",
     "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
     "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
@@ -34,17 +44,15 @@ CAPTIONS: Final = {
 }
 """Captions of the figures, in their order."""
 
-TITLES: Final = {
-    "rotor_velocity": "settled rotor velocity",
-    "peak_force": "peak force",
-    "stick_share": "stick, share of contact",
-    "friction_share": "friction, share of drive work",
+TITLES: Final = {name: quantity.long_name for name, quantity in OBSERVABLES.items()} | {
+    "stall_torque": "stall torque",
+    "start_time": "start time",
+    "tip_normal_amplitude": "normal amplitude of the tip",
+    "tip_tangential_amplitude": "tangential amplitude of the tip",
+    "rms_current": "current, rms",
 }
-DECADES: Final = 30.0
-"""Ratio of values beyond which an axis is logarithmic."""
-
-OFFSET: Final = 0.17
-"""Distance of the bars of a law; that of the laws is 1."""
+SIGNS: Final = "><=~?"
+"""Orders of two laws, in the order of `contactlab.inference.paired.VERDICTS`."""
 
 PERIODS: Final = 2.0
 """Drive periods at the end of a motion that paths and phase portraits show."""
@@ -66,19 +74,23 @@ def draw_all(data: xarray.DataTree) -> dict[str, Figure]:
     """Return every figure for which there are numbers."""
     card = data.to_dataset()
     motions = [child.to_dataset(inherit=False) for child in data.children.values()]
+    settled = "limits" in card.attrs
     every: dict[str, tuple[Callable[[Any], Figure], Any]] = {
-        "settled_quantities": (draw_causes, card),
-        "variance_shares": (draw_shares, card),
+        "settled_quantities": (draw_quantities, card),
+        "pairs": (draw_pairs, card),
+        "classes": (draw_classes, card),
+        "operating_points": (draw_operating_points, card),
+        "where_to_measure": (draw_where_to_measure, card),
         "rotor_velocity": (draw_velocities, motions),
         "contact_force": (draw_contact, motions),
         "tip_trajectory": (draw_paths, motions),
         "energy_flow": (draw_energy, card),
         "phase_portrait": (draw_phases, motions),
     }
-    other = {"rotor_velocity"} if "cause" in card.dims else {"settled_quantities", "variance_shares"}
+    if settled:
+        del every["rotor_velocity"]
     figures = {}
-    for name in [name for name in every if name not in other]:
-        draw, subject = every[name]
+    for name, (draw, subject) in every.items():
         with suppress(NotApplicableError):
             figures[name] = draw(subject)
             # The caption of the page.
@@ -86,77 +98,152 @@ def draw_all(data: xarray.DataTree) -> dict[str, Figure]:
     return figures
 
 
-def draw_causes(data: xarray.Dataset) -> Figure:
-    """Draw every quantity of every law, and the effect of each cause."""
-    count = data.sizes["law"]
-    figure, axes = drawing(2, 2, 1.7 + 2 * 0.62 * count, sharey=True)
-    for panel, key in zip(axes, data["quantity"].values, strict=True):
-        _draw_quantity(panel, data, str(key))
-    labels = [fill(str(label), LONGEST_LABEL // 2) for label in data["law"].values]
-    axes[0].set_yticks(np.arange(count), labels)
+def _labels(data: xarray.Dataset) -> list[str]:
+    return [fill(str(label), LONGEST_LABEL // 2 + 6) for label in data["law"].values]
+
+
+def draw_quantities(data: xarray.Dataset) -> Figure:
+    """Draw every quantity of every law: as configured, and the range of the draws on each basis."""
+    needed("nominal" in data)
+    here, names, count = data.isel(cell=0), data["quantity"].values, data.sizes["law"]
+    rows = -(-len(names) // 2)
+    figure, axes = drawing(rows, 2, 0.9 + rows * (0.7 + 0.24 * count), sharey=True)
+    basis = here["drawn"].sel(factor="basis").values if here.sizes["draw"] else np.empty(0)
+    for panel, name in zip(axes, names, strict=False):
+        each = here.sel(quantity=name)
+        unit, scale = prefixed_unit(_size(each["nominal"].values), _unit(str(each["quantity_units"].item())))
+        for level, label in enumerate(map(str, data["basis"].values)):
+            place = np.arange(count) + 0.16 * (2 * level - 1)
+            colour = style(level)["color"]
+            nominal = _last_known(each["nominal"].values[:, level]) / scale
+            drawn = each["drawn_value"].values[:, basis == level] / scale
+            if drawn.shape[1] and np.isfinite(drawn).any():
+                low, high = _quantiles(drawn)
+                panel.hlines(place, low, high, color=colour, linewidth=4.0, alpha=0.35)
+            panel.plot(nominal, place, "D", color=colour, markersize=3.0, label=label)
+        panel.set_xlabel(f"{TITLES[str(name)]}{f' ({unit})' if unit != '1' else ''}")
+        panel.axvline(0.0, **THIN)
+    for panel in axes[len(names) :]:
+        panel.set_visible(False)
+    axes[0].set_yticks(np.arange(count), _labels(data))
     axes[0].set_ylim(count - 0.5, -0.5)
     return legend_above(figure, axes[0])
 
 
-def _draw_quantity(panel: Axes, data: xarray.Dataset, key: str) -> None:
-    value = data["value"].sel(metric=key).values
-    ends = np.stack([data[name].sel(quantity=key).values for name in ("least", "greatest")])
-    known = np.isfinite(value)
-    reached = np.append(ends[ends > 0.0], value[known])
-    if known.any() and np.all(value[known] > 0.0) and reached.max() > DECADES * reached.min():
-        panel.set_xscale("log")
-    for number, cause in enumerate(CAUSES):
-        low, high = value - ends[0, :, number], ends[1, :, number] - value
-        if cause == NUMERICAL:
-            low, high = CLEAR * low, CLEAR * high
-        if key == "stick_share":
-            # A share of the contact is between none and all of it.
-            low, high = np.minimum(low, value), np.minimum(high, 1.0 - value)
-        if panel.get_xscale() == "log":
-            # Zero has no place on the axis.
-            low = np.minimum(low, 0.9 * value)
-        place = np.arange(value.size) + OFFSET * (number - 0.5 * (len(CAUSES) - 1))
-        colour = style(number)["color"]
-        label = f"{CLEAR:g} x {cause}" if cause == NUMERICAL else cause
-        here = np.isfinite(low) & np.isfinite(high) & known
-        bars = {"linestyle": "none", "color": colour, "capsize": 2.5, "elinewidth": 1.8, "label": label}
-        panel.errorbar(value[here], place[here], xerr=[low[here], high[here]], **bars)
-        for x, y in zip(value[~here & known], place[~here & known], strict=True):
-            note = {"color": colour, "fontsize": 7, "va": "center"}
-            panel.annotate("?", (x, y), (8, 0), textcoords="offset points", **note)
-    panel.plot(value[known], np.flatnonzero(known), "D", color="black", markersize=3.5)
-    for x in value[known]:
-        panel.axvline(x, **THIN)
-    unit = METRICS[key].bracketed.replace("[", "(").replace("]", ")")
-    # A run as recorded may not have settled.
-    title = TITLES[key].removeprefix("settled ") if NOT_KNOWN in data["kind"].values else TITLES[key]
-    panel.set_xlabel(f"{title}{unit}")
-    panel.margins(x=0.08)
+def _unit(units: str) -> str:
+    return "rad/s" if units == "rad s-1" else units
 
 
-def draw_shares(data: xarray.Dataset) -> Figure:
-    """Draw the shares of the factors in the variance of the settled velocity, with their intervals."""
-    needed("total_order" in data)
+def _size(values: Array) -> float:
+    known = np.abs(values[np.isfinite(values)])
+    return float(known.max(initial=0.0)) or 1.0
+
+
+def _last_known(values: Array) -> Array:
+    """Return the finest step that has a value, of shape (law, step)."""
+    return np.asarray(np.where(np.isfinite(values[:, -1]), values[:, -1], values[:, 0]))
+
+
+def _quantiles(values: Array) -> Array:
+    """Return 5 and 95 % of every row, NaN where nothing is known."""
+    known: Array = np.asarray(np.isfinite(values).any(axis=1, keepdims=True))
+    ends = np.nanquantile(np.where(known, values, 0.0), RANGE, axis=1)
+    return np.where(known[:, 0], ends, np.nan)
+
+
+def draw_pairs(data: xarray.Dataset) -> Figure:
+    """Draw the difference of every pair of laws in the settled velocity, and its order."""
+    needed("order" in data and data.sizes["law"] > 1)
+    here, count = data.sel(quantity="rotor_velocity"), data.sizes["law"]
+    difference, order = here["difference"].values, here["order"].values
+    figure, (axes,) = drawing(1, 1, 1.6 + 0.31 * count)
+    middle = np.nanmedian(np.where(np.isfinite(difference), difference, 0.0), axis=2)
+    size = _size(middle)
+    image = axes.imshow(middle, cmap="RdBu_r", vmin=-size, vmax=size)
+    for a in range(count):
+        for b in range(count):
+            signs = "".join(dict.fromkeys(SIGNS[int(kind)] for kind in order[a, b]))
+            dark = abs(middle[a, b]) > 0.6 * size
+            text = {"ha": "center", "va": "center", "fontsize": 7, "color": "white" if dark else "black"}
+            axes.text(b, a, signs if a != b else "", **text)
+    axes.set_yticks(np.arange(count), _labels(data))
+    axes.set_xticks(np.arange(count), _labels(data), rotation=60, ha="right", rotation_mode="anchor")
+    figure.colorbar(image, label="row less column (rad/s)", shrink=0.8)
+    return figure
+
+
+def draw_classes(data: xarray.Dataset) -> Figure:
+    """Draw the laws as a tree by the root mean square of their differences in the settled velocity."""
+    needed("order" in data and data.sizes["law"] > 2)
+    # Imported here: it takes a quarter of a second.
+    from scipy.cluster.hierarchy import dendrogram, linkage
+
     here = data.sel(quantity="rotor_velocity")
-    total, first = here["total_order"].values, here["first_order"].values
-    needed(np.isfinite(total).all())
-    order = np.argsort(-total[:, 0], kind="stable")
-    figure, axes, place = _bars(here["factor"].values[order], 0.9 + 0.36 * order.size)
-    count = sample_count(data)
-    for rows, offset, label, number in ((total, -0.18, "with interactions", 0), (first, 0.18, "alone", 1)):
-        known = ~np.array([unclear(*row[1:]) for row in rows[order]])
-        share, low, high = rows[order][known].T
-        colour = style(number)["color"]
-        axes.barh(place[known] + offset, share, height=0.34, color=colour, label=label)
-        reach = [share - np.minimum(low, share), np.maximum(high, share) - share]
-        axes.errorbar(share, place[known] + offset, xerr=reach, fmt="none", color="black", capsize=2)
-        for y in place[~known] + offset:
-            note = f"{label}: {count} samples are inconclusive"
-            axes.text(0.01, y, note, va="center", color=colour, fontsize=7)
-    # Estimates and their intervals may exceed 0 and 1, by at most their width.
-    left, right = axes.get_xlim()
-    axes.set_xlim(min(left, 0.0), max(right, 1.0))
-    axes.set_xlabel("share of the variance of the settled rotor velocity")
+    values = np.concatenate([here["nominal"].values[:, :, :, -1].reshape(data.sizes["law"], -1),
+                             here["drawn_value"].values.reshape(data.sizes["law"], -1)], axis=1)  # fmt: skip
+    apart = values[:, None] - values[None]
+    counts = np.isfinite(apart).sum(axis=2)
+    needed((counts > 0).all())
+    distance = np.sqrt(np.nansum(apart**2, axis=2) / counts)
+    tree = linkage(distance[np.triu_indices(len(distance), 1)], "average")
+    # A logarithmic axis has no zero.
+    least = max(float(tree[tree[:, 2] > 0.0, 2].min(initial=1.0)) / 3.0, 1e-9)
+    tree[:, 2] = np.maximum(tree[:, 2], least)
+    figure, (axes,) = drawing(1, 1, 0.9 + 0.22 * data.sizes["law"])
+    shown = {"orientation": "right", "ax": axes, "color_threshold": 0.0, "above_threshold_color": "black"}
+    dendrogram(tree, labels=list(map(str, data["law"].values)), leaf_font_size=8, **shown)
+    axes.set(xscale="log", xlabel="root mean square difference of settled velocities (rad/s)")
+    axes.set_xlim(left=0.7 * least)
+    return figure
+
+
+def draw_operating_points(data: xarray.Dataset) -> Figure:
+    """Draw settled velocities over the operating points, and how they differ from the first law's."""
+    needed("order" in data and data.sizes["cell"] > 1)
+    here, cells = data.sel(quantity="rotor_velocity"), list(map(str, data["cell"].values))
+    figure, (above, below) = drawing(2, 1, 4.4, sharex=True)
+    numbers = [float(x) for x in re.findall(r"^[\w.]+=([-+.\de]+)$", "\n".join(cells), re.MULTILINE)]
+    single = len(numbers) == len(cells)
+    order = np.argsort(numbers) if single else np.arange(len(cells))
+    place = np.array(numbers)[order] if single else order
+    for number, law in enumerate(map(str, data["law"].values)):
+        each = here.isel(law=number, cell=order)
+        middle = _last_known(each["nominal"].values[:, 0])
+        above.plot(place, middle, marker=".", label=law, **style(number))
+        if number:
+            pair = here.isel(law=number, other_law=0, cell=order)
+            below.plot(place, pair["difference"], marker=".", **style(number))
+            band = {"color": style(number)["color"], "alpha": 0.2, "linewidth": 0.0}
+            below.fill_between(place, pair["difference_low"], pair["difference_high"], **band)
+    for axes in (above, below):
+        axes.axhline(0.0, **THIN)
+    above.set_ylabel("settled velocity (rad/s)")
+    below.set_ylabel(f"less {data['law'].values[0]} (rad/s)")
+    below.set_xlabel(cells[0].partition("=")[0] if single else "")
+    if not single:
+        below.set_xticks(place, [fill(cell, 24) for cell in cells], rotation=60, ha="right", fontsize=6)
+    return legend_above(figure, above)
+
+
+def draw_where_to_measure(data: xarray.Dataset) -> Figure:
+    """Draw the expected log Bayes factor of one measurement by quantity, operating point and error."""
+    needed("order" in data and data.sizes["draw"] > 0 and data.sizes["law"] > 1)
+    pairs = data["log_bayes_factor"].where(data["order"] != EQUAL).median(["law", "other_law"])
+    needed(bool(pairs.notnull().any()))
+    names = [TITLES[str(name)] for name in data["quantity"].values]
+    figure, (axes,) = drawing(1, 1, 1.3 + 0.3 * len(names) * (1 + 0.12 * data.sizes["cell"]))
+    count = data.sizes["measurement_error"]
+    for number, error in enumerate(data["measurement_error"].values):
+        values = pairs.sel(measurement_error=error).transpose("quantity", "cell").values
+        height = 0.8 / (count * values.shape[1])
+        for cell in range(values.shape[1]):
+            place = np.arange(len(names)) - 0.4 + height * (cell * count + number + 0.5)
+            label = f"{100.0 * error:g} % error" if cell == 0 else None
+            axes.barh(place, values[:, cell], height=0.9 * height, color=style(number)["color"], label=label)
+    axes.set_yticks(np.arange(len(names)), [fill(name, 26) for name in names])
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.axvline(3.0, **THIN)
+    axes.set_xlabel("expected log Bayes factor of one measurement, median pair")
     return legend_above(figure, axes)
 
 
@@ -350,7 +437,7 @@ def draw_energy(data: xarray.Dataset) -> Figure:
             axes.barh(place, part, left=starts[number], label=label, color=colour, **bar)
     mark = {"marker": "|", "markersize": 16.0, "markeredgewidth": 1.4, "color": "black"}
     axes.plot(work / scale, place, linestyle="", label="work of the drive", **mark)
-    span = "in one drive period" if "cause" in data.dims else "from the start to the end"
+    span = "in one drive period" if "limits" in data.attrs else "from the start to the end"
     axes.set_xlabel(f"energy {span} ({unit})")
     return legend_above(figure, axes, markerscale=0.45)
 

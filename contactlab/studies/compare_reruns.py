@@ -101,12 +101,6 @@ def do_starts(setup: Setup, starts: int) -> xarray.DataTree:
     return _tree_of([means_of(a.steady) for a in attractors(setup, starts, longest=LONGEST)])
 
 
-@_failing_alone
-def do_draw(configuration: Mapping[str, Any]) -> xarray.DataTree:
-    """Return the steady state of one draw."""
-    return _tree_of([means_of(settled(build(configuration)))])
-
-
 def _tree_of(means: Sequence[Means]) -> xarray.DataTree:
     columns = {"value": [each.values for each in means], "error": [each.errors for each in means]}
     return xarray.DataTree(

@@ -3,13 +3,14 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
 import xarray
 
 from contactlab.config import Setup
+from contactlab.config.nesting import flat
 from contactlab.metrics import Run, read_run
 from contactlab.results.files import DATASET
 from contactlab.results.netcdf import reached_end
@@ -75,6 +76,57 @@ def run_of_setup(label: str, setup: Setup) -> Run:
     """Return a setup as a run without records."""
     law = setup.law
     return Run({}, {}, setup.configuration, law.name, law.describe(), 0.0, source=label, label=law.name)
+
+
+@final
+@dataclass(frozen=True)
+class Grid:
+    """The setups of laws at operating points.
+
+    Args:
+        laws: labels.
+        cells: operating points, 'drive.phase=0'; one without a label where there is a single one.
+        setups: of each law at each operating point.
+    """
+
+    laws: tuple[str, ...]
+    cells: tuple[str, ...]
+    setups: Mapping[tuple[str, str], Setup]
+
+
+def grid_of(setups: Iterable[Setup], *, transient: bool) -> Grid:
+    """Return laws and operating points: setups that differ in more than the law are other points.
+
+    Raises:
+        ComparisonError: a law is missing at a point, or occurs twice.
+    """
+    every = [
+        (setup, flat({k: x for k, x in setup.configuration.items() if k not in FREE})) for setup in setups
+    ]
+    keys = dict.fromkeys(key for _, settings in every for key in settings)
+    differing = [key for key in keys if len({shown(settings.get(key)) for _, settings in every}) > 1]
+    basis = any(key.startswith("resonator.") for key in differing)
+    # What follows from another resonator is no choice.
+    shown_keys = [key for key in differing if not (basis and key == "drive.frequency")][:3]
+    points: dict[tuple[str, ...], list[Setup]] = {}
+    for setup, settings in every:
+        points.setdefault(tuple(shown(settings.get(key)) for key in differing), []).append(setup)
+    result: dict[tuple[str, str], Setup] = {}
+    laws: list[tuple[str, ...]] = []
+    cells = []
+    for values, members in points.items():
+        point = dict(zip(differing, values, strict=True))
+        cells.append(", ".join(f"{key}={point[key]}" for key in shown_keys))
+        runs = labelled(
+            [run_of_setup(f"law {n}", each) for n, each in enumerate(members, 1)], transient=transient
+        )
+        laws.append(tuple(run.label for run in runs))
+        result |= {(run.label, cells[-1]): each for run, each in zip(runs, members, strict=True)}
+    if len({frozenset(each) for each in laws}) > 1 or len(set(cells)) < len(cells):
+        raise ComparisonError(
+            ["Setups differ in more than their laws; then every law must be at every operating point, once."]
+        )
+    return Grid(laws[0], tuple(cells), result)
 
 
 def labelled(runs: Sequence[Run], *, transient: bool) -> list[Run]:

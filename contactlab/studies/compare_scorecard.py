@@ -1,6 +1,6 @@
-"""The dataset of a comparison: metrics, energy flow, effects of causes, shares of the variance, motions."""
+"""The scorecard of a comparison: metrics, energy flow and motions of each law."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from math import nan
 from typing import Any, Final
 
@@ -9,12 +9,10 @@ import xarray
 from yaml import safe_dump
 
 from contactlab import metrics, variables
-from contactlab.arrays import Array
 from contactlab.metrics import METRICS, VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.netcdf import cf_attributes
 from contactlab.steady_state.means import LONGEST, QUANTITIES
-from contactlab.studies.compare_draws import BASIS, Factor, is_scalable, left_fixed, shares
 from contactlab.studies.compare_measured import Measured
 from contactlab.studies.compare_reruns import Reruns
 
@@ -34,15 +32,8 @@ ENERGY_TERMS: Final = {
 }
 """Terms of the energy flow and their names, in the order of the figure."""
 
-NUMERICAL, PARAMETERS, START = "numerical error", "parameters", "start"
-CAUSES: Final = (NUMERICAL, BASIS, PARAMETERS, START)
-"""What else than the law could make settled motors differ."""
-
 UNSETTLED: Final = 0.01
 """Relative distance of a recorded velocity from the settled one that is reported."""
-
-FEWEST_DRAWN: Final = 8
-"""Motors of a law; another would exceed their range in a ninth of all cases."""
 
 WITHOUT_CONTACT: Final = "without contact"
 NOT_KNOWN: Final = "not known"
@@ -103,6 +94,7 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str], measured: Sequence[M
             },
             "metric_source": ("metric", [metric.source for metric in every]),
             "judges_law": ("metric", np.array([metric.judges_law for metric in every], dtype=np.int8)),
+            "kind": ("law", [law.means[-1].kind if law.means else NOT_KNOWN for law in laws]),
             "run": ("law", [law.run.source for law in laws]),
             "refined": ("law", [_refinement(law) for law in laws]),
             **{
@@ -186,113 +178,6 @@ def motion(law: Reruns) -> xarray.Dataset:
     )
 
 
-def with_causes(
-    data: xarray.Dataset,
-    laws: Sequence[Reruns],
-    factors: Sequence[Factor],
-    draws: Array,
-    drawn_values: Array,
-    ranges: Collection[str],
-) -> xarray.Dataset:
-    """Add the effect of each cause on settled motors.
-
-    Args:
-        data: the scorecard.
-        laws: in its order.
-        factors: what can be drawn; none where nothing was refined.
-        draws: shape (draw, factor); without rows where nothing was drawn.
-        drawn_values: shape (law, draw, quantity), NaN where a draw is of another law or has no steady state.
-        ranges: keys whose range is an option.
-
-    Returns:
-        With `least` and `greatest` over (law, cause, quantity), the range of values due to a cause, NaN where
-        it is not known. Of draws `first_order` and `total_order` over (quantity, factor, estimate), the
-        table `drawn` over (draw, factor), which all laws share, and `drawn_value` over (law, draw, quantity).
-    """
-    least = np.full((len(laws), len(CAUSES), len(QUANTITIES)), np.nan)
-    greatest = least.copy()
-    for number, law in enumerate(laws):
-        for cause, change in _changes(law, factors, draws, drawn_values[number]).items():
-            # A law without contact has no stick share, and nothing changes it.
-            known = np.isfinite(change).any(axis=0)
-            value, at = law.means[-1].values[known], CAUSES.index(cause)
-            least[number, at, known] = value + np.minimum(np.nanmin(change[:, known], axis=0), 0.0)
-            greatest[number, at, known] = value + np.maximum(np.nanmax(change[:, known], axis=0), 0.0)
-    three, units = ("law", "cause", "quantity"), {"comment": "units differ by quantity, see `quantity_units`"}
-    varied = [
-        listed_ranges([f for f in factors if any(is_scalable(law.run, key) for key in f.keys)])
-        for law in laws
-    ]
-    fixed = [listed(left_fixed(law.run, factors, ranges)) if factors else "" for law in laws]
-    data = data.assign(
-        least=(three, least, {"long_name": "smallest value due to a cause", **units}),
-        greatest=(three, greatest, {"long_name": "largest value due to a cause", **units}),
-    ).assign_coords(
-        cause=list(CAUSES),
-        quantity=list(QUANTITIES),
-        quantity_units=("quantity", [METRICS[key].units for key in QUANTITIES]),
-        kind=("law", [law.means[-1].kind if law.means else NOT_KNOWN for law in laws]),
-        varied=("law", varied),
-        not_varied=("law", fixed),
-    )
-    data.attrs["first"] = "\n".join(_first_sentences(laws))
-    data.attrs["parameters"] = listed_ranges([f for f in factors if f.keys]) or "nothing"
-    if not draws.size:
-        return data
-    order = ("quantity", "factor", "estimate")
-    name = "share of the variance of a quantity, with its 95 % interval: the factor "
-    # Each draw is of one law.
-    missing = np.isnan(drawn_values).all(axis=0)
-    first, total = shares(np.where(missing, np.nan, np.nansum(drawn_values, axis=0)), len(factors))
-    return data.assign(
-        first_order=(order, first, {"units": "1", "long_name": f"{name}alone"}),
-        total_order=(order, total, {"units": "1", "long_name": f"{name}and its interactions"}),
-        drawn=(("draw", "factor"), draws, {"comment": "scales of parameters, levels of law, basis and step"}),
-        drawn_value=(
-            ("law", "draw", "quantity"),
-            drawn_values,
-            {"long_name": "settled values of draws", **units},
-        ),
-    ).assign_coords(
-        factor=[factor.name for factor in factors],
-        spread=("factor", [factor.spread for factor in factors]),
-        estimate=["share", "lower", "upper"],
-    )
-
-
-def _changes(law: Reruns, factors: Sequence[Factor], draws: Array, values: Array) -> dict[str, Array]:
-    """Return changes of the quantities by cause, shape (change, quantity); a cause may be unknown."""
-    if not law.steps or not law.means:
-        return {}
-    as_configured = law.means[0].values
-    error = law.mean_errors()
-    changes = {NUMERICAL: np.array([-error, error])}
-    elsewhere = [each.values for each in law.states.get(BASIS, ())]
-    reached = [each.values for each in law.states.get("starts", ())]
-    for cause, values_there in ((BASIS, elsewhere), (START, reached)):
-        if values_there:
-            changes[cause] = np.array(values_there) - as_configured
-    if factors and not any(factor.keys for factor in factors):
-        # All parameters are known exactly.
-        changes[PARAMETERS] = np.zeros((1, len(QUANTITIES)))
-    if draws.size:
-        basis = draws[:, [factor.name for factor in factors].index(BASIS)]
-        known = ~np.isnan(values).all(axis=1)
-        # On each basis, relative to the value there.
-        drawn = [
-            np.unique(values[(basis == i) & known], axis=0) - nominal
-            for i, nominal in enumerate([as_configured, *elsewhere])
-        ]
-        if sum(map(len, drawn)) >= FEWEST_DRAWN:
-            changes[PARAMETERS] = np.concatenate(drawn)
-    return changes
-
-
-def listed_ranges(factors: Sequence[Factor]) -> str:
-    """Return factors with their ranges."""
-    return ", ".join(f"{factor.name} +-{100.0 * factor.spread:.3g} %" for factor in factors)
-
-
 def listed(names: Sequence[str]) -> str:
     """Return a list as in a sentence."""
     if not names:
@@ -301,8 +186,8 @@ def listed(names: Sequence[str]) -> str:
     return f"{', '.join(first)} and {last}" if first else last
 
 
-def _first_sentences(laws: Sequence[Reruns]) -> Iterator[str]:
-    """Yield what must be known of the laws before their values."""
+def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
+    """Yield what must be known of the laws before their values, at most a sentence of a kind."""
     moved = {law.label: speed for law in laws if (speed := _unsettled(law)) is not None}
     if moved:
         speeds = listed([f"{speed:.3g} rad/s with {label}" for label, speed in moved.items()])
@@ -310,26 +195,35 @@ def _first_sentences(laws: Sequence[Reruns]) -> Iterator[str]:
             f"The recorded motor had not settled: in the last quarter of the run it turns at {speeds}. The "
             "settled motor is compared."
         )
+    kinds = {law.label: law.means[-1].kind if law.means else NOT_KNOWN for law in laws}
+    without = {law.label: law.without for law in laws if law.without and not law.means}
+    if without:
+        yield (
+            f"{listed([*without])}: no steady state; the numbers are those of the recorded run. "
+            f"{next(iter(without.values()))}"
+        )
+    if recorded := [label for label, kind in kinds.items() if kind == NOT_KNOWN and label not in without]:
+        yield f"Taken as recorded, so that it is not known whether the motor has settled: {listed(recorded)}."
+    if free := [label for label, kind in kinds.items() if kind == WITHOUT_CONTACT]:
+        yield f"Settled without contact, so that nothing turns the rotor: {listed(free)}."
+    if other := [
+        f"{label} ({kind})"
+        for label, kind in kinds.items()
+        if kind not in (NOT_KNOWN, WITHOUT_CONTACT, "periodic")
+    ]:
+        yield (
+            f"No periodic motion: {listed(other)}; values are means over {LONGEST // 2} periods, with "
+            "statistical errors."
+        )
+    several: list[str] = []
     for law in laws:
-        label, reached = law.label, law.states.get("starts", ())
-        kind = law.means[-1].kind if law.means else NOT_KNOWN
-        if law.without and not law.means:
-            yield f"{label} has no steady state: its numbers are those of the recorded run. {law.without}"
-        elif kind == NOT_KNOWN:
-            yield f"{label} is taken as recorded: whether its motor has settled is not known."
-        elif kind == WITHOUT_CONTACT:
-            yield f"{label} settles without contact: nothing turns the rotor."
-        elif kind != "periodic":
-            yield (
-                f"{label} has no periodic motion ({kind}): its values are means over {LONGEST // 2} periods, "
-                "with statistical errors."
-            )
+        reached = law.states.get("starts", ())
         if len(reached) > 1 and law.means:
             # Without contact the rotor keeps its initial velocity.
-            speeds = listed(
-                [x.kind if x.kind == WITHOUT_CONTACT else f"{x.values[0]:.3g} rad/s" for x in reached]
-            )
-            yield f"{label} settles to several motions, depending on the start: {speeds}."
+            each = [x.kind if x.kind == WITHOUT_CONTACT else f"{x.values[0]:.3g} rad/s" for x in reached]
+            several.append(f"{law.label} ({', '.join(each)})")
+    if several:
+        yield f"Several motions, depending on the start: {listed(several)}."
 
 
 def _unsettled(law: Reruns) -> float | None:

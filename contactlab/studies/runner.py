@@ -55,6 +55,15 @@ class Parts(Mapping[str, xarray.DataTree]):
                 return _loaded(file)
         raise KeyError(key)
 
+    def add(self, others: "Parts") -> None:
+        """Add the places of other tasks."""
+        self._places |= others._places
+
+    @property
+    def count(self) -> int:
+        """Number of tasks, finished or not."""
+        return len(self._places)
+
     @property
     def missing(self) -> list[str]:
         """Keys of the tasks that are not finished."""
@@ -99,23 +108,24 @@ def done_parts(
 
     The arguments and exceptions are those of `run`.
     """
-    tasks = list(study.tasks(setups))
-    if len({task.key for task in tasks}) < len(tasks):
-        raise ValueError(f"Two tasks of the study {study.name} have one key.")
     # A motor made in Python has no configuration that determines it.
     resumable = folder is not None and all("resonator" in setup.configuration for setup in setups.values())
     store = Store(folder / TASKS, study, setups) if folder is not None and resumable else None
-    parts, details = store.kept(tasks) if store else Parts(task.key for task in tasks), None
-    pending = [store.resuming(task) if store else task for task in tasks if task.key not in parts]
-    done = len(tasks) - len(pending)
-    if progress:
-        progress(done, len(tasks))
-    for key, part in _finished(study, pending):
-        parts.put(key, store.write(key, part.data) if store else part)
-        details = part.details if len(tasks) == 1 else None
-        done += 1
+    parts, details = Parts(()), None
+    tasks = list(study.tasks(setups))
+    while tasks:
+        if len({task.key for task in tasks}) < len(tasks):
+            raise ValueError(f"Two tasks of the study {study.name} have one key.")
+        parts.add(store.kept(tasks) if store else Parts(task.key for task in tasks))
+        pending = [store.resuming(task) if store else task for task in tasks if task.key not in parts]
         if progress:
-            progress(done, len(tasks))
+            progress(len(parts), parts.count)
+        for key, part in _finished(study, pending):
+            parts.put(key, store.write(key, part.data) if store else part)
+            details = part.details if parts.count == 1 else None
+            if progress:
+                progress(len(parts), parts.count)
+        tasks = list(study.further_tasks(setups, parts))
     return parts, details
 
 

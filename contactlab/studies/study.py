@@ -109,6 +109,11 @@ class Study(ABC):
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return the independent pieces of the study."""
 
+    def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
+        """Return tasks that follow from finished ones, as further samples; none ends the study."""
+        del setups, parts
+        return ()
+
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the data of the study from those of its tasks by key; a single task's are its own."""
         del setups

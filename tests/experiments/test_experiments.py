@@ -7,7 +7,6 @@ from pathlib import Path
 
 import all as everything
 import experiment
-import law_comparison
 import numpy as np
 import pytest
 import xarray
@@ -70,8 +69,6 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
         -1.0,
         0.0,
     ),
-    # An impulse has no peak force that depends on the step: rigid stick fails no threshold, as Hertz.
-    "law_comparison": (lambda d: float(d.fails.sel(law=["lagrange_stick", "hertz_penalty"]).sum()), 0.0, 0.0),
     # A run that has settled does what shooting says [rad/s].
     "steady_states": (
         lambda d: float(np.ptp(d.velocity.sel(law="newton", way=["shooting", "run"])[0].values)),
@@ -84,7 +81,6 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
 
 
 COVERED = {
-    "law_comparison",
     "fig8_rotor_velocity",
     "impact_oscillator",
     "optimise_motor",
@@ -135,12 +131,3 @@ def test_the_exit_status_is_that_of_the_finding_or_of_a_refusal(
         assert not (tmp_path / "out").exists()
     else:
         assert xarray.load_dataset(tmp_path / "out" / "table1_placement.nc").attrs["holds"] == 1 - status
-
-
-def test_named_laws_are_compared_and_unknown_ones_refused() -> None:
-    setup = experiment.setup_of("law_comparison", ["contact.friction_coefficient=0.2"])
-    laws = law_comparison.laws_with(setup, ["composed", "newton"])
-    assert list(laws) == [*law_comparison.PAPER, "composed", "newton"]
-    assert {law.friction_limit for law in laws.values()} == {0.2}
-    with pytest.raises(ValueError, match="nonsense"):
-        law_comparison.laws_with(setup, ["nonsense"])

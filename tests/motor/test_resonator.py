@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
 
-from contactlab.motor import NormalModes, RitzMatrices, RitzResonator
+from contactlab.motor import FiniteElementResonator, NormalModes, RitzMatrices, RitzResonator
 from contactlab.motor.patched_beam import PiezoceramicDatasheet
 from contactlab.motor.ritz import ClampedBeam
 from contactlab.testing import references
@@ -167,3 +167,25 @@ def test_modes_answer_as_the_matrices_do(frequency: float, shapes: int) -> None:
 def test_patches_that_leave_the_beam_or_meet_their_mirror_are_refused(start: float, end: float) -> None:
     with pytest.raises(ValueError, match="start"):
         default_resonator(patch_start=start, patch_end=end)
+
+
+@pytest.mark.parametrize("resonator", [RitzResonator, FiniteElementResonator])
+def test_a_damping_ratio_is_that_of_every_mode(resonator: type[RitzResonator]) -> None:
+    modes = resonator(damping_ratio=0.01).modes
+    np.testing.assert_allclose(modes.damping_ratio, 0.01, rtol=1e-9)
+    plain = resonator().modes
+    np.testing.assert_array_equal(modes.stiffness, plain.stiffness)
+    # The paper's alpha and beta: ratios of 20 and 34 % on four shapes.
+    expected = 0.5 * (7.5 / np.sqrt(plain.stiffness) + 2e-5 * np.sqrt(plain.stiffness))
+    np.testing.assert_allclose(plain.damping_ratio, expected, rtol=1e-9)
+
+
+def test_the_matrix_of_a_damping_ratio_is_that_of_rayleigh_where_both_agree() -> None:
+    """With two shapes alpha and beta can have one ratio in both modes."""
+    squares = RitzResonator(shapes=2).modes.stiffness
+    first, second = np.sqrt(squares)
+    ratio = 0.02
+    alpha, beta = 2.0 * ratio * first * second / (first + second), 2.0 * ratio / (first + second)
+    rayleigh = RitzResonator(shapes=2, mass_damping=alpha, stiffness_damping=beta).matrices.damping
+    modal = RitzResonator(shapes=2, damping_ratio=ratio).matrices.damping
+    np.testing.assert_allclose(modal, rayleigh, rtol=0.0, atol=1e-12 * np.abs(rayleigh).max())

@@ -1,4 +1,4 @@
-"""The study `compare` on settled motors: an effect of the law is one that exceeds all others."""
+"""The study `compare` on settled motors: pairs of laws in motors that are drawn alike for all laws."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -9,38 +9,25 @@ import xarray
 from support.configurations import altered, datatree
 
 import contactlab as cl
-from contactlab.metrics import METRICS, Run
+from contactlab.inference.paired import EQUAL, GREATER, INCONCLUSIVE, LESS
+from contactlab.metrics import Run
 from contactlab.parameter import Parameter
-from contactlab.studies.compare_causes import (
-    Difference,
-    largest_differences,
-    samples_needed,
-    unclear,
-    written_share,
-)
 from contactlab.studies.compare_draws import (
-    BASIS,
     Factor,
+    Posteriors,
+    as_configured,
+    configuration_of,
     drawn,
     factors_of,
     left_fixed,
     on_other_basis,
-    shares,
 )
-from contactlab.studies.compare_scorecard import CAUSES, PARAMETERS, START
 
-EXACT = {"contact.friction_coefficient": 0.0, "law.stiffness": 0.0, "contact.clearance": 0.0}
-"""Ranges of parameters that are known exactly."""
+EXACT = {"contact.friction_coefficient": "+-0", "law.stiffness": "+-0", "contact.clearance": "+-0"}
+"""Parameters that are known exactly."""
 
 OPPOSITE: dict[str, object] = {"contact.clearance": 3e-6}
 """A motor that Hertz's law turns forwards and rigid stick backwards."""
-
-COEXISTING: dict[str, object] = {
-    "drive.frequency": 3400.0,
-    "contact.clearance": 1.6583e-5,
-    "resonator.stiffness_damping": 1e-6,
-}
-"""A motor that is driven above its resonance and hardly damped: it turns, or its tip never gets there."""
 
 
 def configuration(law: str, **changes: object) -> dict[str, object]:
@@ -63,22 +50,43 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def opposite(output: Path) -> cl.Result:
-    """What remains is the law: parameters that are known, starts that lead to one motion."""
+    """A motor that one law turns forwards and the other backwards."""
     runs = [datatree(configuration(law, **OPPOSITE)) for law in ("lagrange_stick", "hertz_penalty")]
-    return cl.compare(runs, output=output, samples=0, starts=2, ranges=EXACT)
+    return cl.compare(runs, output=output, samples=16, starts=2, vary=EXACT)
 
 
-def test_what_exceeds_all_other_causes_is_due_to_the_law(opposite: cl.Result) -> None:
-    (velocity, *_) = largest_differences(opposite.data.to_dataset())
-    assert velocity.laws == ("lagrange_stick", "hertz_penalty")
-    assert velocity.values[0] < 0.0 < velocity.values[1]
-    assert velocity.due_to_law
-    assert velocity.size > 2.0 * velocity.effects[BASIS] > 0.0
-    assert velocity.effects[PARAMETERS] == 0.0
+def pair(result: cl.Result, quantity: str = "rotor_velocity", cell: int = 0) -> xarray.Dataset:
+    """Return what is known of the first law less the second."""
+    data = result.data.to_dataset()
+    return data.sel(quantity=quantity).isel(law=0, other_law=1, cell=cell)
+
+
+def test_a_sign_that_no_draw_changes_is_the_laws(opposite: cl.Result) -> None:
+    difference = pair(opposite)
+    assert float(difference["difference"]) < 0.0
+    assert int(difference["order"]) == LESS
+    assert float(difference["sign_share"].sel(sign="-")) == 1.0
+    assert (difference["basis_mean"] < 0.0).all()
+    assert 0.0 < float(difference["difference_error"]) < 0.01 * abs(float(difference["difference"]))
+    mirrored = opposite.data.to_dataset().sel(quantity="rotor_velocity").isel(law=1, other_law=0, cell=0)
+    assert int(mirrored["order"]) == GREATER
+    assert float(mirrored["difference"]) == -float(difference["difference"])
+
+
+def test_everything_but_the_law_is_equal_in_a_draw() -> None:
+    """The configurations of a draw differ in the section of the law and the step of the solver alone."""
+    setups = [setup_of(law) for law in ("newton", "hertz_penalty")]
+    factors = factors_of([run_of("newton"), run_of("hertz_penalty")], {"rotor.inertia": "+-0.1"})
+    for draw in drawn(factors, 4):
+        both = [configuration_of(setup, factors, draw) for setup in setups]
+        rest = [{k: x for k, x in each.items() if k not in ("law", "solver")} for each in both]
+        assert rest[0] == rest[1]
+        assert rest[0]["rotor"]["inertia"] != setups[0].configuration["rotor"]["inertia"]
 
 
 def test_the_values_are_those_of_the_steady_states(opposite: cl.Result) -> None:
-    velocity, error = cl.steady(cl.build(altered(OPPOSITE, law="hertz_penalty"))).velocity
+    state = cl.steady(cl.build(altered(OPPOSITE, law="hertz_penalty")))
+    velocity, error = state.velocity
     assert error < 1e-6 * abs(velocity)
     assert opposite.hertz_penalty.value == pytest.approx(velocity, rel=1e-6)
     law = opposite.data.to_dataset().sel(law="hertz_penalty")
@@ -86,6 +94,12 @@ def test_the_values_are_those_of_the_steady_states(opposite: cl.Result) -> None:
     assert abs(float(law["value"].sel(metric="torque"))) < 1e-8
     stored = float(law["energy"].sel(term="stored_energy"))
     assert stored == pytest.approx(0.0, abs=1e-8 * float(law["drive_work"]))
+    nominal = law["nominal"].isel(cell=0, basis=0, step=0)
+    assert float(nominal.sel(quantity="rotor_velocity")) == pytest.approx(velocity, rel=1e-9)
+    across = np.ptp(state.data["tip_normal_displacement"].values) / 2
+    assert float(nominal.sel(quantity="tip_normal_amplitude")) == pytest.approx(across, rel=1e-3)
+    stall = cl.steady(cl.build(altered(OPPOSITE, law="hertz_penalty")), belt=0.0).torque.value
+    assert float(nominal.sel(quantity="stall_torque")) == pytest.approx(stall, rel=1e-9)
 
 
 def test_a_recorded_run_that_has_not_settled_is_reported(opposite: cl.Result) -> None:
@@ -96,10 +110,12 @@ def test_the_page_tables_and_figures_are_made_from_the_file(opposite: cl.Result,
     with xarray.open_datatree(output / "compare.nc") as file:
         read = cl.Result(opposite.study, {}, file.load())
     assert read.findings == opposite.findings
+    assert len(read.findings) <= 10
     assert repr(read) == repr(opposite)
     figures = read.study.figures(read.data)
     assert set(figures) == {
-        "settled_quantities", "contact_force", "tip_trajectory", "energy_flow", "phase_portrait"
+        "settled_quantities", "pairs", "where_to_measure", "contact_force", "tip_trajectory", "energy_flow",
+        "phase_portrait",
     }  # fmt: skip
     for name in figures:
         assert (output / f"{name}.png").stat().st_size > 5000, name
@@ -111,69 +127,134 @@ def test_setups_and_recorded_runs_have_the_same_numbers() -> None:
     recorded = cl.compare([cl.simulate(setup) for setup in setups], refine=False).data.to_dataset()
     xarray.testing.assert_identical(direct["value"], recorded["value"].assign_coords(direct["value"].coords))
     assert np.isnan(direct["numerical_error"]).all()
-    assert not any(each.due_to_law for each in largest_differences(direct))
+    assert "order" not in direct
 
 
-def test_a_motor_and_laws_of_python_are_compared() -> None:
+def test_a_motor_and_laws_of_python_are_compared_without_draws() -> None:
     setup = setup_of("newton")
     laws = [cl.Newton(0.3, 0.5), cl.Newton(0.3, 0.9)]
     result = cl.compare(setup.motor, laws, starts=1)
     assert len(result.numbers) == 2
     assert all(estimate.error < 0.1 * abs(estimate.value) for estimate in result.numbers.values())
-    assert largest_differences(result.data.to_dataset())[0].unknown == [BASIS, PARAMETERS, START]
+    assert int(pair(result)["order"]) == INCONCLUSIVE
+    assert np.isfinite(pair(result)["difference_error"])
 
 
-def test_the_converged_basis_explains_the_default_motors_difference() -> None:
-    laws = [setup_of(law) for law in ("lagrange_stick", "hertz_penalty")]
-    data = cl.compare(laws, samples=0, starts=1, ranges=EXACT).data.to_dataset()
-    velocity = largest_differences(data)[0]
-    assert velocity.size == pytest.approx(0.76, abs=0.01)
-    assert velocity.possible == [BASIS]
-    assert velocity.unknown == [START]
-    assert not velocity.due_to_law
+@pytest.fixture(scope="module")
+def three() -> cl.Result:
+    """Two laws that symmetry makes equal and a third, at two phases on the converged beam."""
+    setups = [
+        setup_of(
+            law,
+            **{
+                "drive.phase": phase,
+                "resonator": cl.build(["resonator=finite_element"]).configuration["resonator"],
+            },
+        )
+        for phase in (-0.6, 0.0)
+        for law in ("newton", "poisson", "hertz_penalty")
+    ]
+    return cl.compare(setups, samples=32, starts=1, vary=EXACT, observe=["rotor_velocity"])
 
 
-@pytest.mark.long
-def test_parameters_within_their_ranges_explain_what_laws_that_are_close_differ_by() -> None:
-    setups = [setup_of("hertz_penalty", law__stiffness=k) for k in (1e10, 1.1e10)]
-    result = cl.compare(setups, samples=8, starts=1)
-    data = result.data.to_dataset()
-    assert PARAMETERS in largest_differences(data)[0].possible
-    assert data.sizes["draw"] == 8 * (data.sizes["factor"] + 2)
-    assert data["drawn_value"].dims == ("law", "draw", "quantity")
-    assert (data["drawn_value"].notnull().all("quantity").sum("law") == 1).all()
-    assert "variance_shares" in result.study.figures(result.data)
+def test_the_order_of_two_laws_reverses_between_operating_points(three: cl.Result) -> None:
+    data = three.data.to_dataset().sel(quantity="rotor_velocity")
+    assert data.sizes["cell"] == 2
+    between = data["difference"].sel(law="newton", other_law="hertz_penalty")
+    assert between[0] < 0.0 < between[1]
+    # Converged, at phase 0: -0.574 and -0.889 rad/s.
+    settled = data["nominal"].sel(law=["newton", "hertz_penalty"]).isel(cell=1, basis=0, step=2)
+    np.testing.assert_allclose(settled, [-0.574, -0.889], atol=1e-3)
+    assert "operating_points" in three.study.figures(three.data)
 
 
-def test_a_coexisting_motion_may_explain_a_difference() -> None:
-    setups = [setup_of("hertz_penalty", **COEXISTING, law__stiffness=k) for k in (1e10, 5e9)]
-    data = cl.compare(setups, samples=0, starts=5, ranges=EXACT).data.to_dataset()
-    assert START in largest_differences(data)[0].possible
+def test_laws_that_symmetry_makes_equal_are_one_class(three: cl.Result) -> None:
+    data = three.data.to_dataset()
+    group = data["class"].sel(quantity="rotor_velocity")
+    assert (
+        int(group.sel(law="newton")) == int(group.sel(law="poisson")) != int(group.sel(law="hertz_penalty"))
+    )
+    assert (data["normal_tangential_coupling"] < 1e-12).all()
+    order = data["order"].sel(quantity="rotor_velocity", law="newton", other_law="poisson")
+    assert (order == EQUAL).all()
+    assert "classes" in three.study.figures(three.data)
 
 
-@pytest.mark.parametrize("cause", CAUSES)
-def test_each_cause_alone_withholds_the_law(cause: str) -> None:
-    def with_effect(x: float) -> Difference:
-        effects = dict.fromkeys(CAUSES, 0.0) | {cause: x}
-        return Difference(METRICS["rotor_velocity"], ("stick", "hertz"), (-2.95, -2.19), effects)
-
-    assert with_effect(0.5).due_to_law
-    assert not with_effect(0.8).due_to_law
-    assert with_effect(0.8).possible == [cause]
-    assert not with_effect(np.nan).due_to_law
-    assert with_effect(np.nan).unknown == [cause]
+def test_sampling_ends_once_the_orders_are_known() -> None:
+    setups = [setup_of(law, **OPPOSITE) for law in ("newton", "hertz_penalty")]
+    data = cl.compare(setups, starts=1, samples=64, vary=EXACT, observe=["rotor_velocity"]).data.to_dataset()
+    # 0.8^16 = 0.028 exceeds a third of 5 %, 0.8^32 does not.
+    assert data.sizes["draw"] == 32
+    assert float(pair_of(data)["p_value"]) == pytest.approx(0.8**32)
 
 
-def test_ranges_are_those_that_the_runs_state_and_those_of_the_option() -> None:
+def pair_of(data: xarray.Dataset) -> xarray.Dataset:
+    return data.sel(quantity="rotor_velocity").isel(law=0, other_law=1, cell=0)
+
+
+def test_priors_are_those_that_the_runs_state_and_those_of_the_option() -> None:
     stated = run_of("hertz_penalty", uncertainty__clearance_spread=0.05, uncertainty__friction_spread=0.0)
-    factors = factors_of([stated], {"law.stiffness": 0.1, "rotor.inertia": 0.02})
-    named = {factor.name: factor.spread for factor in factors if factor.keys}
-    assert named == {"stiffness": 0.1, "clearance": 0.05, "rotor.inertia": 0.02}
-    with pytest.raises(cl.ComparisonError, match=r"rotor\.mass") as refused:
-        factors_of([stated], {"rotor.mass": 0.1, "contact.clearance": 1.5})
-    assert len(refused.value.faults) == 2
-    scales = Factor("x", ("contact.clearance",), 0.2).at(np.array([0.0, 0.5, 1.0]))
-    np.testing.assert_allclose(scales, [0.8, 1.0, 1.2])
+    texts = {"law.stiffness": "+-0.1", "rotor.inertia": "4e-5..5e-5", "drive.phase": "-0.6+-0.1"}
+    texts |= {"resonator.stiffness_damping": "1e-7..2e-5"}
+    factors = {factor.name: factor for factor in factors_of([stated], texts) if factor.keys}
+    assert {name: factor.prior for name, factor in factors.items()} == {
+        "stiffness": "scale", "clearance": "scale", "rotor.inertia": "uniform", "drive.phase": "normal",
+        "resonator.stiffness_damping": "log",
+    }  # fmt: skip
+    assert (factors["stiffness"].b, factors["clearance"].b) == (0.1, 0.05)
+    half = np.array([0.5])
+    assert factors["drive.phase"].at(half) == -0.6
+    assert factors["rotor.inertia"].at(half) == pytest.approx(4.5e-5)
+    assert factors["resonator.stiffness_damping"].at(half) == pytest.approx(np.sqrt(1e-7 * 2e-5))
+    np.testing.assert_allclose(factors["stiffness"].at(np.array([0.0, 0.5, 1.0])), [0.9, 1.0, 1.1])
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        ("rotor.mass", "+-0.1"),
+        ("contact.clearance", "+-1.5"),
+        ("contact.clearance", "2e-6..1e-6"),
+        ("rotor.inertia", "-1e-5..1e-5"),
+        ("rotor.inertia", "4e-5"),
+        ("rotor.inertia", "a..b"),
+        ("rotor.inertia", "4e-5+-0"),
+    ],
+)
+def test_a_faulty_prior_is_refused_by_its_key(key: str, text: str) -> None:
+    with pytest.raises(cl.ComparisonError, match=key.replace(".", r"\.")):
+        factors_of([run_of("hertz_penalty")], {key: text})
+
+
+def test_a_drive_at_the_resonance_follows_it_and_its_prior_is_relative() -> None:
+    setup = setup_of("hertz_penalty")
+    texts = EXACT | {"resonator.length": "+-0.1", "drive.frequency": "+-0.05"}
+    factors = factors_of([run_of("hertz_penalty")], texts)
+    for draw in drawn(factors, 4):
+        there = cl.build(configuration_of(setup, factors, draw)).motor
+        names = [factor.name for factor in factors]
+        relative = draw[names.index("drive.frequency")]
+        assert there.drive.frequency[0] == pytest.approx(
+            relative * there.modes.natural_frequency[0], rel=1e-12
+        )
+    same = cl.build(configuration_of(setup, factors, as_configured(factors, 0)))
+    assert same.configuration == setup.configuration
+
+
+def test_the_posterior_of_a_fit_is_drawn_for_its_law(tmp_path: Path) -> None:
+    samples = np.linspace(1e9, 2e9, 50)
+    tree = xarray.DataTree()
+    tree["hertz_penalty/posterior"] = xarray.DataTree(
+        xarray.Dataset({"stiffness": (("chain", "draw"), samples[None])})
+    )
+    tree.to_netcdf(tmp_path / "fit.nc")
+    posterior = Posteriors.read(str(tmp_path))
+    factors = (Factor("basis", prior="level", b=2), Factor("posterior"))
+    for law, expected in (("hertz_penalty", samples[25]), ("newton", None)):
+        there = configuration_of(setup_of(law), factors, np.array([0.0, 0.5]), posterior)
+        assert there["law"].get("stiffness") == expected
+    with pytest.raises(cl.ComparisonError, match="nothing"):
+        Posteriors.read(str(tmp_path / "nothing"))
 
 
 def test_what_a_law_of_ones_own_declares_is_varied_and_the_rest_is_left_fixed(
@@ -189,40 +270,21 @@ def test_what_a_law_of_ones_own_declares_is_varied_and_the_rest_is_left_fixed(
     }
     monkeypatch.setattr("contactlab.studies.compare_draws.declared_in", lambda _: declared)
     factors = factors_of([own], {})
-    named = {factor.name: (factor.keys, factor.spread) for factor in factors}
+    named = {factor.name: (factor.keys, factor.b) for factor in factors}
     assert named["law.k1"] == (("law.k1",), 0.4)
     assert "stiffness" not in named
-    assert left_fixed(own, factors, {}) == ["k2"]
-    assert left_fixed(own, factors, {"law.k2": 0.0}) == []
-    assert left_fixed(hertz, factors_of([hertz, own], {}), {}) == []
+    assert "k2" in left_fixed(own, factors, {})
+    assert "k2" not in left_fixed(own, factors, {"law.k2": "+-0"})
+    # That the damping of the resonator is not varied must be seen.
+    assert "resonator.stiffness_damping" in left_fixed(hertz, factors, {})
 
 
-def test_shares_of_levels_and_ranges_are_those_of_the_closed_form() -> None:
-    """y = a l + b x + c l x of a level l: variances a^2 2/3, b^2 s^2/3, of both together c^2 2/3 s^2/3."""
-    factors = (Factor("law", levels=3), Factor("x", ("contact.clearance",), 0.3), Factor("step", levels=3))
-    draws = drawn(factors, 512)
-    level, x = draws[:, 0] - 1.0, draws[:, 1] - 1.0
-    a, b, c = 1.0, 4.0, 3.0
-    values = np.column_stack([a * level + b * x + c * level * x, np.full(level.size, np.nan)])
-    parts = np.array([a**2 * 2.0 / 3.0, b**2 * 0.03, c**2 * 2.0 / 3.0 * 0.03])
-    first, total = shares(values, 3)
-    np.testing.assert_allclose(first[0, :, 0], [*parts[:2] / parts.sum(), 0.0], atol=0.03)
-    np.testing.assert_allclose(total[0, :, 0], [*(parts[:2] + parts[2]) / parts.sum(), 0.0], atol=0.03)
-    assert np.isnan(total[1]).all()
-    assert not unclear(*total[0, 0, 1:])
-    # Rows without a steady state are left out.
-    lost = np.where(np.arange(level.size)[:, None] == 5, np.nan, values)
-    np.testing.assert_allclose(shares(lost, 3)[1][0, :, 0], total[0, :, 0], atol=0.1)
-
-
-def test_a_share_with_a_wide_interval_is_inconclusive() -> None:
-    assert unclear(0.0, 0.9)
-    # A share of 0.89 with an interval from 0.57 to 1.33 is not known.
-    assert unclear(0.57, 1.33)
-    assert not unclear(-0.05, 0.03)
-    assert written_share(-0.01, -0.05, 0.03) == "below 0.03"
-    # The width falls with the root of the samples, here from 0.76 to below 0.3.
-    assert samples_needed(np.array([[0.89, 0.57, 1.33]]), 32) == 256
+def test_laws_at_different_points_are_refused() -> None:
+    setups = [setup_of("newton", drive__phase=0.0), setup_of("hertz_penalty", drive__phase=-0.6)]
+    with pytest.raises(cl.ComparisonError):
+        cl.compare(setups)
+    with pytest.raises(cl.ComparisonError, match="observe"):
+        cl.compare(setups[:1], observe=["speed"])
 
 
 def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_follows() -> None:

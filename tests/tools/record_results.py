@@ -356,18 +356,13 @@ def validate_values(item: Item) -> Values:
 
 
 def compare_values(item: Item) -> Values:
-    """Compare laws on one motor, with all causes of differences."""
+    """Compare laws in one motor."""
     import contactlab as cl
 
     runs = [cl.simulate(cl.build([*item["overrides"], *law])) for law in item["laws"]]
     measured = [data_file(name) for name in item.get("measured", [])]
     data = cl.compare(runs, measured=measured, **item["options"]).data.to_dataset(inherit=False)
-    if "drawn_value" in data:
-        values = data["drawn_value"].values
-        missing = np.isnan(values).all(axis=0)
-        data["found"] = ("draw", "quantity"), np.where(missing, np.nan, np.nansum(values, axis=0))
-        data = data.drop_vars("drawn_value")
-    data = data.drop_vars("judges_law")
+    data = data.drop_vars(["judges_law", "drawn", "class"], errors="ignore")
     return _of_dataset(data, "compare", data["metric"].values[data["units"].values == "1"].tolist())
 
 
@@ -382,7 +377,7 @@ def characterise_values(item: Item) -> Values:
 QUANTITIES = ("metric", "quantity", "term")
 """Dimensions whose labels are quantities."""
 
-LABELS = ("law", "other", "cause", "factor", "parameter")
+LABELS = ("law", "other", "other_law", "cell", "basis", "factor", "parameter")
 """Dimensions whose labels tell arrays of one quantity apart, so that their order does not matter."""
 
 TEXTS = ("kind", "status", "role", "undetermined", "at_end")
