@@ -12,8 +12,8 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from support.measured_files import BODY, body_file
 from support.measured_impacts import drawn_bodies, drawn_impacts
 
-from contactlab.measured.columns import BODY_COLUMNS, CONTACT_COLUMNS, OTHER_COLUMNS, Column
 from contactlab.measured.bodies import BodyImpacts
+from contactlab.measured.columns import BODY_COLUMNS, CONTACT_COLUMNS, OTHER_COLUMNS, Column
 from contactlab.measured.files import read_impacts, write_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 
