@@ -1,13 +1,14 @@
 """Bootstrap intervals of means over rows, for example of the errors of many laws over impacts.
 
-Rows are resampled with replacement. One draw serves all columns, so that the interval of the difference of
-two columns is that of paired rows. Intervals are bias-corrected and accelerated (Efron 1987, J. Am. Stat.
-Assoc. 82, 171), by `scipy.stats.bootstrap`.
+Rows, or blocks of rows that depend on each other, are resampled with replacement. One draw serves all
+columns, so that the interval of the difference of two columns is that of paired rows. Intervals are
+bias-corrected and accelerated (Efron 1987, J. Am. Stat. Assoc. 82, 171), by `scipy.stats.bootstrap`.
 """
 
 from typing import Final, NamedTuple, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 
@@ -33,13 +34,16 @@ class MeanIntervals(NamedTuple):
         return np.asarray(0.5 * (self.interval[:, 1] - self.interval[:, 0]))
 
 
-def mean_intervals(values: Array, seed: int, resamples: int = RESAMPLES) -> MeanIntervals:
+def mean_intervals(
+    values: Array, seed: int, resamples: int = RESAMPLES, blocks: NDArray[np.int64] | None = None
+) -> MeanIntervals:
     """Return the means of columns with their intervals; the same seed gives the same bits.
 
     Args:
         values: shape (row, column).
         seed: of the resamples, which are the same for every table with as many rows.
         resamples: how many.
+        blocks: number from 0 of the block that each row belongs to, shape (row,); None has a block for each.
     """
     # Imported here: a run needs no scipy.stats.
     from scipy.stats import bootstrap
@@ -51,16 +55,20 @@ def mean_intervals(values: Array, seed: int, resamples: int = RESAMPLES) -> Mean
     varying = np.sum((values - mean) ** 2, axis=0) > size**2 * rows
     interval, resampled = np.column_stack([mean, mean]), np.tile(mean[:, None], resamples)
     if varying.any():
-        columns = values[:, varying]
+        labels = np.arange(rows) if blocks is None else blocks
+        sizes = np.bincount(labels).astype(np.float64)
+        columns = np.zeros((sizes.size, int(varying.sum())))
+        np.add.at(columns, labels, values[:, varying])
 
         def means(drawn: Array, axis: int = -1) -> Array:
             del axis
-            counts = [np.bincount(each, minlength=rows) for each in drawn.reshape(-1, drawn.shape[-1])]
-            result = np.array(counts, dtype=np.float64) @ columns / drawn.shape[-1]
+            each = drawn.reshape(-1, drawn.shape[-1])
+            counts = np.array([np.bincount(row, minlength=sizes.size) for row in each], dtype=np.float64)
+            result = counts @ columns / (counts @ sizes)[:, None]
             return np.moveaxis(result.reshape(*drawn.shape[:-1], columns.shape[1]), -1, 0)
 
         result = bootstrap(
-            (np.arange(rows),),
+            (np.arange(sizes.size),),
             means,
             n_resamples=resamples,
             batch=_BATCH,
@@ -73,7 +81,9 @@ def mean_intervals(values: Array, seed: int, resamples: int = RESAMPLES) -> Mean
     return MeanIntervals(mean, interval, resampled)
 
 
-def paired_differences(values: Array, seed: int) -> tuple[Array, Array]:
+def paired_differences(
+    values: Array, seed: int, blocks: NDArray[np.int64] | None = None
+) -> tuple[Array, Array]:
     """Return mean differences of columns, row less column, and their intervals by pairs of rows.
 
     Returns:
@@ -83,7 +93,7 @@ def paired_differences(values: Array, seed: int) -> tuple[Array, Array]:
     first, second = np.triu_indices(count, 1)
     apart, interval = np.zeros((count, count)), np.zeros((count, count, 2))
     if first.size:
-        result = mean_intervals(values[:, first] - values[:, second], seed)
+        result = mean_intervals(values[:, first] - values[:, second], seed, blocks=blocks)
         apart[first, second], apart[second, first] = result.mean, -result.mean
         interval[first, second], interval[second, first] = result.interval, -result.interval[:, ::-1]
     return apart, interval

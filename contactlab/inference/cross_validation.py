@@ -11,6 +11,7 @@ no more weight than its error. The assessment of several laws has these variable
 | kind, group, unanswered, fitted_on, held, unmoved, undetermined, at_end | law | |
 | value, range, units | law, fold_number, parameter | of the fit without that fold; NaN for no such number |
 | difference, difference_interval | law, other (, end) | of the mean errors, law less other, by pairs |
+| p_value | law, other | of equal errors, corrected for the number of pairs by Holm's procedure |
 | velocity_before, velocity_after, fold, noise_bound, unexplained | impact | as measured; see `noise_of` |
 
 Laws are in the order of their errors, those of the kinds rigid and compliant first; then baselines, floors.
@@ -26,10 +27,11 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import xarray
 from numpy.typing import NDArray
+from scipy.special import ndtr, ndtri
 
 from contactlab.arrays import Array
 from contactlab.inference.bootstrap import LEVEL, RESAMPLES, mean_intervals, paired_differences
-from contactlab.inference.free_parameters import from_cube
+from contactlab.inference.free_parameters import FreeParameter, from_cube
 from contactlab.inference.impact_problem import (
     ROUGH_TOLERANCE,
     ConstantImpulse,
@@ -39,6 +41,7 @@ from contactlab.inference.impact_problem import (
     frictionless,
 )
 from contactlab.inference.least_squares import Optimum, best_fit, starting_points
+from contactlab.inference.multiple import holm
 from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab.measured.impacts import MeasuredImpacts, noise_from_outside
 
@@ -166,18 +169,23 @@ def predictors_of(
 
 
 def cross_validated(
-    predictor: ImpactPredictor, impacts: MeasuredImpacts, folds: int, seed: int
+    predictor: ImpactPredictor,
+    impacts: MeasuredImpacts,
+    folds: int,
+    seed: int,
+    corrections: tuple[FreeParameter, ...] = (),
 ) -> xarray.Dataset:
     """Return what a law predicts of impacts to which it was not fitted, and its parameters by fold.
 
-    An integrated law is fitted to `SUBSET` of the impacts of the other folds, drawn by the seed.
+    An integrated law is fitted to `SUBSET` of the impacts of the other folds, drawn by the seed. Free numbers
+    of the data are fitted with those of the law.
 
     Raises:
         ValueError: there is a prediction at none of the starts.
     """
-    problem = ImpactProblem(impacts, predictor)
+    problem = ImpactProblem(impacts, predictor, corrections=corrections)
     fold = folds_of(impacts.measurements(), folds, seed)
-    predicted = np.full_like(impacts.velocity_before, np.nan)
+    predicted, outside = np.full_like(impacts.velocity_before, np.nan), np.zeros(len(impacts))
     fits, sizes, lost = list[Optimum](), list[int](), 0
     for number in range(int(fold.max()) + 1):
         fold_impacts, others = np.flatnonzero(fold == number), np.flatnonzero(fold != number)
@@ -185,14 +193,15 @@ def cross_validated(
             others = np.random.default_rng([seed, number]).permutation(others)[:SUBSET]
         fits.append(least_error_fit(problem.part(others), seed))
         sizes.append(others.size)
-        after = problem.part(fold_impacts).velocities_after(fits[-1].values)
+        after, outside[fold_impacts] = problem.part(fold_impacts).prediction(fits[-1].values)
         missing = np.asarray(np.isnan(after).any(axis=1))
         lost += int(missing.sum())
         predicted[fold_impacts] = np.where(missing[:, None], impacts.velocity_before[fold_impacts], after)
-    free, kind = predictor.free, COMPLIANT if predictor.integrated else RIGID
+    free, kind = problem.parameters, COMPLIANT if predictor.integrated else RIGID
     data = _predictions(
         impacts,
         predicted,
+        outside,
         label=predictor.label,
         kind=BASELINE if predictor.baseline else kind,
         unanswered=lost,
@@ -210,9 +219,11 @@ def cross_validated(
     ).assign_coords(parameter=_texts(item.name for item in free))
 
 
-def _predictions(impacts: MeasuredImpacts, predicted: Array, **attributes: Any) -> xarray.Dataset:
+def _predictions(
+    impacts: MeasuredImpacts, predicted: Array, outside: Array | None = None, **attributes: Any
+) -> xarray.Dataset:
     """Return predictions with their errors."""
-    errors, directions = impacts.errors(predicted), ("impact", "direction")
+    errors, directions = impacts.errors(predicted, outside), ("impact", "direction")
     data = xarray.Dataset({"error": ("impact", errors), "predicted_velocity": (directions, predicted)})
     return data.assign_attrs({"unanswered": 0, "unmoved": "", "held": "", **attributes})
 
@@ -261,9 +272,12 @@ def _acts(predictor: LawPredictor, place: int, impacts: MeasuredImpacts) -> bool
 
 
 def assessed(
-    outcomes: Sequence[xarray.Dataset], impacts: MeasuredImpacts, folds: int, seed: int
+    outcomes: Sequence[xarray.Dataset], impacts: MeasuredImpacts, folds: int, seed: int, block: int = 1
 ) -> xarray.Dataset:
-    """Combine the cross-validation of several laws and baselines with the floors."""
+    """Combine the cross-validation of several laws and baselines with the floors.
+
+    Rows that are resampled together are impacts of one measurement, or `block` impacts in a row.
+    """
     ordered = sorted(outcomes, key=lambda item: (item.attrs["kind"] == BASELINE, float(item["error"].mean())))
     # The best impulse of each impact, admissible or any: no law can be better.
     best = {"admissible impulse": best_admissible_impulses(impacts), "impulse": best_impulses(impacts)}
@@ -274,7 +288,8 @@ def assessed(
     every = [*ordered, *sorted(floors, key=lambda item: -float(item["error"].mean()))]
     labels = [item.attrs["label"] for item in every]
     errors = np.column_stack([item["error"].values for item in every])
-    means = mean_intervals(errors, seed)
+    blocks = impacts.measurements() if block == 1 else np.arange(len(impacts)) // block
+    means = mean_intervals(errors, seed, blocks=blocks)
     data = xarray.Dataset(
         coords={"law": labels, "end": ["low", "high"], "direction": ["normal", "tangential"]}
     )
@@ -290,10 +305,12 @@ def assessed(
         texts = [", ".join(item[name].values if name in item else []).split(", ") for item in every]
         data[name] = "law", [", ".join(dict.fromkeys(filter(None, names))) for names in texts]
     _add_parameters(data, every)
-    apart, intervals = paired_differences(errors, seed)
+    apart, intervals = paired_differences(errors, seed, blocks)
     data.coords["other"] = data["law"].values
     data["difference"] = ("law", "other"), apart, {"units": "1"}
     data["difference_interval"] = ("law", "other", "end"), intervals, {"units": "1"}
+    p_values = pair_p_values(apart, intervals, data["kind"].values != FLOOR)
+    data["p_value"] = ("law", "other"), p_values, {"units": "1", "long_name": "of equal errors, after Holm"}
     data["group"] = "law", _groups(data)
     data.coords["impact"] = "impact", impacts.number, {"long_name": "number in the file"}
     for name in ("velocity_before", "velocity_after"):
@@ -303,6 +320,8 @@ def assessed(
     data["noise_bound"] = "impact", noise.bound, {"units": "1", "long_name": "error that noise may cause"}
     smallest = laws_in(data)["error"].values.min(axis=0)
     data["unexplained"] = "impact", (smallest > noise.bound).astype(np.int8)
+    data.attrs["unexplained_by_noise"] = RARE * len(impacts)
+    data.attrs["block"] = block
     data.attrs |= {
         "noise": noise.source,
         "title": f"Contact laws against: {impacts.title}",
@@ -331,8 +350,26 @@ def floors_in(data: xarray.Dataset) -> xarray.Dataset:
 
 
 def distinct(data: xarray.Dataset, better: str, worse: str) -> bool:
-    """Return whether the interval of the difference of two errors excludes zero, and more than round-off."""
-    return float(data["difference_interval"].sel(law=worse, other=better, end="low")) > SAME
+    """Return whether one law predicts better than another, corrected for the number of pairs."""
+    pair = data[["difference", "p_value"]].sel(law=worse, other=better)
+    return bool(pair["difference"] > SAME and pair["p_value"] <= 1.0 - LEVEL)
+
+
+def pair_p_values(apart: Array, intervals: Array, tested: NDArray[np.bool_]) -> Array:
+    """Return p-values of equal means for all pairs, corrected by Holm's procedure; shape (column, column).
+
+    The standard error is that of a normal distribution with the half-width of the interval.
+
+    Args:
+        apart, intervals: of `paired_differences`.
+        tested: columns whose pairs are a family of tests; others have NaN.
+    """
+    half = 0.5 * (intervals[..., 1] - intervals[..., 0])
+    size = np.abs(apart) * -ndtri(0.5 * (1.0 - LEVEL))
+    z = np.divide(size, half, out=np.where(size > 0.0, np.inf, 0.0), where=half > 0.0)
+    upper = np.triu(np.outer(tested, tested), 1)
+    adjusted = holm(np.where(upper, 2.0 * ndtr(-z), np.nan))
+    return np.where(upper.T, adjusted.T, adjusted)
 
 
 def _groups(data: xarray.Dataset) -> list[int]:

@@ -101,6 +101,7 @@ def candidates_of(
     *,
     discrepancy: Discrepancy = "off",
     degrees_of_freedom: float | None = inf,
+    corrections: tuple[FreeParameter, ...] = (),
     name: str = "",
     digest: str = "",
 ) -> list[Candidate]:
@@ -111,6 +112,7 @@ def candidates_of(
         choice: of laws and free numbers.
         discrepancy: whether the laws may be wrong.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
+        corrections: free numbers of measured impacts.
         name: of the data.
         digest: of their file.
 
@@ -128,7 +130,7 @@ def candidates_of(
     for setup, may_err in product(setups, cases):
         try:
             keys = free_keys(setup, choice, several=len(setups) > 1)
-            problem = _problem(data, setup, keys, degrees_of_freedom, discrepancy=may_err)
+            problem = _problem(data, setup, keys, corrections, degrees_of_freedom, discrepancy=may_err)
         except ConfigurationError as error:
             faults += error.faults
             continue
@@ -165,6 +167,7 @@ def _problem(
     data: Data,
     setup: Setup,
     keys: Sequence[FreeParameter],
+    corrections: tuple[FreeParameter, ...],
     degrees_of_freedom: float | None,
     *,
     discrepancy: bool,
@@ -172,6 +175,8 @@ def _problem(
     """Return the problem of one law."""
     problem: Problem
     if isinstance(data, MeasuredSeries):
+        if corrections:
+            raise ConfigurationError([f"{corrections[0].name} is of measured impacts; the data are series."])
         problem = series_problem(
             data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )
@@ -179,7 +184,8 @@ def _problem(
         if others := [item.name for item in keys if not item.field]:
             raise ConfigurationError([f"{', '.join(others)} is of the motor; impacts depend on the law."])
         predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
-        problem = ImpactProblem(data, predictor, discrepancy or data.covariance is None, degrees_of_freedom)
+        unknown = discrepancy or data.covariance is None
+        problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
     if not problem.free:
         raise ConfigurationError([f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH."])
     return problem

@@ -6,6 +6,10 @@ The residual of the velocity after an impact has the covariance
 
 of the stated error C and an isotropic term in the norm of the kinetic energy, relative to the approach u: the
 error of the law as `contactlab.measured` defines errors, s being its size.
+
+Where the geometry of planar bodies is free besides, the law predicts the impulses of the contact with that
+geometry. The residual stays that of the measured velocities, in the mass matrix and the Jacobian of the data:
+a change of the norm or of the directions makes no error smaller.
 """
 
 from collections.abc import Mapping
@@ -20,6 +24,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
+from contactlab.config import ConfigurationError
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, label_of, with_values
 from contactlab.inference.problem import LARGEST, LOG_TWO_PI, LOWEST, Problem, student_factor
 from contactlab.laws import ContactLaw, Newton, PenaltyLaw
@@ -154,12 +159,24 @@ class ImpactProblem(Problem):
         predictor: law or baseline.
         discrepancy: whether the law may be wrong by an amount that is free; it includes noise not stated.
         degrees_of_freedom: of Student-t residuals; infinite is the normal distribution, None is free.
+        corrections: free numbers of the data, named as in `contactlab.measured.bodies.CORRECTIONS`.
+
+    Raises:
+        ConfigurationError: there are corrections, and no planar bodies.
     """
 
     measured: MeasuredImpacts
     predictor: ImpactPredictor
     discrepancy: bool = False
     degrees_of_freedom: float | None = inf
+    corrections: tuple[FreeParameter, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.corrections and (self.measured.bodies is None or self.measured.bodies.rotation is None):
+            names = ", ".join(item.name for item in self.corrections)
+            raise ConfigurationError(
+                [f"{names} cannot be free: the impacts are not those of a planar body with one angle."]
+            )
 
     @property
     def law(self) -> str:
@@ -168,8 +185,8 @@ class ImpactProblem(Problem):
 
     @property
     def parameters(self) -> tuple[FreeParameter, ...]:
-        """The free parameters of the predictor."""
-        return self.predictor.free
+        """The free parameters of the predictor, then those of the data."""
+        return *self.predictor.free, *self.corrections
 
     @cached_property
     def nuisances(self) -> tuple[FreeParameter, ...]:
@@ -205,7 +222,29 @@ class ImpactProblem(Problem):
 
     def velocities_after(self, values: Array) -> Array:
         """Return gap rate and slip after the impacts [m/s], shape (impact, 2); NaN without a prediction."""
-        return self.predictor.velocities_after(values[: len(self.predictor.free)], self.measured)
+        return self.prediction(values)[0]
+
+    def prediction(self, values: Array) -> tuple[Array, Array]:
+        """Return the velocities after the impacts, and the energy of their error that no impulse makes [J].
+
+        Impacts that do not approach with another geometry have no impulse.
+        """
+        own, bodies = len(self.predictor.free), self.measured.bodies
+        if not self.corrections or bodies is None:
+            return self.predictor.velocities_after(values[:own], self.measured), self.measured.outside
+        numbers = zip(self.corrections, values[own:], strict=False)
+        changed = bodies.corrected(**{item.field: float(x) for item, x in numbers})
+        before, delassus = changed.contact(changed.before), changed.delassus()
+        approaching = before[:, 0] < 0.0
+        jump = np.zeros_like(before)
+        some = replace(self.measured, delassus=delassus, velocity_before=before, bodies=None).part(
+            approaching
+        )
+        jump[approaching] = self.predictor.velocities_after(values[:own], some) - before[approaching]
+        impulses = np.linalg.solve(delassus, jump[..., None])[..., 0]
+        after = changed.after_impulses(np.asarray(impulses, dtype=np.float64))
+        missed = np.where(np.isfinite(after), bodies.after - after, bodies.after - bodies.before)
+        return bodies.contact(after), bodies.outside_of(missed)
 
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return the velocities after the impacts; None if any lacks a prediction."""
@@ -232,11 +271,11 @@ class ImpactProblem(Problem):
         the part of the velocity jump outside of the impulses' span. Without a prediction the velocity is
         taken as unchanged.
         """
-        measured, after = self.measured, self.velocities_after(values)
+        measured, (after, outside) = self.measured, self.prediction(values)
         after = np.where(np.isfinite(after), after, measured.velocity_before)
         root = np.linalg.cholesky(measured.delassus)
         missed = np.linalg.solve(root, (measured.velocity_after - after)[..., None])[..., 0]
-        whole = np.column_stack([missed, np.sqrt(2.0 * measured.outside)])
+        whole = np.column_stack([missed, np.sqrt(2.0 * np.maximum(outside, 0.0))])
         whole /= np.sqrt(2.0 * measured.kinetic_energy)[:, None]
         square = np.einsum("ni,ni->n", whole, whole)
         return np.asarray((whole / (square + SMOOTH**2)[:, None] ** 0.25).ravel())

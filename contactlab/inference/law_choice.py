@@ -35,10 +35,12 @@ from contactlab.laws import (
     registry,
 )
 from contactlab.laws.declaration import SHARED
+from contactlab.measured.bodies import CORRECTIONS
 from contactlab.suggestion import suggestion
 
 LAW: Final = "law."
 PART: Final = "law/"
+DATA: Final = "data."
 FORMS: Final = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HIGH"
 
 NOT_OF_A_PROBLEM: Final = ("hydra", "sweep", "record", "uncertainty")
@@ -248,6 +250,38 @@ def key_of(field: str) -> str:
     return FRICTION if field.rpartition(".")[2] == SHARED else f"{LAW}{field}"
 
 
+def corrections_in(texts: Sequence[str]) -> tuple[list[str], tuple[FreeParameter, ...]]:
+    """Separate the free numbers of measured impacts, data.NAME=LOW..HIGH, from overrides.
+
+    Raises:
+        ConfigurationError: an unknown name, no range, or one that is not admitted.
+    """
+    others, result = list[str](), list[FreeParameter]()
+    for text in texts:
+        key, _, value = text.partition("=")
+        if not key.startswith(DATA):
+            others.append(text)
+            continue
+        name, limits = key.removeprefix(DATA), _RANGE.fullmatch(text)
+        if name not in CORRECTIONS:
+            every = [f"{DATA}{name}" for name in CORRECTIONS]
+            hint = suggestion(key, every, f"There are {', '.join(every)}.")
+            raise ConfigurationError([f"There is no number {key} of the data. {hint}"])
+        if key in [item.name for item in result]:
+            raise ConfigurationError([f"{key} has two ranges; it must have one. Leave one out."])
+        if limits is None:
+            raise ConfigurationError([f"{key} is {value}; it must be a range, {key}=LOW..HIGH."])
+        declared = CORRECTIONS[name]
+        try:
+            span = [to_si(limits[end].strip(), declared.unit) for end in ("low", "high")]
+            result.append(replace(chosen_range(key, span, declared), field=name))
+        except UnitError as error:
+            raise ConfigurationError([f"{text} has an end {error}."]) from error
+        except ValueError as error:
+            raise ConfigurationError([str(error)]) from error
+    return others, tuple(result)
+
+
 def law_predictors(texts: Sequence[str]) -> list[LawPredictor]:
     """Return predictors of impacts under the chosen laws, by default the usual ones.
 
@@ -317,9 +351,16 @@ def _changed(predictor: LawPredictor, key: str, ends: Sequence[str]) -> LawPredi
 
 
 def usual_laws() -> list[LawPredictor]:
-    """Return predictors of every installed rigid law and of compliant ones composed of common parts."""
+    """Return predictors of every installed rigid law and of compliant ones composed of common parts.
+
+    A law with microslip is not among them: its impacts take 25 times as long as those of `mindlin`.
+    """
+    compliant = (LawPredictor.of(*item) for item in _compliant_laws())
     rigid = [name for name in registry.law_names() if issubclass(registry.class_of(name), MultiplierLaw)]
-    return [*(usual_law(name) for name in rigid), *(LawPredictor.of(*item) for item in _compliant_laws())]
+    return [
+        *(usual_law(name) for name in rigid),
+        *(item for item in compliant if "microslip" not in item.label),
+    ]
 
 
 def usual_law(name: str, **parts: str) -> LawPredictor:

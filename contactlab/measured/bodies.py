@@ -10,13 +10,15 @@ the model of rigid bodies with one contact. A wrong sign in G makes it large.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import Any, Final, Self, final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from contactlab.arrays import Array
 from contactlab.measured.table import MeasurementError
+from contactlab.parameter import Parameter, positive
 
 LARGEST_SHARE: Final = 1e-4
 """Share of the jump's energy outside of the impulses' span below which a wrong sign makes no difference to a
@@ -31,6 +33,14 @@ BY_CHANCE: Final = 0.01
 
 ROUND_OFF: Final = 1e-12
 
+CORRECTIONS: Final[Mapping[str, Parameter]] = {
+    "normal_arm": Parameter("a_n", "m", "offset of the normal row's arm"),
+    "tangential_arm": Parameter("a_t", "m", "offset of the tangential row's arm"),
+    "tilt": Parameter("phi", "rad", "angle by which the contact's normal is turned"),
+    "inertia": positive("c_I", "1", "factor of the moment of inertia"),
+}
+"""Numbers of the geometry of a planar body that may be wrong in the data, see `BodyImpacts.corrected`."""
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -43,6 +53,7 @@ class BodyImpacts:
         normal, tangential: rows of the contact Jacobian, shape (impact, coordinate): gap rate and slip are
             their products with the velocities.
         covariance: of the error of the jump, shape (impact, coordinate, coordinate), or None.
+        rotation: place of the angle of a planar body; None for other coordinates.
     """
 
     before: Array
@@ -51,6 +62,50 @@ class BodyImpacts:
     normal: Array
     tangential: Array
     covariance: Array | None = None
+    rotation: int | None = None
+
+    def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Self:
+        """Return some of the impacts, by a mask or by indices, shape (any,)."""
+        names = ("before", "after", "mass", "normal", "tangential", "covariance")
+        columns: dict[str, Any] = {name: getattr(self, name) for name in names}
+        return replace(self, **{name: x[chosen] for name, x in columns.items() if x is not None})
+
+    def corrected(
+        self, normal_arm: float = 0.0, tangential_arm: float = 0.0, tilt: float = 0.0, inertia: float = 1.0
+    ) -> Self:
+        """Return the impacts of a planar body with another geometry; velocities stay as measured.
+
+            n = n_0 cos(phi) + t_0 sin(phi) + a_n e,  t = t_0 cos(phi) - n_0 sin(phi) + a_t e
+
+        with e the unit vector of the angle, and c_I times the moment of inertia.
+
+        Args:
+            normal_arm, tangential_arm: a_n, a_t [m].
+            tilt: phi [rad].
+            inertia: c_I [1].
+
+        Raises:
+            ValueError: the coordinates are not those of a planar body.
+        """
+        if self.rotation is None:
+            raise ValueError("The impacts are not those of a planar body in coordinates with one angle.")
+        arm, scale = np.eye(self.mass.shape[1])[self.rotation], np.ones(self.mass.shape[1])
+        scale[self.rotation] = inertia**0.5
+        return replace(
+            self,
+            normal=np.cos(tilt) * self.normal + np.sin(tilt) * self.tangential + normal_arm * arm,
+            tangential=np.cos(tilt) * self.tangential - np.sin(tilt) * self.normal + tangential_arm * arm,
+            mass=self.mass * np.outer(scale, scale),
+        )
+
+    def after_impulses(self, impulses: Array) -> Array:
+        """Return the velocities of the coordinates after impulses p, v + M^-1 G' p, as `before`.
+
+        Args:
+            impulses: normal and tangential [N s], shape (impact, 2).
+        """
+        pushed = self.jacobian.transpose(0, 2, 1) @ impulses[..., None]
+        return np.asarray(self.before + np.linalg.solve(self.mass, pushed)[..., 0])
 
     @property
     def jacobian(self) -> Array:

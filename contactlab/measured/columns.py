@@ -133,7 +133,10 @@ def impacts_of(table: Table, title: str) -> MeasuredImpacts:
             covariance = None if covariance is None else square * covariance
             before, after, delassus = before * normal, after * normal, square / mass
         else:
-            bodies = BodyImpacts(before, after, mass, normal, columns.all_of(TANGENTIAL), covariance)
+            turning = [place for place, is_angle in enumerate(columns.angles.values()) if is_angle]
+            rotation = turning[0] if len(turning) == 1 and len(columns.angles) == 3 else None
+            tangential = columns.all_of(TANGENTIAL)
+            bodies = BodyImpacts(before, after, mass, normal, tangential, covariance, rotation)
             before, after = bodies.contact(before), bodies.contact(after)
             delassus, covariance = bodies.delassus(), bodies.contact_covariance()
     if before.shape[1] == 1:
@@ -177,6 +180,7 @@ def impacts_of(table: Table, title: str) -> MeasuredImpacts:
         # A file that was written from impacts has its notes already.
         notes=tuple(dict.fromkeys(notes)),
         measurement=columns.whole(MEASUREMENT),
+        bodies=bodies,
     )
 
 

@@ -61,7 +61,9 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
     masses = np.broadcast_to(mass, (int(clean.sum()), 3, 3))
     states, normal, tangential = states[clean], normal[clean], tangential[clean]
     made = [
-        BodyImpacts(states[:, 3:6], states[:, 9:12], masses, normal, tangential * [1.0, 1.0, sign])
+        BodyImpacts(
+            states[:, 3:6], states[:, 9:12], masses, normal, tangential * [1.0, 1.0, sign], rotation=2
+        )
         for sign in (1.0, -1.0)
     ]
     shares = [bodies.outside_share() for bodies in made]
@@ -79,6 +81,7 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
         licence="MIT, the authors; BSD-3-Clause, the copy in DAIRLab/ImpactModeling",
         left_out=int((~clean).sum()),
         number=np.flatnonzero(clean) + 1,
+        bodies=bodies,
         notes=(
             f"The third component of the tangential row is taken {taken}: so {100.0 * min(shares):.2f} % "
             "of the jump's energy (median) lies outside of what impulses can do, and "

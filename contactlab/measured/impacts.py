@@ -16,6 +16,7 @@ from scipy.special import gammaincinv
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_shape
 from contactlab.impacts import Impacts
+from contactlab.measured.bodies import BodyImpacts
 
 _SHAPES: Final[dict[str, tuple[int, ...]]] = {
     "delassus": (2, 2), "velocity_before": (2,), "velocity_after": (2,), "kinetic_energy": (), "outside": (),
@@ -50,6 +51,7 @@ class MeasuredImpacts:
         notes: sentences of the file and of its reader.
         measurement: label of the measurement that each impact repeats, shape (impact,), whole numbers; None
             where each is a measurement of its own. Impacts of one label stay in one fold of `validate`.
+        bodies: the impacts in generalised coordinates; None where only contact velocities are known.
 
     Raises:
         TypeError, ValueError: an array of another kind or shape, a matrix that is not positive definite, a
@@ -69,6 +71,7 @@ class MeasuredImpacts:
     number: NDArray[np.int64]
     notes: tuple[str, ...] = ()
     measurement: NDArray[np.int64] | None = None
+    bodies: BodyImpacts | None = None
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
@@ -106,7 +109,7 @@ class MeasuredImpacts:
         """The state before the impacts, from which laws predict the velocities after them."""
         return Impacts(self.delassus, self.velocity_before)
 
-    def errors(self, predicted: Array) -> Array:
+    def errors(self, predicted: Array, outside: Array | None = None) -> Array:
         """Return the errors of predictions relative to the motion before the impact [1], shape (impact,).
 
             ||v+ - v+_predicted||_M / ||v-||_M = sqrt((r' D^-1 r + 2 outside) / (2 kinetic_energy))
@@ -115,15 +118,18 @@ class MeasuredImpacts:
 
         Args:
             predicted: gap rate and slip after the impacts [m/s], shape (impact, 2).
+            outside: energy of the part of the error that no impulse makes [J], shape (impact,); None is that
+                of predictions by impulses at the contact as it was measured.
         """
         inside = squared_norm(self.delassus, self.velocity_after - predicted)
-        return np.asarray(np.sqrt((inside + 2.0 * self.outside) / (2.0 * self.kinetic_energy)))
+        beside = self.outside if outside is None else outside
+        return np.asarray(np.sqrt((inside + 2.0 * beside) / (2.0 * self.kinetic_energy)))
 
     def part(self, chosen: NDArray[np.bool_] | NDArray[np.int64]) -> Self:
         """Return some of the impacts, by a mask or by indices, shape (any,)."""
         columns = {name: getattr(self, name) for name in _SHAPES}
         parts: dict[str, Any] = {name: x[chosen] for name, x in columns.items() if x is not None}
-        return replace(self, **parts)
+        return replace(self, bodies=self.bodies and self.bodies.part(chosen), **parts)
 
     @cached_property
     def _equal_rows(self) -> NDArray[np.int64]:

@@ -26,7 +26,7 @@ from contactlab.inference.fit import (
     evidences_of,
     fitted,
 )
-from contactlab.inference.law_choice import LawChoice
+from contactlab.inference.law_choice import LawChoice, corrections_in
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.measured.files import read_measurements
@@ -47,8 +47,9 @@ class Fit(Study):
     """Which numbers of a law or a motor do measurements support, and which law?
 
     Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law without a value
-    are. Least squares from many starts are followed by nested sampling, which yields posterior and evidence.
-    Several laws, law=A,B, are compared by their evidence.
+    are. Numbers of the geometry of measured impacts are data.NAME. Least squares from many starts are
+    followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are compared by
+    their evidence.
     """
 
     name: ClassVar[str] = "fit"
@@ -103,10 +104,12 @@ class Fit(Study):
             ConfigurationError: laws or free numbers cannot be used with the measurements.
         """
         tails = number_or_free("study.student", self.student, inf)
+        choice, corrections = corrections_in(self.choice or ())
         digest = self.measured.digest if isinstance(self.measured, MeasuredSeries) else ""
         return candidates_of(
             self.measurements,
-            LawChoice.of(self.choice or ()),
+            LawChoice.of(choice),
+            corrections=corrections,
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == FREE else float(tails),
             name=Path(self.data).name,

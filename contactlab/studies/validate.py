@@ -26,8 +26,9 @@ from contactlab.inference.cross_validation import (
     laws_in,
     predictors_of,
 )
-from contactlab.inference.impact_problem import ImpactPredictor, LawPredictor
-from contactlab.inference.law_choice import law_predictors
+from contactlab.inference.free_parameters import FreeParameter
+from contactlab.inference.impact_problem import ImpactPredictor, ImpactProblem, LawPredictor
+from contactlab.inference.law_choice import corrections_in, law_predictors
 from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
@@ -53,7 +54,8 @@ class Validate(Study):
     Every impact is held out once, equal rows and repeats of one measurement together; a law is fitted to the
     others and predicts it. Errors and their differences have bootstrap intervals, and stand beside those of
     the frictionless law, of the best constant impulse and of the best impulse of each impact, which no law
-    can surpass. All numbers of a law without a value are free.
+    can surpass. All numbers of a law without a value are free; numbers of the geometry, data.NAME=LOW..HIGH,
+    are fitted with those of every law. Verdicts on pairs are corrected for their number.
     """
 
     name: ClassVar[str] = "validate"
@@ -67,6 +69,7 @@ class Validate(Study):
     folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
     seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
     repeats: Annotated[int, option("number of seeds, from the first on", at_least=1)] = 1
+    block: Annotated[int, option("impacts in a row that are resampled together", at_least=1)] = 1
 
     @cached_property
     def impacts(self) -> MeasuredImpacts:
@@ -80,7 +83,12 @@ class Validate(Study):
     @cached_property
     def laws(self) -> Sequence[LawPredictor]:
         """The laws that are validated; `validate` sets those that are objects."""
-        return law_predictors(self.choice or ())
+        return law_predictors(corrections_in(self.choice or ())[0])
+
+    @cached_property
+    def corrections(self) -> tuple[FreeParameter, ...]:
+        """The free numbers of the data."""
+        return corrections_in(self.choice or ())[1]
 
     @cached_property
     def predictors(self) -> list[ImpactPredictor]:
@@ -89,7 +97,10 @@ class Validate(Study):
         Raises:
             ConfigurationError, ValidationError: laws or impacts cannot be used.
         """
-        return predictors_of(self.impacts, self.laws, self.folds)
+        result = predictors_of(self.impacts, self.laws, self.folds)
+        # Refused before any of them is fitted.
+        ImpactProblem(self.impacts, result[0], corrections=self.corrections)
+        return result
 
     @property
     def seeds(self) -> range:
@@ -100,13 +111,17 @@ class Validate(Study):
         """Return one task for each law and seed, the slow ones first."""
         del setups
         return [
-            Task(self._key(entry, seed), _cross_validated, (entry, self.impacts, self.folds, seed))
+            Task(
+                self._key(entry, seed),
+                _cross_validated,
+                (entry, self.impacts, self.folds, seed, self.corrections),
+            )
             for seed in self.seeds
             for entry in sorted(self.predictors, key=lambda each: not each.integrated)
         ]
 
     def _key(self, predictor: ImpactPredictor, seed: int) -> str:
-        depends = (predictor, self.folds, digest_of(self.impacts), code_digest())
+        depends = (predictor, self.folds, digest_of(self.impacts), self.corrections, code_digest())
         return f"{seed} {sha256(repr(depends).encode()).hexdigest()[:16]}"
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
@@ -118,6 +133,7 @@ class Validate(Study):
                 self.impacts,
                 self.folds,
                 seed,
+                self.block,
             )
             for seed in self.seeds
         ]
@@ -191,8 +207,14 @@ class Validate(Study):
         }
 
 
-def _cross_validated(predictor: ImpactPredictor, impacts: MeasuredImpacts, folds: int, seed: int) -> Part:
-    return Part(xarray.DataTree(cross_validated(predictor, impacts, folds, seed)))
+def _cross_validated(
+    predictor: ImpactPredictor,
+    impacts: MeasuredImpacts,
+    folds: int,
+    seed: int,
+    corrections: tuple[FreeParameter, ...],
+) -> Part:
+    return Part(xarray.DataTree(cross_validated(predictor, impacts, folds, seed, corrections)))
 
 
 def headline(data: xarray.Dataset) -> str:
@@ -258,8 +280,7 @@ def _orders(seeds: Sequence[xarray.Dataset]) -> dict[tuple[str, str], set[int]]:
     """Return, for each pair of laws, the signs of their difference over the seeds, 0 for not distinct."""
     result = {}
     for a, b in combinations(map(str, laws_in(seeds[0])["law"].values), 2):
-        ends = [entry["difference_interval"].sel(law=a, other=b).values for entry in seeds]
-        result[a, b] = {int(low > 0.0) - int(high < 0.0) for low, high in ends}
+        result[a, b] = {int(distinct(x, b, a)) - int(distinct(x, a, b)) for x in seeds}
     return result
 
 
@@ -292,8 +313,9 @@ def unexplained(data: xarray.Dataset) -> str:
     worst = numbers[np.argsort(-least, kind="stable")]
     rest = f" and {numbers.size - SHOWN} more, in the dataset" if numbers.size > SHOWN else ""
     return (
-        f"No law explains {numbers.size} of {data.sizes['impact']} impacts: under every law their error "
-        f"is above that of noise, {noise}; by number in their file, the worst first: "
+        f"No law explains {numbers.size} of {data.sizes['impact']} impacts, for "
+        f"{data.attrs['unexplained_by_noise']:.3g} of which noise alone may account: under every law their "
+        f"error is above that of noise, {noise}; by number in their file, the worst first: "
         f"{', '.join(map(str, worst[:SHOWN]))}{rest}."
     )
 

@@ -27,3 +27,14 @@ def test_the_same_seed_resamples_the_same_bits_and_equal_rows_have_no_interval()
 
     assert first.resampled.tobytes() == second.resampled.tobytes()
     assert first.interval[1] == pytest.approx([0.3, 0.3], rel=1e-14)
+
+
+def test_rows_that_depend_on_each_other_are_resampled_together():
+    """Copies of a row carry no more than the row: its interval is that of the rows without copies."""
+    rows = np.random.default_rng(2).normal(size=(200, 1))
+    alone = mean_intervals(rows, seed=0)
+    copied = mean_intervals(np.repeat(rows, 4, axis=0), seed=0, blocks=np.repeat(np.arange(200), 4))
+    without = mean_intervals(np.repeat(rows, 4, axis=0), seed=0)
+
+    assert copied.interval == pytest.approx(alone.interval)
+    assert without.half == pytest.approx(0.5 * alone.half, rel=0.1)

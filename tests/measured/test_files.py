@@ -12,6 +12,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from support.measured_files import BODY, body_file
 from support.measured_impacts import drawn_bodies, drawn_impacts
 
+from contactlab.measured.bodies import BodyImpacts
 from contactlab.measured.columns import BODY_COLUMNS, CONTACT_COLUMNS, OTHER_COLUMNS, Column
 from contactlab.measured.files import read_impacts, write_impacts
 from contactlab.measured.impacts import MeasuredImpacts
@@ -22,11 +23,20 @@ WORD = st.text(st.characters(categories=("L", "N", "P", "Zs"), exclude_character
 )
 
 
-def same(first: MeasuredImpacts, other: MeasuredImpacts, but: tuple[str, ...] = ()) -> bool:
+def same(
+    first: MeasuredImpacts | BodyImpacts, other: MeasuredImpacts | BodyImpacts, but: tuple[str, ...] = ()
+) -> bool:
     """Return whether two have the same bits."""
     names = [field.name for field in fields(first) if field.name not in but]
     pairs = [(getattr(first, name), getattr(other, name)) for name in names]
-    return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else a == b for a, b in pairs)
+    return all(
+        np.array_equal(a, b)
+        if isinstance(a, np.ndarray)
+        else same(a, b)
+        if isinstance(a, BodyImpacts) and isinstance(b, BodyImpacts)
+        else a == b
+        for a, b in pairs
+    )
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
