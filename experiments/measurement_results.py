@@ -1,27 +1,35 @@
 """Numbers of docs/measurements.md: laws against the spheres and the ellipses that were measured.
 
-    python experiments/measurement_results.py SPHERES ELLIPSES [--output FILE] [--cache DIR]
+    python experiments/measurement_results.py SPHERES ELLIPSES [--cache DIR]
 
-SPHERES and ELLIPSES are the files that the page describes. Writes docs/results/measurements.json,
-with which a test compares the page. It takes an hour on one core; an interrupted run goes on from its cache.
+SPHERES and ELLIPSES are the files that the page describes. Writes docs/results/measurements.json, with which
+a test compares the page, and its tables and figures. It takes an hour on one core; an interrupted run goes on
+from its cache.
 """
 
 import argparse
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
+from shutil import copyfile
 from typing import Any, Final
 
 import numpy as np
 import xarray
 from oblique_spheres import ObliqueSpheres, misfit_rows
+from scipy.optimize import minimize
 
 import contactlab as cl
 from contactlab.inference.bootstrap import mean_intervals
 from contactlab.inference.cross_validation import laws_in
+from contactlab.measured.files import read_impacts
 from contactlab.studies.validate import parameters
+from contactlab.studies.validate_figures import abscissas, binned, residuals_of
 
-RESULTS: Final = Path(__file__).resolve().parents[1] / "docs" / "results" / "measurements.json"
+PAGE: Final = Path(__file__).resolve().parents[1] / "docs" / "measurements.md"
+RESULTS: Final = PAGE.parent / "results" / "measurements.json"
+FIGURES: Final = ("prediction_error", "paired_differences", "residuals", "impacts")
 
 SPRING: Final = "hertz_point + flores + mindlin"
 LAWS: Final = ("newton", "poisson", "composed")
@@ -38,6 +46,9 @@ GEOMETRIES: Final[Mapping[str, Mapping[str, tuple[float | str, float | str]]]] =
 
 BLOCKS: Final = (1, 10, 50)
 """Impacts in a row that are resampled together."""
+
+RATIOS, EVERY = (0.67, 1.0, 4.0), 8
+"""Tangential over normal stiffness; of so many impacts one is in the comparison of laws at these ratios."""
 
 
 def of_spheres(path: Path) -> dict[str, Any]:
@@ -63,63 +74,174 @@ def of_laws(data: xarray.Dataset) -> dict[str, Any]:
     return laws
 
 
-def of_ellipses(path: Path, cache: Path) -> dict[str, Any]:
+def over_slip(data: xarray.Dataset) -> list[dict[str, float]]:
+    """Return the measured ratio of the gap rates over the slip, and the best law's residual."""
+    best = str(data["law"].values[0])
+    ratio = -data["velocity_after"].values[:, 0] / data["velocity_before"].values[:, 0]
+    slip = abscissas(data)["slip velocity (m/s)"]
+    seen = binned(slip, ratio)
+    missed = binned(slip, residuals_of(data, best)["gap rate residual (m/s)"])
+    names = ("slip", "ratio", "low", "high", "missed")
+    rows = zip(*seen[:4], missed.median, strict=True)
+    return [{name: float(x) for name, x in zip(names, row, strict=True)} for row in rows]
+
+
+def at_ratios(path: Path) -> dict[str, float]:
+    """Return the least mean error of a Hertz contact with some frictions, on one impact of `EVERY`."""
+    impacts = read_impacts(path)
+    some = impacts.part(np.arange(0, len(impacts), EVERY))
+    frictions: dict[str, Callable[[float], cl.Friction]] = {"coulomb": cl.Coulomb}
+    for ratio in RATIOS:
+        frictions[f"mindlin {ratio:g}"] = partial(cl.Mindlin, stiffness_ratio=ratio)
+        frictions[f"microslip {ratio:g}"] = partial(cl.Microslip, stiffness_ratio=ratio)
+
+    def least(friction: Callable[[float], cl.Friction]) -> float:
+        def error(x: np.ndarray) -> float:
+            law = cl.Composed(cl.HertzPoint(), cl.Flores(x[0]), friction(x[1]))
+            return float(some.errors(some.before.velocities_after(law, 1e-4)).mean())
+
+        options = {"xatol": 1e-3, "fatol": 1e-5, "maxfev": 50}
+        return float(minimize(error, (0.55, 0.18), method="Nelder-Mead", options=options).fun)
+
+    return {name: least(friction) for name, friction in frictions.items()}
+
+
+def of_ellipses(path: Path, cache: Path, pictures: Path) -> dict[str, Any]:
     """Return held-out errors of all laws, and of three with free numbers of the geometry."""
-    data = cl.validate(path, folder=cache / "laws").data.to_dataset()
-    laws = laws_in(data)
+    made = cl.validate(path, folder=cache / "laws")
+    made.save(cache / "laws" / "result")
+    for name in FIGURES:
+        copyfile(cache / "laws" / "result" / f"{name}.png", pictures / f"ellipses_{name}.png")
+    data = made.data.to_dataset()
+    laws, impacts = laws_in(data), read_impacts(path)
+    gap_rate, slip = impacts.velocity_before.T
     upper = np.triu_indices(laws.sizes["law"], 1)
     p_values = laws["p_value"].sel(other=laws["law"].values).values[upper]
     alone = laws["difference_interval"].sel(other=laws["law"].values).values[upper]
     errors = data["error"].sel(law="poisson").values
-    result: dict[str, Any] = {
+    blocks = {str(n): np.arange(errors.size) // n for n in BLOCKS}
+    geometry = {}
+    for name, free in GEOMETRIES.items():
+        kept = cache / name.replace(" ", "_")
+        fitted = cl.validate(path, LAWS, free=free, fixed=PARTS, folder=kept).data.to_dataset()
+        pair = fitted[["difference", "difference_interval", "p_value"]].sel(law="poisson", other=SPRING)
+        low, high = map(float, pair["difference_interval"].values)
+        gain = {"gain": float(pair["difference"]), "low": low, "high": high, "p": float(pair["p_value"])}
+        geometry[name] = {"laws": of_laws(fitted), "mindlin before poisson": gain}
+    return {
         "impacts": data.sizes["impact"],
         "left out": int(data.attrs["left_out"]),
+        "error without change": float(impacts.errors(impacts.velocity_before).mean()),
+        "approach": {"least": -float(gap_rate.max()), "greatest": -float(gap_rate.min())},
+        "largest incidence": float(np.degrees(np.arctan2(np.abs(slip), -gap_rate)).max()),
         "laws": of_laws(data),
+        "over slip": over_slip(data),
         "pairs": {
             "all": p_values.size,
             "distinct": int((p_values <= 0.05).sum()),
-            "distinct without correction": int((alone.prod(axis=1) > 0.0).sum()),
+            "distinct alone": int((alone.prod(axis=1) > 0.0).sum()),
         },
         "unexplained": {
             "observed": int(data["unexplained"].sum()),
-            "expected at most": float(data.attrs["unexplained_by_noise"]),
+            "by noise": float(data.attrs["unexplained_by_noise"]),
         },
-        "autocorrelation of poisson's errors": float(np.corrcoef(errors[:-1], errors[1:])[0, 1]),
-        "half-width of poisson's interval": {
-            str(block): float(
-                mean_intervals(errors[:, None], 0, blocks=np.arange(errors.size) // block).half[0]
-            )
-            for block in BLOCKS
+        "correlation of neighbours": float(np.corrcoef(errors[:-1], errors[1:])[0, 1]),
+        "half-width": {
+            n: float(mean_intervals(errors[:, None], 0, blocks=b).half[0]) for n, b in blocks.items()
         },
-        "geometry": {},
+        "geometry": geometry,
+        "stiffness ratio": at_ratios(path),
     }
-    patch = cl.validate(
-        path, "composed", fixed={**PARTS, "law/friction": "microslip"}, folder=cache / "microslip"
-    )
-    result["laws"] |= of_laws(laws_in(patch.data.to_dataset()))
-    for name, free in GEOMETRIES.items():
-        kept = cache / name.replace(" ", "_")
-        made = cl.validate(path, LAWS, free=free, fixed=PARTS, folder=kept).data.to_dataset()
-        apart = made["difference"].sel(law="poisson", other=SPRING)
-        low, high = made["difference_interval"].sel(law="poisson", other=SPRING).values
-        gain = {"gain": float(apart), "low": float(low), "high": float(high)}
-        p_value = float(made["p_value"].sel(law="poisson", other=SPRING))
-        result["geometry"][name] = {"laws": of_laws(made), "mindlin less poisson": gain | {"p": p_value}}
-    return result
+
+
+def law_table(laws: Mapping[str, Any]) -> str:
+    """Return the table of errors, in Markdown."""
+    lines = [
+        "| law | | held-out error | 95 % interval | group | fitted numbers |",
+        "|---|---|---|---|---|---|",
+    ]
+    for label, law in laws.items():
+        numbers = ", ".join(f"{k.rpartition('.')[2]} {x:.4g}" for k, x in law["parameters"].items())
+        lines.append(
+            f"| `{label}` | {law['kind']} | {law['error']:.4f} | {law['low']:.4f} to {law['high']:.4f} | "
+            f"{law['group'] or ''} | {numbers} |"
+        )
+    return "\n".join(lines)
+
+
+def geometry_table(geometry: Mapping[str, Any]) -> str:
+    """Return the table of errors with free numbers of the geometry, in Markdown."""
+    lines = ["| free in the data | mindlin | poisson | newton | mindlin before poisson | p | under poisson |"]
+    lines.append("|---|---|---|---|---|---|---|")
+    for name, case in geometry.items():
+        errors = " | ".join(f"{case['laws'][label]['error']:.4f}" for label in (SPRING, "poisson", "newton"))
+        gain, fitted = case["mindlin before poisson"], case["laws"]["poisson"]["parameters"]
+        numbers = ", ".join(f"{k[5:]} {x:.3g}" for k, x in fitted.items() if k.startswith("data."))
+        interval = f"{gain['gain']:.4f} ({gain['low']:.4f} to {gain['high']:.4f})"
+        lines.append(f"| {name} | {errors} | {interval} | {gain['p']:.1g} | {numbers} |")
+    return "\n".join(lines)
+
+
+def slip_table(rows: Sequence[Mapping[str, float]]) -> str:
+    """Return the table of the ratio of the gap rates over the slip, in Markdown."""
+    lines = [
+        "| slip before (m/s) | gap rate after over before | quartiles | residual of the best law (m/s) |"
+    ]
+    lines.append("|---|---|---|---|")
+    lines += [
+        f"| {row['slip']:.2f} | {row['ratio']:.3f} | {row['low']:.2f} to {row['high']:.2f} | "
+        f"{row['missed']:+.3f} |"
+        for row in rows
+    ]
+    return "\n".join(lines)
+
+
+def sphere_table(laws: Mapping[str, Any]) -> str:
+    """Return the table of misfits, in Markdown."""
+    names = ("restitution", "angle", "spin", "all", "both axes", "mean stiffness", "lowest", "at")
+    lines = [f"| law | kind | {' | '.join(names)} | free |", "|---" * (len(names) + 3) + "|"]
+    for label, law in laws.items():
+        cells = ["" if (x := law[name]) is None else f"{x:.3g}" for name in names]
+        lines.append(f"| {label} | {law['kind']} | {' | '.join(cells)} | {law['free']} |".replace("_", "\\_"))
+    return "\n".join(lines)
+
+
+def page_with(page: str, results: Mapping[str, Any]) -> str:
+    """Return the page with the tables of the results, each between two comments."""
+    ellipses = results["ellipses"]
+    tables = {
+        "laws": law_table(ellipses["laws"]),
+        "geometry": geometry_table(ellipses["geometry"]),
+        "slip": slip_table(ellipses["over slip"]),
+        "spheres": sphere_table(results["spheres"]["laws"]),
+    }
+    for name, table in tables.items():
+        begin, end = (
+            f"<!-- table {name} of experiments/measurement_results.py -->",
+            "<!-- end of the table -->",
+        )
+        before, _, rest = page.partition(begin)
+        page = f"{before}{begin}\n\n{table}\n\n{end}{rest.partition(end)[2]}"
+    return page
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Write the file of results."""
+    """Write results, tables and figures."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("spheres", type=Path)
     parser.add_argument("ellipses", type=Path)
-    parser.add_argument("--output", type=Path, default=RESULTS)
     parser.add_argument("--cache", type=Path, default=Path("measurement_results"))
     chosen = parser.parse_args(arguments)
-    results = {"spheres": of_spheres(chosen.spheres), "ellipses": of_ellipses(chosen.ellipses, chosen.cache)}
-    chosen.output.parent.mkdir(parents=True, exist_ok=True)
-    text = json.dumps(results, indent=1, default=float)
-    chosen.output.write_text(text.replace("NaN", "null") + "\n", encoding="utf-8")
+    pictures = PAGE.with_suffix("")
+    results = {
+        "spheres": of_spheres(chosen.spheres),
+        "ellipses": of_ellipses(chosen.ellipses, chosen.cache, pictures),
+    }
+    text = json.dumps(results, indent=1, default=float).replace("NaN", "null")
+    RESULTS.parent.mkdir(exist_ok=True)
+    RESULTS.write_text(text + "\n", encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
+    PAGE.write_text(page_with(page, json.loads(text)), encoding="utf-8")
 
 
 if __name__ == "__main__":

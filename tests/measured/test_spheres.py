@@ -122,6 +122,8 @@ def test_the_more_of_the_contact_may_slip_by_itself_the_less_is_left_of_the_misf
     assert result == sorted(result, reverse=True)
     assert result[1] < 0.75 * result[0]
     assert result[2] < 0.5 * result[1]
+    rings = spheres.law_predictions(lambda _: law(cl.Microslip(spheres.FRICTION, kappa)))
+    assert spheres.rms(spheres.misfits(rebounds, rings)[0]) == pytest.approx(result[2], abs=0.02)
 
 
 @pytest.mark.parametrize(
