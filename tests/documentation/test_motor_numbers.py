@@ -1,13 +1,9 @@
 """The numbers on the motor in the pages are those of the file of results that a script makes."""
 
-import json
-from pathlib import Path
-from typing import Any
-
 import pytest
+from support.page_numbers import results_of, text_of
 
-ROOT = Path(__file__).resolve().parents[2]
-RESULTS: dict[str, Any] = json.loads((ROOT / "docs" / "results" / "motor.json").read_text())
+RESULTS = results_of("motor")
 """Made by experiments/motor_findings.py."""
 
 NAMES = {
@@ -21,18 +17,13 @@ PHASES = RESULTS["converged, by phase"]
 DAMPINGS = RESULTS["converged, by damping ratio at equal free amplitude"]
 
 
-def text_of(page: str) -> str:
-    """Return a page as one line."""
-    return " ".join((ROOT / page).read_text(encoding="utf-8").split())
-
-
 @pytest.mark.parametrize("law", NAMES)
 def test_the_table_over_phase(law: str) -> None:
     cells = [
         f"{table[law]['rotor_velocity']:.4f}, {1e3 * table[law]['stall_torque']:.3f}"
         for table in PHASES.values()
     ]
-    assert f"| {NAMES[law]} | {' | '.join(cells)} |" in text_of("docs/steady.md")
+    assert f"| {NAMES[law]} | {' | '.join(cells)} |" in text_of("steady.md")
 
 
 @pytest.mark.parametrize("damping", DAMPINGS)
@@ -49,11 +40,11 @@ def test_the_table_over_damping(damping: str) -> None:
         f"{ratio:.2g}" if ratio < 0.01 else f"{ratio:.3f}".rstrip("0") for ratio in row["damping_ratio"]
     )
     paper = " (paper)" if damping == "stiffness_damping=2e-5" else ""
-    assert f"| `{damping}`{paper} | {ratios} | {' | '.join(cells)} |" in text_of("docs/steady.md")
+    assert f"| `{damping}`{paper} | {ratios} | {' | '.join(cells)} |" in text_of("steady.md")
 
 
 def test_the_velocities_of_the_front_page() -> None:
-    page = text_of("README.md")
+    page = text_of("../README.md")
     for basis, table in (("ritz", RESULTS["four shapes"]), ("finite_element", PHASES["configured"])):
         for law, name in (("stick", "lagrange_stick"), ("newton", "newton"), ("hertz", "hertz_penalty")):
             assert f"{basis} {name} {table[law]['rotor_velocity']:.4f} +- " in page
@@ -66,7 +57,7 @@ def test_how_far_the_laws_lie_apart() -> None:
         every = sorted(table[law]["rotor_velocity"] for law in ("stick", "newton", "hertz"))
         apart[phase] = (every[-1] - every[0]) / (0.5 * abs(every[0] + every[-1]))
     assert apart["configured"] < 0.1
-    assert f"at phase 0 they lie {100.0 * apart['0.0']:.0f} % apart" in text_of("README.md")
+    assert f"at phase 0 they lie {100.0 * apart['0.0']:.0f} % apart" in text_of("../README.md")
     for name, row in DAMPINGS.items():
         speeds = {law: abs(row[law].get("rotor_velocity", 0.0)) for law in NAMES if law in row}
         slowest = name == "stiffness_damping=2e-5"
@@ -77,6 +68,6 @@ def test_the_pair_on_both_bases() -> None:
     pair = RESULTS["stick less hertz"]
     ritz, converged = (f"{each['mean']:.2g} +- {each['deviation']:.1g}" for each in pair["bases"])
     expected = f"{ritz} rad/s on the four shapes and {converged} rad/s on the converged beam"
-    assert expected in text_of("docs/howto/compare.md")
-    assert f"in all of {pair['draws']} draws" in text_of("docs/howto/compare.md")
+    assert expected in text_of("howto/compare.md")
+    assert f"in all of {pair['draws']} draws" in text_of("howto/compare.md")
     assert pair["shares"]["-"] == 1.0
