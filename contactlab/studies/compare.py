@@ -343,12 +343,17 @@ class _Design:
         return looks_up_to(self.samples)
 
     @cached_property
-    def _every(self) -> Array:
+    def _draws(self) -> Array:
         return drawn(self.factors, self.samples)
+
+    @cached_property
+    def _drawn(self) -> list[list[Task]]:
+        """The tasks of all draws by operating point."""
+        return [[self._task(cell, draw) for draw in self._draws] for cell in self.grid.cells]
 
     def draws(self, count: int) -> Array:
         """Return the first draws, shape (draw, factor)."""
-        return self._every[:count]
+        return self._draws[:count]
 
     @cached_property
     def _nominal(self) -> dict[tuple[int, int, int], Task]:
@@ -370,7 +375,7 @@ class _Design:
 
     def drawn_tasks(self, count: int) -> list[Task]:
         """Return the tasks of the first draws, those of an operating point together."""
-        return [self._task(cell, draw) for cell in self.grid.cells for draw in self.draws(count)]
+        return [task for tasks in self._drawn for task in tasks[:count]]
 
     def _task(self, cell: str, draw: Array, step: int = 0) -> Task:
         laws = {law: self.grid.setups[law, cell] for law in self.grid.laws}

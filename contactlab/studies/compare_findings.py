@@ -8,6 +8,7 @@ from typing import Any, Final
 import numpy as np
 import xarray
 
+from contactlab.estimate import Estimate
 from contactlab.inference.paired import AGREED, EQUAL, GREATER, INCONCLUSIVE, LESS, VARIES
 from contactlab.metrics import FAIL, METRICS, NOT_APPLICABLE, VERDICTS
 from contactlab.studies.compare_measured import nearest_laws
@@ -43,14 +44,17 @@ def ends(values: Any, laws: Any, unit: str, digits: int = 3) -> str:
 
 
 def _values(data: xarray.Dataset) -> Iterator[str]:
-    """Yield the range of the settled velocities, of which nothing else is known."""
-    values = data["value"].sel(metric="rotor_velocity").dropna("law")
-    if values.size:
-        values = values.sortby(values)[[0, -1]]
-        spread = ends(values.values, values["law"].values, " rad/s") if data.sizes["law"] > 1 else ""
+    """Yield the settled velocity of one law, or the range of several of which nothing else is known."""
+    here = data.sel(metric="rotor_velocity").dropna("law", subset=["value"]).sortby("value")
+    values, laws = here["value"].values, here["law"].values
+    if values.size == 1:
+        velocity = Estimate(float(values[0]), float(here["numerical_error"][0]))
+        text = velocity.text() if isfinite(velocity.error) else f"{velocity.value:.5g}"
+        yield f"Settled rotor velocity: {text} rad/s."
+    elif values.size:
         yield (
-            f"Settled rotor velocity: {spread or f'{float(values[0]):.4g} rad/s'}; neither numerical error "
-            "nor what is uncertain of the motor was computed, so that no order of the laws is shown."
+            f"Settled rotor velocity: {ends(values[[0, -1]], laws[[0, -1]], ' rad/s')}; neither numerical "
+            "error nor what is uncertain of the motor was computed, so that no order of the laws is shown."
         )
 
 
@@ -155,16 +159,15 @@ def _pair(data: xarray.Dataset, a: int, b: int) -> Iterator[str]:
         VARIES: "the order depends on what is drawn",
         INCONCLUSIVE: "whether the order is the laws' is inconclusive",
     }[int(here["order"])]
+    correlation = np.nan_to_num(np.abs(here["rank_correlation"].values))
+    strongest = here["rank_correlation"].isel(factor=int(correlation.argmax()))
+    follows = (
+        f" Its size follows {strongest['factor'].item()} most (rank correlation {float(strongest):.2f})."
+    )
     yield (
         f"{head} ({'; '.join(parts)}; {error}); the sign is {sign} in {round(share * count)} of {count} "
-        f"draws, probability {low:.2f} to {high:.2f}: {verdict}."
+        f"draws, probability {low:.2f} to {high:.2f}: {verdict}.{follows if correlation.any() else ''}"
     )
-    correlation = here["rank_correlation"]
-    if correlation.notnull().any():
-        strongest = correlation.isel(factor=int(np.argmax(np.nan_to_num(np.abs(correlation.values)))))
-        yield (
-            f"Its size follows {strongest['factor'].item()} most (rank correlation {float(strongest):.2f})."
-        )
 
 
 def _reversals(
@@ -242,9 +245,10 @@ def _thresholds(data: xarray.Dataset) -> str:
         if keys.size:
             failures.append(f"{label} fails {listed([str(key) for key in keys])}")
     applied = (judged["verdict"] != VERDICTS.index(NOT_APPLICABLE)).sum("metric").values
+    number = " to ".join(dict.fromkeys(map(str, (applied.min(), applied.max()))))
     return (
-        f"Of {judged.sizes['metric']} plausibility thresholds {applied.min()} to {applied.max()} apply to a "
-        f"law; {'; '.join(failures) or 'none is failed'}. That is judged in this motion alone."
+        f"Of {judged.sizes['metric']} plausibility thresholds {number} apply to a law; "
+        f"{'; '.join(failures) or 'none is failed'}. That is judged in this motion alone."
     )
 
 

@@ -340,18 +340,16 @@ def nearest_laws(data: xarray.Dataset) -> Iterator[str]:
         # The first has no negative difference; NaN is unknown.
         least = np.where(np.isnan(means).all(axis=1), -np.inf, np.nan_to_num(means, nan=np.inf).min(axis=1))
         first = int(np.argmax(least))
+        parts: dict[str, list[str]] = {"equal": [], "open": [], "better": []}
         for other in np.argsort(means[first]):
             apart, low, high = (float(x) for x in nearer[first, other])
-            pair = f"{labels[first]} and {labels[other]}"
             if apart == low == high == 0.0:
-                yield f"{pair} predict the impacts of {title} equally."
+                parts["equal"].append(labels[other])
             elif low > 0.0:
-                yield (
-                    f"{labels[first]} predicts the impacts of {title} better than {labels[other]}, by "
-                    f"{apart:.2g} +- {0.5 * (high - low):.1g}."
-                )
+                parts["better"].append(f"{labels[other]} ({apart:.2g} +- {0.5 * (high - low):.1g})")
             elif np.isfinite(apart):
-                yield (
-                    f"{pair} are not distinguishable by the impacts of {title}: {apart:.2g} apart, interval "
-                    f"{low:.2g} to {high:.2g}."
-                )
+                parts["open"].append(f"{labels[other]} ({apart:.2g}, {low:.2g} to {high:.2g})")
+        verbs = {"equal": "equal to", "open": "not distinguishable from", "better": "better than"}
+        lists = [f"{verbs[kind]} {', '.join(names)}" for kind, names in parts.items() if names]
+        if lists:
+            yield f"{labels[first]} predicts the impacts of {title} best: {'; '.join(lists)}."

@@ -18,7 +18,7 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
     every = {"scorecard": _scorecard(data)}
     if "order" in data:
         every["pairs"] = _pairs(data)
-        if data.sizes["draw"]:
+        if data.sizes["draw"] and data.sizes["law"] > 1:
             every["where_to_measure"] = _where_to_measure(data)
     if "measured" in data.dims:
         names = {"title": "measured", "contents": "measured_contents", "source": "measured_source"}
