@@ -19,7 +19,7 @@ class Mindlin(Friction):
     While the contact grows, what it gains in stiffness is new and carries nothing: the force stays,
     the stretch z shrinks. While it shrinks, what it loses takes its share of the force along. Either
     way 1/2 z^2 |dk_t/dt| is lost, and no cycle of load makes energy (Elata and Berryman 1996), as it
-    would with a force that stays in unloading. Microslip is left out: the contact slides as a whole.
+    would with a force that stays in unloading. Microslip is left out, which `microslip` has.
 
     Source: Mindlin (1949) for kappa = 2 (1 - nu)/(2 - nu) between equal bodies, 0.82 for steel; Thornton
     and Randall (1988) and Elata and Berryman (1996), Mech. Mater. 24, 229, for the unloading.
