@@ -2,10 +2,11 @@
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
+from math import isclose
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final, final
 
@@ -81,8 +82,7 @@ class Compare(Study):
     operating points. The motors are compared once they have settled, in pairs: a draw of all that is
     uncertain serves every law, so that a difference within it is the law's. KEY=LOW..HIGH,
     KEY=MEAN+-DEVIATION and KEY=+-SHARE state what is uncertain, beside friction, contact stiffness,
-    clearance, basis, step and start. Draws continue until the order of each pair is known, or `samples` are
-    spent.
+    clearance, basis and start. Draws continue until the order of each pair is known, or `samples` are spent.
     """
 
     name: ClassVar[str] = "compare"
@@ -278,6 +278,7 @@ class Compare(Study):
             data = design.compared(data, parts)
             fixed = {law.label: left_fixed(law.run, design.factors, self.priors) for law in laws}
             names = dict.fromkeys(name for names in fixed.values() for name in names)
+            data.attrs["notes"] = "\n".join([data.attrs["notes"], *self._left_alone(grid)]).strip()
             data.attrs["not_varied"] = listed(
                 [
                     f"{name} of {listed([law for law in fixed if name in fixed[law]])}"
@@ -290,6 +291,23 @@ class Compare(Study):
         return xarray.DataTree(
             data, {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
         )
+
+    def _left_alone(self, grid: Grid) -> Iterator[str]:
+        """Yield the laws that an option does not reach."""
+        laws = {law: grid.setups[law, grid.cells[0]] for law in grid.laws}
+        if self.calibrate is not None:
+            datum = Datum.of(self.calibrate)
+            off = [
+                name
+                for name, setup in laws.items()
+                if not isclose(datum.measured(setup.law, _delassus(setup.motor)), datum.value, rel_tol=1e-6)
+            ]
+            if off:
+                yield f"No single number brings {listed(off)} to {self.calibrate}: those keep their values."
+        if self.posteriors:
+            known = self.posteriors.samples
+            if missing := [name for name, setup in laws.items() if setup.law.name not in known]:
+                yield f"'{self.posterior}' has no posterior of {listed(missing)}, which keep their values."
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return the rotor velocity of each law with its error."""

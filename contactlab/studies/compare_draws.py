@@ -5,7 +5,6 @@ scrambled Sobol' sequence, whose first 16, 32, 64 points are designs of their ow
 step; what that changes is computed for the motor as configured.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
@@ -20,6 +19,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup, build
 from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
+from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import declared_in
 from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
@@ -48,13 +48,6 @@ CONVERGED: Final = "finite_element"
 
 MORE_MODES: Final = 4
 """Modes that are added to a converged basis."""
-
-_FORMS: Final = {
-    "range": re.compile(r"(?P<a>[^.+]*(?:\.\d[^.+]*)?)\.\.(?P<b>.+)"),
-    "scale": re.compile(r"()\+-(?P<b>.+)"),
-    "normal": re.compile(r"(?P<a>.+)\+-(?P<b>.+)"),
-}
-"""Priors as texts: LOW..HIGH, +-SHARE of the value, MEAN+-DEVIATION."""
 
 
 @final
@@ -113,7 +106,7 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, 
 
     Args:
         runs: with their configurations.
-        priors: texts by full key, see `_FORMS`; +-0 is exact.
+        priors: texts by full key: LOW..HIGH, MEAN+-DEVIATION, +-SHARE of the value; +-0 is exact.
 
     Raises:
         ComparisonError: a prior out of bounds, or of a key that is no number.
@@ -155,25 +148,24 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, 
 
 
 def _prior(key: str, keys: tuple[str, ...], text: str, declared: Parameter) -> Factor | None:
-    """Return the factor of a text; None where it is faulty."""
-    for prior, form in _FORMS.items():
-        if not (match := form.fullmatch(text.replace(" ", ""))):
-            continue
-        try:
-            a, b = (float(x) if x else 0.0 for x in match.groups())
-        except ValueError:
-            return None
-        if prior == "scale":
-            name = next((name for name, usual in SPREAD.items() if usual == keys), key)
-            return Factor(name, keys, prior, b=b) if 0.0 <= b < 1.0 else None
-        if prior == "normal":
-            return (
-                Factor(key, (key,), prior, a, b) if declared.admits(a) and b > 0.0 and isfinite(b) else None
-            )
-        if not (a < b and declared.admits(a) and declared.admits(b)):
-            return None
-        return Factor(key, (key,), "log" if a > 0.0 and b / a >= WIDE else "uniform", a, b)
-    return None
+    """Return the factor of LOW..HIGH, +-SHARE or MEAN+-DEVIATION; None of another text."""
+    sign = ".." if ".." in text else "+-"
+    first, split, second = (part.strip() for part in text.partition(sign))
+    try:
+        a = to_si(first, declared.unit) if first else 0.0
+        b = to_si(second, declared.unit if first else "1")
+    except (UnitError, OverflowError):
+        return None
+    if not split or not isfinite(a + b) or (sign == ".." and not first):
+        return None
+    if not first:
+        name = next((name for name, usual in SPREAD.items() if usual == keys), key)
+        return Factor(name, keys, "scale", b=b) if 0.0 <= b < 1.0 else None
+    if sign == "+-":
+        return Factor(key, (key,), "normal", a, b) if declared.admits(a) and b > 0.0 else None
+    if not (a < b and declared.admits(a) and declared.admits(b)):
+        return None
+    return Factor(key, (key,), "log" if a > 0.0 and b / a >= WIDE else "uniform", a, b)
 
 
 def _scalable(runs: Sequence[Run], keys: Sequence[str]) -> bool:

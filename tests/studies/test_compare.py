@@ -195,10 +195,11 @@ def pair_of(data: xarray.Dataset) -> xarray.Dataset:
 def test_priors_are_those_that_the_runs_state_and_those_of_the_option() -> None:
     stated = run_of("hertz_penalty", uncertainty__clearance_spread=0.05, uncertainty__friction_spread=0.0)
     texts = {"law.stiffness": "+-0.1", "rotor.inertia": "4e-5..5e-5", "drive.phase": "-0.6+-0.1"}
-    texts |= {"resonator.stiffness_damping": "1e-7..2e-5"}
+    texts |= {"resonator.stiffness_damping": "1e-7..2e-5", "rotor.radius": "20 mm..25 mm"}
     factors = {factor.name: factor for factor in factors_of([stated], texts) if factor.keys}
     assert {name: factor.prior for name, factor in factors.items()} == {
         "stiffness": "scale", "clearance": "scale", "rotor.inertia": "uniform", "drive.phase": "normal",
+        "rotor.radius": "uniform",
         "resonator.stiffness_damping": "log",
     }  # fmt: skip
     assert (factors["stiffness"].b, factors["clearance"].b) == (0.1, 0.05)
