@@ -57,7 +57,7 @@ def penetration_over_radius(run: Run) -> float:
     "p_0 / 1.6, p_0 = (6 N_max E*^2 / (pi^3 R_e^2))^(1/3)",
     "least yield strength of both bodies at which the largest force stays elastic, steel on steel",
     "Pa",
-    source="Johnson (1985), Contact Mechanics, eqs. 4.24 and 6.6",
+    source="Johnson (1985), Contact Mechanics, eq. 4.24 and sec. 6.1",
 )
 def yield_strength_needed(run: Run) -> float:
     force, flat = float(run.contacts("peak_normal_force").max()), hertz_stiffness(1.0, float("inf"))
@@ -70,7 +70,7 @@ def yield_strength_needed(run: Run) -> float:
     "0.05 max d_max",
     "rms roughness below which the largest contact is that of smooth bodies, sigma R_e / a^2 < 0.05",
     "m",
-    source="Johnson (1985), Contact Mechanics, sec. 13.4",
+    source="Johnson (1985), Contact Mechanics, sec. 13.5",
 )
 def smooth_roughness(run: Run) -> float:
     # a^2 = R_e d, where the law has Hertz's stiffness.

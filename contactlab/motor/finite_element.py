@@ -195,6 +195,11 @@ class FiniteElementResonator(PatchedBeam):
     ] = True
     rod_length: Annotated[float | None, _ROD] = None
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.rod_length is not None:
+            self._refuse_beside("rod_length", {"tip_inertia": self.tip_inertia})
+
     def _solve(self) -> NormalModes:
         """Compute kept modes and pseudo-modes, in ascending order of frequency."""
         beam = self.discretise(self.mesh)

@@ -11,6 +11,7 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 """
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, final
@@ -212,12 +213,23 @@ class PatchedBeam(Checked, ABC):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        rayleigh = {name: getattr(self, name) for name in ("mass_damping", "stiffness_damping")}
+        if self.damping_ratio is not None:
+            self._refuse_beside("damping_ratio", rayleigh)
         half = 0.5 * self.length
         if not self.patch_start < self.patch_end <= half:
             raise ValueError(
                 f"The patches lie at {self.patch_start} to {self.patch_end} m; they must satisfy "
                 f"0 <= start < end <= {half} m, half the beam, or they leave it or overlap their mirror."
             )
+
+    def _refuse_beside(self, option: str, others: Mapping[str, float]) -> None:
+        """Refuse numbers that an option takes the place of, unless they have their defaults."""
+        for name, value in others.items():
+            if value != (default := getattr(type(self), name)):
+                raise ValueError(
+                    f"{option} takes the place of {name}, which is {value:g}; it must be left at {default:g}."
+                )
 
     def modal_damping(self, squares: Array) -> Array:
         """Return c_j [1/s] of modes with these omega_j^2 [1/s^2]."""

@@ -71,3 +71,34 @@ def test_the_pair_on_both_bases() -> None:
     assert expected in text_of("howto/compare.md")
     assert f"in all of {pair['draws']} draws" in text_of("howto/compare.md")
     assert pair["shares"]["-"] == 1.0
+
+
+def test_the_error_rates_in_a_synthetic_world() -> None:
+    pairs = [pair["draws"] for world in RESULTS["synthetic world"].values() for pair in world.values()]
+    page = text_of("howto/compare.md")
+    for count in ("16", "32", "64"):
+        every = [pair[count] for pair in pairs]
+        names = ("right", "wrong", "varies", "inconclusive", "older rule right")
+        shares = [100.0 * sum(each[name] for each in every) / (200 * len(every)) for name in names]
+        assert f"| {count} | {' | '.join(f'{share:.1f} %' for share in shares)} |" in page
+        assert all(each["false"] == each["older rule wrong"] == 0 for each in every)
+        assert all(sum(each[name] for name in names[:4]) == 200 for each in every)
+    assert 200 * len(pairs) == 6000
+    assert f"more than {max(count['wrong'] for pair in pairs for count in pair.values())} of 200" in page
+
+
+def test_the_tip_as_a_rod() -> None:
+    rod, page = RESULTS["converged, with a rod"], text_of("steady.md")
+    assert f"from 3.77 to {1e-3 * rod['natural_frequency'][1]:.2f} kHz" in page
+    for law in ("hertz", "stick", "newton"):
+        assert (
+            f"{rod[law]['rotor_velocity']:.4f} (" in page
+            or f"{rod[law]['rotor_velocity']:.4f} rad/s (" in page
+        )
+
+
+def test_rigid_laws_are_converged_as_the_page_says() -> None:
+    for row in DAMPINGS.values():
+        for law in ("stick", "newton"):
+            error = row[law].get("rotor_velocity_error", 0.0)
+            assert error > 0.1 or error <= 2e-3 * abs(row[law].get("rotor_velocity", 0.0))

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
 
+import contactlab as cl
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzMatrices, RitzResonator
 from contactlab.motor.patched_beam import PiezoceramicDatasheet
 from contactlab.motor.ritz import ClampedBeam
@@ -189,3 +190,27 @@ def test_the_matrix_of_a_damping_ratio_is_that_of_rayleigh_where_both_agree() ->
     rayleigh = RitzResonator(shapes=2, mass_damping=alpha, stiffness_damping=beta).matrices.damping
     modal = RitzResonator(shapes=2, damping_ratio=ratio).matrices.damping
     np.testing.assert_allclose(modal, rayleigh, rtol=0.0, atol=1e-12 * np.abs(rayleigh).max())
+
+
+def test_a_damping_ratio_beside_other_damping_is_refused() -> None:
+    with pytest.raises(ValueError, match="stiffness_damping"):
+        RitzResonator(damping_ratio=0.01, stiffness_damping=1e-6)
+    with pytest.raises(ValueError, match="tip_inertia"):
+        FiniteElementResonator(rod_length=19e-3, tip_inertia=1e-7)
+
+
+def test_free_vibration_decays_by_the_damping_ratio() -> None:
+    """q(t) = e^(-zeta omega t) (cos w t + zeta omega / w sin w t), w = omega sqrt(1 - zeta^2)."""
+    modes = RitzResonator(shapes=1, damping_ratio=0.02).modes
+    start = cl.ModalState(np.array([1e-9]), np.zeros(1))
+    silent = cl.Drive.two_mode(0.0, 0.0, frequency=1000.0)
+    far = cl.ContactGeometry(clearance=1e-3)
+    run = cl.simulate(cl.Motor(modes, silent, far, start=start), cl.Newton(), duration=2e-3)
+    omega = np.sqrt(modes.stiffness[0])
+    w, time = omega * np.sqrt(1.0 - 0.02**2), run["time"].values
+    expected = np.exp(-0.02 * omega * time) * (np.cos(w * time) + 0.02 * omega / w * np.sin(w * time))
+    displacement = -modes.tip_displacement[0] * 1e-9 * expected
+    scale = np.abs(displacement).max()
+    np.testing.assert_allclose(
+        np.abs(run["tip_normal_displacement"]), np.abs(displacement), atol=1e-9 * scale
+    )
