@@ -101,4 +101,4 @@ def test_rigid_laws_are_converged_as_the_page_says() -> None:
     for row in DAMPINGS.values():
         for law in ("stick", "newton"):
             error = row[law].get("rotor_velocity_error", 0.0)
-            assert error > 0.1 or error <= 2e-3 * abs(row[law].get("rotor_velocity", 0.0))
+            assert error > 0.1 or error <= 3e-3 * abs(row[law].get("rotor_velocity", 0.0))
