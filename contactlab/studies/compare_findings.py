@@ -10,7 +10,7 @@ import xarray
 
 from contactlab.estimate import Estimate
 from contactlab.inference.paired import AGREED, EQUAL, GREATER, INCONCLUSIVE, LESS, VARIES
-from contactlab.metrics import FAIL, METRICS, NOT_APPLICABLE, VERDICTS
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, VERDICTS
 from contactlab.studies.compare_measured import nearest_laws
 from contactlab.studies.compare_pairs import CLEAR, MARGIN
 from contactlab.studies.compare_scorecard import listed
@@ -236,20 +236,28 @@ def _of_transients(data: xarray.Dataset) -> Iterator[str]:
 
 
 def _thresholds(data: xarray.Dataset) -> str:
-    """Return the thresholds that laws fail, in one sentence."""
-    judged = data.isel(metric=np.flatnonzero(data["judges_law"].values))
+    """Return the invariants and the thresholds of plausibility that laws fail, in one sentence each."""
+    invariant = np.array([key in INVARIANTS for key in data["metric"].values])
+    judged = data.isel(metric=np.flatnonzero(data["judges_law"].values.astype(bool) & ~invariant))
+    applied = (judged["verdict"] != VERDICTS.index(NOT_APPLICABLE)).sum("metric").values
+    number = " to ".join(dict.fromkeys(map(str, (applied.min(), applied.max()))))
+    broken = _failed(data.isel(metric=np.flatnonzero(invariant)))
+    return (
+        f"Invariants: {broken + ': solver or file are wrong' if broken else 'all hold'}. "
+        f"Of {judged.sizes['metric']} thresholds of plausibility {number} apply to a law; "
+        f"{_failed(judged) or 'none is failed'}. That is judged in this motion alone."
+    )
+
+
+def _failed(judged: xarray.Dataset) -> str:
+    """Return the laws with the metrics that they fail; empty where none does."""
     failures = []
-    for label in map(str, data["law"].values):
+    for label in map(str, judged["law"].values):
         verdicts = [VERDICTS[flag] for flag in judged.sel(law=label)["verdict"].values]
         keys = judged["metric"].values[np.equal(verdicts, FAIL)]
         if keys.size:
             failures.append(f"{label} fails {listed([str(key) for key in keys])}")
-    applied = (judged["verdict"] != VERDICTS.index(NOT_APPLICABLE)).sum("metric").values
-    number = " to ".join(dict.fromkeys(map(str, (applied.min(), applied.max()))))
-    return (
-        f"Of {judged.sizes['metric']} plausibility thresholds {number} apply to a law; "
-        f"{'; '.join(failures) or 'none is failed'}. That is judged in this motion alone."
-    )
+    return "; ".join(failures)
 
 
 def _capital(text: str) -> str:
