@@ -42,7 +42,8 @@ class BasisConvergence(Experiment):
         shapes = SHAPES[1:4] if self.short else SHAPES
         kept = 6 if self.short else CONVERGED
         options = {k: v for k, v in setup.configuration["resonator"].items() if k not in ("basis", "shapes")}
-        elements = {"basis": "finite_element", "kept_modes": kept, "static_correction": True}
+        converged = cl.build(["resonator=finite_element"]).configuration["resonator"]
+        elements = {k: v for k, v in converged.items() if k not in options} | {"kept_modes": kept}
         bases = {f"ritz {n}": {"basis": "ritz", "shapes": n} for n in shapes}
         bases[f"finite_element {kept}"] = elements
         modes = {
