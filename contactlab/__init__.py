@@ -81,6 +81,7 @@ from contactlab.motor import (
     RitzResonator as RitzResonator,
     Rotor as Rotor,
     Steel as Steel,
+    attach_tip as attach_tip,
     ball as ball,
     belt as belt,
     cantilever as cantilever,

@@ -223,6 +223,7 @@ GROUPS: Final[dict[str, Section]] = {
 ADDED: Final = frozenset(
     {
         "sweep.over",
+        "resonator.tip_substructure",
         "solver.until",
         "solver.precision",
         "piezoceramic.loss_tangent",

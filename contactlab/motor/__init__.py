@@ -1,5 +1,6 @@
 """What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
 
+from contactlab.motor.attachment import attach_tip
 from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator
 from contactlab.motor.drive import Drive, TwoMode
 from contactlab.motor.finite_element import FiniteElementResonator
@@ -23,6 +24,7 @@ __all__ = [
     "Rotor",
     "Steel",
     "TwoMode",
+    "attach_tip",
     "ball",
     "belt",
     "block",

@@ -17,38 +17,14 @@ from functools import cached_property
 from typing import Annotated, Any, final
 
 import numpy as np
-from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked
+from contactlab.motor.attachment import attach_tip
+from contactlab.motor.eigenpairs import UNRESOLVED
 from contactlab.motor.motor import NormalModes
 from contactlab.parameter import Parameter, not_negative, positive
-
-RESOLVED = 1e-9
-"""Smallest eigenvalue over the largest that is still known.
-
-The eigenvalues of a symmetric matrix are found to within a few units of round-off of the largest one
-(8 at most in what was measured), so that omega^2 is right to 2e-6 here, and omega to 1e-6."""
-
-UNRESOLVED = (
-    "Dimensions, materials, placement and tip together give modes that double precision does not "
-    "resolve: mass and stiffness must be finite and positive definite, and the highest natural "
-    f"frequency at most {RESOLVED**-0.5:.0f} times the lowest. Check the orders of magnitude, or take "
-    "fewer modes."
-)
-
-
-def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tuple[Array, Array]:
-    """Solve a x = lambda b x for symmetric matrices, eigenvalues ascending, or refuse it by UNRESOLVED."""
-    if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
-        raise ValueError(UNRESOLVED)
-    eigenvalues, vectors = eigh(a, b, **options)
-    # Not the other way round: nothing is larger than what is no number.
-    if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
-        raise ValueError(UNRESOLVED)
-    return eigenvalues, vectors
-
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """F/m, CODATA 2018."""
@@ -177,6 +153,12 @@ class PiezoceramicDatasheet(Checked):
         )
 
 
+_TIP_SUBSTRUCTURE = Parameter(
+    "",
+    "1",
+    "whether the tip is a body of its own on the beam's modes and residual flexibility, whose mass an impact "
+    "meets",
+)
 _DAMPING_RATIO = Parameter(
     "zeta",
     "1",
@@ -210,12 +192,16 @@ class PatchedBeam(Checked, ABC):
     mass_damping: Annotated[float, not_negative("alpha", "s-1", "damping per mass")] = 7.5
     stiffness_damping: Annotated[float, not_negative("beta", "s", "damping per stiffness")] = 2e-5
     damping_ratio: Annotated[float | None, _DAMPING_RATIO] = None
+    tip_substructure: Annotated[bool, _TIP_SUBSTRUCTURE] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
         rayleigh = {name: getattr(self, name) for name in ("mass_damping", "stiffness_damping")}
         if self.damping_ratio is not None:
             self._refuse_beside("damping_ratio", rayleigh)
+        for name in ("tip_mass", "tip_inertia"):
+            if self.tip_substructure and not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} is 0; as a substructure the tip must have a positive one.")
         half = 0.5 * self.length
         if not self.patch_start < self.patch_end <= half:
             raise ValueError(
@@ -259,6 +245,41 @@ class PatchedBeam(Checked, ABC):
     @abstractmethod
     def _solve(self) -> NormalModes:
         """Compute the normal modes in the basis of the subclass."""
+
+    def _with_tip(self, **options: Any) -> NormalModes:
+        """Return the modes of the beam without its tip with the tip attached."""
+        alone = replace(self, tip_mass=0.0, tip_inertia=0.0, tip_substructure=False, **options)
+        modes = alone.modes
+        interface = np.stack([modes.tip_displacement, modes.tip_slope])
+        kept = interface / modes.stiffness @ np.hstack([interface.T, modes.coupling])
+        residual = self.static_response - kept
+        mass = np.diag([self.tip_mass, self.tip_inertia])
+        return attach_tip(
+            modes, mass, residual[:, :2], voltage_response=residual[:, 2:], damping=self.modal_damping
+        )
+
+    @property
+    def static_response(self) -> Array:
+        """Deflection and slope at the tip under unit tip force, unit tip moment and 1 V on each electrode.
+
+        Shape (2, 4), [m/N, 1/N, m/V; 1/N, 1/(N m), 1/V], in closed form: each load and each reaction of the
+        right clamp works on the curvature by its moment m(x) on a cantilever, and EI w'' is what is left of
+        the load's moment orthogonal to the reactions', in the product int m m' dx / (E I).
+        """
+        centre, (first, second) = 0.5 * self.length, self.patches
+        edges = np.unique([0.0, *first, centre, *second, self.length])
+        half = 0.5 * np.diff(edges)[:, None]
+        # Two Gauss points a section, exact for products of linear moments.
+        x = (edges[:-1, None] + half * (1.0 + np.array([-1.0, 1.0]) / np.sqrt(3.0))).ravel()
+        patched = [(start < x) & (x < end) for start, end in self.patches]
+        rigidity = self.steel_rigidity + self.layer_rigidity * (patched[0] | patched[1])
+        before = x < centre
+        loads = [(centre - x) * before, before, *(self.moment_per_voltage * each for each in patched)]
+        moments = np.stack([1.0 + 0.0 * x, self.length - x, *loads], axis=1)
+        moments *= np.sqrt(np.repeat(half, 2) / rigidity)[:, None]
+        reactions = np.linalg.qr(moments[:, :2])[0]
+        free = moments[:, 2:] - reactions @ (reactions.T @ moments[:, 2:])
+        return np.asarray(free[:, :2].T @ free)
 
     @property
     def patches(self) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -13,8 +13,9 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked
+from contactlab.motor.eigenpairs import resolved_eigenpairs
 from contactlab.motor.motor import NormalModes
-from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
+from contactlab.motor.patched_beam import PatchedBeam
 from contactlab.parameter import Parameter, positive
 
 MOST_SHAPES = 40
@@ -174,4 +175,6 @@ class RitzResonator(PatchedBeam):
         )
 
     def _solve(self) -> NormalModes:
+        if self.tip_substructure:
+            return self._with_tip()
         return self.matrices.modes()
