@@ -71,6 +71,7 @@ from contactlab.laws import (
 )
 from contactlab.measured.table import MeasurementError as MeasurementError
 from contactlab.motor import (
+    Bearing as Bearing,
     ContactGeometry as ContactGeometry,
     Drive as Drive,
     FiniteElementResonator as FiniteElementResonator,
@@ -84,6 +85,7 @@ from contactlab.motor import (
     ball as ball,
     belt as belt,
     cantilever as cantilever,
+    on_bearing as on_bearing,
     oscillator as oscillator,
 )
 from contactlab.parameter import Parameter as Parameter

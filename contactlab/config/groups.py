@@ -159,10 +159,24 @@ def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
     return replace(field, parameter=replace(field.parameter, **changes))
 
 
+def _optional(field: DeclaredField, hint: str) -> DeclaredField:
+    """Return a field of a number that may be null in the configuration, which the hint explains."""
+    return replace(_narrowed(field, hint=hint), kind=field.kind | None, default=None)
+
+
 BASES: Final = {"ritz": motor.RitzResonator, "finite_element": motor.FiniteElementResonator}
 
 _BEAM: Final = declared_fields(motor.PatchedBeam)
 _CONTACT: Final = declared_fields(motor.ContactGeometry)
+_BEARING_FIELDS: Final = declared_fields(motor.Bearing)
+_PRELOAD: Final = _optional(
+    _BEARING_FIELDS["preload"], "null is a fixed axle, which holds the rotor at the clearance."
+)
+_BEARING: Final = {
+    "mass": _optional(_BEARING_FIELDS["mass"], "null is that of a disc of this inertia and radius."),
+    "bearing_stiffness": _BEARING_FIELDS["stiffness"],
+    "bearing_damping": _BEARING_FIELDS["damping"],
+}
 _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
 
@@ -201,8 +215,9 @@ GROUPS: Final[dict[str, Section]] = {
                 "clearance": _narrowed(
                     _CONTACT["clearance"],
                     at_least=0.0,
-                    hint="A motor that is pressed together at rest is no option.",
+                    hint="A rotor that is pressed on the tip has a contact.preload.",
                 ),
+                "preload": _PRELOAD,
                 SHARED: _narrowed(
                     declared_fields(LagrangeSlip)[SHARED],
                     at_most=5.0,
@@ -211,7 +226,7 @@ GROUPS: Final[dict[str, Section]] = {
             }
         }
     ),
-    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor)}}),
+    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor), **_BEARING}}),
     "solver": Section({"default": keys_of(Solver)}),
     "record": Section({"default": keys_of(Record)}),
     "uncertainty": Section({"default": keys_of(Uncertainty)}),
@@ -223,6 +238,12 @@ GROUPS: Final[dict[str, Section]] = {
 ADDED: Final = frozenset(
     {
         "sweep.over",
+        "contact.preload",
+        "rotor.mass",
+        "rotor.bearing_stiffness",
+        "rotor.bearing_damping",
+        "resonator.damping_ratio",
+        "resonator.rod_length",
         "solver.until",
         "solver.precision",
         "piezoceramic.loss_tangent",

@@ -77,6 +77,14 @@ RULES: Final = (
     ),
     *(
         Rule(
+            ("contact.preload", f"rotor.{name}"),
+            lambda preload, value: preload is not None or not value,
+            f"rotor.{name} is {{1}}; it must come with a contact.preload: without one the axle is fixed.",
+        )
+        for name in ("mass", "bearing_stiffness", "bearing_damping")
+    ),
+    *(
+        Rule(
             ("sweep.keep", f"sweep.{name}"),
             lambda keep, value: keep == "metrics" or value is None,
             f"sweep.{name} is {{1}}; it must come with sweep.keep=metrics (folders: hydra/launcher=joblib).",

@@ -19,6 +19,7 @@ from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
+    Bearing,
     ContactGeometry,
     Drive,
     Motor,
@@ -27,6 +28,7 @@ from contactlab.motor import (
     PiezoceramicDatasheet,
     Rotor,
     Steel,
+    on_bearing,
 )
 from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
@@ -105,7 +107,9 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
     drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
     rotor = dict(resolved["rotor"])
-    geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
+    radius, mass = rotor.pop("radius"), rotor.pop("mass")
+    bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
+    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"])
     rod = resolved["resonator"].get("rod_length")
     if rod is not None and rod != contact["tip_length"]:
         wanted = f"contact.tip_length, {contact['tip_length']:g} m"
@@ -127,6 +131,10 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
     motor = Motor(modes, tones, geometry, Rotor(**rotor))
+    if contact["preload"] is not None:
+        if mass is None:
+            mass = resolved["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
+        motor = on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
     interval = resolved["record"]["interval"]
     return Setup(motor, law, record_interval=interval, **solver, configuration=resolved)
 

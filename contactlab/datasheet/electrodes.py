@@ -44,14 +44,14 @@ def modal_motion(run: Trajectory) -> tuple[Array, Array]:
 def _contact_forces(run: Trajectory) -> Array:
     """Return the mean force on every mode in each record interval [N kg^-1/2], shape (interval, mode)."""
     modes, lengths = run.motor.modes, run.motor.geometry
-    middle = {name: 0.5 * (x[1:] + x[:-1]) for name, x in run.series.items() if name.startswith("tip_")}
+    read = ("tip_normal_displacement", "rotor_normal_displacement", "tip_slope")
+    rise, lift, turn = (0.5 * (run.series[name][1:] + run.series[name][:-1]) for name in read)
     normal, tangential = (run.series[name][1:] for name in ("normal_force", "friction_force"))
     forces = np.zeros((normal.size, modes.stiffness.size))
     for i in np.flatnonzero((normal != 0.0) | (tangential != 0.0)):
-        u, slope = middle["tip_normal_displacement"][i], middle["tip_slope"][i]
         sizes = lengths.tip_length, lengths.rotor_radius, lengths.clearance
-        _, n_u, n_th, t_u, t_th = contact_frame(u, slope, *sizes)
-        forces[i] = modes.tip_displacement * (normal[i] * n_u + tangential[i] * t_u)
+        _, n_u, n_th, t_u, t_th = contact_frame(rise[i] - lift[i], turn[i], *sizes)
+        forces[i] = modes.approach * (normal[i] * n_u + tangential[i] * t_u)
         forces[i] += modes.tip_slope * (normal[i] * n_th + tangential[i] * t_th)
     return forces if run.motor.preload is None else forces + run.motor.preload
 

@@ -5,9 +5,10 @@ Every coordinate is a scalar oscillator
     qdd_j + c_j qd_j + k_j q_j = a_j + Re sum_k force_jk exp(i omega_k t)
                                  + row_u[j] f_u + row_th[j] f_th + row_r[j] F.
 
-The rotor is the last one, q = sqrt(J) alpha with k = 0, c = C_r / J, a = -tau / sqrt(J) and
-row_r = -R / sqrt(J): one more row in the tangential direction, which puts R^2 / J into the Delassus
-matrix, and a huge inertia turns it into a belt. Reading the rows gives u, th and -R Omega (from
+row_u reads u - w where the rotor moves by w on its bearing. The rotor's rotation is the last one,
+q = sqrt(J) alpha with k = 0, c = C_r / J, a = -tau / sqrt(J) and row_r = -R / sqrt(J): one more row in the
+tangential direction, which puts R^2 / J into the Delassus matrix, and a huge inertia turns it into a belt.
+Reading the rows gives u - w, th and -R Omega (from
 the rates); the contact force acts through the same rows.
 """
 
@@ -41,7 +42,7 @@ MODE = record(
     ("q", float, PLACES),
     ("v", float, PLACES),
     real="stiffness damping constant "  # k_j [1/s^2], c_j [1/s], a_j
-    "row_u row_th row_r "
+    "row_u row_th row_r row_w "
     "free_q free_v saved_q saved_v",  # at the step's start less the steady state; before the last step
     whole="near",
 )
@@ -100,7 +101,8 @@ def plant_of(motor: Motor) -> Plant:
     damping[-1] = rotor.damping / rotor.inertia
     made["constant"][:-1] = 0.0 if motor.preload is None else motor.preload
     made["constant"][-1] = -rotor.load_torque / root
-    made["row_u"][:-1], made["row_th"][:-1] = modes.tip_displacement, modes.tip_slope
+    made["row_u"][:-1], made["row_th"][:-1] = modes.approach, modes.tip_slope
+    made["row_w"][:-1] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
     made["row_r"][-1] = -geometry.rotor_radius / root
     force = np.vstack([modes.coupling @ motor.drive.phasors, np.zeros((1, omega.size))])
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega

@@ -64,7 +64,7 @@ def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
     step = law.default_contact_step
     if not isinstance(law, MultiplierLaw) or not law.projects:
         return step
-    row = modes.tip_displacement
+    row = modes.approach
     turning = float(np.linalg.norm(row * persisting_rates(modes.stiffness, modes.damping)))
     return min(step, LARGEST_TURN * float(np.linalg.norm(row)) / turning) if turning > 0.0 else step
 

@@ -117,11 +117,13 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
         if state.friction_kind != SET_VALUED:
             recovered = law.friction(gap, rate, slip, normal, law.parameters)[2]
         recovered += moments_at(run, law, law.memory, gap, normal)[2]
-    angle = 0.0
+    angle, lift = 0.0, 0.0
     for j in range(run.plant.mode_count):
-        angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
+        mode = run.plant.modes[j]
+        angle -= mode.row_r * mode.q[BETWEEN] / lengths.radius
+        lift += mode.row_w * mode.q[BETWEEN]
     row = series[state.recorded]
-    row.tip_normal_displacement = u
+    row.tip_normal_displacement, row.rotor_normal_displacement = u + lift, lift
     row.tip_tangential_displacement = -lengths.tip_length * sin(th)
     row.tip_slope = th
     row.gap, row.slip_velocity = gap, slip

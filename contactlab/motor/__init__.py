@@ -1,5 +1,6 @@
 """What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
 
+from contactlab.motor.bearing import Bearing, on_bearing
 from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator
 from contactlab.motor.drive import Drive, TwoMode
 from contactlab.motor.finite_element import FiniteElementResonator
@@ -9,6 +10,7 @@ from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, Piezocerami
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
 
 __all__ = [
+    "Bearing",
     "ContactGeometry",
     "Drive",
     "FiniteElementResonator",
@@ -27,5 +29,6 @@ __all__ = [
     "belt",
     "block",
     "cantilever",
+    "on_bearing",
     "oscillator",
 ]

@@ -30,6 +30,8 @@ class NormalModes:
         coupling: modal force per voltage [N/V kg^-1/2], shape (mode, electrode).
         tip_displacement: u = tip_displacement . q [kg^-1/2], shape (mode,).
         tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
+        rotor_displacement: w = rotor_displacement . q, of the rotor's centre along u [kg^-1/2], shape
+            (mode,); None where its axle is fixed. The gap follows from u - w.
         shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
             int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled.
         capacitance: C_p with the modes at rest [F], shape (electrode, electrode); None where it is not
@@ -46,12 +48,14 @@ class NormalModes:
     shape_coupling: Array
     capacitance: Array | None = None
     loss_tangent: float = 0.0
+    rotor_displacement: Array | None = None
 
     def __post_init__(self) -> None:
         check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
         count = self.stiffness.size
-        for name in ("damping", "tip_displacement", "tip_slope"):
-            check_shape(name, getattr(self, name), (count,), "one number a mode")
+        for name in ("damping", "tip_displacement", "tip_slope", "rotor_displacement"):
+            if getattr(self, name) is not None:
+                check_shape(name, getattr(self, name), (count,), "one number a mode")
         check_shape("coupling", self.coupling, (count, 2), "a row a mode and a column an electrode")
         meaning = "a row a shape and a column an electrode"
         check_shape("shape_coupling", self.shape_coupling, (-1, 2), meaning)
@@ -72,6 +76,13 @@ class NormalModes:
         """
         capacitance = np.full((2, 2), np.nan) if self.capacitance is None else self.capacitance
         return np.asarray(capacitance @ voltage + self.coupling.T @ displacement)
+
+    @property
+    def approach(self) -> Array:
+        """Tip towards rotor, u - w = approach . q [kg^-1/2], shape (mode,)."""
+        if self.rotor_displacement is None:
+            return self.tip_displacement
+        return self.tip_displacement - self.rotor_displacement
 
     @property
     def natural_frequency(self) -> Array:
@@ -141,7 +152,8 @@ class Motor(Checked):
     Args:
         modes, drive, geometry, rotor: the resonator in any basis, and what acts on it; without a drive there
             is no tone.
-        preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
+        preload: constant modal forces [N kg^-1/2], shape (mode,); None is none. `on_bearing` presses the
+            rotor on the tip.
         start: state at t = 0; None is at rest without displacement.
     """
 
@@ -192,6 +204,6 @@ def free_reach(motor: Motor) -> float:
             still = np.where(motor.preload == 0.0, 0.0, motor.preload / modes.stiffness)
         q = q + still[:, None]
     lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
-    seen = zip((modes.tip_displacement @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
+    seen = zip((modes.approach @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
     least = min(contact_frame(u, th, *lengths)[0] for u, th in seen)
     return float(geometry.clearance - least) if np.isfinite(q).all() else float("nan")

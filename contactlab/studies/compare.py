@@ -462,7 +462,7 @@ def _built(law: Run) -> Setup | None:
 
 def _delassus(motor: Motor) -> Array:
     """Return D = G M^-1 G' at rest, normal and tangential [1/kg], shape (2, 2)."""
-    rows = np.stack([motor.modes.tip_displacement, motor.geometry.tip_length * motor.modes.tip_slope])
+    rows = np.stack([motor.modes.approach, motor.geometry.tip_length * motor.modes.tip_slope])
     return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
 
 
