@@ -82,6 +82,7 @@ from contactlab.motor import (
     RitzResonator as RitzResonator,
     Rotor as Rotor,
     Steel as Steel,
+    Waveform as Waveform,
     ball as ball,
     belt as belt,
     cantilever as cantilever,

@@ -8,6 +8,7 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
+from contactlab.motor.waveform import Waveform
 
 __all__ = [
     "Bearing",
@@ -25,6 +26,7 @@ __all__ = [
     "Rotor",
     "Steel",
     "TwoMode",
+    "Waveform",
     "ball",
     "belt",
     "block",

@@ -1,6 +1,6 @@
-"""Harmonic electrode voltages as phasors: U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t)."""
+"""Electrode voltages: tones as phasors, U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t), and a waveform."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
 from math import pi
@@ -8,9 +8,11 @@ from typing import Annotated, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PPoly
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
+from contactlab.motor.waveform import Waveform
 from contactlab.parameter import Parameter
 
 # Over patches of a millimetre; ceramics break down at some 1e3 V.
@@ -43,7 +45,7 @@ class TwoMode(Checked):
 @final
 @dataclass(frozen=True)
 class Drive:
-    """Any number of tones on each electrode; `Drive()` has none.
+    """Any number of tones on each electrode, and a waveform beside them; `Drive()` has none.
 
         >>> import contactlab as cl
         >>> drive = cl.Drive.two_mode(100.0, 50.0, frequency=3000.0, frequency_ratio=2.0)
@@ -54,10 +56,12 @@ class Drive:
         frequency: of each tone [Hz], shape (tone,), positive.
         phasors: complex amplitudes [V], shape (electrode, tone); U sin(w t + phi) has the phasor
             -i U exp(i phi).
+        waveform: voltages that are no tones, of as many electrodes; None is none.
     """
 
     frequency: Array = field(default_factory=lambda: np.empty(0))
     phasors: NDArray[np.complex128] = field(default_factory=lambda: np.empty((2, 0), np.complex128))
+    waveform: Waveform | None = None
 
     def __post_init__(self) -> None:
         check_shape("frequency", self.frequency, (-1,), "one number a tone")
@@ -65,6 +69,9 @@ class Drive:
         check_shape("phasors", self.phasors, (2, self.frequency.size), meaning, "iufc")
         if not np.all(self.frequency > 0.0):
             raise ValueError(f"The tones lie at {self.frequency} Hz; each must be positive.")
+        electrodes = len(self.phasors)
+        if self.waveform is not None and (count := self.waveform.pieces.c.shape[2]) != electrodes:
+            raise ValueError(f"The waveform has {count} electrodes; it must have {electrodes}, as the tones.")
 
     @classmethod
     def two_mode(
@@ -97,7 +104,22 @@ class Drive:
     def voltage(self, time: Array | float) -> Array:
         """Return the voltages of both electrodes [V], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
-        return np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
+        tones = np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
+        return tones if self.waveform is None else tones + self.waveform.voltage(time)
+
+    def delayed(self, time: float) -> "Drive":
+        """Return the drive whose clock is ahead by a time [s]."""
+        waveform = None if self.waveform is None else self.waveform.delayed(time)
+        turned = self.phasors * np.exp(1j * self.angular_frequency * time)
+        return Drive(self.frequency, turned, waveform)
+
+    def silent(self) -> "Drive":
+        """Return the drive without voltage, whose period is the same."""
+        waveform = self.waveform
+        if waveform is not None:
+            c, x = np.zeros_like(waveform.pieces.c), waveform.pieces.x
+            waveform = replace(waveform, pieces=PPoly(c, x))
+        return Drive(self.frequency, np.zeros_like(self.phasors), waveform)
 
 
 class NoPeriodError(ValueError):
@@ -110,10 +132,14 @@ def period_of(drive: Drive) -> float:
     Raises:
         NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.
     """
-    if not drive.frequency.size:
-        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
     heard = np.any(drive.phasors != 0.0, axis=0)
     frequency = drive.frequency[heard] if heard.any() else drive.frequency
+    if drive.waveform is not None:
+        if not drive.waveform.periodic:
+            raise NoPeriodError("The drive's waveform has no period; a steady state needs one.")
+        frequency = np.append(1.0 / drive.waveform.period, frequency if heard.any() else [])
+    if not frequency.size:
+        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
     ratios = frequency / frequency[0]
     count = 1
     for ratio in ratios.tolist():
