@@ -62,7 +62,7 @@ Plant = Any
 geometry [m]; mode_count, tone_count. modes[j]: coefficients and contact rows, displacement q and rate v at
 every place of a step; near, whether a tone is nearly resonant. tones[k]: omega [rad/s], amplitudes
 of the steady state at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force
-and of steady-state displacement, the latter zero where mode and tone are `near`ly resonant. Real and imaginary
+and steady-state displacement, the latter zero where mode and tone are `near`ly resonant. Real and imaginary
 parts stand apart because complex products are slow in compiled loops this short.
 wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
 where it does not repeat itself; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e]
