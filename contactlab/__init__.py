@@ -11,6 +11,7 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 """
 
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
+from contactlab.config.table import MeasurementError as MeasurementError
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact
 from contactlab.inference.cross_validation import ValidationError as ValidationError
@@ -69,7 +70,6 @@ from contactlab.laws import (
     law as law,
     law_names as law_names,
 )
-from contactlab.measured.table import MeasurementError as MeasurementError
 from contactlab.motor import (
     Bearing as Bearing,
     ContactGeometry as ContactGeometry,

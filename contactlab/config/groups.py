@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
 from contactlab import motor
 from contactlab.checks import Checked
+from contactlab.config.signals import SIGNALS
 from contactlab.config.studies import study_class, study_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
@@ -207,7 +208,9 @@ GROUPS: Final[dict[str, Section]] = {
         {"bending": "pz26_identified", "tensor": "pz26_datasheet"},
     ),
     "placement": Section({"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}),
-    "drive": Section({"two_mode": keys_of(motor.TwoMode)}),
+    "drive": Section(
+        {name: _named("signal", name, keys_of(kind)) for name, kind in SIGNALS.items()}, "signal"
+    ),
     "contact": Section(
         {
             "default": {
@@ -239,6 +242,7 @@ ADDED: Final = frozenset(
     {
         "sweep.over",
         "contact.preload",
+        "drive.signal",
         "rotor.mass",
         "rotor.bearing_stiffness",
         "rotor.bearing_damping",

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import Any, final
 
 from contactlab.config.composition import compose
+from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.groups import BASES, NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
@@ -32,9 +33,6 @@ from contactlab.motor import (
 )
 from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
-
-RESONANCE = 1e-9
-"""Relative distance at which an undamped tone counts as at a natural frequency."""
 
 Values = Mapping[str, Any]
 
@@ -116,13 +114,9 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
     resonator = {group: resolved[group] for group in ("resonator", "piezoceramic", "placement")}
     modes = _modes(tuple(flat(resonator).items()))
-    first = drive["frequency"]
-    if first is None:
-        drive["frequency"] = float(modes.natural_frequency[0])
-    tones = _two_mode(**drive)
-    _refuse_undamped_resonance(first, tones, modes)
+    electrodes = drive_of(drive, modes)
     if solver["until"] == STEADY:
-        _refuse_unseen_periods(tones, resolved["record"]["interval"])
+        _refuse_unseen_periods(electrodes, resolved["record"]["interval"])
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -130,7 +124,7 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
-    motor = Motor(modes, tones, geometry, Rotor(**rotor))
+    motor = Motor(modes, electrodes, geometry, Rotor(**rotor))
     if contact["preload"] is not None:
         if mass is None:
             mass = resolved["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
@@ -159,7 +153,6 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
 
 # A sweep over anything else asks for the same law, drive and resonator again and again.
 _take_in_once = lru_cache(maxsize=4096)(take_in)
-_two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 
 
 @lru_cache(maxsize=256)
@@ -202,18 +195,3 @@ def _refuse_unseen_periods(drive: Drive, interval: float) -> None:
         check_until_steady(drive, interval)
     except ValueError as error:
         raise ConfigurationError([str(error)]) from error
-
-
-def _refuse_undamped_resonance(frequency: float | None, drive: Drive, modes: NormalModes) -> None:
-    """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    null = " null, that is the first natural frequency," if frequency is None else ""
-    keys = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
-    faults = [
-        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
-        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or resonator.stiffness_damping be positive."
-        for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
-        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
-        if abs(tone - natural) <= RESONANCE * natural
-    ]
-    if faults:
-        raise ConfigurationError(faults)

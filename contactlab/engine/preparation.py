@@ -190,6 +190,7 @@ def advance(
     motions: Array,
     records: Records,
     impacts: ImpactBatch | None,
+    waves: Array,
     parameters: Array,
     row: Array,
     budget: int | None,
@@ -202,7 +203,6 @@ def advance(
     jumps: Any,
     limits: Any,
     moment: Any,
-    waves: Array,
 ) -> None:
     """Run a law, start after start, until the end, an ending, full contact storage or so many steps.
 
@@ -282,7 +282,7 @@ class Prepared(NamedTuple):
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
-        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts
+        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
         kind = kind_of(self.bound, impacts is not None)
         room = kind, run.plant["phasors"].shape
         if INTERPRETED or room in _compiled:
@@ -299,7 +299,7 @@ class Prepared(NamedTuple):
         loop: Any = advance
         with telling(kind, SECONDS[kind]):
             loop.disable_compile(False)
-            loop.compile((*map(numba.typeof, arguments), *rows, *marks, *kernels, numba.typeof(self.waves)))
+            loop.compile((*map(numba.typeof, arguments), *rows, *marks, *kernels))
             loop.disable_compile()
         _compiled.add(room)
 
@@ -317,7 +317,7 @@ class Prepared(NamedTuple):
         with self.errors():
             rows = self.parameters, self.row
             marks = budget if impacts is None else None, 1 if self.bound.kernels[2] is None else None
-            advance(run, states, motions, records, impacts, *rows, *marks, *self.bound.kernels, self.waves)
+            advance(run, states, motions, records, impacts, self.waves, *rows, *marks, *self.bound.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Return the ending of a run that stopped by itself, and a sentence on it."""

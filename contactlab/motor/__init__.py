@@ -2,7 +2,7 @@
 
 from contactlab.motor.bearing import Bearing, on_bearing
 from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator
-from contactlab.motor.drive import Drive, TwoMode
+from contactlab.motor.drive import Chirp, Drive, TwoMode, TwoPhase
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
@@ -12,6 +12,7 @@ from contactlab.motor.waveform import Waveform
 
 __all__ = [
     "Bearing",
+    "Chirp",
     "ContactGeometry",
     "Drive",
     "FiniteElementResonator",
@@ -26,6 +27,7 @@ __all__ = [
     "Rotor",
     "Steel",
     "TwoMode",
+    "TwoPhase",
     "Waveform",
     "ball",
     "belt",

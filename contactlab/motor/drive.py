@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
-from math import pi
+from math import ceil, pi
 from typing import Annotated, Final, final
 
 import numpy as np
@@ -12,8 +12,8 @@ from scipy.interpolate import PPoly
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
-from contactlab.motor.waveform import Waveform
-from contactlab.parameter import Parameter
+from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform
+from contactlab.parameter import Parameter, positive
 
 # Over patches of a millimetre; ceramics break down at some 1e3 V.
 _voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5)
@@ -21,6 +21,7 @@ _voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5)
 _scale = partial(Parameter, at_least=1e-9, at_most=1e9)
 # Beyond it, a double has fewer than ten digits of the angle within a turn.
 _PHASE = Parameter("phi", "rad", "phase of the first tone", at_least=-1e6, at_most=1e6)
+_PHASE_2 = replace(_PHASE, meaning="lead of the second electrode")
 _FIRST = _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency.")
 
 MOST_PERIODS: Final = 100
@@ -40,6 +41,51 @@ class TwoMode(Checked):
     frequency: Annotated[float | None, _FIRST] = None
     frequency_ratio: Annotated[float, _scale("f2/f1", "1", "second tone over first")] = 2.0
     phase: Annotated[float, _PHASE] = -pi / 5.0
+
+    def drive(self) -> "Drive":
+        """Return the drive; the frequency must be a number."""
+        return Drive.two_mode(**vars(self))
+
+
+@final
+@dataclass(frozen=True)
+class TwoPhase(Checked):
+    """One tone on both electrodes: U_1 = V_1 sin(w t), U_2 = V_2 sin(w t + phase)."""
+
+    voltage_1: Annotated[float, _voltage("V1", meaning="amplitude of the first electrode")] = 100.0
+    voltage_2: Annotated[float, _voltage("V2", meaning="amplitude of the second electrode")] = 100.0
+    frequency: Annotated[float | None, _FIRST] = None
+    phase: Annotated[float, _PHASE_2] = 0.5 * pi
+
+    def drive(self) -> "Drive":
+        """Return the drive; the frequency must be a number."""
+        phasors = np.array([[-1j * self.voltage_1], [-1j * self.voltage_2 * np.exp(1j * self.phase)]])
+        return Drive(np.array([self.frequency], dtype=np.float64), phasors)
+
+
+@final
+@dataclass(frozen=True)
+class Chirp(Checked):
+    """A tone whose frequency passes linearly from one to another, then silence.
+
+    U_1 = V_1 sin(phi), U_2 = V_2 sin(phi + phase), phi = 2 pi (f_1 t + (f_2 - f_1) t^2 / (2 T)).
+    """
+
+    voltage_1: Annotated[float, _voltage("V1", meaning="amplitude of the first electrode")] = 100.0
+    voltage_2: Annotated[float, _voltage("V2", meaning="amplitude of the second electrode")] = 100.0
+    first_frequency: Annotated[float, _scale("f1", "Hz", "frequency at the start")] = 1000.0
+    last_frequency: Annotated[float, _scale("f2", "Hz", "frequency at the end")] = 10000.0
+    duration: Annotated[float, positive("T", "s", "time from start to end")] = 0.02
+    phase: Annotated[float, _PHASE_2] = 0.5 * pi
+
+    def drive(self) -> "Drive":
+        """Return the drive, whose samples lie at most `SAMPLED_TURN` of the tone apart."""
+        first, last, duration = self.first_frequency, self.last_frequency, self.duration
+        count = ceil(2.0 * pi * max(first, last) * duration / SAMPLED_TURN) + MOST_DEGREE + 1
+        time = np.linspace(0.0, duration, count)
+        phi = 2.0 * pi * (first + 0.5 * (last - first) * time / duration) * time
+        voltage = np.stack([self.voltage_1 * np.sin(phi), self.voltage_2 * np.sin(phi + self.phase)])
+        return Drive(waveform=Waveform.sampled(time, voltage, MOST_DEGREE))
 
 
 @final
