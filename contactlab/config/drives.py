@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import lru_cache
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final, cast
 
@@ -10,6 +9,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config.faults import ConfigurationError
+from contactlab.config.files import named_file
 from contactlab.config.signals import SIGNALS
 from contactlab.config.table import MeasurementError, Table, read_table
 from contactlab.motor import Drive, NormalModes, Waveform
@@ -33,9 +33,9 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
     numbers = {key: value for key, value in values.items() if key != "signal"}
     signal, electrodes = values["signal"], modes.coupling.shape[1]
     if "file" in numbers:
-        path = Path(numbers.pop("file")).absolute()
-        numbers["digest"] = values["digest"] = digest_of("drive", path, numbers["digest"])
-        values["file"] = str(path)
+        path = named_file("drive", values)
+        numbers = {**numbers, "digest": values["digest"]}
+        del numbers["file"]
         try:
             drive = _read(signal, path, electrodes, tuple(numbers.items()))
         except (MeasurementError, ValueError, OSError) as error:
@@ -49,23 +49,13 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
         if numbers.get("frequency", 0.0) is None:
             numbers["frequency"] = values["frequency"] = float(modes.natural_frequency[0])
             null = " null, that is the first natural frequency,"
-        drive = _made(signal, tuple(numbers.items()))
+        try:
+            drive = _made(signal, tuple(numbers.items()))
+        except ValueError as error:
+            raise ConfigurationError([f"drive: {error}"]) from error
         keys = [f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is"]
     _refuse_undamped_resonance(drive, modes, keys)
     return drive
-
-
-def digest_of(section: str, path: Path, expected: str | None) -> str:
-    """Return the digest of a file that a section names; refuse another than the expected one."""
-    try:
-        digest = sha256(path.read_bytes()).hexdigest()[:16]
-    except OSError as error:
-        fault = f"{section}.file is '{path}', which cannot be read ({error.strerror}); it must be a file."
-        raise ConfigurationError([fault]) from error
-    if expected not in (None, digest):
-        fault = f"{section}.digest is '{expected}'; it must be '{digest}', that of '{path}'."
-        raise ConfigurationError([f"{fault} The file has changed; leave the digest out to take it as it is."])
-    return digest
 
 
 @lru_cache(maxsize=256)

@@ -11,6 +11,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
 from contactlab import motor
 from contactlab.checks import Checked
+from contactlab.config.modal import ModalFile
 from contactlab.config.signals import SIGNALS
 from contactlab.config.studies import study_class, study_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
@@ -165,6 +166,12 @@ def _optional(field: DeclaredField, hint: str) -> DeclaredField:
     return replace(_narrowed(field, hint=hint), kind=field.kind | None, default=None)
 
 
+MODAL: Final = "modal"
+"""The basis of a file."""
+
+OF_BEAMS: Final = ("piezoceramic", "placement")
+"""Groups of the beam, of which a resonator of a file has nothing."""
+
 BASES: Final = {"ritz": motor.RitzResonator, "finite_element": motor.FiniteElementResonator}
 
 _BEAM: Final = declared_fields(motor.PatchedBeam)
@@ -197,7 +204,11 @@ class _OptionsOfStudies(Mapping[str, Keys]):
 
 GROUPS: Final[dict[str, Section]] = {
     "resonator": Section(
-        {name: _named("basis", name, keys_of(kind, *_OF_OTHERS)) for name, kind in BASES.items()}, "basis"
+        {
+            name: _named("basis", name, keys_of(kind, *_OF_OTHERS))
+            for name, kind in {**BASES, MODAL: ModalFile}.items()
+        },
+        "basis",
     ),
     "piezoceramic": Section(
         {

@@ -6,14 +6,18 @@ See `contactlab.config.groups` for keys, units and ranges, `contactlab.config.sc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, final
 
 from contactlab.config.composition import compose
 from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.groups import BASES, NOT_OF_A_RUN
+from contactlab.config.files import named_file
+from contactlab.config.groups import BASES, GROUPS, MODAL, NOT_OF_A_RUN, OF_BEAMS
+from contactlab.config.modal import read_modes
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
+from contactlab.config.table import MeasurementError
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
@@ -31,6 +35,7 @@ from contactlab.motor import (
     Steel,
     on_bearing,
 )
+from contactlab.parameter import DeclaredField
 from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
@@ -112,8 +117,11 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     if rod is not None and rod != contact["tip_length"]:
         wanted = f"contact.tip_length, {contact['tip_length']:g} m"
         raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
-    resonator = {group: resolved[group] for group in ("resonator", "piezoceramic", "placement")}
-    modes = _modes(tuple(flat(resonator).items()))
+    if resolved["resonator"]["basis"] == MODAL:
+        modes = _modes_of_file(resolved)
+    else:
+        resonator = {group: resolved[group] for group in ("resonator", *OF_BEAMS)}
+        modes = _modes(tuple(flat(resonator).items()))
     electrodes = drive_of(drive, modes)
     if solver["until"] == STEADY:
         _refuse_unseen_periods(electrodes, resolved["record"]["interval"])
@@ -170,6 +178,31 @@ def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     except ValueError as error:
         raise ConfigurationError([f"resonator, piezoceramic or placement: {error}"]) from error
     return modes
+
+
+def _modes_of_file(values: Values) -> NormalModes:
+    """Return the modes of a file, whose path and digest are written into the section."""
+    faults = [
+        f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={MODAL}, whose "
+        "file has all of it."
+        for group in OF_BEAMS
+        for key, field in next(iter(GROUPS[group].options.values())).items()
+        if isinstance(field, DeclaredField) and values[group].get(key) != field.default
+    ]
+    if faults:
+        raise ConfigurationError(faults)
+    section = values["resonator"]
+    path = named_file("resonator", section)
+    try:
+        return _read_modes(path, section["digest"], values["contact"]["tip_length"], section["modes"])
+    except (MeasurementError, ValueError, OSError) as error:
+        raise ConfigurationError([f"resonator.file is '{path}': {error}"]) from error
+
+
+@lru_cache(maxsize=16)
+def _read_modes(path: Path, digest: str, tip_length: float, most: int | None) -> NormalModes:  # noqa: ARG001
+    """Read a file again only where it has changed."""
+    return read_modes(path, tip_length, most)
 
 
 def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:

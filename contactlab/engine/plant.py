@@ -121,7 +121,7 @@ def plant_of(motor: Motor) -> Plant:
     made["row_u"][:-1], made["row_th"][:-1] = modes.approach, modes.tip_slope
     made["row_w"][:-1] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
     made["row_r"][-1] = -geometry.rotor_radius / root
-    force = np.vstack([modes.coupling @ motor.drive.phasors, np.zeros((1, omega.size))])
+    force = np.vstack([motor.force_phasors, np.zeros((1, omega.size))])
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
     margin = np.abs(dynamic[:-1]) / (stiffness[:-1, None] + omega**2)
     if margin.size and margin.min() < RESONANCE_MARGIN:

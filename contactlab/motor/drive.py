@@ -111,8 +111,8 @@ class Drive:
 
     def __post_init__(self) -> None:
         check_shape("frequency", self.frequency, (-1,), "one number a tone")
-        meaning = "a row for each of two electrodes and a column a tone"
-        check_shape("phasors", self.phasors, (2, self.frequency.size), meaning, "iufc")
+        meaning = "a row an electrode and a column a tone"
+        check_shape("phasors", self.phasors, (-1, self.frequency.size), meaning, "iufc")
         if not np.all(self.frequency > 0.0):
             raise ValueError(f"The tones lie at {self.frequency} Hz; each must be positive.")
         electrodes = len(self.phasors)
@@ -143,12 +143,17 @@ class Drive:
         return cls(tones, np.array([[first, second], [first, -second]], dtype=np.complex128))
 
     @property
+    def voltages(self) -> bool:
+        """Whether there is a tone, be it silent, or a waveform; without, it is a drive of any electrodes."""
+        return bool(self.frequency.size) or self.waveform is not None
+
+    @property
     def angular_frequency(self) -> Array:
         """omega_k [rad/s], shape (tone,)."""
         return 2.0 * np.pi * self.frequency
 
     def voltage(self, time: Array | float) -> Array:
-        """Return the voltages of both electrodes [V], shape (electrode, *time.shape)."""
+        """Return the voltages of the electrodes [V], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
         tones = np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
         return tones if self.waveform is None else tones + self.waveform.voltage(time)
