@@ -27,9 +27,8 @@ from typing import Annotated, NamedTuple, final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.motor.eigenpairs import resolved_eigenpairs
 from contactlab.motor.motor import NormalModes
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
 from contactlab.parameter import Parameter
 
 FREQUENCY_ERROR = 1.2e-6
@@ -200,16 +199,16 @@ class FiniteElementResonator(PatchedBeam):
         super().__post_init__()
         if self.rod_length is not None:
             self._refuse_beside("rod_length", {"tip_inertia": self.tip_inertia})
-        if self.tip_substructure and (self.rod_length is not None or not self.static_correction):
+        if self.residual_mass and (self.rod_length is not None or not self.static_correction):
             raise ValueError(
-                "tip_substructure is True: rod_length must be None, and static_correction True, as the "
-                "residual flexibility is what carries the tip."
+                "residual_mass is True: rod_length must be None, and static_correction True, the "
+                "residual flexibility of which the residual modes have."
             )
 
     def _solve(self) -> NormalModes:
         """Compute kept modes and pseudo-modes, in ascending order of frequency."""
-        if self.tip_substructure:
-            return self._with_tip(static_correction=False)
+        if self.residual_mass:
+            return self._with_residual_modes(static_correction=False)
         beam = self.discretise(self.mesh)
         squares, vectors = beam.lowest(self.kept_modes)
         if self.static_correction:

@@ -17,14 +17,39 @@ from functools import cached_property
 from typing import Annotated, Any, final
 
 import numpy as np
+from scipy.linalg import eigh
 from threadpoolctl import threadpool_limits
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked
-from contactlab.motor.attachment import attach_tip
-from contactlab.motor.eigenpairs import UNRESOLVED
 from contactlab.motor.motor import NormalModes
+from contactlab.motor.residual import add_residual_modes
 from contactlab.parameter import Parameter, not_negative, positive
+
+RESOLVED = 1e-9
+"""Smallest eigenvalue over the largest that is still known.
+
+The eigenvalues of a symmetric matrix are found to within a few units of round-off of the largest one
+(8 at most in what was measured), so that omega^2 is right to 2e-6 here, and omega to 1e-6."""
+
+UNRESOLVED = (
+    "Dimensions, materials, placement and tip together give modes that double precision does not "
+    "resolve: mass and stiffness must be finite and positive definite, and the highest natural "
+    f"frequency at most {RESOLVED**-0.5:.0f} times the lowest. Check the orders of magnitude, or take "
+    "fewer modes."
+)
+
+
+def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tuple[Array, Array]:
+    """Solve a x = lambda b x for symmetric matrices, eigenvalues ascending, or refuse it by UNRESOLVED."""
+    if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
+        raise ValueError(UNRESOLVED)
+    eigenvalues, vectors = eigh(a, b, **options)
+    # Not the other way round: nothing is larger than what is no number.
+    if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
+        raise ValueError(UNRESOLVED)
+    return eigenvalues, vectors
+
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """F/m, CODATA 2018."""
@@ -153,11 +178,8 @@ class PiezoceramicDatasheet(Checked):
         )
 
 
-_TIP_SUBSTRUCTURE = Parameter(
-    "",
-    "1",
-    "whether the tip is a body of its own on the beam's modes and residual flexibility, whose mass an impact "
-    "meets",
+_RESIDUAL_MASS = Parameter(
+    "", "1", "whether two residual modes let a rigid impact meet the tip's mass with any number of modes"
 )
 _DAMPING_RATIO = Parameter(
     "zeta",
@@ -192,7 +214,7 @@ class PatchedBeam(Checked, ABC):
     mass_damping: Annotated[float, not_negative("alpha", "s-1", "damping per mass")] = 7.5
     stiffness_damping: Annotated[float, not_negative("beta", "s", "damping per stiffness")] = 2e-5
     damping_ratio: Annotated[float | None, _DAMPING_RATIO] = None
-    tip_substructure: Annotated[bool, _TIP_SUBSTRUCTURE] = False
+    residual_mass: Annotated[bool, _RESIDUAL_MASS] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -200,8 +222,8 @@ class PatchedBeam(Checked, ABC):
         if self.damping_ratio is not None:
             self._refuse_beside("damping_ratio", rayleigh)
         for name in ("tip_mass", "tip_inertia"):
-            if self.tip_substructure and not getattr(self, name) > 0.0:
-                raise ValueError(f"{name} is 0; as a substructure the tip must have a positive one.")
+            if self.residual_mass and not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} is 0; with residual_mass it must be positive.")
         half = 0.5 * self.length
         if not self.patch_start < self.patch_end <= half:
             raise ValueError(
@@ -237,7 +259,7 @@ class PatchedBeam(Checked, ABC):
                 )
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             raise ValueError(UNRESOLVED) from error
-        finite = (np.isfinite(values).all() for values in vars(modes).values())
+        finite = (np.isfinite(values).all() for values in vars(modes).values() if values is not None)
         if not (all(finite) and np.all(modes.stiffness > 0.0)):
             raise ValueError(UNRESOLVED)
         return modes
@@ -246,16 +268,17 @@ class PatchedBeam(Checked, ABC):
     def _solve(self) -> NormalModes:
         """Compute the normal modes in the basis of the subclass."""
 
-    def _with_tip(self, **options: Any) -> NormalModes:
-        """Return the modes of the beam without its tip with the tip attached."""
-        alone = replace(self, tip_mass=0.0, tip_inertia=0.0, tip_substructure=False, **options)
-        modes = alone.modes
-        interface = np.stack([modes.tip_displacement, modes.tip_slope])
-        kept = interface / modes.stiffness @ np.hstack([interface.T, modes.coupling])
-        residual = self.static_response - kept
-        mass = np.diag([self.tip_mass, self.tip_inertia])
-        return attach_tip(
-            modes, mass, residual[:, :2], voltage_response=residual[:, 2:], damping=self.modal_damping
+    def _with_residual_modes(self, **options: Any) -> NormalModes:
+        """Return the kept modes with residual modes of flexibility and mass."""
+        modes = replace(self, residual_mass=False, **options).modes
+        tip = np.stack([modes.tip_displacement, modes.tip_slope])
+        residual = self.static_response - tip / modes.stiffness @ np.hstack([tip.T, modes.coupling])
+        return add_residual_modes(
+            modes,
+            np.diag([self.tip_mass, self.tip_inertia]),
+            residual[:, :2],
+            voltage_response=residual[:, 2:],
+            damping=self.modal_damping,
         )
 
     @property

@@ -13,9 +13,8 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked
-from contactlab.motor.eigenpairs import resolved_eigenpairs
 from contactlab.motor.motor import NormalModes
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.patched_beam import PatchedBeam, resolved_eigenpairs
 from contactlab.parameter import Parameter, positive
 
 MOST_SHAPES = 40
@@ -175,6 +174,6 @@ class RitzResonator(PatchedBeam):
         )
 
     def _solve(self) -> NormalModes:
-        if self.tip_substructure:
-            return self._with_tip()
+        if self.residual_mass:
+            return self._with_residual_modes()
         return self.matrices.modes()
