@@ -47,7 +47,7 @@ def test_a_faulty_value_of_finite_elements_is_refused_by_its_key(key: str, value
     assert fault.startswith(key)
 
 
-@pytest.mark.parametrize("resonator", options("resonator"))
+@pytest.mark.parametrize("resonator", list(BASES))
 def test_numbers_beyond_double_precision_are_refused(resonator: str) -> None:
     tiny: dict[str, object] = {"resonator.length": 1e-200, "placement.start": 0, "placement.end": 1e-201}
     assert faults(tiny, resonator)
