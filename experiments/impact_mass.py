@@ -16,7 +16,7 @@ from variations import SettledMap, changed, quantity
 
 import contactlab as cl
 
-KEPT = (4.0, 6.0, 8.0, 12.0, 24.0)
+KEPT = (4.0, 6.0, 8.0, 12.0, 24.0, 40.0)
 DAMPING = (0.0, 0.05)
 """Damping ratio of all modes; 0 stands for the paper's damping per mass and stiffness."""
 
@@ -134,6 +134,9 @@ class ImpactMass(SettledMap):
             right.set_title(kind)
         for ax in axes[-1]:
             ax.set_xlabel("kept modes")
+            ax.set_xscale("log")
+            ax.set_xticks(data.kept_modes.values, [f"{n:g}" for n in data.kept_modes.values])
+            ax.minorticks_off()
         axes[0, 0].legend()
         axes[0, 1].legend()
         return figure
