@@ -86,6 +86,7 @@ from contactlab.motor import (
     Steel as Steel,
     TwoPhase as TwoPhase,
     Waveform as Waveform,
+    add_residual_modes as add_residual_modes,
     ball as ball,
     belt as belt,
     cantilever as cantilever,

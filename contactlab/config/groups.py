@@ -254,6 +254,7 @@ GROUPS: Final[dict[str, Section]] = {
 ADDED: Final = frozenset(
     {
         "sweep.over",
+        "resonator.residual_mass",
         "contact.preload",
         "solver.changes",
         "drive.signal",
