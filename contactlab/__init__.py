@@ -11,6 +11,8 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 """
 
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
+from contactlab.config.modal import read_modes as read_modes, write_modes as write_modes
+from contactlab.config.table import MeasurementError as MeasurementError
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact
 from contactlab.inference.cross_validation import ValidationError as ValidationError
@@ -69,8 +71,8 @@ from contactlab.laws import (
     law as law,
     law_names as law_names,
 )
-from contactlab.measured.table import MeasurementError as MeasurementError
 from contactlab.motor import (
+    Bearing as Bearing,
     ContactGeometry as ContactGeometry,
     Drive as Drive,
     FiniteElementResonator as FiniteElementResonator,
@@ -81,9 +83,11 @@ from contactlab.motor import (
     RitzResonator as RitzResonator,
     Rotor as Rotor,
     Steel as Steel,
+    Waveform as Waveform,
     ball as ball,
     belt as belt,
     cantilever as cantilever,
+    on_bearing as on_bearing,
     oscillator as oscillator,
 )
 from contactlab.parameter import Parameter as Parameter

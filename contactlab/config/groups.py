@@ -11,6 +11,8 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
 from contactlab import motor
 from contactlab.checks import Checked
+from contactlab.config.modal import ModalFile
+from contactlab.config.signals import SIGNALS
 from contactlab.config.studies import study_class, study_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
@@ -159,10 +161,30 @@ def _narrowed(field: DeclaredField, **changes: Any) -> DeclaredField:
     return replace(field, parameter=replace(field.parameter, **changes))
 
 
+def _optional(field: DeclaredField, hint: str) -> DeclaredField:
+    """Return a field of a number that may be null in the configuration, which the hint explains."""
+    return replace(_narrowed(field, hint=hint), kind=field.kind | None, default=None)
+
+
+MODAL: Final = "modal"
+"""The basis of a file."""
+
+OF_BEAMS: Final = ("piezoceramic", "placement")
+"""Groups of the beam, of which a resonator of a file has nothing."""
+
 BASES: Final = {"ritz": motor.RitzResonator, "finite_element": motor.FiniteElementResonator}
 
 _BEAM: Final = declared_fields(motor.PatchedBeam)
 _CONTACT: Final = declared_fields(motor.ContactGeometry)
+_BEARING_FIELDS: Final = declared_fields(motor.Bearing)
+_PRELOAD: Final = _optional(
+    _BEARING_FIELDS["preload"], "null is a fixed axle, which holds the rotor at the clearance."
+)
+_BEARING: Final = {
+    "mass": _optional(_BEARING_FIELDS["mass"], "null is that of a disc of this inertia and radius."),
+    "bearing_stiffness": _BEARING_FIELDS["stiffness"],
+    "bearing_damping": _BEARING_FIELDS["damping"],
+}
 _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
 
@@ -182,7 +204,11 @@ class _OptionsOfStudies(Mapping[str, Keys]):
 
 GROUPS: Final[dict[str, Section]] = {
     "resonator": Section(
-        {name: _named("basis", name, keys_of(kind, *_OF_OTHERS)) for name, kind in BASES.items()}, "basis"
+        {
+            name: _named("basis", name, keys_of(kind, *_OF_OTHERS))
+            for name, kind in {**BASES, MODAL: ModalFile}.items()
+        },
+        "basis",
     ),
     "piezoceramic": Section(
         {
@@ -193,7 +219,9 @@ GROUPS: Final[dict[str, Section]] = {
         {"bending": "pz26_identified", "tensor": "pz26_datasheet"},
     ),
     "placement": Section({"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}),
-    "drive": Section({"two_mode": keys_of(motor.TwoMode)}),
+    "drive": Section(
+        {name: _named("signal", name, keys_of(kind)) for name, kind in SIGNALS.items()}, "signal"
+    ),
     "contact": Section(
         {
             "default": {
@@ -201,8 +229,9 @@ GROUPS: Final[dict[str, Section]] = {
                 "clearance": _narrowed(
                     _CONTACT["clearance"],
                     at_least=0.0,
-                    hint="A motor that is pressed together at rest is no option.",
+                    hint="A rotor that is pressed on the tip has a contact.preload.",
                 ),
+                "preload": _PRELOAD,
                 SHARED: _narrowed(
                     declared_fields(LagrangeSlip)[SHARED],
                     at_most=5.0,
@@ -211,7 +240,7 @@ GROUPS: Final[dict[str, Section]] = {
             }
         }
     ),
-    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor)}}),
+    "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor), **_BEARING}}),
     "solver": Section({"default": keys_of(Solver)}),
     "record": Section({"default": keys_of(Record)}),
     "uncertainty": Section({"default": keys_of(Uncertainty)}),
@@ -223,6 +252,13 @@ GROUPS: Final[dict[str, Section]] = {
 ADDED: Final = frozenset(
     {
         "sweep.over",
+        "contact.preload",
+        "drive.signal",
+        "rotor.mass",
+        "rotor.bearing_stiffness",
+        "rotor.bearing_damping",
+        "resonator.damping_ratio",
+        "resonator.rod_length",
         "solver.until",
         "solver.precision",
         "piezoceramic.loss_tangent",

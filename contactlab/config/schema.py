@@ -9,7 +9,7 @@ from contactlab.config.faults import unknown_key
 from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, duration_for
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
-from contactlab.config.quantity import UnitError, describe, number_of
+from contactlab.config.quantity import MISSING, UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
@@ -74,6 +74,14 @@ RULES: Final = (
         lambda interval, duration: 1.0 <= duration / interval <= MOST_RECORDS,
         "record.interval is {0:.12g} s; it must be at most the solver.duration, {1:.12g} s, and give at most "
         f"{MOST_RECORDS} records. Records do not change the motion.",
+    ),
+    *(
+        Rule(
+            ("contact.preload", f"rotor.{name}"),
+            lambda preload, value: preload is not None or not value,
+            f"rotor.{name} is {{1}}; it must come with a contact.preload: without one the axle is fixed.",
+        )
+        for name in ("mass", "bearing_stiffness", "bearing_damping")
     ),
     *(
         Rule(
@@ -151,6 +159,8 @@ def _chosen(section: Section, values: Any, path: str) -> tuple[str, Keys]:
     if not section.selector:
         return next(iter(section.options.items()))
     key, options = f"{path}.{section.selector}", section.labelled
+    if section.selector not in values and key in ADDED:
+        return next(iter(section.options.items()))
     if section.selector not in values:
         raise UnitError(f"{key} is missing; choose one by {group}=NAME.")
     label = values[section.selector]
@@ -176,6 +186,8 @@ def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
             return number_of(field, value)
         except UnitError as fault:
             raise UnitError(f"{key} {fault}") from fault
+    if value == MISSING:
+        raise UnitError(f"{key} is missing; it must be in the configuration.")
     if any(is_kind(value, kind) for kind in field.kinds):
         return value
     kinds = [_KINDS.get(k) or " or ".join(map(repr, get_args(k))) for k in field.kinds]

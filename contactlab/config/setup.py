@@ -6,19 +6,25 @@ See `contactlab.config.groups` for keys, units and ranges, `contactlab.config.sc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, final
 
 from contactlab.config.composition import compose
+from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.groups import BASES, NOT_OF_A_RUN
+from contactlab.config.files import named_file
+from contactlab.config.groups import BASES, GROUPS, MODAL, NOT_OF_A_RUN, OF_BEAMS
+from contactlab.config.modal import read_modes
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
+from contactlab.config.table import MeasurementError
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
+    Bearing,
     ContactGeometry,
     Drive,
     Motor,
@@ -27,12 +33,11 @@ from contactlab.motor import (
     PiezoceramicDatasheet,
     Rotor,
     Steel,
+    on_bearing,
 )
+from contactlab.parameter import DeclaredField
 from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
-
-RESONANCE = 1e-9
-"""Relative distance at which an undamped tone counts as at a natural frequency."""
 
 Values = Mapping[str, Any]
 
@@ -105,20 +110,21 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
     drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
     rotor = dict(resolved["rotor"])
-    geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
+    radius, mass = rotor.pop("radius"), rotor.pop("mass")
+    bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
+    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"])
     rod = resolved["resonator"].get("rod_length")
     if rod is not None and rod != contact["tip_length"]:
         wanted = f"contact.tip_length, {contact['tip_length']:g} m"
         raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
-    resonator = {group: resolved[group] for group in ("resonator", "piezoceramic", "placement")}
-    modes = _modes(tuple(flat(resonator).items()))
-    first = drive["frequency"]
-    if first is None:
-        drive["frequency"] = float(modes.natural_frequency[0])
-    tones = _two_mode(**drive)
-    _refuse_undamped_resonance(first, tones, modes)
+    if resolved["resonator"]["basis"] == MODAL:
+        modes = _modes_of_file(resolved)
+    else:
+        resonator = {group: resolved[group] for group in ("resonator", *OF_BEAMS)}
+        modes = _modes(tuple(flat(resonator).items()))
+    electrodes = drive_of(drive, modes)
     if solver["until"] == STEADY:
-        _refuse_unseen_periods(tones, resolved["record"]["interval"])
+        _refuse_unseen_periods(electrodes, resolved["record"]["interval"])
     # What follows from the rotor takes its place in the configuration.
     numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in numbers}
@@ -126,7 +132,11 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
     if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
         solver["tolerance"] = DEFAULT_TOLERANCE
-    motor = Motor(modes, tones, geometry, Rotor(**rotor))
+    motor = Motor(modes, electrodes, geometry, Rotor(**rotor))
+    if contact["preload"] is not None:
+        if mass is None:
+            mass = resolved["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
+        motor = on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
     interval = resolved["record"]["interval"]
     return Setup(motor, law, record_interval=interval, **solver, configuration=resolved)
 
@@ -151,7 +161,6 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
 
 # A sweep over anything else asks for the same law, drive and resonator again and again.
 _take_in_once = lru_cache(maxsize=4096)(take_in)
-_two_mode = lru_cache(maxsize=256)(Drive.two_mode)
 
 
 @lru_cache(maxsize=256)
@@ -169,6 +178,31 @@ def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     except ValueError as error:
         raise ConfigurationError([f"resonator, piezoceramic or placement: {error}"]) from error
     return modes
+
+
+def _modes_of_file(values: Values) -> NormalModes:
+    """Return the modes of a file, whose path and digest are written into the section."""
+    faults = [
+        f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={MODAL}, whose "
+        "file has all of it."
+        for group in OF_BEAMS
+        for key, field in next(iter(GROUPS[group].options.values())).items()
+        if isinstance(field, DeclaredField) and values[group].get(key) != field.default
+    ]
+    if faults:
+        raise ConfigurationError(faults)
+    section = values["resonator"]
+    path = named_file("resonator", section)
+    try:
+        return _read_modes(path, section["digest"], values["contact"]["tip_length"], section["modes"])
+    except (MeasurementError, ValueError, OSError) as error:
+        raise ConfigurationError([f"resonator.file is '{path}': {error}"]) from error
+
+
+@lru_cache(maxsize=16)
+def _read_modes(path: Path, digest: str, tip_length: float, most: int | None) -> NormalModes:  # noqa: ARG001
+    """Read a file again only where it has changed."""
+    return read_modes(path, tip_length, most)
 
 
 def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
@@ -194,18 +228,3 @@ def _refuse_unseen_periods(drive: Drive, interval: float) -> None:
         check_until_steady(drive, interval)
     except ValueError as error:
         raise ConfigurationError([str(error)]) from error
-
-
-def _refuse_undamped_resonance(frequency: float | None, drive: Drive, modes: NormalModes) -> None:
-    """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    null = " null, that is the first natural frequency," if frequency is None else ""
-    keys = (f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is")
-    faults = [
-        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
-        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or resonator.stiffness_damping be positive."
-        for key, tone in zip(keys, drive.frequency.tolist(), strict=True)
-        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
-        if abs(tone - natural) <= RESONANCE * natural
-    ]
-    if faults:
-        raise ConfigurationError(faults)

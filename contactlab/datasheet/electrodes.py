@@ -24,7 +24,7 @@ def modal_motion(run: Trajectory) -> tuple[Array, Array]:
     """
     modes, drive, start = run.motor.modes, run.motor.drive, run.motor.start
     w, k, c = drive.angular_frequency, modes.stiffness[:, None], modes.damping[:, None]
-    amplitude = (modes.coupling @ drive.phasors) / (k - w**2 + 1j * c * w)
+    amplitude = run.motor.force_phasors / (k - w**2 + 1j * c * w)
     turns = np.exp(1j * np.multiply.outer(w, run.time))
     motion = np.stack([(amplitude @ turns).real, (1j * w * amplitude @ turns).real])
     free = np.zeros((k.size, 3, 3))
@@ -44,25 +44,28 @@ def modal_motion(run: Trajectory) -> tuple[Array, Array]:
 def _contact_forces(run: Trajectory) -> Array:
     """Return the mean force on every mode in each record interval [N kg^-1/2], shape (interval, mode)."""
     modes, lengths = run.motor.modes, run.motor.geometry
-    middle = {name: 0.5 * (x[1:] + x[:-1]) for name, x in run.series.items() if name.startswith("tip_")}
+    read = ("tip_normal_displacement", "rotor_normal_displacement", "tip_slope")
+    rise, lift, turn = (0.5 * (run.series[name][1:] + run.series[name][:-1]) for name in read)
     normal, tangential = (run.series[name][1:] for name in ("normal_force", "friction_force"))
     forces = np.zeros((normal.size, modes.stiffness.size))
     for i in np.flatnonzero((normal != 0.0) | (tangential != 0.0)):
-        u, slope = middle["tip_normal_displacement"][i], middle["tip_slope"][i]
         sizes = lengths.tip_length, lengths.rotor_radius, lengths.clearance
-        _, n_u, n_th, t_u, t_th = contact_frame(u, slope, *sizes)
-        forces[i] = modes.tip_displacement * (normal[i] * n_u + tangential[i] * t_u)
+        _, n_u, n_th, t_u, t_th = contact_frame(rise[i] - lift[i], turn[i], *sizes)
+        forces[i] = modes.approach * (normal[i] * n_u + tangential[i] * t_u)
         forces[i] += modes.tip_slope * (normal[i] * n_th + tangential[i] * t_th)
     return forces if run.motor.preload is None else forces + run.motor.preload
 
 
 def currents(run: Trajectory) -> Array:
-    """Return the currents into both electrodes at the records of a run [A], shape (electrode, time).
+    """Return the currents into the electrodes at the records of a run [A], shape (electrode, time).
 
     I = dQ/dt of the charge, and the current in phase with the voltage that the dielectric's loss takes, as of
-    a capacitance C_p (1 - i tan delta). Not a number where the capacitance is not known.
+    a capacitance C_p (1 - i tan delta). Not a number where the capacitance is not known, or the drive has a
+    waveform.
     """
     modes, drive = run.motor.modes, run.motor.drive
+    if drive.waveform is not None:
+        return np.full((modes.coupling.shape[1], run.time.size), np.nan)
     w = drive.angular_frequency
     turns = np.exp(1j * np.multiply.outer(w, run.time))
     rate = (1j * w * (1.0 - 1j * modes.loss_tangent) * drive.phasors @ turns).real
@@ -80,7 +83,7 @@ def dielectric_loss(motor: Motor) -> float:
     if modes.capacitance is None:
         return float("nan")
     frequencies, which = np.unique(drive.frequency, return_inverse=True)
-    phasors = np.zeros((2, frequencies.size), dtype=complex)
+    phasors = np.zeros((len(drive.phasors), frequencies.size), dtype=complex)
     np.add.at(phasors.T, which, drive.phasors.T)
     energy = np.einsum("ek,ef,fk->k", phasors.conj(), modes.capacitance, phasors).real
     return float(np.pi * modes.loss_tangent * frequencies @ energy)

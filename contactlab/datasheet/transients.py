@@ -11,7 +11,7 @@ from contactlab.config import Setup
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.estimate import Estimate
 from contactlab.metrics.convergence import FINER, control_of
-from contactlab.motor import Drive, ModalState, Motor
+from contactlab.motor import ModalState, Motor
 from contactlab.simulation import changed
 from contactlab.steady_state.period_map import PeriodMap
 
@@ -92,8 +92,7 @@ def holding_torque(setup: Setup, velocity: float) -> Estimate:
 
 
 def _silent(motor: Motor) -> Motor:
-    drive = motor.drive
-    return replace(motor, drive=Drive(drive.frequency, np.zeros_like(drive.phasors)))
+    return replace(motor, drive=motor.drive.silent())
 
 
 def _start_of(clock: PeriodMap, memory: Array | None = None) -> Array:

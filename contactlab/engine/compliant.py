@@ -318,7 +318,7 @@ def step_compliant(run: Run, law: Law) -> int:
     level, error, normal = _solve(run, law, gap, rate, slip, known)
     if state.ending == UNSOLVED:
         return checked(run, NOTHING)
-    remaining = state.end - state.time
+    remaining = min(state.end, state.piece_end) - state.time
     event, s = first_event(run, law, rate)
     event, s = first_guard(run, law, law.memory, event, s)
     if s > remaining:
@@ -452,7 +452,7 @@ def _impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: flo
         for k in range(plant.tone_count):
             phasor = plant.phasors[j, k]
             swing += h * sqrt(phasor.force_re**2 + phasor.force_im**2)
-        swing += h * abs(mode.constant)
+        swing += h * (abs(mode.constant) + abs(plant.forces[j, 0]))
         part = abs(mode.row_u) * swing
         speed += part
         if part > 0.0:

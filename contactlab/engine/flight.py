@@ -15,6 +15,7 @@ from math import sqrt
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
 from contactlab.engine.memory import limit_at, note_limit
+from contactlab.engine.plant import ORDERS
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import locate
 from contactlab.engine.state import (
@@ -123,7 +124,7 @@ def step_flight(run: Run, law: Law) -> int:
     state.level = max(level - 1, coarsest) if level > coarsest else level
     # The end cuts a flight that was searched as if it went on: a run that goes on finds the same touch-down.
     s = h if touch == NO_TOUCH else max(touch, 0.0)
-    remaining = state.end - state.time
+    remaining = min(state.end, state.piece_end) - state.time
     state.taken = min(s, remaining)
     return TOUCH if touch >= 0.0 and s <= remaining else NOTHING
 
@@ -145,8 +146,8 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     A free oscillator's acceleration a obeys the oscillator's own equation, so that
     |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes. The
     answer from rest to a force f exp(i omega s) has |a(s)| <= |f| (1 + omega s), as its impulse response
-    never moves faster than it began. The rest is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R
-    and the centripetal terms.
+    never moves faster than it began; that to a waveform's force has |a(s)| <= |f(0)| + int |fdot|. The rest
+    is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R and the centripetal terms.
     """
     plant, lengths = run.plant, run.plant.geometry
     u_acc, th_acc = 0.0, 0.0
@@ -158,6 +159,11 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
         jerk = -c * acceleration - k * mode.free_v
         reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
         bound = abs(acceleration) + abs(jerk) * reach + abs(mode.constant)
+        if plant.wave.electrodes > 0:
+            power = 1.0
+            for m in range(ORDERS):
+                bound += abs(plant.forces[j, m]) * power
+                power *= h / (m + 1)
         for i in range(plant.tone_count):
             phasor = plant.phasors[j, i]
             if phasor.near != 0:

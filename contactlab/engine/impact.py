@@ -119,6 +119,7 @@ def integrate_impacts(
     law: Law,
     compliant: int,
     solve: Any,
+    waves: Array,
 ) -> None:
     """Integrate every impact of a compliant law.
 
@@ -139,7 +140,7 @@ def integrate_impacts(
             written = Records(impacts.silent, records.traces, records.ends)
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, compliant, solve, NO_END)
+            run_law(run, states[1:], motions, written, law, compliant, solve, NO_END, waves)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

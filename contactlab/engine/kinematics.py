@@ -13,7 +13,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
-from contactlab.engine.plant import Plant, modes_of
+from contactlab.engine.plant import ORDERS, Plant, modes_of
 from contactlab.engine.state import (
     BETWEEN,
     COLLOCATED,
@@ -126,11 +126,58 @@ def _modal_force(mode: Any, u: float, th: float, rotor: float) -> float:
     return float(mode.row_u * u + mode.row_th * th + mode.row_r * rotor)
 
 
+@inner_kernel
+def _piece_at(run: Run, waves: Array) -> tuple[int, float]:
+    """Return the waveform's piece at the step's start and the time since it began [s], and note its end.
+
+    Rows of the waves are those of `contactlab.motor.waveform.Waveform.table`, time first.
+    """
+    state, wave, count = run.state, run.plant.wave, len(waves)
+    clock, turns = state.time + wave.offset, 0.0
+    if wave.period > 0.0:
+        turns = np.floor((clock - waves[0, 0]) / wave.period) * wave.period
+    piece = max(np.searchsorted(waves[:, 0], clock - turns, "right") - 1, 0)
+    while True:
+        end = np.inf
+        if piece + 1 < count:
+            end = waves[piece + 1, 0] + turns
+        elif wave.period > 0.0:
+            end = waves[0, 0] + turns + wave.period
+        # A step that ends with a piece comes to this time, which must be the next one's.
+        state.piece_end = end - wave.offset
+        if state.piece_end > state.time:
+            return piece, max(min(clock - (waves[piece, 0] + turns), clock), 0.0)
+        piece += 1
+        if piece == count:
+            piece, turns = 0, turns + wave.period
+
+
+@inner_kernel
+def _follow_wave(run: Run, waves: Array) -> None:
+    """Find what the waveform does to every coordinate from the step's start on."""
+    plant, wave = run.plant, run.plant.wave
+    piece, since = _piece_at(run, waves)
+    for e in range(wave.electrodes):
+        for m in range(ORDERS):
+            total, power = 0.0, 1.0
+            for d in range(m, ORDERS):
+                total += waves[piece, 1 + e * ORDERS + d] * power
+                power *= since / (d - m + 1)
+            wave.derivatives[e, m] = total
+    for j in range(plant.mode_count):
+        for m in range(ORDERS):
+            total = 0.0
+            for e in range(wave.electrodes):
+                total += plant.couplings[j, e] * wave.derivatives[e, m]
+            plant.forces[j, m] = total
+
+
 @part_kernel
-def begin(run: Run) -> None:
+def begin(run: Run, waves: Array) -> None:
     """Split the state at the step's start into steady state and free motion.
 
-    A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest.
+    A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest, as every
+    mode answers a waveform.
     """
     plant, time = run.plant, run.state.time
     for k in range(plant.tone_count):
@@ -141,6 +188,10 @@ def begin(run: Run) -> None:
         mode = plant.modes[j]
         q, v = mode.q[START], mode.v[START]
         mode.free_q, mode.free_v = _add_steady(plant, j, START, q, v, -1.0)
+    if plant.wave.electrodes > 0:
+        _follow_wave(run, waves)
+    else:
+        run.state.piece_end = np.inf
 
 
 @inner_kernel
@@ -163,7 +214,8 @@ def flow_to(run: Run, s: float) -> None:
     integrals = run.propagator.rule.integrals
     degree = step.kind
     h = state.length
-    top = max(degree + 1, 1)
+    waves = plant.wave.electrodes > 0
+    top = ORDERS if waves else max(degree + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
         _turn(tone, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
@@ -176,6 +228,10 @@ def flow_to(run: Run, s: float) -> None:
         v = -stiffness * w * mode.free_q + rate * mode.free_v
         q += mode.constant * integrals[2]
         v += mode.constant * w
+        if waves:
+            for m in range(ORDERS):
+                q += plant.forces[j, m] * integrals[m + 2]
+                v += plant.forces[j, m] * integrals[m + 1]
         scale = 1.0
         for d in range(degree + 1):
             if d > 0:
@@ -192,6 +248,16 @@ def flow_to(run: Run, s: float) -> None:
                     _add_driven(plant, j, k, BETWEEN, driven)
 
 
+@inner_kernel
+def _by_wave(plant: Plant, response: Any, i: int, j: int, integrated: int) -> float:
+    """Return what the waveform adds to a rate at a node, or, integrated once, to a displacement."""
+    total = 0.0
+    if plant.wave.electrodes > 0:
+        for m in range(ORDERS):
+            total += response.powers[i, m + integrated] * plant.forces[j, m]
+    return total
+
+
 @part_kernel
 def free_response(run: Run, level: int, first: int) -> None:
     """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
@@ -204,11 +270,12 @@ def free_response(run: Run, level: int, first: int) -> None:
             mode, response = plant.modes[j], propagator.responses[level, j]
             q0, v0 = mode.free_q, mode.free_v
             v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
-            v += response.hold[i, 1] * mode.constant
+            v += response.hold[i, 1] * mode.constant + _by_wave(plant, response, i, j, 0)
             q, mode.v[i] = _add_steady(plant, j, i, 0.0, v, 1.0)
             if i >= first:
                 q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
-                mode.q[i] = q + response.hold[i, 0] * mode.constant
+                q += response.hold[i, 0] * mode.constant
+                mode.q[i] = q + _by_wave(plant, response, i, j, 1)
             if mode.near != 0:
                 for k in range(plant.tone_count):
                     if plant.phasors[j, k].near != 0:

@@ -46,6 +46,7 @@ def run_law(
     compliant: int | None,
     solve: Any,
     budget: int,
+    waves: Array,
 ) -> None:
     """Run a law from starts, see `contactlab.engine.preparation.advance`."""
     for i in range(states.size):
@@ -54,7 +55,7 @@ def run_law(
             mode = run.plant.modes[j]
             mode.q[START], mode.v[START] = motions[i, 0, j], motions[i, 1, j]
         law.row[SPEED] = each.state.impact_speed
-        while left > 0 and _opens_step(each, law):
+        while left > 0 and _opens_step(each, law, waves):
             event = NOTHING
             if each.state.phase != TOUCHING:
                 event = step_flight(each, law)
@@ -73,7 +74,7 @@ def run_law(
 
 
 @inner_kernel
-def _opens_step(run: Run, law: Law) -> bool:
+def _opens_step(run: Run, law: Law, waves: Array) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state, step = run.state, run.step
     full = state.stored >= step.contacts.size - 1
@@ -89,7 +90,14 @@ def _opens_step(run: Run, law: Law) -> bool:
         _open_contact(run, law)
         if state.compliant != 0:
             press(run, law, law.memory)
-    begin(run)
+    begin(run, waves)
+    if state.phase != TOUCHING or state.compliant != 0:
+        # Beyond its end a piece says nothing; a rigid contact's step is as short as its error wants it.
+        finest = run.propagator.rule.level_count - 1
+        while state.level < finest and step_length(run.propagator, state.level + 1) >= (
+            state.piece_end - state.time
+        ):
+            state.level += 1
     return True
 
 

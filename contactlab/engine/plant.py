@@ -5,9 +5,10 @@ Every coordinate is a scalar oscillator
     qdd_j + c_j qd_j + k_j q_j = a_j + Re sum_k force_jk exp(i omega_k t)
                                  + row_u[j] f_u + row_th[j] f_th + row_r[j] F.
 
-The rotor is the last one, q = sqrt(J) alpha with k = 0, c = C_r / J, a = -tau / sqrt(J) and
-row_r = -R / sqrt(J): one more row in the tangential direction, which puts R^2 / J into the Delassus
-matrix, and a huge inertia turns it into a belt. Reading the rows gives u, th and -R Omega (from
+row_u reads u - w where the rotor moves by w on its bearing. The rotor's rotation is the last one,
+q = sqrt(J) alpha with k = 0, c = C_r / J, a = -tau / sqrt(J) and row_r = -R / sqrt(J): one more row in the
+tangential direction, which puts R^2 / J into the Delassus matrix, and a huge inertia turns it into a belt.
+Reading the rows gives u - w, th and -R Omega (from
 the rates); the contact force acts through the same rows.
 """
 
@@ -21,6 +22,7 @@ from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.engine.state import EVENT_LIMIT, PLACES, new_record, record
 from contactlab.motor.motor import Motor
+from contactlab.motor.waveform import MOST_DEGREE
 
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
@@ -36,12 +38,18 @@ of twice those of the contact step, see `pace_of`; healthy runs take some 300, o
 MODES, TONES = 64, 8
 """Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
 
+ORDERS = MOST_DEGREE + 1
+"""Powers of time in a piece of a waveform."""
+
+ELECTRODES = 8
+"""Electrodes with a waveform that every plant has room for; more compile the engine anew."""
+
 GEOMETRY = record(real="tip_length radius clearance")
 MODE = record(
     ("q", float, PLACES),
     ("v", float, PLACES),
     real="stiffness damping constant "  # k_j [1/s^2], c_j [1/s], a_j
-    "row_u row_th row_r "
+    "row_u row_th row_r row_w "
     "free_q free_v saved_q saved_v",  # at the step's start less the steady state; before the last step
     whole="near",
 )
@@ -52,21 +60,28 @@ Plant = Any
 """A motor and where it is, a record; j runs over coordinates, k over tones.
 
 geometry [m]; mode_count, tone_count. modes[j]: coefficients and contact rows, displacement q and rate v at
-every place of a step; near, whether a tone is nearly resonant. tones[k]: omega [rad/s], amplitudes of the
-steady state at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force and of
-steady-state displacement, the latter zero where mode and tone are `near`ly resonant. Real and imaginary
+every place of a step; near, whether a tone is nearly resonant. tones[k]: omega [rad/s], amplitudes
+of the steady state at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force
+and steady-state displacement, the latter zero where mode and tone are `near`ly resonant. Real and imaginary
 parts stand apart because complex products are slow in compiled loops this short.
+wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
+where it does not repeat itself; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e]
+[N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
 """
 
 
 @cache
-def plant_record(modes: int, tones: int) -> np.dtype[Any]:
-    """Declare the record of a plant with room for so many coordinates and tones."""
+def plant_record(modes: int, tones: int, electrodes: int = ELECTRODES) -> np.dtype[Any]:
+    """Declare the record of a plant with room for so many coordinates, tones and electrodes."""
+    wave = record(("derivatives", float, (electrodes, ORDERS)), real="offset period", whole="electrodes")
     return record(
         ("geometry", GEOMETRY),
         ("modes", MODE, modes),
         ("tones", TONE, tones),
         ("phasors", PHASOR, (modes, tones)),
+        ("wave", wave),
+        ("couplings", float, (modes, electrodes)),
+        ("forces", float, (modes, ORDERS)),
         whole="mode_count tone_count",
     )
 
@@ -91,7 +106,10 @@ def plant_of(motor: Motor) -> Plant:
     root = sqrt(rotor.inertia)
     omega = motor.drive.angular_frequency
     count = modes.stiffness.size + 1
-    plant = new_record(plant_record(room_for(count, MODES), room_for(omega.size, TONES)))
+    waveform = motor.drive.waveform
+    electrodes = 0 if waveform is None else modes.coupling.shape[1]
+    rooms = room_for(count, MODES), room_for(omega.size, TONES), room_for(electrodes, ELECTRODES)
+    plant = new_record(plant_record(*rooms))
     plant["mode_count"], plant["tone_count"] = count, omega.size
     plant["geometry"] = geometry.tip_length, geometry.rotor_radius, geometry.clearance
     made, tones = modes_of(plant), plant["tones"][: omega.size]
@@ -100,9 +118,10 @@ def plant_of(motor: Motor) -> Plant:
     damping[-1] = rotor.damping / rotor.inertia
     made["constant"][:-1] = 0.0 if motor.preload is None else motor.preload
     made["constant"][-1] = -rotor.load_torque / root
-    made["row_u"][:-1], made["row_th"][:-1] = modes.tip_displacement, modes.tip_slope
+    made["row_u"][:-1], made["row_th"][:-1] = modes.approach, modes.tip_slope
+    made["row_w"][:-1] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
     made["row_r"][-1] = -geometry.rotor_radius / root
-    force = np.vstack([modes.coupling @ motor.drive.phasors, np.zeros((1, omega.size))])
+    force = np.vstack([motor.force_phasors, np.zeros((1, omega.size))])
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
     margin = np.abs(dynamic[:-1]) / (stiffness[:-1, None] + omega**2)
     if margin.size and margin.min() < RESONANCE_MARGIN:
@@ -122,6 +141,11 @@ def plant_of(motor: Motor) -> Plant:
     phasors["force_re"], phasors["force_im"] = force.real, force.imag
     phasors["steady_re"], phasors["steady_im"] = steady.real, steady.imag
     phasors["near"] = near
+    if waveform is not None:
+        wave = plant["wave"]
+        wave["electrodes"], wave["offset"] = electrodes, waveform.start
+        wave["period"] = waveform.period if waveform.periodic else 0.0
+        plant["couplings"][: count - 1, :electrodes] = modes.coupling
     return plant
 
 

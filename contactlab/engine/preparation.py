@@ -64,7 +64,7 @@ def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
     step = law.default_contact_step
     if not isinstance(law, MultiplierLaw) or not law.projects:
         return step
-    row = modes.tip_displacement
+    row = modes.approach
     turning = float(np.linalg.norm(row * persisting_rates(modes.stiffness, modes.damping)))
     return min(step, LARGEST_TURN * float(np.linalg.norm(row)) / turning) if turning > 0.0 else step
 
@@ -190,6 +190,7 @@ def advance(
     motions: Array,
     records: Records,
     impacts: ImpactBatch | None,
+    waves: Array,
     parameters: Array,
     row: Array,
     budget: int | None,
@@ -214,10 +215,10 @@ def advance(
     law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:
         if budget is not None:
-            run_law(run, states, motions, records, law, compliant, solve, budget)
+            run_law(run, states, motions, records, law, compliant, solve, budget, waves)
     elif solve is None:
         if compliant is not None:
-            integrate_impacts(run, states, motions, records, impacts, law, compliant, solve)
+            integrate_impacts(run, states, motions, records, impacts, law, compliant, solve, waves)
     else:
         evaluate_impacts(run, states[0], impacts, law, solve)
 
@@ -242,6 +243,9 @@ _sound: deque[object] = deque(maxlen=64)
 _workspace = Workspace()
 """Step responses of the last motor: they hang on it and on the length of a step, not on who asks first."""
 
+NO_WAVES: Final = np.zeros((0, 0))
+"""The table of a drive that has no waveform."""
+
 LawErrors = Callable[[], AbstractContextManager[None]]
 """Makes a context in which a law may answer, and in which what its code raises becomes a `LawError`."""
 
@@ -261,6 +265,8 @@ class Prepared(NamedTuple):
     row: Array
     """The same memory as the parameters, writable."""
     errors: LawErrors
+    waves: Array = NO_WAVES
+    """The waveform's table."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state."""
@@ -276,7 +282,7 @@ class Prepared(NamedTuple):
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
-        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts
+        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
         kind = kind_of(self.bound, impacts is not None)
         room = kind, run.plant["phasors"].shape
         if INTERPRETED or room in _compiled:
@@ -311,7 +317,7 @@ class Prepared(NamedTuple):
         with self.errors():
             rows = self.parameters, self.row
             marks = budget if impacts is None else None, 1 if self.bound.kernels[2] is None else None
-            advance(run, states, motions, records, impacts, *rows, *marks, *self.bound.kernels)
+            advance(run, states, motions, records, impacts, self.waves, *rows, *marks, *self.bound.kernels)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Return the ending of a run that stopped by itself, and a sentence on it."""
@@ -407,7 +413,9 @@ def prepared(
     propagator = _workspace.propagator(plant, contact_step, duration, exact)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
     made = plant, propagator, bound, parameters, row, errors
-    return Prepared(law, duration, contact_step, tolerance, *made)
+    waveform = motor.drive.waveform
+    waves = NO_WAVES if waveform is None else waveform.table()
+    return Prepared(law, duration, contact_step, tolerance, *made, waves)
 
 
 def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:

@@ -16,7 +16,7 @@ from numpy.polynomial import Legendre, Polynomial
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
-from contactlab.engine.plant import Plant, fastest_rate, resolved_rate
+from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
 
 RESOLUTION = 0.5
@@ -35,7 +35,7 @@ OUTLASTING = 2.0**20
 RULE = record(
     *((name, float, NODES) for name in ("nodes", "weights")),
     *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
-    ("integrals", float, NODES + 2),
+    ("integrals", float, ORDERS + 2),
     real="longest",
     whole="contact_level fresh_level level_count",
 )
@@ -47,6 +47,7 @@ RESPONSE = record(
     ("hold", float, (NODES, 2)),
     ("answer_q", float, (NODES, NODES)),
     ("answer_v", float, (NODES, NODES)),
+    ("powers", float, (NODES, ORDERS + 1)),
 )
 TURN = record(("cosine", float, NODES), ("sine", float, NODES))
 ANSWER = record(("part", float, (NODES, 4)))
@@ -61,7 +62,8 @@ release; level_count; integrals, scratch of the oscillator.
 levels[level]: length h [s]; whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v,
 their rates, and the rotor's row: uu, uth, thth, rr.
 responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
-force; answer_q and answer_v, q and v from l_m.
+force; answer_q and answer_v, q and v from l_m; powers, under a waveform: v from s^m / m!, and from one place
+further on q.
 turns[level, k]: cosine and sine of omega_k c_i h.
 driven[level, j, k]: answers from rest of the nearly resonant pairs, see `response_from_rest`.
 """
@@ -124,7 +126,8 @@ class Workspace:
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
         names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
         modes = [plant.modes[name].tobytes() for name in names]
-        key = (*modes, plant.tones["omega"].tobytes(), longest, doublings)
+        waves = bool(plant.wave["electrodes"])
+        key = (*modes, plant.tones["omega"].tobytes(), longest, doublings, waves)
         if key == self._key:
             return self._propagator
         turns = max(longest * fastest_rate(plant), 1.0)
@@ -160,8 +163,12 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
             turn.sine[i] = sin(plant.tones[k].omega * s)
         for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
-            impulse_integrals(mode.stiffness, mode.damping, s, NODES, rule.integrals)
+            top = ORDERS if plant.wave.electrodes > 0 else NODES
+            impulse_integrals(mode.stiffness, mode.damping, s, top, rule.integrals)
             _fill(rule, mode, response, results, i)
+            if plant.wave.electrodes > 0:
+                for m in range(ORDERS + 1):
+                    response.powers[i, m] = rule.integrals[m + 1]
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     omega = plant.tones[k].omega

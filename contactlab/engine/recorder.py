@@ -21,7 +21,7 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
 from contactlab.engine.memory import end_at, memory_at, moment_power, moments_at, stored_apart, take_memory
-from contactlab.engine.plant import Plant
+from contactlab.engine.plant import ORDERS, Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
@@ -69,6 +69,8 @@ def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
     start = state.time
     # The step that reaches the end of the run must land on it, whatever start + s rounds to.
     now = state.end if state.end - start <= s else start + s
+    if state.piece_end - start == s:
+        now = min(state.piece_end, state.end)
     while state.recorded < series.size:
         # The last record lies at the end of the run.
         due = state.end
@@ -117,11 +119,13 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
         if state.friction_kind != SET_VALUED:
             recovered = law.friction(gap, rate, slip, normal, law.parameters)[2]
         recovered += moments_at(run, law, law.memory, gap, normal)[2]
-    angle = 0.0
+    angle, lift = 0.0, 0.0
     for j in range(run.plant.mode_count):
-        angle -= run.plant.modes[j].row_r * run.plant.modes[j].q[BETWEEN] / lengths.radius
+        mode = run.plant.modes[j]
+        angle -= mode.row_r * mode.q[BETWEEN] / lengths.radius
+        lift += mode.row_w * mode.q[BETWEEN]
     row = series[state.recorded]
-    row.tip_normal_displacement = u
+    row.tip_normal_displacement, row.rotor_normal_displacement = u + lift, lift
     row.tip_tangential_displacement = -lengths.tip_length * sin(th)
     row.tip_slope = th
     row.gap, row.slip_velocity = gap, slip
@@ -161,6 +165,19 @@ def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
 
 
 @inner_kernel
+def _wave_power(plant: Plant, place: int, s: float) -> float:
+    """Return the power of the waveform [W] at a place, a time s after the start of the step."""
+    total = 0.0
+    for j in range(plant.mode_count):
+        force, power = 0.0, 1.0
+        for m in range(ORDERS):
+            force += plant.forces[j, m] * power
+            power *= s / (m + 1)
+        total += force * plant.modes[j].v[place]
+    return total
+
+
+@inner_kernel
 def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
     """Sum the terms over [0, s], the state there being left BETWEEN; over a whole step, from its nodes."""
     state, step, rule = run.state, run.step, run.propagator.rule
@@ -172,6 +189,8 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
             flow_to(run, at)
             place = BETWEEN
         driving, damped, loading = _powers(run.plant, place)
+        if run.plant.wave.electrodes > 0:
+            driving += _wave_power(run.plant, place, at)
         drive += weight * driving
         damping += weight * damped
         load += weight * loading

@@ -86,7 +86,8 @@ STATE: Final = record(
     ("contact", CONTACT),
     ("total", LEDGER),
     ("memory", float, MOST_VARIABLES),  # internal variables of the law, see `contactlab.laws.memory`
-    real="time end interval origin "  # [s]; records lie at origin + (first + i) interval
+    real="time end piece_end interval origin "  # [s], of run and piece of a waveform; records lie at origin
+    # + (first + i) interval
     "window window_start tolerance "  # of the pace [s]; of a compliant step [1]
     "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
     "impact_speed begins left apart "  # with which the contact began [m/s]; gap at which the next contact

@@ -223,7 +223,7 @@ def series_of(run: Trajectory, names: Sequence[str] | Mapping[str, Any]) -> dict
     """Return series of a run by name, currents included."""
     series = dict(run.series)
     if any(item.name in names for item in CURRENTS):
-        series |= dict(zip((item.name for item in CURRENTS), currents(run), strict=True))
+        series |= dict(zip((item.name for item in CURRENTS), currents(run), strict=False))
     return {name: series[name] for name in names}
 
 

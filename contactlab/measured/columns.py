@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config.quantity import UnitError, factor
+from contactlab.config.table import MeasurementError, Table, refuse
 from contactlab.measured.bodies import BodyImpacts, sign_note
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies, squared_norm
-from contactlab.measured.table import MeasurementError, Table, refuse
 from contactlab.parameter import from_cf
 
 CONTACT: Final = ("gap_rate", "slip")

@@ -18,7 +18,7 @@ import yaml
 
 from contactlab import variables
 from contactlab.arrays import Array
-from contactlab.measured.table import MeasurementError, Table
+from contactlab.config.table import MeasurementError, Table
 from contactlab.suggestion import suggestion
 from contactlab.variables import Variable
 

@@ -196,6 +196,8 @@ def gap_mismatch(run: Run) -> float:
     keys = ("contact.tip_length", "rotor.radius", "contact.clearance")
     lengths = [run.setting(key) for key in keys]
     u, slope = run.series("tip_normal_displacement"), run.series("tip_slope")
+    if "rotor_normal_displacement" in run.columns:
+        u = u - run.series("rotor_normal_displacement")
     pairs = zip(u.tolist(), slope.tolist(), strict=True)
     expected = np.array([contact_frame(rise, turn, *lengths)[0] for rise, turn in pairs])
     return float(np.abs(run.series("gap") - expected).max()) / _motion(run)

@@ -1,14 +1,18 @@
 """What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
 
+from contactlab.motor.bearing import Bearing, on_bearing
 from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator
-from contactlab.motor.drive import Drive, TwoMode
+from contactlab.motor.drive import Chirp, Drive, TwoMode, TwoPhase
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
+from contactlab.motor.waveform import Waveform
 
 __all__ = [
+    "Bearing",
+    "Chirp",
     "ContactGeometry",
     "Drive",
     "FiniteElementResonator",
@@ -23,9 +27,12 @@ __all__ = [
     "Rotor",
     "Steel",
     "TwoMode",
+    "TwoPhase",
+    "Waveform",
     "ball",
     "belt",
     "block",
     "cantilever",
+    "on_bearing",
     "oscillator",
 ]

@@ -82,7 +82,6 @@ def block(
         # u falls with the gap, and the way is -FLAT sin(theta).
         tip_displacement=np.array([1.0 / root, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),
-        shape_coupling=np.zeros((2, 2)),
     )
     return Motor(
         modes=modes,
@@ -130,7 +129,6 @@ def ball(
         coupling=np.zeros((3, 2)),
         tip_displacement=np.array([1.0 / root, 0.0, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * root), -1.0 / (FLAT * turning)]),
-        shape_coupling=np.zeros((3, 2)),
     )
     return Motor(
         modes=modes,
@@ -180,7 +178,6 @@ def oscillator(
         coupling=np.array([[1.0 / root, 0.0], [0.0, 0.0]]),
         tip_displacement=np.array([1.0 / root, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),
-        shape_coupling=np.zeros((2, 2)),
     )
     return Motor(
         modes=modes,
@@ -291,7 +288,6 @@ def cantilever(
             coupling=np.column_stack([-sqrt(mass) * carried, np.zeros(modes)]),
             tip_displacement=end,
             tip_slope=end * ratio * number / length,
-            shape_coupling=np.zeros((modes, 2)),
         ),
         drive=_tone(acceleration, frequency),
         geometry=ContactGeometry(0.5 * thickness, FLAT, gap),

@@ -1,17 +1,19 @@
-"""Harmonic electrode voltages as phasors: U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t)."""
+"""Electrode voltages: tones as phasors, U_e(t) = Re sum_k phasor[e, k] exp(i omega_k t), and a waveform."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import partial
-from math import pi
+from math import ceil, pi
 from typing import Annotated, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import PPoly
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
-from contactlab.parameter import Parameter
+from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform
+from contactlab.parameter import Parameter, positive
 
 # Over patches of a millimetre; ceramics break down at some 1e3 V.
 _voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5)
@@ -19,6 +21,7 @@ _voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5)
 _scale = partial(Parameter, at_least=1e-9, at_most=1e9)
 # Beyond it, a double has fewer than ten digits of the angle within a turn.
 _PHASE = Parameter("phi", "rad", "phase of the first tone", at_least=-1e6, at_most=1e6)
+_PHASE_2 = replace(_PHASE, meaning="lead of the second electrode")
 _FIRST = _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency.")
 
 MOST_PERIODS: Final = 100
@@ -39,11 +42,56 @@ class TwoMode(Checked):
     frequency_ratio: Annotated[float, _scale("f2/f1", "1", "second tone over first")] = 2.0
     phase: Annotated[float, _PHASE] = -pi / 5.0
 
+    def drive(self) -> "Drive":
+        """Return the drive; the frequency must be a number."""
+        return Drive.two_mode(**vars(self))
+
+
+@final
+@dataclass(frozen=True)
+class TwoPhase(Checked):
+    """One tone on both electrodes: U_1 = V_1 sin(w t), U_2 = V_2 sin(w t + phase)."""
+
+    voltage_1: Annotated[float, _voltage("V1", meaning="amplitude of the first electrode")] = 100.0
+    voltage_2: Annotated[float, _voltage("V2", meaning="amplitude of the second electrode")] = 100.0
+    frequency: Annotated[float | None, _FIRST] = None
+    phase: Annotated[float, _PHASE_2] = 0.5 * pi
+
+    def drive(self) -> "Drive":
+        """Return the drive; the frequency must be a number."""
+        phasors = np.array([[-1j * self.voltage_1], [-1j * self.voltage_2 * np.exp(1j * self.phase)]])
+        return Drive(np.array([self.frequency], dtype=np.float64), phasors)
+
+
+@final
+@dataclass(frozen=True)
+class Chirp(Checked):
+    """A tone whose frequency passes linearly from one to another, then silence.
+
+    U_1 = V_1 sin(phi), U_2 = V_2 sin(phi + phase), phi = 2 pi (f_1 t + (f_2 - f_1) t^2 / (2 T)).
+    """
+
+    voltage_1: Annotated[float, _voltage("V1", meaning="amplitude of the first electrode")] = 100.0
+    voltage_2: Annotated[float, _voltage("V2", meaning="amplitude of the second electrode")] = 100.0
+    first_frequency: Annotated[float, _scale("f1", "Hz", "frequency at the start")] = 1000.0
+    last_frequency: Annotated[float, _scale("f2", "Hz", "frequency at the end")] = 10000.0
+    duration: Annotated[float, positive("T", "s", "time from start to end")] = 0.02
+    phase: Annotated[float, _PHASE_2] = 0.5 * pi
+
+    def drive(self) -> "Drive":
+        """Return the drive, whose samples lie at most `SAMPLED_TURN` of the tone apart."""
+        first, last, duration = self.first_frequency, self.last_frequency, self.duration
+        count = ceil(2.0 * pi * max(first, last) * duration / SAMPLED_TURN) + MOST_DEGREE + 1
+        time = np.linspace(0.0, duration, count)
+        phi = 2.0 * pi * (first + 0.5 * (last - first) * time / duration) * time
+        voltage = np.stack([self.voltage_1 * np.sin(phi), self.voltage_2 * np.sin(phi + self.phase)])
+        return Drive(waveform=Waveform.sampled(time, voltage, MOST_DEGREE))
+
 
 @final
 @dataclass(frozen=True)
 class Drive:
-    """Any number of tones on each electrode; `Drive()` has none.
+    """Any number of tones on each electrode, and a waveform beside them; `Drive()` has none.
 
         >>> import contactlab as cl
         >>> drive = cl.Drive.two_mode(100.0, 50.0, frequency=3000.0, frequency_ratio=2.0)
@@ -54,17 +102,22 @@ class Drive:
         frequency: of each tone [Hz], shape (tone,), positive.
         phasors: complex amplitudes [V], shape (electrode, tone); U sin(w t + phi) has the phasor
             -i U exp(i phi).
+        waveform: voltages that are no tones, of as many electrodes; None is none.
     """
 
     frequency: Array = field(default_factory=lambda: np.empty(0))
     phasors: NDArray[np.complex128] = field(default_factory=lambda: np.empty((2, 0), np.complex128))
+    waveform: Waveform | None = None
 
     def __post_init__(self) -> None:
         check_shape("frequency", self.frequency, (-1,), "one number a tone")
-        meaning = "a row for each of two electrodes and a column a tone"
-        check_shape("phasors", self.phasors, (2, self.frequency.size), meaning, "iufc")
+        meaning = "a row an electrode and a column a tone"
+        check_shape("phasors", self.phasors, (-1, self.frequency.size), meaning, "iufc")
         if not np.all(self.frequency > 0.0):
             raise ValueError(f"The tones lie at {self.frequency} Hz; each must be positive.")
+        electrodes = len(self.phasors)
+        if self.waveform is not None and (count := self.waveform.pieces.c.shape[2]) != electrodes:
+            raise ValueError(f"The waveform has {count} electrodes; it must have {electrodes}, as the tones.")
 
     @classmethod
     def two_mode(
@@ -90,14 +143,34 @@ class Drive:
         return cls(tones, np.array([[first, second], [first, -second]], dtype=np.complex128))
 
     @property
+    def voltages(self) -> bool:
+        """Whether there is a tone, be it silent, or a waveform; without, it is a drive of any electrodes."""
+        return bool(self.frequency.size) or self.waveform is not None
+
+    @property
     def angular_frequency(self) -> Array:
         """omega_k [rad/s], shape (tone,)."""
         return 2.0 * np.pi * self.frequency
 
     def voltage(self, time: Array | float) -> Array:
-        """Return the voltages of both electrodes [V], shape (electrode, *time.shape)."""
+        """Return the voltages of the electrodes [V], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
-        return np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
+        tones = np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
+        return tones if self.waveform is None else tones + self.waveform.voltage(time)
+
+    def delayed(self, time: float) -> "Drive":
+        """Return the drive whose clock is ahead by a time [s]."""
+        waveform = None if self.waveform is None else self.waveform.delayed(time)
+        turned = self.phasors * np.exp(1j * self.angular_frequency * time)
+        return Drive(self.frequency, turned, waveform)
+
+    def silent(self) -> "Drive":
+        """Return the drive without voltage, whose period is the same."""
+        waveform = self.waveform
+        if waveform is not None:
+            c, x = np.zeros_like(waveform.pieces.c), waveform.pieces.x
+            waveform = replace(waveform, pieces=PPoly(c, x))
+        return Drive(self.frequency, np.zeros_like(self.phasors), waveform)
 
 
 class NoPeriodError(ValueError):
@@ -110,10 +183,14 @@ def period_of(drive: Drive) -> float:
     Raises:
         NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.
     """
-    if not drive.frequency.size:
-        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
     heard = np.any(drive.phasors != 0.0, axis=0)
     frequency = drive.frequency[heard] if heard.any() else drive.frequency
+    if drive.waveform is not None:
+        if not drive.waveform.periodic:
+            raise NoPeriodError("The drive's waveform has no period; a steady state needs one.")
+        frequency = np.append(1.0 / drive.waveform.period, frequency if heard.any() else [])
+    if not frequency.size:
+        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
     ratios = frequency / frequency[0]
     count = 1
     for ratio in ratios.tolist():

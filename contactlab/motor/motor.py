@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import Annotated, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
@@ -30,8 +31,11 @@ class NormalModes:
         coupling: modal force per voltage [N/V kg^-1/2], shape (mode, electrode).
         tip_displacement: u = tip_displacement . q [kg^-1/2], shape (mode,).
         tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
+        rotor_displacement: w = rotor_displacement . q, of the rotor's centre along u [kg^-1/2], shape
+            (mode,); None where its axle is fixed. The gap follows from u - w.
         shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
-            int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled.
+            int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled; None
+            where the modes are not those of a beam.
         capacitance: C_p with the modes at rest [F], shape (electrode, electrode); None where it is not
             known, as of a resonator measured by its motion alone.
         loss_tangent: tan delta of that capacitance [1]; a tone of amplitude U heats it by
@@ -43,23 +47,28 @@ class NormalModes:
     coupling: Array
     tip_displacement: Array
     tip_slope: Array
-    shape_coupling: Array
+    shape_coupling: Array | None = None
     capacitance: Array | None = None
     loss_tangent: float = 0.0
+    rotor_displacement: Array | None = None
 
     def __post_init__(self) -> None:
         check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
         count = self.stiffness.size
-        for name in ("damping", "tip_displacement", "tip_slope"):
-            check_shape(name, getattr(self, name), (count,), "one number a mode")
-        check_shape("coupling", self.coupling, (count, 2), "a row a mode and a column an electrode")
-        meaning = "a row a shape and a column an electrode"
-        check_shape("shape_coupling", self.shape_coupling, (-1, 2), meaning)
+        for name in ("damping", "tip_displacement", "tip_slope", "rotor_displacement"):
+            if getattr(self, name) is not None:
+                check_shape(name, getattr(self, name), (count,), "one number a mode")
+        check_shape("coupling", self.coupling, (count, -1), "a row a mode and a column an electrode")
+        electrodes = self.coupling.shape[1]
+        if self.shape_coupling is not None:
+            meaning = "a row a shape and a column an electrode"
+            check_shape("shape_coupling", self.shape_coupling, (-1, electrodes), meaning)
         if self.capacitance is not None:
-            check_shape("capacitance", self.capacitance, (2, 2), "a row and a column an electrode")
+            meaning = "a row and a column an electrode"
+            check_shape("capacitance", self.capacitance, (electrodes, electrodes), meaning)
 
     def charge(self, displacement: Array, voltage: Array) -> Array:
-        """Return the charges of both electrodes, Q = C_p U + coupling' q [C], shape (electrode, *time.shape).
+        """Return the charges of the electrodes, Q = C_p U + coupling' q [C], shape (electrode, *time.shape).
 
         The transpose of the forces of the actuator equation, so that sum_e int U_e dQ_e over a period is
         the work of the drive; not a number where the capacitance is not known.
@@ -70,8 +79,18 @@ class NormalModes:
 
         Source: Andersen, Blanke and Helbo (2001), eqs. 20, 26 and 32.
         """
-        capacitance = np.full((2, 2), np.nan) if self.capacitance is None else self.capacitance
+        electrodes = self.coupling.shape[1]
+        capacitance = self.capacitance
+        if capacitance is None:
+            capacitance = np.full((electrodes, electrodes), np.nan)
         return np.asarray(capacitance @ voltage + self.coupling.T @ displacement)
+
+    @property
+    def approach(self) -> Array:
+        """Tip towards rotor, u - w = approach . q [kg^-1/2], shape (mode,)."""
+        if self.rotor_displacement is None:
+            return self.tip_displacement
+        return self.tip_displacement - self.rotor_displacement
 
     @property
     def natural_frequency(self) -> Array:
@@ -141,7 +160,8 @@ class Motor(Checked):
     Args:
         modes, drive, geometry, rotor: the resonator in any basis, and what acts on it; without a drive there
             is no tone.
-        preload: constant modal forces [N kg^-1/2], shape (mode,); None is none.
+        preload: constant modal forces [N kg^-1/2], shape (mode,); None is none. `on_bearing` presses the
+            rotor on the tip.
         start: state at t = 0; None is at rest without displacement.
     """
 
@@ -159,12 +179,22 @@ class Motor(Checked):
                 f"The modes have stiffnesses {self.modes.stiffness} 1/s^2; none may be negative: a "
                 "buckled mode runs away."
             )
+        electrodes, driven = self.modes.coupling.shape[1], len(self.drive.phasors)
+        if self.drive.voltages and driven != electrodes:
+            raise ValueError(f"The drive has {driven} electrodes; it must have {electrodes}, as the modes.")
         arrays = {"preload": self.preload}
         if start := self.start:
             arrays |= {"start.displacement": start.displacement, "start.velocity": start.velocity}
         for name, values in arrays.items():
             if values is not None:
                 check_shape(name, values, self.modes.stiffness.shape, "one number a mode")
+
+    @property
+    def force_phasors(self) -> NDArray[np.complex128]:
+        """Modal forces of the tones [N kg^-1/2], shape (mode, tone)."""
+        if not self.drive.voltages:
+            return np.zeros((self.modes.stiffness.size, 0), np.complex128)
+        return np.asarray(self.modes.coupling @ self.drive.phasors)
 
 
 PERIODS, SAMPLES = 20, 20_000
@@ -179,7 +209,7 @@ def free_reach(motor: Motor) -> float:
     sampled, to a thousandth of itself. Not a number where a rigid body follows a constant force.
     """
     modes, geometry = motor.modes, motor.geometry
-    omega, force = motor.drive.angular_frequency, modes.coupling @ motor.drive.phasors
+    omega, force = motor.drive.angular_frequency, motor.force_phasors
     loud = np.any(force != 0.0, axis=0)
     omega, force = omega[loud], force[:, loud]
     q = np.zeros((modes.stiffness.size, 1))
@@ -192,6 +222,6 @@ def free_reach(motor: Motor) -> float:
             still = np.where(motor.preload == 0.0, 0.0, motor.preload / modes.stiffness)
         q = q + still[:, None]
     lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
-    seen = zip((modes.tip_displacement @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
+    seen = zip((modes.approach @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
     least = min(contact_frame(u, th, *lengths)[0] for u, th in seen)
     return float(geometry.clearance - least) if np.isfinite(q).all() else float("nan")

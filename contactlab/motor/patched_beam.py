@@ -251,7 +251,7 @@ class PatchedBeam(Checked, ABC):
                 )
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             raise ValueError(UNRESOLVED) from error
-        finite = (np.isfinite(values).all() for values in vars(modes).values())
+        finite = (np.isfinite(values).all() for values in vars(modes).values() if values is not None)
         if not (all(finite) and np.all(modes.stiffness > 0.0)):
             raise ValueError(UNRESOLVED)
         return modes

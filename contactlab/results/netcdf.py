@@ -65,11 +65,12 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
         variables.CONTACT_MODE.name: np.asarray(trajectory.contact_mode, dtype=np.int8),
         "natural_frequency": modes.natural_frequency,
         "damping_ratio": damping_ratio,
-        "electromechanical_coupling": modes.shape_coupling,
     }
+    if modes.shape_coupling is not None:
+        values["electromechanical_coupling"] = modes.shape_coupling
     kept = (*variables.SERIES, variables.CONTACT_MODE, *internal_series(trajectory.law))
     root = xarray.Dataset(
-        _columns((*kept, *variables.RESONATOR), values),
+        _columns((*kept, *(each for each in variables.RESONATOR if each.name in values)), values),
         coords=_columns((variables.TIME,), values),
         attrs=_attributes(trajectory, configuration or settings_of(trajectory.motor, trajectory.law)),
     )

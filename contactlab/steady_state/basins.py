@@ -168,7 +168,7 @@ def amplitudes(setup: Setup) -> Array:
     modes, drive = setup.motor.modes, setup.motor.drive
     rate = drive.angular_frequency
     stiffness, damping = modes.stiffness[:, None], modes.damping[:, None]
-    tones = np.abs(modes.coupling @ drive.phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
+    tones = np.abs(setup.motor.force_phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
     return np.asarray(tones.sum(axis=1))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import Flow, simulate
-from contactlab.motor import Drive, ModalState, Motor
+from contactlab.motor import ModalState, Motor
 from contactlab.motor.drive import NoPeriodError as NoPeriodError, period_of as period_of
 from contactlab.trajectory import Ending, Trajectory
 
@@ -62,11 +62,10 @@ class PeriodMap:
     def _motor(self) -> Motor:
         """The motor whose clock starts at the section."""
         motor, drive = self.setup.motor, self.setup.motor.drive
-        turned = np.exp(1j * drive.angular_frequency * self.phase * period_of(drive))
         if self.belt is not None:
             rotor = replace(motor.rotor, inertia=BELT, damping=0.0, load_torque=0.0)
             motor = replace(motor, rotor=rotor)
-        return replace(motor, drive=Drive(drive.frequency, drive.phasors * turned))
+        return replace(motor, drive=drive.delayed(self.phase * period_of(drive)))
 
     @cached_property
     def _flow(self) -> Flow:

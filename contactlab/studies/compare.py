@@ -433,11 +433,14 @@ class _Design:
         """Return a scorecard with the paired comparison."""
         count = self.spent(parts)
         tasks = [*self.nominal_tasks, *self.drawn_tasks(count)]
-        failures = [str(x) for task in tasks for x in parts[task.key].to_dataset()["failure"].values if x]
-        if failures:
+        reasons = np.array([parts[task.key].to_dataset()["failure"].values for task in tasks], str)
+        if (failed := reasons != "").any():
+            laws = zip(self.grid.laws, failed.sum(axis=0).tolist(), strict=True)
+            reason = f": {reasons[failed][0]}"
             data.attrs["notes"] += (
-                f"\n{len(failures)} of {len(tasks) * len(self.grid.laws)} motors have no steady state: "
-                f"{failures[0]}"
+                f"\n{failed.sum()} of {failed.size} motors have no steady state "
+                f"({', '.join(f'{law} {number}' for law, number in laws if number)})"
+                f"{reason if reason not in data.attrs['notes'] else '.'}"
             )
         settled, draws = self.settled(parts, count), self.draws(count)
         setups = [self.grid.setups[law, self.grid.cells[0]] for law in self.grid.laws]
@@ -459,7 +462,7 @@ def _built(law: Run) -> Setup | None:
 
 def _delassus(motor: Motor) -> Array:
     """Return D = G M^-1 G' at rest, normal and tangential [1/kg], shape (2, 2)."""
-    rows = np.stack([motor.modes.tip_displacement, motor.geometry.tip_length * motor.modes.tip_slope])
+    rows = np.stack([motor.modes.approach, motor.geometry.tip_length * motor.modes.tip_slope])
     return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
 
 

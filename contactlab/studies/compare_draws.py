@@ -17,7 +17,7 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup, build
-from contactlab.config.groups import Uncertainty
+from contactlab.config.groups import MODAL, Uncertainty
 from contactlab.config.nesting import flat, nested
 from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import declared_in
@@ -282,7 +282,7 @@ class Posteriors:
 
 def is_tuned(setup: Setup) -> bool:
     """Return whether the drive is at the first natural frequency, which it then follows."""
-    return bool(setup.configuration["drive"]["frequency"] == setup.motor.modes.natural_frequency[0])
+    return bool(setup.configuration["drive"].get("frequency") == setup.motor.modes.natural_frequency[0])
 
 
 @cache
@@ -291,15 +291,19 @@ def _converged_resonator() -> dict[str, Any]:
 
 
 def on_other_basis(setup: Setup) -> tuple[dict[str, Any], str]:
-    """Return the same motor on the converged basis, one on it with more modes, and what differs.
+    """Return the same motor on another basis, and what differs.
 
-    A drive at the first natural frequency stays there.
+    That is the converged one, one with more modes if it is that, or with one less if it is a file's. A drive
+    at the first natural frequency stays there.
     """
     configuration = setup.configuration
     resonator, drive = configuration["resonator"], configuration["drive"]
     if resonator["basis"] == "ritz":
         kept = {key: value for key, value in resonator.items() if key not in ("basis", "shapes")}
         other, change = {**_converged_resonator(), **kept}, f"resonator={CONVERGED}"
+    elif resonator["basis"] == MODAL:
+        fewer = max(setup.motor.modes.stiffness.size - 1, 1)
+        other, change = resonator | {"modes": fewer}, f"resonator.modes={fewer}"
     else:
         more = resonator["kept_modes"] + MORE_MODES
         other, change = resonator | {"kept_modes": more}, f"resonator.kept_modes={more}"

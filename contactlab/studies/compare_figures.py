@@ -230,18 +230,15 @@ def draw_where_to_measure(data: xarray.Dataset) -> Figure:
     needed("order" in data and data.sizes["draw"] > 0 and data.sizes["law"] > 1)
     pairs = data["log_bayes_factor"].where(data["order"] != EQUAL).median(["law", "other_law"])
     needed(bool(pairs.notnull().any()))
-    names = [TITLES[str(name)] for name in data["quantity"].values]
-    figure, (axes,) = drawing(1, 1, 1.3 + 0.3 * len(names) * (1 + 0.12 * data.sizes["cell"]))
-    count = data.sizes["measurement_error"]
+    cells = [f", {cell}" if cell else "" for cell in data["cell"].values]
+    names = [fill(f"{TITLES[str(name)]}{cell}", 26) for name in data["quantity"].values for cell in cells]
+    figure, axes, place = _bars(names, 1.3 + 0.36 * len(names))
+    height = 0.8 / data.sizes["measurement_error"]
     for number, error in enumerate(data["measurement_error"].values):
-        values = pairs.sel(measurement_error=error).transpose("quantity", "cell").values
-        height = 0.8 / (count * values.shape[1])
-        for cell in range(values.shape[1]):
-            place = np.arange(len(names)) - 0.4 + height * (cell * count + number + 0.5)
-            label = f"{100.0 * error:g} % error" if cell == 0 else None
-            axes.barh(place, values[:, cell], height=0.9 * height, color=style(number)["color"], label=label)
-    axes.set_yticks(np.arange(len(names)), [fill(name, 26) for name in names])
-    axes.set_ylim(len(names) - 0.5, -0.5)
+        values = pairs.sel(measurement_error=error).transpose("quantity", "cell").values.ravel()
+        there = place - 0.4 + height * (number + 0.5)
+        label, color = f"{100.0 * error:g} % error", style(number)["color"]
+        axes.barh(there, values, height=0.9 * height, color=color, label=label)
     axes.axvline(3.0, **THIN)
     axes.set_xlabel("expected log Bayes factor of one measurement, median pair")
     return legend_above(figure, axes)

@@ -2,14 +2,15 @@
 
 from collections.abc import Iterator
 from itertools import combinations
-from math import inf, isfinite
+from math import ceil, inf, isfinite, log
 from typing import Any, Final
 
 import numpy as np
 import xarray
 
 from contactlab.estimate import Estimate
-from contactlab.inference.paired import AGREED, EQUAL, GREATER, INCONCLUSIVE, LESS, VARIES
+from contactlab.inference.bootstrap import LEVEL
+from contactlab.inference.paired import AGREED, EQUAL, GREATER, INCONCLUSIVE, LESS, VARIES, looks_up_to
 from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, VERDICTS
 from contactlab.studies.compare_measured import nearest_laws
 from contactlab.studies.compare_pairs import CLEAR, MARGIN
@@ -82,11 +83,14 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
             kind: sum(x == kind for x in whole.values())
             for kind in ("one", "equal", "reversed", "varies", "open")
         }
+        tests, looks = len(pairs) * len(points), len(looks_up_to(draws))
+        least = ceil(log((1.0 - LEVEL) / looks / tests) / log(AGREED))
         yield (
             f"Of {len(pairs)} pairs {count['one']} have one order of settled velocities in at least "
             f"{100 * AGREED:.0f} % of the motors{where}, {count['equal']} are equal, in {count['reversed']} "
             f"it reverses between operating points, in {count['varies']} it varies with what is drawn, and "
             f"{count['open']} are inconclusive (95 % for all pairs, Holm)."
+            f"{f' {draws} draws can show no order: it takes {least} at least.' if draws < least else ''}"
         )
         sizes = np.abs(velocity["difference"].values).max(axis=-1)
         # One pair stands for its classes: the two laws that are farthest apart.

@@ -101,7 +101,7 @@ def modal_impacts(seed: int = 1) -> Claims:
     motor = coupled_body(seed)
     modes, rotor, radius = motor.modes, motor.rotor, motor.geometry.rotor_radius
     _, *frame = contact_frame(0.0, 0.0, motor.geometry.tip_length, radius, 0.0)
-    g_n, g_t = np.reshape(frame, (2, 2)) @ [modes.tip_displacement, modes.tip_slope]
+    g_n, g_t = np.reshape(frame, (2, 2)) @ [modes.approach, modes.tip_slope]
     d_nn, d_nt, d_tt = g_n @ g_n, g_n @ g_t, g_t @ g_t + radius**2 / rotor.inertia
     touch = first(run(motor, LagrangeStick(0.0), 1e-8, INSTANT), "start_time")
     for law, e in rigid_laws(0.0, 0.6):

@@ -176,7 +176,7 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     yield close(text, gained, value, 1e-9, "N m s", scale)
 
     flight, names = flight_of(motor), {"tip_normal_displacement": "m", "tip_slope": "rad"}
-    rows = motor.modes.tip_displacement, motor.modes.tip_slope
+    rows = motor.modes.approach, motor.modes.tip_slope
     forces = np.array([series["normal_force"], series["friction_force"]])[:, 1:]
     acting = np.flatnonzero(forces[0])
     impulses = (forces * np.diff(made.time))[:, acting]

@@ -47,6 +47,11 @@ def test_nothing_is_claimed_of_a_pair_without_draws() -> None:
     assert np.isnan(outcome.share).all()
 
 
+def test_a_pair_without_draws_is_no_test_among_the_others() -> None:
+    signs = np.array([np.ones(16), np.full(16, np.nan)])[:, None]
+    assert orders(signs).p_value[0] == orders(signs[:1]).p_value[0]
+
+
 def test_an_order_that_half_of_the_motors_has_varies() -> None:
     signs = np.where(np.arange(64) % 2, 1.0, -1.0)[None]
     assert orders(signs).verdict[0] == VARIES

@@ -1,0 +1,99 @@
+"""The drive of a configuration, and the files of tones and samples that it names."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Final, cast
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config.faults import ConfigurationError
+from contactlab.config.files import named_file
+from contactlab.config.signals import SIGNALS
+from contactlab.config.table import MeasurementError, Table, read_table
+from contactlab.motor import Drive, NormalModes, Waveform
+
+RESONANCE: Final = 1e-9
+"""Relative distance at which an undamped tone counts as at a natural frequency."""
+
+_DEGREES: Final = {"linear": 1, "cubic": 3, "quintic": 5, "septic": 7}
+_UNITS: Final = {"time": "s", "frequency": "Hz", "voltage": "V", "phase": "rad"}
+
+Numbers = tuple[tuple[str, Any], ...]
+
+
+def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
+    """Return the drive of a section, and write what follows from modes or file into the section.
+
+    Raises:
+        ConfigurationError: the file cannot be used, the modes have other electrodes, or a tone meets
+            an undamped mode.
+    """
+    numbers = {key: value for key, value in values.items() if key != "signal"}
+    signal, electrodes = values["signal"], modes.coupling.shape[1]
+    if "file" in numbers:
+        path = named_file("drive", values)
+        numbers = {**numbers, "digest": values["digest"]}
+        del numbers["file"]
+        try:
+            drive = _read(signal, path, electrodes, tuple(numbers.items()))
+        except (MeasurementError, ValueError, OSError) as error:
+            raise ConfigurationError([f"drive.file is '{path}': {error}"]) from error
+        keys = [f"drive.file, '{path}', has a tone of"] * drive.frequency.size
+    else:
+        if electrodes != 2:
+            fault = f"drive={signal} has 2 electrodes and the resonator {electrodes}; both must have as many."
+            raise ConfigurationError([f"{fault} drive=tones and drive=sampled have any number."])
+        null = ""
+        if numbers.get("frequency", 0.0) is None:
+            numbers["frequency"] = values["frequency"] = float(modes.natural_frequency[0])
+            null = " null, that is the first natural frequency,"
+        try:
+            drive = _made(signal, tuple(numbers.items()))
+        except ValueError as error:
+            raise ConfigurationError([f"drive: {error}"]) from error
+        keys = [f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is"]
+    _refuse_undamped_resonance(drive, modes, keys)
+    return drive
+
+
+@lru_cache(maxsize=256)
+def _made(signal: str, numbers: Numbers) -> Drive:
+    return cast(Drive, SIGNALS[signal](**dict(numbers)).drive())
+
+
+@lru_cache(maxsize=16)
+def _read(signal: str, path: Path, electrodes: int, numbers: Numbers) -> Drive:
+    table, options = read_table(path), dict(numbers)
+    volts, phases = ([f"{name}_{e + 1}" for e in range(electrodes)] for name in ("voltage", "phase"))
+    if signal == "sampled":
+        time, *voltages = _columns(table, ["time", *volts])
+        degree = _DEGREES[options["interpolation"]]
+        waveform = Waveform.sampled(time, np.stack(voltages), degree, options["period"])
+        return Drive(np.empty(0), np.empty((electrodes, 0), np.complex128), waveform)
+    frequency, *rest = _columns(table, ["frequency", *volts, *phases])
+    voltages, angles = rest[:electrodes], rest[electrodes:]
+    return Drive(frequency, -1j * np.stack(voltages) * np.exp(1j * np.stack(angles)))
+
+
+def _columns(table: Table, names: list[str]) -> Iterator[Array]:
+    """Yield the columns of a table, which must have these and no others."""
+    table.check_names(names)
+    for name in names:
+        if name not in table.names:
+            raise MeasurementError(f"'{name}' is missing; there must be the columns {', '.join(names)}.")
+        yield table.numbers(name, _UNITS[name.partition("_")[0]])
+
+
+def _refuse_undamped_resonance(drive: Drive, modes: NormalModes, keys: list[str]) -> None:
+    """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
+    faults = [
+        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
+        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or the mode be damped."
+        for key, tone in zip(keys, drive.frequency.tolist(), strict=False)
+        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
+        if abs(tone - natural) <= RESONANCE * natural
+    ]
+    if faults:
+        raise ConfigurationError(faults)
