@@ -73,6 +73,7 @@ from contactlab.laws import (
 )
 from contactlab.motor import (
     Bearing as Bearing,
+    Chirp as Chirp,
     ContactGeometry as ContactGeometry,
     Drive as Drive,
     FiniteElementResonator as FiniteElementResonator,
@@ -83,7 +84,9 @@ from contactlab.motor import (
     RitzResonator as RitzResonator,
     Rotor as Rotor,
     Steel as Steel,
+    TwoPhase as TwoPhase,
     Waveform as Waveform,
+    add_residual_modes as add_residual_modes,
     ball as ball,
     belt as belt,
     cantilever as cantilever,

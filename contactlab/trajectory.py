@@ -1,6 +1,6 @@
 """What a simulation gives back: series, contacts, how the run ended, and when its ledger is closed."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Any, Final, final
 
@@ -101,6 +101,27 @@ class Trajectory:
     def lasting(self) -> tuple[str, ...]:
         """Names of the series of the law's internal variables whose life is the run."""
         return tuple(INTERNAL + each.name for each in self.law.lasting)
+
+    def followed_by(self, other: "Trajectory") -> "Trajectory":
+        """Return the run and its continuation as one; a contact that was cut is whole in the second."""
+        ended = ~np.isnan(self.contacts["separation_velocity"])
+
+        def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:
+            return np.concatenate((before[:-1], after))
+
+        return replace(
+            other,
+            motor=self.motor,
+            duration=self.duration + other.duration,
+            record_interval=self.record_interval,
+            time=both(self.time, other.time),
+            series={name: both(values, other.series[name]) for name, values in self.series.items()},
+            contact_mode=both(self.contact_mode, other.contact_mode),
+            contacts={
+                name: np.concatenate((values[ended], other.contacts[name]))
+                for name, values in self.contacts.items()
+            },
+        )
 
     @property
     def complete(self) -> bool:

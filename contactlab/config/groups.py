@@ -48,6 +48,7 @@ _TOLERANCE = Parameter(
     hint="Leave it out for the solver's own default.",
 )
 _UNTIL = _declared("end at the duration, or when the motor has settled, then at the latest")
+_CHANGES = _declared("changes during the run, a text each: 'TIME; KEY=VALUE; KEY=VALUE'")
 _SAMPLES = _declared("table whose columns are keys and whose rows are runs")
 _known = partial(
     Parameter,
@@ -70,6 +71,7 @@ class Solver(Checked):
     precision: Annotated[float, _PRECISION] = PRECISION
     contact_step: Annotated[float | None, _STEP] = None
     tolerance: Annotated[float | None, _TOLERANCE] = None
+    changes: Annotated[list[str] | None, _CHANGES] = None
 
 
 @final
@@ -252,7 +254,9 @@ GROUPS: Final[dict[str, Section]] = {
 ADDED: Final = frozenset(
     {
         "sweep.over",
+        "resonator.residual_mass",
         "contact.preload",
+        "solver.changes",
         "drive.signal",
         "rotor.mass",
         "rotor.bearing_stiffness",

@@ -64,6 +64,11 @@ RULES: Final = (
         "solver.precision is {0:g} and solver.until is {1}; it must come with solver.until=steady.",
     ),
     Rule(
+        ("solver.changes", "solver.until"),
+        lambda changes, until: not changes or until != STEADY,
+        "solver.changes is {0}; it must be null with solver.until=steady.",
+    ),
+    Rule(
         ("solver.tolerance", "law.name"),
         lambda tolerance, law: tolerance is None or issubclass(law_class(law), PenaltyLaw),
         "solver.tolerance is {0:g}; it must be null with law={1}, whose steps have no tolerance. Refine "

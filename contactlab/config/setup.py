@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, final
 
+from contactlab.config.changes import changed
 from contactlab.config.composition import compose
 from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
@@ -60,6 +61,7 @@ class Setup:
         configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
         until: 'duration', or 'steady' to end once the motor has settled, at the latest after the duration.
         precision: share by which a motor may be off its steady state where a run until then ends [1].
+        changes: times after the start [s], and the motor from each on.
     """
 
     motor: Motor
@@ -71,6 +73,7 @@ class Setup:
     configuration: dict[str, Any]
     until: Until = "duration"
     precision: float = PRECISION
+    changes: tuple[tuple[float, Motor], ...] = ()
 
     def run(self, *, keep_interrupted: bool = False, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own.
@@ -83,10 +86,23 @@ class Setup:
             names.append("precision")
         arguments = {name: getattr(self, name) for name in names} | others
         function = simulate_until_steady if self.until == STEADY else simulate
-        trajectory = function(self.motor, self.law, **arguments)
-        if trajectory.ending is Ending.INTERRUPTED and not keep_interrupted:
-            raise KeyboardInterrupt(trajectory.message)
-        return trajectory
+        duration, interval = arguments.pop("duration"), arguments.pop("record_interval")
+        ends = [*(time for time, _ in self.changes if time < duration), duration]
+        motors = [self.motor, *(motor for _, motor in self.changes)]
+        run, done = None, 0.0
+        for motor, end in zip(motors, ends, strict=False):
+            length = end - done
+            piece = function(
+                motor, self.law, duration=length, record_interval=min(interval, length), **arguments
+            )
+            run = piece if run is None else run.followed_by(piece)
+            if not piece.ending.reached_end:
+                break
+            arguments["start"], done = piece.state, end
+        assert run is not None
+        if run.ending is Ending.INTERRUPTED and not keep_interrupted:
+            raise KeyboardInterrupt(run.message)
+        return run
 
 
 def build(configuration: Values | Sequence[str] = ()) -> Setup:
@@ -108,37 +124,44 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         configuration = compose(configuration)
     values, law = _checked(configuration)
     resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
-    drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
-    rotor = dict(resolved["rotor"])
+    solver = resolved["solver"]
+    motor = _motor(resolved)
+    later = changed(resolved, solver["changes"] or (), solver["duration"])
+    changes = tuple((time, _motor(_checked(each)[0])) for time, each in later)
+    if solver["until"] == STEADY:
+        _refuse_unseen_periods(motor.drive, resolved["record"]["interval"])
+    # What follows from the rotor takes its place in the configuration.
+    of_law = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
+    resolved["law"] |= {key: getattr(law, key) for key in of_law}
+    if solver["contact_step"] is None:
+        solver["contact_step"] = min(default_contact_step(motor.modes, law), solver["duration"])
+    if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
+        solver["tolerance"] = DEFAULT_TOLERANCE
+    numbers = {key: value for key, value in solver.items() if key != "changes"}
+    interval = resolved["record"]["interval"]
+    return Setup(motor, law, record_interval=interval, **numbers, configuration=resolved, changes=changes)
+
+
+def _motor(values: dict[str, Any]) -> Motor:
+    """Return the motor of a configuration, and write into it what follows from modes, files and rotor."""
+    contact, rotor = values["contact"], dict(values["rotor"])
     radius, mass = rotor.pop("radius"), rotor.pop("mass")
     bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
-    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"])
-    rod = resolved["resonator"].get("rod_length")
+    rod = values["resonator"].get("rod_length")
     if rod is not None and rod != contact["tip_length"]:
         wanted = f"contact.tip_length, {contact['tip_length']:g} m"
         raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
-    if resolved["resonator"]["basis"] == MODAL:
-        modes = _modes_of_file(resolved)
+    if values["resonator"]["basis"] == MODAL:
+        modes = _modes_of_file(values)
     else:
-        resonator = {group: resolved[group] for group in ("resonator", *OF_BEAMS)}
-        modes = _modes(tuple(flat(resonator).items()))
-    electrodes = drive_of(drive, modes)
-    if solver["until"] == STEADY:
-        _refuse_unseen_periods(electrodes, resolved["record"]["interval"])
-    # What follows from the rotor takes its place in the configuration.
-    numbers = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
-    resolved["law"] |= {key: getattr(law, key) for key in numbers}
-    if solver["contact_step"] is None:
-        solver["contact_step"] = min(default_contact_step(modes, law), solver["duration"])
-    if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
-        solver["tolerance"] = DEFAULT_TOLERANCE
-    motor = Motor(modes, electrodes, geometry, Rotor(**rotor))
-    if contact["preload"] is not None:
-        if mass is None:
-            mass = resolved["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
-        motor = on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
-    interval = resolved["record"]["interval"]
-    return Setup(motor, law, record_interval=interval, **solver, configuration=resolved)
+        modes = _modes(tuple(flat({group: values[group] for group in ("resonator", *OF_BEAMS)}).items()))
+    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"])
+    motor = Motor(modes, drive_of(values["drive"], modes), geometry, Rotor(**rotor))
+    if contact["preload"] is None:
+        return motor
+    if mass is None:
+        mass = values["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
+    return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
 
 
 def validate(configuration: Values) -> dict[str, Any]:

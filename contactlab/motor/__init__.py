@@ -7,6 +7,7 @@ from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
+from contactlab.motor.residual import add_residual_modes
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
 from contactlab.motor.waveform import Waveform
 
@@ -29,6 +30,7 @@ __all__ = [
     "TwoMode",
     "TwoPhase",
     "Waveform",
+    "add_residual_modes",
     "ball",
     "belt",
     "block",

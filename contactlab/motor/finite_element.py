@@ -199,9 +199,16 @@ class FiniteElementResonator(PatchedBeam):
         super().__post_init__()
         if self.rod_length is not None:
             self._refuse_beside("rod_length", {"tip_inertia": self.tip_inertia})
+        if self.residual_mass and (self.rod_length is not None or not self.static_correction):
+            raise ValueError(
+                "residual_mass is True: rod_length must be None, and static_correction True, the "
+                "residual flexibility of which the residual modes have."
+            )
 
     def _solve(self) -> NormalModes:
         """Compute kept modes and pseudo-modes, in ascending order of frequency."""
+        if self.residual_mass:
+            return self._with_residual_modes(static_correction=False)
         beam = self.discretise(self.mesh)
         squares, vectors = beam.lowest(self.kept_modes)
         if self.static_correction:

@@ -23,6 +23,7 @@ from threadpoolctl import threadpool_limits
 from contactlab.arrays import Array
 from contactlab.checks import Checked
 from contactlab.motor.motor import NormalModes
+from contactlab.motor.residual import add_residual_modes
 from contactlab.parameter import Parameter, not_negative, positive
 
 RESOLVED = 1e-9
@@ -177,6 +178,9 @@ class PiezoceramicDatasheet(Checked):
         )
 
 
+_RESIDUAL_MASS = Parameter(
+    "", "1", "whether two residual modes let a rigid impact meet the tip's mass with any number of modes"
+)
 _DAMPING_RATIO = Parameter(
     "zeta",
     "1",
@@ -210,12 +214,16 @@ class PatchedBeam(Checked, ABC):
     mass_damping: Annotated[float, not_negative("alpha", "s-1", "damping per mass")] = 7.5
     stiffness_damping: Annotated[float, not_negative("beta", "s", "damping per stiffness")] = 2e-5
     damping_ratio: Annotated[float | None, _DAMPING_RATIO] = None
+    residual_mass: Annotated[bool, _RESIDUAL_MASS] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
         rayleigh = {name: getattr(self, name) for name in ("mass_damping", "stiffness_damping")}
         if self.damping_ratio is not None:
             self._refuse_beside("damping_ratio", rayleigh)
+        for name in ("tip_mass", "tip_inertia"):
+            if self.residual_mass and not getattr(self, name) > 0.0:
+                raise ValueError(f"{name} is 0; with residual_mass it must be positive.")
         half = 0.5 * self.length
         if not self.patch_start < self.patch_end <= half:
             raise ValueError(
@@ -259,6 +267,42 @@ class PatchedBeam(Checked, ABC):
     @abstractmethod
     def _solve(self) -> NormalModes:
         """Compute the normal modes in the basis of the subclass."""
+
+    def _with_residual_modes(self, **options: Any) -> NormalModes:
+        """Return the kept modes with residual modes of flexibility and mass."""
+        modes = replace(self, residual_mass=False, **options).modes
+        tip = np.stack([modes.tip_displacement, modes.tip_slope])
+        residual = self.static_response - tip / modes.stiffness @ np.hstack([tip.T, modes.coupling])
+        return add_residual_modes(
+            modes,
+            np.diag([self.tip_mass, self.tip_inertia]),
+            residual[:, :2],
+            voltage_response=residual[:, 2:],
+            damping=self.modal_damping,
+        )
+
+    @property
+    def static_response(self) -> Array:
+        """Deflection and slope at the tip under unit tip force, unit tip moment and 1 V on each electrode.
+
+        Shape (2, 4), [m/N, 1/N, m/V; 1/N, 1/(N m), 1/V], in closed form: each load and each reaction of the
+        right clamp works on the curvature by its moment m(x) on a cantilever, and EI w'' is what is left of
+        the load's moment orthogonal to the reactions', in the product int m m' dx / (E I).
+        """
+        centre, (first, second) = 0.5 * self.length, self.patches
+        edges = np.unique([0.0, *first, centre, *second, self.length])
+        half = 0.5 * np.diff(edges)[:, None]
+        # Two Gauss points a section, exact for products of linear moments.
+        x = (edges[:-1, None] + half * (1.0 + np.array([-1.0, 1.0]) / np.sqrt(3.0))).ravel()
+        patched = [(start < x) & (x < end) for start, end in self.patches]
+        rigidity = self.steel_rigidity + self.layer_rigidity * (patched[0] | patched[1])
+        before = x < centre
+        loads = [(centre - x) * before, before, *(self.moment_per_voltage * each for each in patched)]
+        moments = np.stack([1.0 + 0.0 * x, self.length - x, *loads], axis=1)
+        moments *= np.sqrt(np.repeat(half, 2) / rigidity)[:, None]
+        reactions = np.linalg.qr(moments[:, :2])[0]
+        free = moments[:, 2:] - reactions @ (reactions.T @ moments[:, 2:])
+        return np.asarray(free[:, :2].T @ free)
 
     @property
     def patches(self) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -174,4 +174,6 @@ class RitzResonator(PatchedBeam):
         )
 
     def _solve(self) -> NormalModes:
+        if self.residual_mass:
+            return self._with_residual_modes()
         return self.matrices.modes()

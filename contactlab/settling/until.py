@@ -1,13 +1,9 @@
 """Run a motor until it has settled, in stretches that each continue from the state of the one before."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from itertools import count
 from math import ceil
 from typing import Any, Final, Literal
-
-import numpy as np
-from numpy.typing import NDArray
 
 from contactlab.engine.preparation import ON_GRID
 from contactlab.engine.simulation import simulate
@@ -81,7 +77,7 @@ def simulate_until_steady(
             start=start,
             **others,
         )
-        run = piece if run is None else _joined(run, piece)
+        run = piece if run is None else run.followed_by(piece)
         start = piece.state
         if last or not piece.ending.reached_end or _has_settled(run, period, precision):
             return run
@@ -109,24 +105,3 @@ def _has_settled(run: Trajectory, period: float, precision: float) -> bool:
 def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:
     """Suppress the report of compilation, which was made before."""
     return progress and (lambda time: progress(time) if time > 0.0 else None)
-
-
-def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
-    """Join a run and its continuation; the contact that was cut is whole in the second."""
-    ended = ~np.isnan(first.contacts["separation_velocity"])
-
-    def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:
-        return np.concatenate((before[:-1], after))
-
-    return replace(
-        second,
-        duration=first.duration + second.duration,
-        record_interval=first.record_interval,
-        time=both(first.time, second.time),
-        series={name: both(values, second.series[name]) for name, values in first.series.items()},
-        contact_mode=both(first.contact_mode, second.contact_mode),
-        contacts={
-            name: np.concatenate((values[ended], second.contacts[name]))
-            for name, values in first.contacts.items()
-        },
-    )

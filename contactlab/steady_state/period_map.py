@@ -47,6 +47,10 @@ class PeriodMap:
     belt: float | None = None
     weights: tuple[float, ...] = ()
 
+    def __post_init__(self) -> None:
+        if self.setup.changes:
+            raise ValueError("The setup has solver.changes; a steady state is that of one motor.")
+
     @cached_property
     def period(self) -> float:
         """Time that the map takes [s]."""

@@ -87,7 +87,7 @@ class Compare(Study):
 
     name: ClassVar[str] = "compare"
     several: ClassVar[bool] = True
-    ignored: ClassVar[tuple[str, ...]] = ("record.picture", "sweep")
+    ignored: ClassVar[tuple[str, ...]] = ("record.picture", "sweep", "solver.changes")
     delay: ClassVar[float] = 10.0
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {
         # A folder of a sweep is named by its overrides: two/law=newton.

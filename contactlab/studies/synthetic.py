@@ -23,7 +23,7 @@ class Synthetic(Study):
     """
 
     name: ClassVar[str] = "synthetic"
-    ignored: ClassVar[tuple[str, ...]] = ("uncertainty", "sweep", "record.picture")
+    ignored: ClassVar[tuple[str, ...]] = ("uncertainty", "sweep", "record.picture", "solver.changes")
 
     impacts: Annotated[int | None, option("number of impacts, instead of series", at_least=1)] = None
     series: Annotated[list[str] | None, option("series of the motor; rotor_velocity")] = None

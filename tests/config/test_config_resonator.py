@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from support.configurations import altered, composed, options
+from support.configurations import altered, composed
 
 from contactlab.config import ConfigurationError, build
+from contactlab.config.groups import BASES
 from contactlab.motor import FiniteElementResonator
 
 
@@ -15,7 +16,7 @@ def faults(changes: dict[str, object], resonator: str) -> list[str]:
 
 
 def test_bases_describe_the_same_beam() -> None:
-    sections = [composed(resonator=name)["resonator"] for name in options("resonator")]
+    sections = [composed(resonator=name)["resonator"] for name in BASES]
     own = {"basis", "shapes", "kept_modes", "static_correction", "rod_length"}
     beams = [{k: v for k, v in section.items() if k not in own} for section in sections]
     assert beams[0] == beams[1]
@@ -46,7 +47,7 @@ def test_a_faulty_value_of_finite_elements_is_refused_by_its_key(key: str, value
     assert fault.startswith(key)
 
 
-@pytest.mark.parametrize("resonator", options("resonator"))
+@pytest.mark.parametrize("resonator", list(BASES))
 def test_numbers_beyond_double_precision_are_refused(resonator: str) -> None:
     tiny: dict[str, object] = {"resonator.length": 1e-200, "placement.start": 0, "placement.end": 1e-201}
     assert faults(tiny, resonator)

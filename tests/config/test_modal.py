@@ -1,0 +1,168 @@
+"""Claims on resonators of files: they are what was written, whatever the form, and faults have a name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.config.modal import read_modes, write_modes
+from contactlab.motor import NormalModes
+
+HEAD = "frequency [Hz],damping_ratio,uy,ux,coupling_1 [N/V]"
+ROW = "1000,0.01,10,2,0.1"
+
+
+def written(path: Path, *lines: str) -> Path:
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("name", ["modes.csv", "modes.nc"])
+def test_a_motor_of_a_file_is_the_one_that_was_written_bit_for_bit(tmp_path: Path, name: str) -> None:
+    beam = cl.build(["solver.duration=2e-3"])
+    write_modes(beam.motor.modes, tmp_path / name)
+    again = cl.build(["resonator=modal", f"resonator.file={tmp_path / name}", "solver.duration=2e-3"])
+    for field in ("stiffness", "damping", "coupling", "tip_displacement", "tip_slope", "capacitance"):
+        assert np.array_equal(getattr(again.motor.modes, field), getattr(beam.motor.modes, field))
+    first, second = beam.run(), again.run()
+    assert first.contacts["start_time"].size
+    for series, values in first.series.items():
+        assert np.array_equal(second.series[series], values), series
+
+
+def test_shapes_of_any_scale_have_the_same_modes(tmp_path: Path) -> None:
+    """A shape with the modal mass m is m^-1/2 times as large per unit mass, and its coupling as well."""
+    one = read_modes(written(tmp_path / "one.csv", HEAD, ROW), 0.02)
+    other = read_modes(
+        written(tmp_path / "two.csv", f"{HEAD},modal_mass [g]", "1000,0.01,1,0.2,0.01,10"), 0.02
+    )
+    for field in ("stiffness", "damping", "coupling", "tip_displacement", "tip_slope"):
+        assert getattr(other, field) == pytest.approx(getattr(one, field), rel=1e-12)
+    omega = 2e3 * np.pi
+    assert one.stiffness[0] == pytest.approx(omega**2, rel=1e-15)
+    assert one.damping[0] == pytest.approx(2 * 0.01 * omega, rel=1e-15)
+
+
+def test_displacement_and_rotation_of_a_rigid_tip_are_one_motion(tmp_path: Path) -> None:
+    length = 0.02
+    along = read_modes(written(tmp_path / "ux.csv", HEAD, ROW), length)
+    head = HEAD.replace("ux", "rotation [rad/m]")
+    turned = read_modes(written(tmp_path / "turn.csv", head, f"1000,0.01,10,{-2 / length},0.1"), length)
+    assert along.tip_slope == pytest.approx(turned.tip_slope, rel=1e-15)
+    assert -length * along.tip_slope == pytest.approx([2.0])
+
+
+def test_modal_stiffness_and_damping_are_those_of_the_frequency(tmp_path: Path) -> None:
+    omega = 2e3 * np.pi
+    head = HEAD.replace("frequency [Hz],damping_ratio", "stiffness [N/m],damping [N s/m]")
+    made = read_modes(written(tmp_path / "k.csv", head, f"{omega**2!r},{0.02 * omega!r},10,2,0.1"), 0.02)
+    assert made.natural_frequency[0] == pytest.approx(1000.0, rel=1e-14)
+    assert made.damping_ratio[0] == pytest.approx(0.01, rel=1e-14)
+
+
+def test_modes_are_sorted_and_the_lowest_are_taken(tmp_path: Path) -> None:
+    rows = ["3000,0.01,1,1,0.1", "1000,0.01,2,1,0.1", "2000,0.01,3,1,0.1"]
+    path = written(tmp_path / "modes.csv", HEAD, *rows)
+    assert read_modes(path, 0.02).tip_displacement.tolist() == [2.0, 3.0, 1.0]
+    assert read_modes(path, 0.02, 2).natural_frequency == pytest.approx([1000.0, 2000.0])
+    setup = cl.build(["resonator=modal", f"resonator.file={path}", "resonator.modes=1", *one_tone(tmp_path)])
+    assert setup.motor.modes.stiffness.size == 1
+
+
+def one_tone(folder: Path) -> list[str]:
+    path = written(folder / "tones.csv", "frequency [Hz],voltage_1 [V],phase_1 [rad]", "1500,10,0")
+    return ["drive=tones", f"drive.file={path}"]
+
+
+def test_capacitances_are_those_of_the_comments(tmp_path: Path) -> None:
+    comments = ["# capacitance_1_1: 2 nF", "# capacitance_2_2: 3 nF", "# capacitance_1_2: -0.1 nF"]
+    lines = f"{HEAD},coupling_2 [N/V]", f"{ROW},0.2"
+    made = read_modes(written(tmp_path / "modes.csv", *comments, *lines), 0.02)
+    assert made.capacitance is not None
+    assert made.capacitance == pytest.approx(np.array([[2e-9, -1e-10], [0.0, 3e-9]]))
+
+
+@pytest.mark.parametrize(
+    ("head", "row", "named"),
+    [
+        (HEAD.replace("uy,", ""), "1000,0.01,2,0.1", "uy"),
+        (HEAD.replace("ux,", ""), "1000,0.01,2,0.1", "rotation"),
+        (f"{HEAD},rotation [rad/m]", f"{ROW},1", "rotation"),
+        (HEAD.replace("frequency [Hz],", ""), "0.01,10,2,0.1", "stiffness"),
+        (f"{HEAD},stiffness [N/m]", f"{ROW},1", "stiffness"),
+        (HEAD.replace("damping_ratio", "damping [N s/m]"), ROW, "damping"),
+        (HEAD.replace("[Hz]", "[m]"), ROW, "frequency"),
+        (HEAD.replace("[N/V]", ""), ROW, "coupling_1"),
+        (HEAD.replace("coupling_1", "coupling_2"), ROW, "coupling_1"),
+        (HEAD.replace("coupling_1", "force"), ROW, "coupling_1"),
+        (f"{HEAD},uz", f"{ROW},1", "uz"),
+        (f"{HEAD},uy", f"{ROW},1", "uy"),
+        (HEAD, "-1000,0.01,10,2,0.1", "frequency"),
+        (HEAD, "1000,-0.01,10,2,0.1", "damping_ratio"),
+        (HEAD, "1000,0.01,nan,2,0.1", "uy"),
+        (HEAD, "1000,0.01,inf,2,0.1", "uy"),
+        (HEAD, "1000,0.01,ten,2,0.1", "uy"),
+        (HEAD, "1000,0.01,10,2", "4 cells"),
+        (f"{HEAD},modal_mass [kg]", f"{ROW},0", "modal_mass"),
+        (f"# capacitance_2_2: 1 nF\n{HEAD}", ROW, "capacitance_2_2"),
+        (f"# capacitance_1_1: 1 m\n{HEAD}", ROW, "capacitance_1_1"),
+    ],
+)
+def test_a_wrong_file_is_refused_by_the_name_of_its_column(
+    tmp_path: Path, head: str, row: str, named: str
+) -> None:
+    path = written(tmp_path / "modes.csv", head, row)
+    with pytest.raises(cl.ConfigurationError, match=r"^resonator\.file is") as refused:
+        cl.build(["resonator=modal", f"resonator.file={path}"])
+    assert named in str(refused.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"\x89HDF\r\n\x1a\n", b"\xff\xfe\x00"])
+def test_what_is_no_table_is_refused(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "modes.csv"
+    path.write_bytes(content)
+    with pytest.raises(cl.ConfigurationError, match=r"^resonator\.file is"):
+        cl.build(["resonator=modal", f"resonator.file={path}"])
+
+
+def test_a_file_that_is_not_there_or_has_changed_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "modes.csv"
+    with pytest.raises(cl.ConfigurationError, match=r"resonator\.file"):
+        cl.build(["resonator=modal", f"resonator.file={path}"])
+    write_modes(cl.RitzResonator().modes, path)
+    recorded = cl.build(["resonator=modal", f"resonator.file={path}"]).configuration
+    assert cl.build(recorded).configuration == recorded
+    write_modes(cl.RitzResonator(shapes=3).modes, path)
+    with pytest.raises(cl.ConfigurationError, match=r"resonator\.digest"):
+        cl.build(recorded)
+
+
+def test_what_a_file_has_is_no_option_beside_it(tmp_path: Path) -> None:
+    write_modes(cl.RitzResonator().modes, tmp_path / "modes.csv")
+    chosen = ["resonator=modal", f"resonator.file={tmp_path / 'modes.csv'}"]
+    with pytest.raises(cl.ConfigurationError, match=r"placement\.end"):
+        cl.build([*chosen, "placement.end=8 mm"])
+    with pytest.raises(cl.ConfigurationError, match=r"piezoceramic\.density"):
+        cl.build([*chosen, "piezoceramic.density=7000"])
+
+
+def test_a_motor_of_three_electrodes_closes_its_ledger(tmp_path: Path) -> None:
+    """Three electrodes are two, where the third couples like the sum of both."""
+    beam = cl.build(["solver.duration=3e-3"]).motor
+    modes, drive = beam.modes, beam.drive
+    wide = NormalModes(
+        stiffness=modes.stiffness,
+        damping=modes.damping,
+        coupling=np.column_stack([modes.coupling, modes.coupling.sum(axis=1)]),
+        tip_displacement=modes.tip_displacement,
+        tip_slope=modes.tip_slope,
+    )
+    # U1 + U3 and U2 + U3 are the voltages of the two.
+    split = np.vstack([0.5 * drive.phasors, 0.0 * drive.phasors[:1]])
+    split[2] = 0.5 * drive.phasors[0]
+    split[1] = drive.phasors[1] - split[2]
+    motors = [beam, cl.Motor(wide, cl.Drive(drive.frequency, split))]
+    two, three = (cl.simulate(motor, cl.HertzPenalty(), duration=3e-3) for motor in motors)
+    assert three["rotor_velocity"].values == pytest.approx(two["rotor_velocity"].values, abs=1e-9)
+    assert abs(float(three["energy_residual"][-1])) < 1e-9 * float(three["drive_work"][-1])

@@ -1,0 +1,133 @@
+"""Claims on a rotor that a bearing presses on the tip: closed forms, limits, and the ledger."""
+
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.motor.bodies import FLAT, block
+
+SILENT = ["drive.voltage_1=0", "drive.voltage_2=0"]
+
+
+def stiff(mass: float = 1e6) -> cl.Motor:
+    """A resonator that hardly moves: a heavy body, against which the rotor bounces."""
+    motor = block(mass)
+    return cl.Motor(motor.modes, geometry=cl.ContactGeometry(FLAT, FLAT, 0.0), rotor=motor.rotor)
+
+
+def test_a_pressed_rotor_indents_by_hertz() -> None:
+    """P = k d^(3/2) at rest."""
+    setup = cl.build(["contact.preload=5 N", "rotor.bearing_damping=2e3", *SILENT])
+    run = setup.run()
+    assert isinstance(setup.law, cl.HertzPenalty)
+    depth = (5.0 / setup.law.stiffness) ** (2.0 / 3.0)
+    assert -run.series["gap"][-1] == pytest.approx(depth, rel=1e-5)
+    assert run.series["normal_force"][-1] == pytest.approx(5.0, rel=1e-5)
+    # The beam gives way as well: the rotor sinks by the clearance and both.
+    modes = setup.motor.modes
+    beam = slice(0, modes.stiffness.size - 1)
+    static = 5.0 * float(np.sum(modes.tip_displacement[beam] ** 2 / modes.stiffness[beam]))
+    expected = -(1e-6 + depth + static)
+    assert run.series["rotor_normal_displacement"][-1] == pytest.approx(expected, rel=1e-5)
+
+
+@pytest.mark.parametrize("preload", [0.5, 20.0])
+def test_the_mean_force_of_a_driven_motor_is_the_preload(preload: float) -> None:
+    """The bearing has no stiffness: in the mean nothing else carries the contact force."""
+    run = cl.build([f"contact.preload={preload}", "solver.duration=0.06"]).run()
+    half = run.time.size // 2
+    force = run.series["normal_force"][half:].mean()
+    span = run.time[-1] - run.time[half]
+    speed = np.gradient(run.series["rotor_normal_displacement"], run.time)
+    mass = 2.0 * 4.8e-5 / 0.025**2
+    # m dv = (N - P) dt, but for the turn of the tip, of the second order.
+    assert force - preload == pytest.approx(mass * (speed[-1] - speed[half]) / span, abs=2e-3 * preload)
+
+
+def test_a_rotor_bounces_in_the_period_of_its_weight() -> None:
+    """Thrown off at v under a force P without stiffness, a mass m comes back after 2 m v / P."""
+    mass, preload, velocity = 0.2, 3.0, 0.05
+    motor = cl.on_bearing(stiff(), cl.Bearing(mass, preload))
+    assert motor.start is not None
+    motor.start.velocity[-1] = sqrt(mass) * velocity
+    run = cl.simulate(motor, cl.Newton(restitution=1.0), duration=0.05, record_interval=1e-4)
+    starts = run.contacts["start_time"].values
+    assert np.diff(starts) == pytest.approx(2.0 * mass * velocity / preload, rel=1e-5)
+
+
+def test_a_free_rotor_swings_on_its_bearing() -> None:
+    mass, stiffness, preload, clearance = 0.2, 1e6, 0.5, 1e-6
+    motor = cl.build(SILENT).motor
+    pressed = cl.on_bearing(motor, cl.Bearing(mass, preload, stiffness))
+    assert pressed.start is not None
+    rest = -preload / stiffness
+    assert pressed.start.displacement[-1] / sqrt(mass) == pytest.approx(rest)
+    assert abs(rest) < clearance
+    pressed.start.velocity[-1] = sqrt(mass) * 1e-4
+    run = cl.simulate(pressed, cl.HertzPenalty(), duration=3e-3, record_interval=1e-6)
+    omega = sqrt(stiffness / mass)
+    expected = rest + 1e-4 / omega * np.sin(omega * run["time"].values)
+    assert run["rotor_normal_displacement"].values == pytest.approx(expected, abs=1e-13)
+    assert 2.0 * pi / omega < 3e-3
+
+
+def test_an_infinitely_stiff_bearing_is_the_fixed_axle() -> None:
+    """The difference falls with one over the stiffness, for the bearing gives way by N / k."""
+    common = ["solver.duration=4e-3", "resonator=finite_element"]
+    fixed = cl.build(common).run().series["rotor_velocity"][-1]
+    apart = []
+    for stiffness in (1e9, 1e10):
+        pressed = [*common, "contact.preload=0", f"rotor.bearing_stiffness={stiffness}"]
+        apart.append(abs(cl.build(pressed).run().series["rotor_velocity"][-1] - fixed))
+    assert apart[0] < 0.02 * abs(fixed)
+    assert apart[1] < 0.2 * apart[0]
+
+
+@pytest.mark.parametrize("law", ["hertz_penalty", "lagrange_stick"])
+def test_a_load_below_the_friction_of_the_preload_is_held(law: str) -> None:
+    """The drive off, the rotor holds against mu P R, and no more."""
+    holding = 0.3 * 5.0 * 0.025
+    common = [
+        f"law={law}",
+        "contact.preload=5 N",
+        "rotor.bearing_damping=2e3",
+        *SILENT,
+        "solver.duration=0.03",
+    ]
+    held = cl.build([*common, f"rotor.load_torque={0.9 * holding}"]).run()
+    slips = cl.build([*common, f"rotor.load_torque={1.1 * holding}"]).run()
+    late = held.time.size // 2
+    # What sticks to the tip swings with it, and stays.
+    assert abs(held.series["rotor_velocity"][late:].mean()) < 0.01 * abs(slips.series["rotor_velocity"][-1])
+    acceleration = -0.1 * holding / 4.8e-5
+    time = slips.time[late:]
+    fitted = np.polyfit(time, slips.series["rotor_velocity"][late:], 1)[0]
+    assert fitted == pytest.approx(acceleration, rel=0.02)
+
+
+def test_the_ledger_of_a_pressed_motor_closes() -> None:
+    run = cl.build(["contact.preload=5 N", "rotor.bearing_stiffness=1e5", "rotor.bearing_damping=10"]).run()
+    residual = np.abs(run.series["energy_residual"]).max()
+    assert residual < 1e-9 * run.series["drive_work"][-1]
+
+
+@pytest.mark.parametrize("key", ["mass", "bearing_stiffness", "bearing_damping"])
+def test_a_fixed_axle_has_no_bearing(key: str) -> None:
+    with pytest.raises(cl.ConfigurationError, match=rf"rotor\.{key}"):
+        cl.build([f"rotor.{key}=1"])
+    with pytest.raises(cl.ConfigurationError, match=rf"rotor\.{key}"):
+        cl.build(["contact.preload=1", f"rotor.{key}=-1"])
+
+
+def test_a_configuration_without_a_bearing_is_one_of_before() -> None:
+    configuration = cl.build().configuration
+    for group, key in (
+        ("contact", "preload"),
+        ("rotor", "mass"),
+        ("rotor", "bearing_damping"),
+        ("drive", "signal"),
+    ):
+        del configuration[group][key]
+    assert cl.build(configuration).motor.modes.stiffness.size == 4
