@@ -35,6 +35,7 @@ BEYOND = (
     "optimum_placement",
     "basis_convergence",
     "impact_step_study",
+    "impact_mass",
     "drive_phase_map",
     "orbits_over_clearance",
     "impact_oscillator",

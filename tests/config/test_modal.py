@@ -83,9 +83,23 @@ def test_capacitances_are_those_of_the_comments(tmp_path: Path) -> None:
     assert made.capacitance == pytest.approx(np.array([[2e-9, -1e-10], [0.0, 3e-9]]))
 
 
+def test_an_impact_meets_the_tips_mass_where_the_residual_is_known(tmp_path: Path) -> None:
+    numbers = ["residual_uu: 1e-7 m/N", "residual_ur: 0 1/N", "residual_rr: 0.01 rad/(N m)"]
+    tip = ["tip_mass: 1.5 g", "tip_inertia: 2e-7 kg m^2"]
+    head = HEAD.replace("ux", "rotation [rad/m]")
+    lines = [*(f"# {each}" for each in [*numbers, *tip]), head, ROW]
+    modes = read_modes(written(tmp_path / "modes.csv", *lines), 0.02)
+    assert 1.0 / float(modes.tip_displacement @ modes.tip_displacement) == pytest.approx(1.5e-3)
+    kept = slice(1, None)
+    yields = modes.tip_displacement[kept] ** 2 @ (1.0 / modes.stiffness[kept])
+    assert yields == pytest.approx(1e-7)
+
+
 @pytest.mark.parametrize(
     ("head", "row", "named"),
     [
+        (f"# residual_uu: 1e-7 m/N\n{HEAD}", ROW, "residual_ur"),
+        (f"# tip_mass: 1 g\n{HEAD}", ROW, "residual_uu"),
         (HEAD.replace("uy,", ""), "1000,0.01,2,0.1", "uy"),
         (HEAD.replace("ux,", ""), "1000,0.01,2,0.1", "rotation"),
         (f"{HEAD},rotation [rad/m]", f"{ROW},1", "rotation"),

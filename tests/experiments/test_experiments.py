@@ -53,6 +53,8 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     "basis_convergence": (lambda d: float(d.first_frequency[-1]), 2137.532, 5e-3),
     # Peak over step of the slip law.
     "impact_step_study": (lambda d: float(d.peak_exponent[0]), -1.0, 0.02),
+    # With residual modes an impact meets the tip's mass [g].
+    "impact_mass": (lambda d: 1e3 * float(d.mass.isel(residual_mass=1, step=-1).min()), 1.181, 1e-3),
     # Turning the phase by pi changes nothing: from -pi to pi the velocity comes back [rad/s].
     "drive_phase_map": (
         lambda d: float(np.abs(d.rotor_velocity[0, :, 0] - d.rotor_velocity[0, :, -1]).max()),
