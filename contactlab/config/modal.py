@@ -8,6 +8,9 @@
     modal_mass                 kg, of the shapes as they stand; 1 where the column is absent
     capacitance_1_1 ...        F, a number each, with the modes at rest; zero where others are absent
     loss_tangent               1, a number
+    residual_uu, residual_ur, residual_rr   m/N, 1/N, rad/(N m): what the modes that are left out yield to a
+                               force along y and a moment at the tip; numbers, together with the next two
+    tip_mass, tip_inertia      kg, kg m2, of the rigid tip, which an impact meets; see `add_residual_modes`
 
 x points along the surface, y from the structure to the rotor, and a rotation turns x to y. CSV has a header
 with units, a row a mode, and numbers as comments `# capacitance_1_1: 2.3 nF`; netCDF has a variable each.
@@ -26,7 +29,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.checks import Checked
 from contactlab.config.table import MeasurementError, Table, read_table, write_csv
-from contactlab.motor import NormalModes
+from contactlab.motor import NormalModes, add_residual_modes
 from contactlab.parameter import Parameter
 
 _FILE: Final = Parameter("", "1", "CSV or netCDF file of the modes")
@@ -44,6 +47,13 @@ _UNITS: Final = {
     "rotation": "rad m-1",
     "modal_mass": "kg",
     "loss_tangent": "1",
+}
+_RESIDUAL: Final = {
+    "residual_uu": "m N-1",
+    "residual_ur": "N-1",
+    "residual_rr": "rad N-1 m-1",
+    "tip_mass": "kg",
+    "tip_inertia": "kg m2",
 }
 
 
@@ -73,8 +83,8 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
     electrodes = _electrodes(table)
     couplings = [f"coupling_{e}" for e in range(1, electrodes + 1)]
     capacitances = [f"capacitance_{i + 1}_{j + 1}" for i, j in np.ndindex(electrodes, electrodes)]
-    table.check_names([*_UNITS, *couplings, *capacitances])
-    rate, loss = _one_of(table, "frequency", "stiffness"), _one_of(table, "damping_ratio", "damping")
+    table.check_names([*_UNITS, *_RESIDUAL, *couplings, *capacitances])
+    rate, loss = _either(table, "frequency", "stiffness"), _either(table, "damping_ratio", "damping")
     if (rate, loss) not in _PAIRS:
         pairs = " or ".join(" and ".join(pair) for pair in _PAIRS)
         raise MeasurementError(f"'{loss}' stands beside '{rate}'; there must be {pairs}.")
@@ -88,12 +98,12 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
         stiffness, damping = omega**2, 2.0 * losses * omega
     else:
         stiffness, damping = values / mass, losses / mass
-    along = _one_of(table, "ux", "rotation")
+    along = _either(table, "ux", "rotation")
     slope = _column(table, along) / (-tip_length if along == "ux" else 1.0)
     root = np.sqrt(mass)
     coupling = np.stack([_column(table, name, "N V-1") for name in couplings], axis=1)
     order = np.argsort(stiffness, kind="stable")[:most]
-    return NormalModes(
+    modes = NormalModes(
         stiffness=stiffness[order],
         damping=damping[order],
         coupling=(coupling / root[:, None])[order],
@@ -102,6 +112,17 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
         capacitance=_capacitance(table, electrodes),
         loss_tangent=float(_column(table, "loss_tangent")[0]) if "loss_tangent" in table.names else 0.0,
     )
+    return _with_residual(modes, table) if {*_RESIDUAL} & {*table.names} else modes
+
+
+def _with_residual(modes: NormalModes, table: Table) -> NormalModes:
+    """Return the modes with those that carry the residual flexibility and the inverse mass."""
+    uu, ur, rr, mass, inertia = (float(_column(table, name, unit)[0]) for name, unit in _RESIDUAL.items())
+    if "rotation" not in table.names:
+        raise MeasurementError(
+            "'residual_rr' is of a rotation; the shapes must have 'rotation' in place of 'ux'."
+        )
+    return add_residual_modes(modes, np.diag([mass, inertia]), np.array([[uu, ur], [ur, rr]]))
 
 
 def write_modes(modes: NormalModes, path: str | Path) -> None:
@@ -133,7 +154,7 @@ def write_modes(modes: NormalModes, path: str | Path) -> None:
 
 def _electrodes(table: Table) -> int:
     """Return the number of electrodes, whose couplings must be counted from 1 without a gap."""
-    numbers = {int(found[1]) for name in table.names if (found := re.fullmatch(r"coupling_(\d+)", name))}
+    numbers = {int(match[1]) for name in table.names if (match := re.fullmatch(r"coupling_(\d+)", name))}
     electrodes = next(n for n in count(1) if n not in numbers) - 1
     if not electrodes or len(numbers) > electrodes:
         raise MeasurementError(
@@ -142,7 +163,7 @@ def _electrodes(table: Table) -> int:
     return electrodes
 
 
-def _one_of(table: Table, *names: str) -> str:
+def _either(table: Table, *names: str) -> str:
     """Return which of two columns is there; there must be one."""
     there = [name for name in names if name in table.names]
     if len(there) != 1:

@@ -26,10 +26,12 @@ from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.law_choice import LawChoice, free_keys, numbers_of, setups_of
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
+from contactlab.inference.points_problem import points_problem
 from contactlab.inference.problem import Problem
 from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MeasuredSeries
 
 STARTS: Final = 16
@@ -72,7 +74,7 @@ _STRENGTHS: Final = (
 SAMPLED: Final = ("chain", "draw")
 
 Discrepancy = Literal["off", "on", "both"]
-Data = MeasuredSeries | MeasuredImpacts
+Data = MeasuredSeries | MeasuredImpacts | MeasuredPoints
 
 
 @final
@@ -174,9 +176,13 @@ def _problem(
 ) -> Problem:
     """Return the problem of one law."""
     problem: Problem
-    if isinstance(data, MeasuredSeries):
-        if corrections:
-            raise ConfigurationError([f"{corrections[0].name} is of measured impacts; the data are series."])
+    if corrections and not isinstance(data, MeasuredImpacts):
+        raise ConfigurationError([f"{corrections[0].name} is of measured impacts; the data are of a motor."])
+    if isinstance(data, MeasuredPoints):
+        if discrepancy:
+            raise ConfigurationError(["study.discrepancy must be off: operating points have no time."])
+        problem = points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
+    elif isinstance(data, MeasuredSeries):
         problem = series_problem(
             data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )

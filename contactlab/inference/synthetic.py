@@ -14,9 +14,10 @@ from contactlab.impacts import velocities_after
 from contactlab.inference.series_problem import root_mean_square, series_of
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts, squared_norm
+from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MeasuredSeries
 
-Measured = TypeVar("Measured", bound=MeasuredSeries | MeasuredImpacts)
+Measured = TypeVar("Measured", bound=MeasuredSeries | MeasuredImpacts | MeasuredPoints)
 
 TRUTH: Final = "truth"
 """Attribute of the true numbers by key, as JSON; of impacts the beginning of a note."""
@@ -136,7 +137,7 @@ def truth_in(measured: Measured, configuration: Mapping[str, Any]) -> dict[str, 
 
     Empty where the data are measured, or made by a law other than the configuration's or by other parts.
     """
-    if isinstance(measured, MeasuredSeries):
+    if isinstance(measured, MeasuredSeries | MeasuredPoints):
         text = measured.attributes.get(TRUTH, "{}")
     else:
         notes = [note.removeprefix(f"{TRUTH}: ") for note in measured.notes if note.startswith(f"{TRUTH}: ")]
@@ -153,15 +154,15 @@ def truth_in(measured: Measured, configuration: Mapping[str, Any]) -> dict[str, 
 
 def without_errors(measured: Measured) -> Measured:
     """Return the data without stated noise."""
-    if isinstance(measured, MeasuredSeries):
+    if isinstance(measured, MeasuredSeries | MeasuredPoints):
         return replace(measured, errors={})
     return replace(measured, covariance=None)
 
 
 def with_noise(measured: Measured, noise: float) -> Measured:
     """Return the data with stated noise, over the root mean square of series or the approach of impacts."""
-    if isinstance(measured, MeasuredSeries):
-        sizes = {name: noise * root_mean_square(x) for name, x in measured.values.items()}
-        return replace(measured, errors={k: np.full(measured.time.size, x) for k, x in sizes.items()})
+    if isinstance(measured, MeasuredSeries | MeasuredPoints):
+        values = measured.values.items()
+        return replace(measured, errors={k: np.full(x.size, noise * root_mean_square(x)) for k, x in values})
     scale = squared_norm(measured.delassus, measured.velocity_before)
     return replace(measured, covariance=noise**2 * scale[:, None, None] * measured.delassus)

@@ -11,18 +11,21 @@ from contactlab.measured import columns
 from contactlab.measured.columns import CONTACT, impacts_of, known_names
 from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
+from contactlab.measured.points import VELOCITY, MeasuredPoints, points_of_table
 from contactlab.measured.series import MEASURABLE, MeasuredSeries, series_of_table
 from contactlab.results.files import damage, digest_of_file, whole_file, whole_netcdf
 
 _COMPRESSED: Final = {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None}
 
 
-def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries:
-    """Read measured impacts or series, by content; impacts have velocities before and after, series a time.
+def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | MeasuredPoints:
+    """Read measured impacts, series or operating points, by content.
+
+    Impacts have velocities before and after, series a time, operating points a rotor velocity and no time.
 
     Raises:
         OSError: the file cannot be read.
-        MeasurementError: it contains neither, or faulty ones; file, column and row are in the message.
+        MeasurementError: it contains none of them, or faulty ones; file, column and row are in the message.
     """
     path = Path(path)
     try:
@@ -33,6 +36,8 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries:
             raise MeasurementError(fault)
         table = read_table(path)
         names = table.names
+        if VELOCITY in names and "time" not in names:
+            return points_of_table(table, digest_of_file(path))
         if {"time", *MEASURABLE} & {*names} and not any(n.startswith(("before_", "after_")) for n in names):
             return series_of_table(table, digest_of_file(path))
         if table.dimension in names and "impact" not in names:
@@ -52,6 +57,8 @@ def read_impacts(path: Path) -> MeasuredImpacts:
         MeasurementError: it contains no impacts, or faulty ones; file, column and row are in the message.
     """
     result = read_measurements(path)
+    if isinstance(result, MeasuredPoints):
+        raise MeasurementError(f"'{path}': it has operating points of a motor, which `contactlab fit` reads.")
     if isinstance(result, MeasuredSeries):
         raise MeasurementError(
             f"'{path}': it has series over time ({', '.join(result.values)}); `contactlab fit` and "
@@ -68,8 +75,8 @@ def read_series(path: Path) -> MeasuredSeries:
         MeasurementError: it contains no series, or faulty ones; file and column are in the message.
     """
     result = read_measurements(path)
-    if isinstance(result, MeasuredImpacts):
-        raise MeasurementError(f"'{path}': it has impacts, and no series over time.")
+    if not isinstance(result, MeasuredSeries):
+        raise MeasurementError(f"'{path}': it has no series over time, but impacts or operating points.")
     return result
 
 

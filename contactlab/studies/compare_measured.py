@@ -17,6 +17,7 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
+from contactlab.config.table import MeasurementError
 from contactlab.impacts import velocities_after
 from contactlab.inference.bootstrap import LEVEL, mean_intervals, paired_differences
 from contactlab.inference.series_problem import series_problem
@@ -24,6 +25,7 @@ from contactlab.laws.declaration import SHARED
 from contactlab.measured import floors
 from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.metrics import CANNOT_TELL, NOT_APPLICABLE, Metric, NotApplicableError
 from contactlab.results.files import digest_of_file
@@ -112,6 +114,8 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
     for path in map(Path, paths):
         try:
             data = read_measurements(path)
+            if isinstance(data, MeasuredPoints):
+                raise MeasurementError(f"'{path}': it has operating points, which `contactlab fit` reads.")
             measurements.append(Measurement(str(path), data, digest_of_file(path)))
         except ValueError as error:
             faults += str(error).splitlines()

@@ -30,6 +30,7 @@ from contactlab.inference.law_choice import LawChoice, corrections_in
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.measured.files import read_measurements
+from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.results.provenance import code_digest
@@ -56,7 +57,7 @@ class Fit(Study):
 
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
-    data: Annotated[str, option("file of measured impacts, or of series of a motor")] = ""
+    data: Annotated[str, option("file of measured impacts, or of series or operating points of a motor")] = ""
     choice: Annotated[
         list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
     ] = None
@@ -87,7 +88,7 @@ class Fit(Study):
         result, noise = self.measured, number_or_free("study.noise", self.noise, 1.0)
         if self.series:
             if not isinstance(result, MeasuredSeries):
-                raise ConfigurationError(["study.series is set and the data are impacts; leave it out."])
+                raise ConfigurationError(["study.series is set and the data are no series; leave it out."])
             try:
                 result = result.only(self.series)
             except ValueError as error:
@@ -105,7 +106,7 @@ class Fit(Study):
         """
         tails = number_or_free("study.student", self.student, inf)
         choice, corrections = corrections_in(self.choice or ())
-        digest = self.measured.digest if isinstance(self.measured, MeasuredSeries) else ""
+        digest = "" if isinstance(self.measured, MeasuredImpacts) else self.measured.digest
         return candidates_of(
             self.measurements,
             LawChoice.of(choice),

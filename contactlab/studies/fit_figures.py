@@ -103,26 +103,39 @@ def draw_predictions(fit: xarray.DataTree) -> Figure:
         fit["observed_data"].to_dataset(),
         fit["posterior_predictive"].to_dataset().isel(chain=0),
     )
-    return _over_time(data, predictive) if "time" in data.dims else _of_impacts(data, predictive)
+    if "time" in data.dims:
+        return _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
+    if "point" in data.dims:
+        key = str(next(iter(data.coords)))
+        return _over(data, predictive, data[key].values, key)
+    return _of_impacts(data, predictive)
 
 
-def _over_time(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
-    """Draw each series with its band, and below both less the median of the predictions."""
-    time = 1e3 * data["time"].values
+def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str) -> Figure:
+    """Draw each quantity with its band, and below both less the median of the predictions."""
+    order = np.argsort(place, kind="stable")
+    place = place[order]
     count = len(data)
     figure, panels = drawing(2 * count, 1, 2.6 * count + 0.3, sharex=True, height_ratios=[2, 1] * count)
     for (name, item), upper, lower in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
-        low, high = np.quantile(predictive[name].values, ENDS, axis=0)
-        middle = np.median(predictive[f"{name}_predicted"].values, axis=0)
+        low, high = np.quantile(predictive[name].values, ENDS, axis=0)[:, order]
+        middle = np.median(predictive[f"{name}_predicted"].values, axis=0)[order]
         for axes, level in ((upper, 0.0), (lower, middle)):
-            axes.fill_between(time, low - level, high - level, label="90 % of the predictions", **_BAND)
-            axes.plot(time, item.values - level, ".", color="black", markersize=1.5, label="measured")
-        upper.plot(time, middle, color=COLOURS["stick"], linewidth=0.7, label="median, without noise")
+            axes.fill_between(place, low - level, high - level, label="90 % of the predictions", **_BAND)
+            axes.plot(
+                place,
+                item.values[order] - level,
+                ".",
+                color="black",
+                markersize=1.5 if place.size > FEW else 4,
+                label="measured",
+            )
+        upper.plot(place, middle, color=COLOURS["stick"], linewidth=0.7, label="median, without noise")
         unit = from_cf(item.attrs["units"])
         upper.set_ylabel(f"{str(name).replace('_', ' ')}\n({unit})")
         lower.set_ylabel(f"less the\nmedian ({unit})")
     panels[0].legend(loc="best")
-    panels[-1].set_xlabel("time (ms)")
+    panels[-1].set_xlabel(label)
     figure.align_ylabels()
     return figure
 

@@ -1,0 +1,97 @@
+"""Claims on operating points as data: the truth is found, a wrong law has no odds, and faults have a name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.arrays import Array
+from contactlab.inference.fit import candidates_of
+from contactlab.inference.law_choice import LawChoice
+from contactlab.measured.files import read_measurements
+from contactlab.measured.points import MeasuredPoints
+
+LOADS = (0.0, -1.5, -3.0)
+"""Braking [mN m]: the motor turns negative."""
+
+
+def velocities(law: str, *others: str) -> Array:
+    torques = [f"rotor.load_torque={1e-3 * load}" for load in LOADS]
+    return np.array(
+        [cl.steady(cl.build([f"law={law}", torque, *others])).velocity.value for torque in torques]
+    )
+
+
+def written(path: Path, velocity: Array, error: float = 0.01) -> Path:
+    rows = [f"{load},{v!r},{error}" for load, v in zip(LOADS, velocity.tolist(), strict=True)]
+    head = "rotor.load_torque [mN m],rotor_velocity [rad/s],rotor_velocity_error [rad/s]"
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return path
+
+
+def problem(path: Path, *choice: str) -> object:
+    data = read_measurements(path)
+    assert isinstance(data, MeasuredPoints)
+    (candidate,) = candidates_of(data, LawChoice.of(choice))
+    return candidate.problem
+
+
+def test_predictions_are_the_settled_velocities(tmp_path: Path) -> None:
+    exact = velocities("hertz_penalty")
+    made = problem(written(tmp_path / "points.csv", exact), "law=hertz_penalty", "drive.voltage_1=50..150")
+    predicted = made.predict(np.array([100.0]))  # type: ignore[attr-defined]
+    assert predicted["rotor_velocity"] == pytest.approx(exact, rel=1e-12)
+    missed = made.residuals(np.array([90.0]))  # type: ignore[attr-defined]
+    other = velocities("hertz_penalty", "drive.voltage_1=90")
+    assert missed == pytest.approx((exact - other) / 0.01, rel=1e-9)
+
+
+@pytest.mark.long
+def test_a_fit_finds_the_truth(tmp_path: Path) -> None:
+    pytest.importorskip("dynesty")
+    exact = velocities("newton", "law.restitution=0.4")
+    noise = 0.01 * np.random.default_rng(1).standard_normal(exact.size)
+    path = written(tmp_path / "points.csv", exact + noise)
+    fitted = cl.fit(path, "newton", free={"law.restitution": (0.1, 0.7)}, points=25, starts=1)
+    restitution = fitted.numbers["law.restitution"]
+    assert abs(restitution.value - 0.4) < 4.0 * restitution.error
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [
+        ("rotor_velocity [rad/s]\n1\n2\n", "rotor.load_torque"),
+        ("rotor.load_torque [N m],rotor_velocity [rad/s]\n0,1\n", "1 operating points"),
+        ("load [N m],rotor_velocity [rad/s]\n0,1\n1,1\n", "load"),
+        ("law.stiffness [N m],rotor_velocity [rad/s]\n0,1\n1,1\n", "law.stiffness"),
+        ("rotor.load_torque [N m],rotor_velocity\n0,1\n1,1\n", "rotor_velocity"),
+        (
+            "rotor.load_torque [N m],rotor_velocity [rad/s],rotor_velocity_error [rad/s]\n0,1,0\n1,1,1\n",
+            "error",
+        ),
+    ],
+)
+def test_wrong_points_are_refused_by_name(tmp_path: Path, content: str, named: str) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(content)
+    with pytest.raises(cl.MeasurementError) as refused:
+        read_measurements(path)
+    assert named in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("head", "choice", "named"),
+    [
+        ("rotor.torque [N m]", "drive.voltage_1=50..150", "rotor.torque"),
+        ("rotor.load_torque [m]", "drive.voltage_1=50..150", "rotor.load_torque"),
+        ("drive.voltage_1 [V]", "drive.voltage_1=50..150", "drive.voltage_1"),
+        ("contact.clearance [m]", "drive.voltage_1=50..150", "contact.clearance"),
+    ],
+)
+def test_points_of_no_motor_are_refused_by_key(tmp_path: Path, head: str, choice: str, named: str) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(f"{head},rotor_velocity [rad/s]\n0,1\n-1,1\n")
+    with pytest.raises(cl.ConfigurationError) as refused:
+        problem(path, "law=newton", choice)
+    assert named in str(refused.value)
