@@ -20,8 +20,7 @@ tip_width, tip_height = 2e-3, 10e-3
 young, poisson, density = 210e9, 0.3, 7850.0
 
 # %%
-# The mesh: quadrilaterals of half a millimetre, of a rectangle from which all is taken that is neither beam nor
-# tip.
+# The mesh: quadrilaterals of half a millimetre, of a rectangle without what is neither beam nor tip.
 
 across = np.linspace(-0.5 * length, 0.5 * length, 81)
 up = np.linspace(0.0, height + tip_height, 25)
@@ -75,8 +74,8 @@ modes = cl.reduced(
 print(np.round(modes.natural_frequency[:6]), "Hz")
 
 # %%
-# The first mode lifts the tip, the second swings it. Both electrodes together drive the one, against each other
-# the other, at nearly twice the frequency: the paper's drive.
+# The first mode lifts the tip, the second swings it. Both electrodes together drive the one, against each
+# other the other, at nearly twice the frequency: the paper's drive.
 
 frequency = float(modes.natural_frequency[0])
 drive = cl.Drive.two_mode(100.0, 100.0, frequency, phase=-0.6)
