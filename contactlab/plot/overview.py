@@ -165,13 +165,15 @@ def _draw_steady(axes: Axes, settling: Settling) -> None:
 def _draw_path(axes: Axes, window: Recording) -> None:
     """Draw the path of the tip end and the rotor's surface, both from the tip end's place at rest.
 
-    x = -L_tip sin th, y = u + L_tip (cos th - 1); rotor: (0, clearance + R) + R (sin, -cos).
+    x = -L_tip sin th, y = u - w + L_tip (cos th - 1) with the rotor's way w; rotor: (0, clearance + R)
+    + R (sin, -cos).
     """
     series, surface = window.series, window.clearance
     x = drawable(series["tip_tangential_displacement"].values)
     # 1 - cos th without cancellation.
     versine = 2.0 * np.sin(0.5 * series["tip_slope"].values) ** 2
-    y = drawable(series["tip_normal_displacement"].values - window.tip_length * versine)
+    rise, lift = series["tip_normal_displacement"].values, series.get("rotor_normal_displacement", 0.0)
+    y = drawable(rise - np.asarray(lift) - window.tip_length * versine)
     # A distant rotor would shrink the path to a dot.
     size = max(extent(x)[1], extent(y)[1])
     near = size == 0.0 or abs(surface - extent(y)[0]) <= 4.0 * size
@@ -195,7 +197,8 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     axes.set_title(title, loc="right", fontsize=7, pad=4)
     axes.locator_params(nbins=6)
     axes.set_xlabel(f"tangential displacement ({unit})")
-    axes.set_ylabel(f"normal displacement ({unit})")
+    label = "relative normal displacement" if np.any(lift) else "normal displacement"
+    axes.set_ylabel(f"{label} ({unit})")
 
 
 def _draw_rotor(axes: Axes, surface: float, radius: float) -> None:
