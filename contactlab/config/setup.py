@@ -21,6 +21,7 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.config.table import MeasurementError
+from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
@@ -128,6 +129,12 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
     solver = resolved["solver"]
     motor = _motor(resolved)
+    if resolved["contact"]["preload"] is not None:
+        try:
+            motor = at_rest(motor, law)
+        except ValueError as error:
+            preload = resolved["contact"]["preload"]
+            raise ConfigurationError([f"contact.preload is {preload:g} N. {error}"]) from error
     later = changed(resolved, solver["changes"] or (), solver["duration"])
     changes = tuple((time, _motor(_checked(each)[0])) for time, each in later)
     if solver["until"] == STEADY:
