@@ -92,6 +92,7 @@ from contactlab.motor import (
     cantilever as cantilever,
     on_bearing as on_bearing,
     oscillator as oscillator,
+    reduced as reduced,
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.processes import WorkerError as WorkerError

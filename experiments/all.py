@@ -42,6 +42,7 @@ BEYOND = (
     "friction_sweep",
     "optimise_motor",
     "steady_states",
+    "published_motor",
 )
 """Experiments beyond it."""
 

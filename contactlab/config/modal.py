@@ -84,7 +84,7 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
     couplings = [f"coupling_{e}" for e in range(1, electrodes + 1)]
     capacitances = [f"capacitance_{i + 1}_{j + 1}" for i, j in np.ndindex(electrodes, electrodes)]
     table.check_names([*_UNITS, *_RESIDUAL, *couplings, *capacitances])
-    rate, loss = _one_of(table, "frequency", "stiffness"), _one_of(table, "damping_ratio", "damping")
+    rate, loss = _either(table, "frequency", "stiffness"), _either(table, "damping_ratio", "damping")
     if (rate, loss) not in _PAIRS:
         pairs = " or ".join(" and ".join(pair) for pair in _PAIRS)
         raise MeasurementError(f"'{loss}' stands beside '{rate}'; there must be {pairs}.")
@@ -98,7 +98,7 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
         stiffness, damping = omega**2, 2.0 * losses * omega
     else:
         stiffness, damping = values / mass, losses / mass
-    along = _one_of(table, "ux", "rotation")
+    along = _either(table, "ux", "rotation")
     slope = _column(table, along) / (-tip_length if along == "ux" else 1.0)
     root = np.sqrt(mass)
     coupling = np.stack([_column(table, name, "N V-1") for name in couplings], axis=1)
@@ -154,7 +154,7 @@ def write_modes(modes: NormalModes, path: str | Path) -> None:
 
 def _electrodes(table: Table) -> int:
     """Return the number of electrodes, whose couplings must be counted from 1 without a gap."""
-    numbers = {int(found[1]) for name in table.names if (found := re.fullmatch(r"coupling_(\d+)", name))}
+    numbers = {int(match[1]) for name in table.names if (match := re.fullmatch(r"coupling_(\d+)", name))}
     electrodes = next(n for n in count(1) if n not in numbers) - 1
     if not electrodes or len(numbers) > electrodes:
         raise MeasurementError(
@@ -163,7 +163,7 @@ def _electrodes(table: Table) -> int:
     return electrodes
 
 
-def _one_of(table: Table, *names: str) -> str:
+def _either(table: Table, *names: str) -> str:
     """Return which of two columns is there; there must be one."""
     there = [name for name in names if name in table.names]
     if len(there) != 1:

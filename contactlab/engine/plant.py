@@ -35,7 +35,7 @@ STEP_LIMIT = 20_000
 """Steps in contact, rejected ones included, within the time that the pace of a run is watched over, on top
 of twice those of the contact step, see `pace_of`; healthy runs take some 300, or 900 at tight tolerances."""
 
-MODES, TONES = 64, 8
+MODES, TONES = 64, 16
 """Coordinates and tones that every plant has room for; more compile the engine anew, with twice the room."""
 
 ORDERS = MOST_DEGREE + 1

@@ -7,6 +7,7 @@ from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
+from contactlab.motor.reduction import reduced
 from contactlab.motor.residual import add_residual_modes
 from contactlab.motor.ritz import RitzMatrices, RitzResonator
 from contactlab.motor.waveform import Waveform
@@ -37,4 +38,5 @@ __all__ = [
     "cantilever",
     "on_bearing",
     "oscillator",
+    "reduced",
 ]

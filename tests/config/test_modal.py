@@ -33,15 +33,15 @@ def test_a_motor_of_a_file_is_the_one_that_was_written_bit_for_bit(tmp_path: Pat
 
 def test_shapes_of_any_scale_have_the_same_modes(tmp_path: Path) -> None:
     """A shape with the modal mass m is m^-1/2 times as large per unit mass, and its coupling as well."""
-    one = read_modes(written(tmp_path / "one.csv", HEAD, ROW), 0.02)
+    unit = read_modes(written(tmp_path / "one.csv", HEAD, ROW), 0.02)
     other = read_modes(
         written(tmp_path / "two.csv", f"{HEAD},modal_mass [g]", "1000,0.01,1,0.2,0.01,10"), 0.02
     )
     for field in ("stiffness", "damping", "coupling", "tip_displacement", "tip_slope"):
-        assert getattr(other, field) == pytest.approx(getattr(one, field), rel=1e-12)
+        assert getattr(other, field) == pytest.approx(getattr(unit, field), rel=1e-12)
     omega = 2e3 * np.pi
-    assert one.stiffness[0] == pytest.approx(omega**2, rel=1e-15)
-    assert one.damping[0] == pytest.approx(2 * 0.01 * omega, rel=1e-15)
+    assert unit.stiffness[0] == pytest.approx(omega**2, rel=1e-15)
+    assert unit.damping[0] == pytest.approx(2 * 0.01 * omega, rel=1e-15)
 
 
 def test_displacement_and_rotation_of_a_rigid_tip_are_one_motion(tmp_path: Path) -> None:
@@ -66,11 +66,11 @@ def test_modes_are_sorted_and_the_lowest_are_taken(tmp_path: Path) -> None:
     path = written(tmp_path / "modes.csv", HEAD, *rows)
     assert read_modes(path, 0.02).tip_displacement.tolist() == [2.0, 3.0, 1.0]
     assert read_modes(path, 0.02, 2).natural_frequency == pytest.approx([1000.0, 2000.0])
-    setup = cl.build(["resonator=modal", f"resonator.file={path}", "resonator.modes=1", *one_tone(tmp_path)])
+    setup = cl.build(["resonator=modal", f"resonator.file={path}", "resonator.modes=1", *tone_of(tmp_path)])
     assert setup.motor.modes.stiffness.size == 1
 
 
-def one_tone(folder: Path) -> list[str]:
+def tone_of(folder: Path) -> list[str]:
     path = written(folder / "tones.csv", "frequency [Hz],voltage_1 [V],phase_1 [rad]", "1500,10,0")
     return ["drive=tones", f"drive.file={path}"]
 

@@ -77,6 +77,8 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
         0.0,
         1e-7,
     ),
+    # A foot that friction does not disturb: the speed is the median of its free velocity.
+    "published_motor": (lambda d: float(d.constant_load_run[0] / d.constant_load[0]), 1.0, 0.02),
     # The configured motor's stall torque [N m], as a run of its own on a belt at rest has it.
     "optimise_motor": (lambda d: float(d.stall_torque.sel(motor=-1)), 5.2094e-3, 1e-6),
 }

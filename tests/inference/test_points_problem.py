@@ -53,8 +53,8 @@ def test_a_fit_finds_the_truth(tmp_path: Path) -> None:
     exact = velocities("newton", "law.restitution=0.4")
     noise = 0.01 * np.random.default_rng(1).standard_normal(exact.size)
     path = written(tmp_path / "points.csv", exact + noise)
-    fit = cl.fit(path, "newton", free={"law.restitution": (0.1, 0.7)}, points=25, starts=1)
-    restitution = fit.numbers["law.restitution"]
+    fitted = cl.fit(path, "newton", free={"law.restitution": (0.1, 0.7)}, points=25, starts=1)
+    restitution = fitted.numbers["law.restitution"]
     assert abs(restitution.value - 0.4) < 4.0 * restitution.error
 
 

@@ -1,6 +1,7 @@
 """Claims on a rotor that a bearing presses on the tip: closed forms, limits, and the ledger."""
 
 from math import pi, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -96,15 +97,35 @@ def test_a_load_below_the_friction_of_the_preload_is_held(law: str) -> None:
         *SILENT,
         "solver.duration=0.03",
     ]
-    held = cl.build([*common, f"rotor.load_torque={0.9 * holding}"]).run()
+    sticks = cl.build([*common, f"rotor.load_torque={0.9 * holding}"]).run()
     slips = cl.build([*common, f"rotor.load_torque={1.1 * holding}"]).run()
-    late = held.time.size // 2
+    late = sticks.time.size // 2
     # What sticks to the tip swings with it, and stays.
-    assert abs(held.series["rotor_velocity"][late:].mean()) < 0.01 * abs(slips.series["rotor_velocity"][-1])
+    assert abs(sticks.series["rotor_velocity"][late:].mean()) < 0.01 * abs(slips.series["rotor_velocity"][-1])
     acceleration = -0.1 * holding / 4.8e-5
     time = slips.time[late:]
     fitted = np.polyfit(time, slips.series["rotor_velocity"][late:], 1)[0]
     assert fitted == pytest.approx(acceleration, rel=0.02)
+
+
+def test_the_stall_torque_has_an_optimum_over_the_preload(tmp_path: Path) -> None:
+    """Friction carries at most mu P R, and what presses harder takes the vibration away."""
+    lines = [
+        "frequency [kHz],damping_ratio,uy,ux,coupling_1 [N/V],coupling_2 [N/V]",
+        "38.2,0.005,4.1,0.3,2.1,2.1",
+        "39.4,0.005,-0.2,4.4,1.9,-1.9",
+    ]
+    path = tmp_path / "modes.csv"
+    path.write_text("\n".join(lines))
+    common = ["resonator=modal", f"resonator.file={path}", "drive=two_phase", "drive.frequency=38800"]
+    common += ["drive.voltage_1=60", "drive.voltage_2=60", "rotor.bearing_damping=300"]
+    preloads = (1.0, 5.0, 20.0, 80.0)
+    torques = [
+        abs(cl.steady(cl.build([*common, f"contact.preload={preload}"]), belt=0.0).torque.value)
+        for preload in preloads
+    ]
+    assert all(torque <= 0.3 * preload * 0.025 for torque, preload in zip(torques, preloads, strict=True))
+    assert 0 < int(np.argmax(torques)) < len(preloads) - 1
 
 
 def test_the_ledger_of_a_pressed_motor_closes() -> None:
