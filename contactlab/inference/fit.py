@@ -2,15 +2,26 @@
 
 Laws are compared by Bayes factors B = Z_1 / Z_2, by which the data change the odds of law 1 over law 2.
 Evidence is of law and prior together: an even range that is ten times as wide takes ln 10 from a parameter
-that the data determine. Odds are stated only where the law with the larger evidence covers the data.
+that the data determine. It ranks laws whether or not any is right, so odds are stated only between laws of
+which the one with the larger evidence passes a posterior predictive check.
+
+The check compares a discrepancy T of the data y with that of data replicated by the same posterior sample x:
+
+    p = P(T(y_rep, x) >= T(y, x) | y)
+
+T is the deviance, which is chi-square for normal noise, and, for series over time, the correlation of
+successive residuals, which a noise of free size does not hide.
+
+Sources: Gelman, Meng and Stern (1996), Stat. Sinica 6, 733; Gelman et al. (2013), Bayesian Data Analysis,
+3rd ed., ch. 6.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import product
-from math import exp, hypot, inf, log
+from math import erfc, exp, hypot, inf, log, sqrt
 from pathlib import Path
 from typing import Any, Final, Literal, final
 
@@ -46,6 +57,9 @@ DRAWS: Final = 1000
 PREDICTED: Final = 250
 """Number of them whose predictions are kept."""
 
+REPLICAS: Final = 8
+"""Data sets replicated by each of them for the posterior predictive check; the first is kept."""
+
 ENDS: Final = (0.05, 0.95)
 """Quantiles of the intervals, 90 %."""
 
@@ -54,6 +68,9 @@ MIDDLE: Final = (0.25, 0.75)
 
 ERRORS: Final = 3.0
 """Standard deviations by which the coverage of the data may be off, and by which ln B is significant."""
+
+IMPROBABLE: Final = 0.5 * erfc(ERRORS / sqrt(2.0))
+"""Posterior predictive p-value below which a law does not fit: a normal distribution beyond `ERRORS`."""
 
 UNINFORMED: Final = 0.95
 """Width of a posterior's interval over the prior's from which on the data do not inform it."""
@@ -234,7 +251,7 @@ def fitted(
     drawn = posterior.draws(DRAWS)
     units = {item.name: item.parameter.units for item in problem.free}
     columns = zip(units.items(), posterior.samples[drawn].T, strict=True)
-    predictive = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
+    predictive, checks = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
     groups: dict[str, Mapping[Any, Any]] = {
         "posterior": {name: (SAMPLED, column[None], {"units": unit}) for (name, unit), column in columns},
         **predictive,
@@ -258,27 +275,35 @@ def fitted(
         known = {name: x[: data.sizes[name]] for name, x in coordinates.items() if name in data.dims}
         tree[group] = xarray.DataTree(data.assign_coords(known))
     tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
-    tree.attrs = {
-        **_attributes(candidate, best, posterior),
-        **_coverage(problem, predictive["posterior_predictive"]),
-    }
+    coverage = _coverage(problem, predictive["posterior_predictive"])
+    tree.attrs = {**_attributes(candidate, best, posterior), **coverage, **checks}
+    tree.attrs["fits"] = int(coverage["covers"] and min(checks.values()) >= IMPROBABLE)
     tree.attrs["findings"] = "\n".join(_findings(candidate, best, posterior, tree))
     tree["posterior"].attrs |= tree.attrs
     return tree
 
 
-def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str, Any]]:
-    """Return predictions, replicated data and log densities of posterior samples."""
+def _predictive(
+    problem: Problem, draws: Array, seed: int
+) -> tuple[dict[str, dict[str, Any]], dict[str, float]]:
+    """Return predictions, replicated data and log densities of posterior samples, and p-values of checks."""
     generator = np.random.default_rng([seed, 2])
+    measured = {str(name): item.values for name, item in problem.data.items()}
+    discrepancies: dict[str, Callable[..., float]] = {"p_deviance": problem.deviance}
+    if "time" in problem.data.dims:
+        discrepancies["p_succession"] = succession
+    exceeded = dict.fromkeys(discrepancies, 0)
     parts: list[dict[str, list[Array]]] = [{}, {}, {}]
     for values in draws:
         predicted = problem.predict(values)
         # A sample has a likelihood.
         assert predicted is not None
-        replica = problem.replicate(predicted, values, generator)
-        for part, result in zip(
-            parts, (predicted, replica, problem.log_densities(predicted, values)), strict=True
-        ):
+        replicas = [problem.replicate(predicted, values, generator) for _ in range(REPLICAS)]
+        for name, discrepancy in discrepancies.items():
+            least = discrepancy(predicted, values, measured)
+            exceeded[name] += sum(discrepancy(predicted, values, each) >= least for each in replicas)
+        results = predicted, replicas[0], problem.log_densities(predicted, values)
+        for part, result in zip(parts, results, strict=True):
             for name, numbers in result.items():
                 part.setdefault(name, []).append(numbers)
 
@@ -293,10 +318,18 @@ def _predictive(problem: Problem, draws: Array, seed: int) -> dict[str, dict[str
     for name, x in parts[0].items():
         meaning = f"{name} without noise and discrepancy"
         predictive[f"{name}_predicted"] = over(name, x, units=units[name], long_name=meaning)
-    return {
+    groups = {
         "posterior_predictive": predictive,
         "log_likelihood": {name: over(name, x) for name, x in parts[2].items()},
     }
+    return groups, {name: count / (REPLICAS * len(draws)) for name, count in exceeded.items()}
+
+
+def succession(predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array]) -> float:
+    """Return the correlation of successive residuals, the largest of all series."""
+    del values
+    every = [observed[name] - x for name, x in predicted.items()]
+    return max(float(x[1:] @ x[:-1]) / (float(x @ x) or 1.0) for x in every)
 
 
 def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> xarray.Dataset:
@@ -378,6 +411,13 @@ def _findings(
         f"information, {posterior.calls} evaluations, {posterior.effective:.0f} effective samples."
     )
     about = tree.attrs
+    checks = [f"{about['p_deviance']:.3f} by the deviance"]
+    if "p_succession" in about:
+        checks.append(f"{about['p_succession']:.3f} by the correlation of successive residuals")
+    result.append(f"Posterior predictive p-value: {' and '.join(checks)}.")
+    if candidate.problem.nuisances:
+        free = ", ".join(item.name for item in candidate.problem.nuisances)
+        result.append(f"{free} is free, and adapts to a wrong law: the deviance alone does not reject one.")
     result.append(
         f"{about['coverage']:.1%} of the data lie in the 90 % intervals of their predictions, noise included."
     )
@@ -420,6 +460,16 @@ def strength(difference: float, error: float) -> str:
     return next(word for limit, word in _STRENGTHS if size >= limit)
 
 
+def misfits(fits: Mapping[str, xarray.DataTree]) -> dict[str, str]:
+    """Return the laws that do not fit, by label, with p-value and share of the data in 90 % intervals."""
+    result = {}
+    for label, fit in fits.items():
+        if not fit.attrs["fits"]:
+            p = min(fit.attrs[name] for name in ("p_deviance", "p_succession") if name in fit.attrs)
+            result[label] = f"p = {p:.3f}, {fit.attrs['coverage']:.1%} of the data in 90 % intervals"
+    return result
+
+
 def evidences_of(fits: Mapping[str, xarray.DataTree]) -> dict[str, Estimate]:
     """Return ln Z of the fits by label, in falling order."""
     every = {
@@ -430,20 +480,21 @@ def evidences_of(fits: Mapping[str, xarray.DataTree]) -> dict[str, Estimate]:
 
 
 def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
-    """Return a sentence on the law with the largest evidence and each of the others."""
+    """Return which laws do not fit, then the law with the largest evidence beside each of the others."""
     (first, largest), *others = evidences_of(fits).items()
-    covers = {label: bool(fit.attrs["covers"]) for label, fit in fits.items()}
-    share = {label: float(fit.attrs["coverage"]) for label, fit in fits.items()}
-    result = []
+    result, failing = [], misfits(fits)
+    if failing:
+        head = "No fit within the noise"
+        if others and len(failing) == len(fits):
+            head = "No law here fits the data within the noise: evidence ranks misfits, and no odds follow"
+        result.append(f"{head}: {'; '.join(f'{label} ({why})' for label, why in failing.items())}.")
     for other, evidence in others:
         difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
         shown = f"ln B = {difference:.1f} +- {error:.1g}"
-        if not covers[first]:
-            whose = "its own do not" if any(covers.values()) else "those of no law here do"
+        if first in failing:
             result.append(
-                f"{first} has a larger evidence than {other} ({shown}), but no odds follow from it: 90 % "
-                f"intervals must contain about 90 % of the data, and {whose} ({first} {share[first]:.1%}, "
-                f"{other} {share[other]:.1%})."
+                f"{first} has a larger evidence than {other} ({shown}), from which no odds follow, as "
+                f"{first} does not fit."
             )
         elif word := strength(difference, error):
             odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"

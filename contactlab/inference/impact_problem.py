@@ -280,9 +280,12 @@ class ImpactProblem(Problem):
         square = np.einsum("ni,ni->n", whole, whole)
         return np.asarray((whole / (square + SMOOTH**2)[:, None] ** 0.25).ravel())
 
-    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
+    def log_densities(
+        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
         """Return the log density of each impact."""
-        missed = self.measured.velocity_after - predicted["velocity_after"]
+        after = self.measured.velocity_after if observed is None else observed["velocity_after"]
+        missed = after - predicted["velocity_after"]
         size, tails = self.value(values, DISCREPANCY, 0.0), self.tails(values)
         terms = np.empty(len(missed))
         impact_log_densities(

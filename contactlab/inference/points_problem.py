@@ -94,9 +94,12 @@ class PointsProblem(Problem):
             VELOCITY, root_mean_square(measured)
         )
 
-    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
+    def log_densities(
+        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
         """Return the log density of each velocity."""
-        missed, noise = self.measured.values[VELOCITY] - predicted[VELOCITY], self._noise(values)
+        measured = self.measured.values if observed is None else observed
+        missed, noise = measured[VELOCITY] - predicted[VELOCITY], self._noise(values)
         if (tails := self.tails(values)) < inf:
             return {VELOCITY: student_log_densities(missed, noise, tails)}
         return {VELOCITY: -0.5 * (LOG_TWO_PI + (missed / noise) ** 2) - np.log(noise)}

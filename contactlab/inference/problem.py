@@ -93,14 +93,31 @@ class Problem(ABC):
         """
 
     @abstractmethod
-    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
-        """Return the log density of each datum given those before it, by name."""
+    def log_densities(
+        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
+        """Return the log density of each datum given those before it, by name.
+
+        Args:
+            predicted: without noise and discrepancy, by name.
+            values: of all free numbers.
+            observed: data in place of the measurements, by name.
+        """
 
     @abstractmethod
     def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
     ) -> dict[str, Array]:
         """Draw data: prediction, discrepancy and noise."""
+
+    def deviance(self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array]) -> float:
+        """Return twice the log likelihood of the prediction as data, less that of the data.
+
+        With normal noise it is the sum of squared standardised residuals, chi-square.
+        """
+        densities = (self.log_densities(predicted, values, data) for data in (predicted, observed))
+        at_best, at_data = (sum(float(each.sum()) for each in every.values()) for every in densities)
+        return 2.0 * (at_best - at_data)
 
     def log_likelihood(self, values: Array) -> float:
         """Return the log likelihood; `IMPOSSIBLE` without a prediction."""

@@ -136,10 +136,12 @@ class SeriesProblem(Problem):
             [(x - predicted[name]) / errors.get(name, root_mean_square(x)) for name, x in series]
         )
 
-    def log_densities(self, predicted: Mapping[str, Array], values: Array) -> dict[str, Array]:
+    def log_densities(
+        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
         """Return the log density of each datum given those before it, by name."""
         time, tails, result = self.measured.time, self.tails(values), {}
-        for name, series in self.measured.values.items():
+        for name, series in (self.measured.values if observed is None else observed).items():
             noise, amplitude = self._noise(name, values)
             missed = series - predicted[name]
             if tails < inf:

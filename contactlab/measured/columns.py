@@ -18,6 +18,7 @@ from contactlab.config.quantity import UnitError, factor
 from contactlab.config.table import MeasurementError, Table, refuse
 from contactlab.measured.bodies import BodyImpacts, sign_note
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies, squared_norm
+from contactlab.measured.series import MEASURABLE
 from contactlab.parameter import from_cf
 
 CONTACT: Final = ("gap_rate", "slip")
@@ -351,7 +352,8 @@ def _coordinates(table: Table) -> dict[str, bool]:
             )
     if not result:
         raise MeasurementError(
-            f"it has no velocities of impacts, only {', '.join(table.names) or 'no columns'}; it must have "
-            "before_NAME and after_NAME for each coordinate. See docs/measured_data.md."
+            f"it has {', '.join(table.names) or 'no columns'}; it must have before_NAME and after_NAME for "
+            f"each coordinate (impacts), time and one of {', '.join(MEASURABLE)} (series), or rotor_velocity "
+            "and keys such as rotor.load_torque (operating points). See docs/measured_data.md."
         )
     return result

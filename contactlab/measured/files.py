@@ -36,7 +36,7 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | Measured
             raise MeasurementError(fault)
         table = read_table(path)
         names = table.names
-        if VELOCITY in names and "time" not in names:
+        if {"time", *MEASURABLE} & {*names} == {VELOCITY}:
             return points_of_table(table, digest_of_file(path))
         if {"time", *MEASURABLE} & {*names} and not any(n.startswith(("before_", "after_")) for n in names):
             return series_of_table(table, digest_of_file(path))

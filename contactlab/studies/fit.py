@@ -25,6 +25,7 @@ from contactlab.inference.fit import (
     compared,
     evidences_of,
     fitted,
+    misfits,
 )
 from contactlab.inference.law_choice import LawChoice, corrections_in
 from contactlab.inference.nested_sampling import POINTS, available
@@ -146,6 +147,7 @@ class Fit(Study):
         fits = {key.rpartition(" ")[0]: tree for key, tree in parts.items()}
         tree = xarray.DataTree(children=fits)
         tree.attrs["title"] = f"Fit of {', '.join(fits)}"
+        tree.attrs["comparison"] = "\n".join(compared(fits))
         return tree
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
@@ -158,7 +160,7 @@ class Fit(Study):
         return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the comparison of the laws, then what limits each fit."""
+        """Return which laws do not fit, the comparison of the laws, then what limits each fit."""
         result = compared(data.children)
         for label, fit in data.children.items():
             before = f"{label}: " if len(data.children) > 1 else ""
@@ -171,8 +173,14 @@ class Fit(Study):
         if len(data.children) > 1:
             every = evidences_of(data.children)
             largest = next(iter(every.values())).value
-            rows = [{"law": x, "ln Z": z, "less the largest": z.value - largest} for x, z in every.items()]
-            tables["evidence"] = table(rows, caption="Evidence")
+            failing = misfits(data.children)
+            rows = [
+                {"law": x, "fits": "no" if x in failing else "yes", "ln Z": z}
+                | {"less the largest": z.value - largest}
+                for x, z in every.items()
+            ]
+            none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
+            tables["evidence"] = table(rows, caption=f"Evidence{none}")
         for label, fit in data.children.items():
             end, rows = _ending(data, label), []
             for row in _rows(fit):

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
-from contactlab.inference.fit import ENDS
+from contactlab.inference.fit import ENDS, misfits
 from contactlab.parameter import from_cf
 from contactlab.plot.style import COLOURS
 from contactlab.studies.figures import WIDTH, drawing
@@ -98,17 +98,21 @@ def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> 
 
 
 def draw_predictions(fit: xarray.DataTree) -> Figure:
-    """Draw the data and the 90 % band of their predictions."""
+    """Draw the data and the 90 % band of their predictions; a law that does not fit is named above."""
     data, predictive = (
         fit["observed_data"].to_dataset(),
         fit["posterior_predictive"].to_dataset().isel(chain=0),
     )
     if "time" in data.dims:
-        return _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
-    if "point" in data.dims:
+        figure = _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
+    elif "point" in data.dims:
         key = str(next(iter(data.coords)))
-        return _over(data, predictive, data[key].values, key)
-    return _of_impacts(data, predictive)
+        figure = _over(data, predictive, data[key].values, key)
+    else:
+        figure = _of_impacts(data, predictive)
+    for label, why in misfits({fit.attrs["title"].removeprefix("Posterior of "): fit}).items():
+        figure.suptitle(f"{label} does not fit: {why}", fontsize=7, color=COLOURS["fault"])
+    return figure
 
 
 def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str) -> Figure:

@@ -37,8 +37,9 @@ class Linear(Problem):
     def residuals(self, values):
         return (self.values - self.predict(values)["y"]) / SIGMA
 
-    def log_densities(self, predicted, _values):
-        return {"y": norm.logpdf(self.values - predicted["y"], scale=SIGMA)}
+    def log_densities(self, predicted, _values, observed=None):
+        values = self.values if observed is None else observed["y"]
+        return {"y": norm.logpdf(values - predicted["y"], scale=SIGMA)}
 
     def replicate(self, predicted, _values, draws):
         return {"y": predicted["y"] + SIGMA * draws.standard_normal(12)}

@@ -6,10 +6,13 @@ import pytest
 import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.config.schema import declared_in
+from contactlab.inference.fit import candidates_of
 from contactlab.inference.free_parameters import FreeParameter
+from contactlab.inference.law_choice import LawChoice
 from contactlab.inference.problem import IMPOSSIBLE
 from contactlab.inference.series_problem import records_at, series_problem
 from contactlab.inference.synthetic import made_series, without_errors
+from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredSeries
 
 WORDS = ["law=hertz_penalty", "solver.duration=1e-3", "record.interval=1e-5", "law.stiffness=1e10"]
@@ -80,6 +83,28 @@ def test_noise_and_discrepancy_are_free_where_they_are_not_stated():
     problem = series_problem(stated, SETUP.configuration, FREE, discrepancy=False)
     chi_square = float(np.sum(problem.residuals(TRUTH) ** 2))
     assert chi_square == pytest.approx(202.0, abs=4.0 * np.sqrt(2.0 * 202.0))
+
+
+@pytest.mark.parametrize(
+    "stop",
+    [
+        ["drive.voltage_1=0", "drive.voltage_2=0", "rotor.initial_velocity=-3"],
+        ["solver.changes=['0.2 ms; drive.voltage_1=0; drive.voltage_2=0']"],
+    ],
+)
+def test_a_motor_that_stops_is_predicted_from_a_velocity_or_a_change_of_the_drive(tmp_path, stop):
+    overrides = ["law=newton", *stop]
+    run = cl.build([*overrides, "solver.duration=4e-4", "record.interval=1e-5"]).run()
+    rows = zip(1e3 * run.time, run.series["rotor_velocity"], strict=True)
+    path = tmp_path / "stop.csv"
+    head = "time [ms],rotor_velocity [rad/s]"
+    path.write_text("\n".join([head, *(f"{t!r},{v!r}" for t, v in np.array([*rows]).tolist())]) + "\n")
+    choice = LawChoice.of([*overrides, "rotor.inertia=1e-7..1e-4"])
+    (candidate,) = candidates_of(read_measurements(path), choice)
+    truth = cl.build(overrides).motor.rotor.inertia
+    predicted = candidate.problem.predict(np.array([truth, 1.0]))
+
+    np.testing.assert_allclose(predicted["rotor_velocity"], run.series["rotor_velocity"], rtol=1e-6)
 
 
 def test_values_that_no_motor_can_have_are_impossible_not_an_error():

@@ -136,6 +136,13 @@ def test_a_faulty_series_in_csv_is_refused(tmp_path, head, rows, named):
         read(text(tmp_path, f"{head}\n{ROWS}{rows}"))
 
 
+def test_a_file_of_no_kind_is_refused_with_the_columns_of_each(tmp_path):
+    with pytest.raises(MeasurementError) as refused:
+        read_series(text(tmp_path, "t [s],omega [rad/s]\n" + "0,1\n1,1\n"))
+    for name in ("t, omega", "before_NAME", "time", "rotor_velocity", "rotor.load_torque"):
+        assert name in str(refused.value)
+
+
 def test_series_are_not_impacts(tmp_path):
     path = text(tmp_path, "time [s],rotor_velocity [rad/s],gap [m]\n" + ROWS)
     with pytest.raises(MeasurementError, match="rotor_velocity"):
