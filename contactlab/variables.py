@@ -39,7 +39,6 @@ SERIES: Final = _along(
     ("gap", "m", "g", "normal gap between tip and rotor, positive when open"),
     ("slip_velocity", "m s-1", "v", "tip minus rotor surface velocity, tangential"),
     ("rotor_velocity", "rad s-1", "Omega", "angular velocity of the rotor"),
-    ("rotor_normal_displacement", "m", "w", "displacement of the rotor on its bearing, away from the tip"),
     ("rotor_angle", "rad", "alpha", "angle of the rotor since the start"),
     ("normal_force", "N", "N", "normal force on the tip, mean over the record interval", _MEAN),
     ("friction_force", "N", "F", "friction force on the tip, mean over the record interval", _MEAN),
@@ -54,6 +53,15 @@ SERIES: Final = _along(
     ("energy_residual", "J", "r", "energy that the ledger cannot account for"),
 )
 """Real-valued root variables over time."""
+
+BEARING: Final = Variable(
+    "rotor_normal_displacement",
+    ("time",),
+    "m",
+    "w",
+    "displacement of the rotor on its bearing, away from the tip",
+)
+"""A root variable of motors whose rotor is on a bearing."""
 
 CONTACT_MODE: Final = Variable(
     "contact_mode", ("time",), "1", "m", "state of the contact", flags=("free", "slip", "stick")

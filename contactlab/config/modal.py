@@ -131,7 +131,7 @@ def write_modes(modes: NormalModes, path: str | Path) -> None:
     >>> import contactlab as cl
     >>> cl.write_modes(cl.RitzResonator().modes, "modes.csv")
     >>> cl.build(["resonator=modal", "resonator.file=modes.csv"]).motor.modes.natural_frequency[:2].round(1)
-    array([3210.1, 5445.8])
+    array([3210.1, 5460.7])
     """
     if modes.rotor_displacement is not None:
         raise ValueError("The modes have a rotor_displacement; they must be those of the resonator alone.")

@@ -39,7 +39,7 @@ from contactlab.engine.state import (
     value_at,
 )
 from contactlab.laws.base import FREE, SET_VALUED, STICK
-from contactlab.variables import SERIES
+from contactlab.variables import BEARING, SERIES
 
 IDLE_LIMIT = 1000
 """Steps in a row that hardly move the clock."""
@@ -276,7 +276,7 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
     time = state["origin"] + steps * state["interval"]
     if table.size == records.size:
         time[-1] = state["end"]
-    series: dict[str, Array] = {v.name: table[v.name] for v in SERIES}
+    series: dict[str, Array] = {v.name: table[v.name] for v in (*SERIES, BEARING)}
     for name in ("normal_force", "friction_force"):
         impulse = series[name]
         impulse[1:] = np.diff(impulse) / np.diff(time)

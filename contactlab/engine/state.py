@@ -15,7 +15,7 @@ from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
-from contactlab.variables import CONTACTS, SERIES
+from contactlab.variables import BEARING, CONTACTS, SERIES
 
 
 def _number(value: int) -> int:
@@ -76,7 +76,7 @@ LEDGER: Final = record(
 """Terms of the energy ledger [J], and impulses [N s]."""
 
 CONTACT: Final = record(real=" ".join(variable.name for variable in CONTACTS))
-SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for each in SERIES))
+SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for each in (*SERIES, BEARING)))
 """A record of the series; the forces are impulses since the start until the run is read."""
 
 STATE: Final = record(

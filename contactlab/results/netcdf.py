@@ -69,6 +69,8 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
     if modes.shape_coupling is not None:
         values["electromechanical_coupling"] = modes.shape_coupling
     kept = (*variables.SERIES, variables.CONTACT_MODE, *internal_series(trajectory.law))
+    if modes.rotor_displacement is not None:
+        kept += (variables.BEARING,)
     root = xarray.Dataset(
         _columns((*kept, *(each for each in variables.RESONATOR if each.name in values)), values),
         coords=_columns((variables.TIME,), values),

@@ -131,6 +131,8 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, str]) -> tuple[Factor, 
             faults.append(f"vary has {key}; it must be the full key of a number, as contact.clearance.")
         elif factor := _prior(key, keys, text, declared[key]):
             every[keys] = factor
+            if factor.prior == "scale" and factor.b > 0.0 and not _scalable(runs, keys):
+                faults.append(f"vary has {key}={text}, a share of nothing; it must be LOW..HIGH.")
         else:
             faults.append(
                 f"vary has {key}={text}; it must be LOW..HIGH, MEAN+-DEVIATION or +-SHARE below 1, "

@@ -16,7 +16,7 @@ CHAPTERS: Final = {
     "Studies, and many runs": ("studies", "datasheet", "estimate"),
     "Steady states": ("steady_state", "settling"),
     "Impacts and measurements": ("impacts", "measured", "inference"),
-    "Motors": ("motor",),
+    "Motors": ("motor", "engine.equilibrium"),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),
     "Parts of a composed law": (),

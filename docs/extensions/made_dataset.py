@@ -2,14 +2,14 @@
 
 from collections.abc import Iterable
 
-from contactlab.variables import CONTACT_MODE, CONTACTS, RESONATOR, SERIES, TIME, Variable
+from contactlab.variables import BEARING, CONTACT_MODE, CONTACTS, RESONATOR, SERIES, TIME, Variable
 
 HEAD = "| variable | dimensions | unit | symbol | meaning |\n|---|---|---|---|---|"
 
 
 def variables() -> str:
     """Return a table for the root of a dataset and one for the group of its contacts."""
-    parts = ["## The root\n", HEAD, *_rows([TIME, *SERIES, CONTACT_MODE, *RESONATOR]), ""]
+    parts = ["## The root\n", HEAD, *_rows([TIME, *SERIES, BEARING, CONTACT_MODE, *RESONATOR]), ""]
     parts += ["## The group `contacts`\n", HEAD, *_rows(CONTACTS), ""]
     return "\n".join(parts)
 

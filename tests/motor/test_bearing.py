@@ -47,6 +47,24 @@ def test_the_mean_force_of_a_driven_motor_is_the_preload(preload: float) -> None
     assert force - preload == pytest.approx(mass * (speed[-1] - speed[half]) / span, abs=2e-3 * preload)
 
 
+@pytest.mark.parametrize("law", ["hertz_penalty", "newton", "composed"])
+@pytest.mark.parametrize("stiffness", [0.0, 1e5])
+def test_a_pressed_motor_begins_at_rest(law: str, stiffness: float) -> None:
+    """Nothing moves until the drive is on, and the force is that of spring and preload."""
+    common = ["contact.preload=5 N", f"rotor.bearing_stiffness={stiffness}", f"law={law}"]
+    run = cl.build([*common, *SILENT, "solver.duration=2e-3"]).run()
+    lift = run.series["rotor_normal_displacement"]
+    assert np.ptp(lift) < 1e-13
+    assert run.series["normal_force"][-100:].mean() == pytest.approx(5.0 + stiffness * lift[-1], rel=1e-6)
+    assert np.abs(run.series["energy_residual"]).max() < 1e-12
+
+
+def test_a_stiff_bearing_may_hold_the_rotor_off() -> None:
+    motor = cl.build(["contact.preload=5 N", "rotor.bearing_stiffness=1e8"]).motor
+    assert motor.start is not None
+    assert motor.start.displacement[-1] == pytest.approx(-5.0 / 1e8 * sqrt(2.0 * 4.8e-5) / 0.025)
+
+
 def test_a_rotor_bounces_in_the_period_of_its_weight() -> None:
     """Thrown off at v under a force P without stiffness, a mass m comes back after 2 m v / P."""
     mass, preload, velocity = 0.2, 3.0, 0.05

@@ -98,7 +98,6 @@ def _kinematics(time: Array, starts: Array) -> dict[str, Array]:
         "gap": gap,
         "slip_velocity": 0.05 * np.cos(2.0 * phase) - 25e-3 * velocity,
         "rotor_velocity": velocity,
-        "rotor_normal_displacement": np.zeros_like(slope),
         "rotor_angle": np.concatenate(
             ([0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time)))
         ),
