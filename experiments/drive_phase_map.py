@@ -60,7 +60,8 @@ class DrivePhaseMap(SettledMap):
 
     def varied(self, setup: cl.Setup, law: cl.ContactLaw, **values: float) -> tuple[cl.Motor, cl.ContactLaw]:
         """Return the motor with another drive."""
-        drive = cl.Drive.two_mode(**{**setup.configuration["drive"], **values})
+        numbers = {key: value for key, value in setup.configuration["drive"].items() if key != "signal"}
+        drive = cl.Drive.two_mode(**{**numbers, **values})
         return replace(setup.motor, drive=drive), law
 
     def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
 from contactlab import motor
 from contactlab.checks import Checked
-from contactlab.config.modal import ModalFile
+from contactlab.config.resonators import resonator_class, resonator_names
 from contactlab.config.signals import SIGNALS
 from contactlab.config.studies import study_class, study_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
@@ -168,14 +168,6 @@ def _optional(field: DeclaredField, hint: str) -> DeclaredField:
     return replace(_narrowed(field, hint=hint), kind=field.kind | None, default=None)
 
 
-MODAL: Final = "modal"
-"""The basis of a file."""
-
-OF_BEAMS: Final = ("piezoceramic", "placement")
-"""Groups of the beam, of which a resonator of a file has nothing."""
-
-BASES: Final = {"ritz": motor.RitzResonator, "finite_element": motor.FiniteElementResonator}
-
 _BEAM: Final = declared_fields(motor.PatchedBeam)
 _CONTACT: Final = declared_fields(motor.ContactGeometry)
 _BEARING_FIELDS: Final = declared_fields(motor.Bearing)
@@ -204,14 +196,24 @@ class _OptionsOfStudies(Mapping[str, Keys]):
         return _named("name", name, keys_of(study_class(name)))
 
 
+@final
+class _Resonators(Mapping[str, Keys]):
+    """The keys of resonators by name; that of another package is imported when its keys are needed."""
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(resonator_names())
+
+    def __len__(self) -> int:
+        return len(resonator_names())
+
+    def __getitem__(self, name: str) -> Keys:
+        if name not in resonator_names():
+            raise KeyError(name)
+        return _named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS))
+
+
 GROUPS: Final[dict[str, Section]] = {
-    "resonator": Section(
-        {
-            name: _named("basis", name, keys_of(kind, *_OF_OTHERS))
-            for name, kind in {**BASES, MODAL: ModalFile}.items()
-        },
-        "basis",
-    ),
+    "resonator": Section(_Resonators(), "basis"),
     "piezoceramic": Section(
         {
             "pz26_identified": _named("constants", "bending", keys_of(motor.Piezoceramic)),

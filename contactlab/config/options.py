@@ -37,7 +37,7 @@ def content(group: str, option: str) -> dict[str, Any]:
     try:
         keys = section.options[option]
     except (KeyError, ValueError):
-        return {"name": option}
+        return {section.selector or "name": option}
     members = members_of(class_of(option)) if section is LAW else {}
     entries = [
         {family if name == family else f"{family}@{name}": member.default.name}

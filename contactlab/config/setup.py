@@ -9,14 +9,16 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, final
 
+from contactlab.checks import check_kind
 from contactlab.config.changes import changed
 from contactlab.config.composition import compose
 from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.files import named_file
-from contactlab.config.groups import BASES, GROUPS, MODAL, NOT_OF_A_RUN, OF_BEAMS
+from contactlab.config.groups import GROUPS, NOT_OF_A_RUN
 from contactlab.config.modal import read_modes
 from contactlab.config.nesting import flat, nested
+from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.config.table import MeasurementError
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
@@ -151,10 +153,10 @@ def _motor(values: dict[str, Any]) -> Motor:
     if rod is not None and rod != contact["tip_length"]:
         wanted = f"contact.tip_length, {contact['tip_length']:g} m"
         raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
-    if values["resonator"]["basis"] == MODAL:
-        modes = _modes_of_file(values)
-    else:
+    if values["resonator"]["basis"] in BASES:
         modes = _modes(tuple(flat({group: values[group] for group in ("resonator", *OF_BEAMS)}).items()))
+    else:
+        modes = _other_modes(values)
     geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"])
     motor = Motor(modes, drive_of(values["drive"], modes), geometry, Rotor(**rotor))
     if contact["preload"] is None:
@@ -203,18 +205,29 @@ def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     return modes
 
 
-def _modes_of_file(values: Values) -> NormalModes:
-    """Return the modes of a file, whose path and digest are written into the section."""
+def _other_modes(values: Values) -> NormalModes:
+    """Return the modes of a file, completing path and digest of the section, or another package's."""
+    section = values["resonator"]
+    basis = section["basis"]
     faults = [
-        f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={MODAL}, whose "
-        "file has all of it."
+        f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={basis}, "
+        "which has nothing of it."
         for group in OF_BEAMS
         for key, field in next(iter(GROUPS[group].options.values())).items()
         if isinstance(field, DeclaredField) and values[group].get(key) != field.default
     ]
     if faults:
         raise ConfigurationError(faults)
-    section = values["resonator"]
+    if basis != MODAL:
+        numbers = {key: value for key, value in section.items() if key != "basis"}
+        try:
+            modes: NormalModes = resonator_class(basis)(**numbers).modes
+            check_kind("modes", modes, NormalModes)
+        # A resonator of another package may refuse, or fail, in ways of its own.
+        except Exception as error:
+            fault = f"resonator={basis} cannot be made from its numbers: {one_line(error)}"
+            raise ConfigurationError([fault]) from error
+        return modes
     path = named_file("resonator", section)
     try:
         return _read_modes(path, section["digest"], values["contact"]["tip_length"], section["modes"])

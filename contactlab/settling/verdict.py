@@ -56,7 +56,7 @@ def configured_period(configuration: Mapping[str, Any]) -> float:
     section = configuration.get("drive")
     drive = section if isinstance(section, Mapping) else {}
     try:
-        return drive_period(Drive.two_mode(**drive))
+        return drive_period(Drive.two_mode(**{k: x for k, x in drive.items() if k != "signal"}))
     except (TypeError, ValueError):
         first = drive.get("frequency")
         return 1.0 / first if isinstance(first, int | float) and first > 0.0 else 0.0

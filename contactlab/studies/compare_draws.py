@@ -17,9 +17,10 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup, build
-from contactlab.config.groups import MODAL, Uncertainty
+from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
 from contactlab.config.quantity import UnitError, to_si
+from contactlab.config.resonators import MODAL
 from contactlab.config.schema import declared_in
 from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
@@ -293,8 +294,8 @@ def _converged_resonator() -> dict[str, Any]:
 def on_other_basis(setup: Setup) -> tuple[dict[str, Any], str]:
     """Return the same motor on another basis, and what differs.
 
-    That is the converged one, one with more modes if it is that, or with one less if it is a file's. A drive
-    at the first natural frequency stays there.
+    That is the converged one, one with more modes if it is that, or with a mode less if it is a file's. The
+    drive stays at the first natural frequency if it is there.
     """
     configuration = setup.configuration
     resonator, drive = configuration["resonator"], configuration["drive"]
@@ -304,8 +305,10 @@ def on_other_basis(setup: Setup) -> tuple[dict[str, Any], str]:
     elif resonator["basis"] == MODAL:
         fewer = max(setup.motor.modes.stiffness.size - 1, 1)
         other, change = resonator | {"modes": fewer}, f"resonator.modes={fewer}"
-    else:
+    elif resonator["basis"] == CONVERGED:
         more = resonator["kept_modes"] + MORE_MODES
         other, change = resonator | {"kept_modes": more}, f"resonator.kept_modes={more}"
+    else:
+        other, change = resonator, "the same resonator"
     frequency = {"frequency": None} if is_tuned(setup) else {}
     return {**configuration, "resonator": other, "drive": drive | frequency}, change
