@@ -75,8 +75,8 @@ class Trajectory:
 
     Args:
         duration, contact_step: as asked for, and the largest step in contact that was used.
-        series, contact_mode: every name of `variables.SERIES`, that of `BEARING`, and 0 free, 1 slip, 2 stick, at
-            every record.
+        series, contact_mode: every name of `variables.SERIES` and of `variables.BEARING`; 0 free, 1 slip and
+            2 stick; at every record.
         contacts: every name of `variables.CONTACTS`, a row each.
         ending, message: how the run ended; a run that is not complete holds what it had until then.
         final: normal coordinates of the resonator at the end.

@@ -34,8 +34,11 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
     k, row = motor.modes.stiffness, motor.modes.approach
     preload = np.zeros_like(k) if motor.preload is None else motor.preload
     free, clearance = np.flatnonzero(k == 0.0), motor.geometry.clearance
-    held = k > 0.0
-    yields, comes = float(row[held] ** 2 @ (1.0 / k[held])), float(row[held] @ (preload[held] / k[held]))
+    elastic = k > 0.0
+    yields, comes = (
+        float(row[elastic] ** 2 @ (1.0 / k[elastic])),
+        float(row[elastic] @ (preload[elastic] / k[elastic])),
+    )
 
     def penetration(force: float) -> float:
         """Return d of a normal force, less a little of a rigid law."""
@@ -62,7 +65,7 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
         if isinstance(law, PenaltyLaw):
             force = brentq(lambda n: (most - n) * yields - penetration(n), 0.0, most, xtol=1e-20)
     q = np.zeros_like(k)
-    q[held] = (preload[held] - force * row[held]) / k[held]
+    q[elastic] = (preload[elastic] - force * row[elastic]) / k[elastic]
     if free.size and force > 0.0:
-        q[free[0]] = (clearance + penetration(force) - row[held] @ q[held]) / row[free[0]]
+        q[free[0]] = (clearance + penetration(force) - row[elastic] @ q[elastic]) / row[free[0]]
     return replace(motor, start=ModalState(q, np.zeros_like(k)))
