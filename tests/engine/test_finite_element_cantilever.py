@@ -36,12 +36,14 @@ def cantilever() -> cl.Motor:
 
 def rates(motor: cl.Motor) -> object:
     modes = motor.modes
-    count, row = modes.stiffness.size, modes.tip_displacement
+    count, row = modes.stiffness.size, modes.approach
+    constant = 0.0 if motor.preload is None else motor.preload
 
     def rate(t: float, y: Array) -> Array:
         q, v = y[:count], y[count:]
         depth = max(float(row @ q) - GAP, 0.0)
         force = modes.coupling[:, 0] * 2.0 * np.cos(2.0 * np.pi * 90.0 * t) - row * STIFFNESS * depth**1.5
+        force = force + constant
         return np.concatenate([v, force - modes.damping * v - modes.stiffness * q])
 
     return rate
@@ -54,18 +56,23 @@ def test_the_cantilever_has_the_frequencies_of_the_closed_form() -> None:
     assert cantilever().modes.natural_frequency[:3] == pytest.approx(expected, rel=2e-4)
 
 
-def test_scipy_and_sundials_end_where_the_engine_ends() -> None:
+@pytest.mark.parametrize("pressed", [False, True], ids=["stop", "rotor on a spring"])
+def test_scipy_and_sundials_end_where_the_engine_ends(pressed: bool) -> None:
     cvode = pytest.importorskip("sksundae.cvode")
     motor = cantilever()
+    if pressed:
+        motor = cl.on_bearing(motor, cl.Bearing(mass=0.01, preload=0.5, stiffness=1e3, damping=0.1))
     law = cl.HertzPenalty(stiffness=STIFFNESS, friction_coefficient=0.0)
     run = simulate(motor, law, duration=DURATION, record_interval=1e-5, tolerance=1e-12)
     assert run.contacts["start_time"].size >= 3
     count, rate = motor.modes.stiffness.size, rates(motor)
     assert callable(rate)
-    start, travel = np.zeros(2 * count), np.abs(run.series["tip_normal_displacement"]).max()
-    time = run.time[:: run.time.size // 20]
-    ours = run.series["tip_normal_displacement"][:: run.time.size // 20]
-    row = motor.modes.tip_displacement
+    start = np.zeros(2 * count)
+    if motor.start is not None:
+        start[:count] = motor.start.displacement
+    apart = run.series["tip_normal_displacement"] - run.series["rotor_normal_displacement"]
+    travel, some = np.abs(apart).max(), slice(None, None, run.time.size // 20)
+    time, ours, row = run.time[some], apart[some], motor.modes.approach
     scipy = solve_ivp(rate, (0.0, DURATION), start, "DOP853", time, rtol=1e-12, atol=1e-16, max_step=2e-6)
     assert row @ scipy.y[:count] == pytest.approx(ours, abs=1e-8 * travel)
 
