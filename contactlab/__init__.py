@@ -13,6 +13,7 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
 from contactlab.config.modal import read_modes as read_modes, write_modes as write_modes
 from contactlab.config.table import MeasurementError as MeasurementError
+from contactlab.config.universal import read_universal as read_universal
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact
