@@ -32,6 +32,7 @@ class PointsProblem(Problem):
         measured: the points.
         configuration: of the motor by full key, without free numbers and those of the points.
         points: values of the keys of each point, in SI.
+        units: of the first key.
         keys: free numbers of law and motor, named by full keys.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
     """
@@ -39,6 +40,7 @@ class PointsProblem(Problem):
     measured: MeasuredPoints
     configuration: Mapping[str, Any]
     points: tuple[Mapping[str, float], ...]
+    units: str
     keys: tuple[FreeParameter, ...]
     degrees_of_freedom: float | None = inf
 
@@ -63,7 +65,7 @@ class PointsProblem(Problem):
     def data(self) -> xarray.Dataset:
         """The velocities, over the first key of the points."""
         key = self.measured.keys[0]
-        coordinate = ("point", np.array([each[key] for each in self.points]))
+        coordinate = ("point", np.array([each[key] for each in self.points]), {"units": self.units})
         velocity = ("point", self.measured.values[VELOCITY], {"units": "rad s-1"})
         return xarray.Dataset({VELOCITY: velocity}, {key: coordinate})
 
@@ -148,4 +150,5 @@ def points_problem(
     settings = flat(configuration)
     for point in points:
         build(nested({**settings, **point}))
-    return PointsProblem(measured, settings, points, tuple(keys), degrees_of_freedom)
+    units = declared[measured.keys[0]].units
+    return PointsProblem(measured, settings, points, units, tuple(keys), degrees_of_freedom)

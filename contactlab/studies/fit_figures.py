@@ -107,7 +107,8 @@ def draw_predictions(fit: xarray.DataTree) -> Figure:
         figure = _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
     elif "point" in data.dims:
         key = str(next(iter(data.coords)))
-        figure = _over(data, predictive, data[key].values, key)
+        label = f"{key} ({from_cf(data[key].attrs['units'])})"
+        figure = _over(data, predictive, data[key].values, label)
     else:
         figure = _of_impacts(data, predictive)
     for label, why in misfits({fit.attrs["title"].removeprefix("Posterior of "): fit}).items():
@@ -118,7 +119,7 @@ def draw_predictions(fit: xarray.DataTree) -> Figure:
 def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str) -> Figure:
     """Draw each quantity with its band, and below both less the median of the predictions."""
     order = np.argsort(place, kind="stable")
-    place = place[order]
+    place, size = place[order], 1.5 if place.size > FEW else 4.0
     count = len(data)
     figure, panels = drawing(2 * count, 1, 2.6 * count + 0.3, sharex=True, height_ratios=[2, 1] * count)
     for (name, item), upper, lower in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
@@ -127,12 +128,7 @@ def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label:
         for axes, level in ((upper, 0.0), (lower, middle)):
             axes.fill_between(place, low - level, high - level, label="90 % of the predictions", **_BAND)
             axes.plot(
-                place,
-                item.values[order] - level,
-                ".",
-                color="black",
-                markersize=1.5 if place.size > FEW else 4,
-                label="measured",
+                place, item.values[order] - level, ".", color="black", markersize=size, label="measured"
             )
         upper.plot(place, middle, color=COLOURS["stick"], linewidth=0.7, label="median, without noise")
         unit = from_cf(item.attrs["units"])
