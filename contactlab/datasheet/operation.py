@@ -150,8 +150,9 @@ class Periods:
         coarser = float(np.ptp(series["rotor_velocity"][::2])) if ripple else 0.0
         share, stick = (self._mean(self._summed(n) / self._period) for n in ("duration", "stick_duration"))
         spent = output.value + damping.value + friction.value + contact.value + self._stored
-        # The two halves of many periods show the error of the peak.
-        halves = [float(x.max(initial=0.0)) for x in np.array_split(contacts["peak_normal_force"], 2)]
+        # The two halves of many periods show the error of the peak; one contact may last for all of them.
+        peaks = contacts["peak_normal_force"] if contacts["duration"].size > 1 else series["normal_force"][1:]
+        halves = [float(x.max(initial=0.0)) for x in np.array_split(peaks, 2)]
         return {
             "velocity": speed,
             "velocity_ripple": Estimate(ripple, 0.5 * abs(ripple - coarser)),
@@ -164,7 +165,8 @@ class Periods:
             "balance": Estimate(drive.value - spent, 0.0),
             **self._electrical(drive, output),
             "peak_force": Estimate(
-                max(halves), 0.0 if self.closure is not None else abs(halves[1] - halves[0])
+                float(contacts["peak_normal_force"].max(initial=0.0)),
+                0.0 if self.closure is not None else abs(halves[1] - halves[0]),
             ),
             "contact_share": share,
             "stick_share": ratio(stick, share),
@@ -202,10 +204,13 @@ class Periods:
         return Estimate(value, error + abs(float(every[:, 1::2].mean()) - value))
 
     def _summed(self, name: str) -> Array:
-        """Sum a column of the contacts over every period, shape (period,)."""
-        contacts, count = self.run.contacts, self._count
-        when = (contacts["start_time"] / self._period).astype(int)
-        return np.bincount(np.minimum(when, count - 1), contacts[name], count).astype(float)
+        """Sum a column of the contacts over every period, shape (period,); a long one is spread."""
+        contacts = self.run.contacts
+        starts, sums = contacts["start_time"], np.cumsum(contacts[name])
+        times = np.column_stack([starts, starts + contacts["duration"]]).ravel()
+        reached = np.column_stack([np.append(0.0, sums[:-1])[: sums.size], sums]).ravel()
+        edges = self._period * np.arange(self._count + 1)
+        return np.diff(np.interp(edges, times, reached)) if times.size else np.zeros(self._count)
 
     @property
     def _stored(self) -> float:
