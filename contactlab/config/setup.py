@@ -106,10 +106,6 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     drive, solver, contact = resolved["drive"], resolved["solver"], resolved["contact"]
     rotor = dict(resolved["rotor"])
     geometry = ContactGeometry(contact["tip_length"], rotor.pop("radius"), contact["clearance"])
-    rod = resolved["resonator"].get("rod_length")
-    if rod is not None and rod != contact["tip_length"]:
-        wanted = f"contact.tip_length, {contact['tip_length']:g} m"
-        raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
     resonator = {group: resolved[group] for group in ("resonator", "piezoceramic", "placement")}
     modes = _modes(tuple(flat(resonator).items()))
     first = drive["frequency"]
