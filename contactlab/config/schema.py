@@ -53,6 +53,11 @@ RULES: Final = (
         "since the beam is linear. 1e-06 m is usual.",
     ),
     Rule(
+        ("resonator.rod_length", "contact.tip_length"),
+        lambda rod, tip: rod is None or rod == tip,
+        "resonator.rod_length is {0:.12g} m; it must be contact.tip_length, {1:.12g} m, that of the tip.",
+    ),
+    Rule(
         ("solver.contact_step", "solver.duration"),
         lambda step, duration: step is None or SMALLEST_STEP * duration <= step <= duration,
         "solver.contact_step is {0:.12g} s; it must be at least 1e-12 of the solver.duration, {1:.12g} s, "

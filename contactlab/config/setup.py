@@ -156,10 +156,6 @@ def _motor(values: dict[str, Any]) -> Motor:
     contact, rotor = values["contact"], dict(values["rotor"])
     radius, mass = rotor.pop("radius"), rotor.pop("mass")
     bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
-    rod = values["resonator"].get("rod_length")
-    if rod is not None and rod != contact["tip_length"]:
-        wanted = f"contact.tip_length, {contact['tip_length']:g} m"
-        raise ConfigurationError([f"resonator.rod_length is {rod:g} m; it must be {wanted}."])
     if values["resonator"]["basis"] in BASES:
         modes = _modes(tuple(flat({group: values[group] for group in ("resonator", *OF_BEAMS)}).items()))
     else:

@@ -79,11 +79,9 @@ def orders(signs: Array, looks: int = 1) -> Orders:
     most = times.max(axis=-1)
     agree, disagree = np.ones((2, *most.shape))
     for quantity in range(most.shape[-1]):
+        here, trials = most[..., quantity], count[..., quantity, 0]
         # Where a law has no steady state in any draw there is no test.
-        here, trials = (
-            most[..., quantity],
-            np.where(count[..., quantity, 0] > 0, count[..., quantity, 0], np.nan),
-        )
+        trials = np.where(trials > 0, trials, np.nan)
         agree[..., quantity] = holm(binom.sf(here - 1, trials, AGREED))
         disagree[..., quantity] = holm(binom.cdf(here, trials, AGREED))
     level = (1.0 - LEVEL) / looks

@@ -137,7 +137,7 @@ def test_a_rod_alone_has_the_frequencies_of_a_clamped_free_beam() -> None:
 
 
 def test_a_short_rod_is_a_rigid_tip() -> None:
-    """A rod of 2 mm is as thick as wide: its bending is far above, its inertia m L^2 / 3."""
+    """A rod of 2 mm is thicker than long: it bends far above these modes, and its inertia is m L^2 / 3."""
     length, mass = 2e-3, FiniteElementResonator().tip_mass
     rod = FiniteElementResonator(rod_length=length, static_correction=False).modes
     rigid = FiniteElementResonator(tip_inertia=mass * length**2 / 3.0, static_correction=False).modes
