@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import ModalState, Motor
-from contactlab.variables import INTERNAL
+from contactlab.variables import INTERNAL, of_electrode
 
 LEDGER_LIMIT: Final = 1e-2
 """Residual of a ledger over the energy turned over, beyond which its run is not balanced [1]."""
@@ -75,8 +75,8 @@ class Trajectory:
 
     Args:
         duration, contact_step: as asked for, and the largest step in contact that was used.
-        series, contact_mode: every name of `variables.SERIES` and of `variables.BEARING`; 0 free, 1 slip and
-            2 stick; at every record.
+        series, contact_mode: every name of `variables.SERIES`, `variables.BEARING` and of the outputs of
+            `motor.outputs`; 0 free, 1 slip and 2 stick; at every record.
         contacts: every name of `variables.CONTACTS`, a row each.
         ending, message: how the run ended; a run that is not complete holds what it had until then.
         final: normal coordinates of the resonator at the end.
@@ -102,6 +102,13 @@ class Trajectory:
     def lasting(self) -> tuple[str, ...]:
         """Names of the series of the law's internal variables whose life is the run."""
         return tuple(INTERNAL + each.name for each in self.law.lasting)
+
+    @property
+    def currents(self) -> Array:
+        """Currents into the electrodes [A], (electrode, time); NaN where the capacitance is not known."""
+        unknown = np.full(self.time.size, np.nan)
+        electrodes = range(1, self.motor.modes.coupling.shape[1] + 1)
+        return np.stack([self.series.get(of_electrode(e)[1].name, unknown) for e in electrodes])
 
     def followed_by(self, other: "Trajectory") -> "Trajectory":
         """Return the run and its continuation as one; a contact that was cut is whole in the second."""

@@ -63,6 +63,29 @@ BEARING: Final = Variable(
 )
 """A root variable of motors whose rotor is on a bearing."""
 
+
+def of_electrode(number: int) -> tuple[Variable, ...]:
+    """Return charge and current of an electrode, root variables of motors whose capacitance is known."""
+    return _along(
+        "time",
+        (f"charge_{number}", "C", f"Q_{number}", f"charge of electrode {number}"),
+        (f"current_{number}", "A", f"I_{number}", f"current into electrode {number}"),
+    )
+
+
+POINT: Final = "point_"
+"""What the name of a point's displacement begins with."""
+
+
+def of_point(name: str) -> tuple[Variable, ...]:
+    """Return displacement and velocity of a point of the structure, root variables of motors that have it."""
+    return _along(
+        "time",
+        (f"{POINT}{name}", "m", f"x_{name}", f"displacement of the point {name}"),
+        (f"{POINT}{name}_velocity", "m s-1", f"v_{name}", f"velocity of the point {name}"),
+    )
+
+
 CONTACT_MODE: Final = Variable(
     "contact_mode", ("time",), "1", "m", "state of the contact", flags=("free", "slip", "stick")
 )

@@ -8,6 +8,7 @@
     modal_mass                 kg, of the shapes as they stand; 1 where the column is absent
     capacitance_1_1 ...        F, a number each, with the modes at rest; zero where others are absent
     loss_tangent               1, a number
+    point_NAME                 1, displacement of another point, which runs record by that name
     residual_uu, residual_ur, residual_rr   m/N, 1/N, rad/(N m): what the modes that are left out yield to a
                                force along y and a moment at the tip; numbers, together with the next two
     tip_mass, tip_inertia      kg, kg m2, of the rigid tip, which an impact meets; see `add_residual_modes`
@@ -31,6 +32,7 @@ from contactlab.checks import Checked
 from contactlab.config.table import MeasurementError, Table, read_table, write_csv
 from contactlab.motor import NormalModes, add_residual_modes
 from contactlab.parameter import Parameter
+from contactlab.variables import POINT
 
 _FILE: Final = Parameter("", "1", "CSV or netCDF file of the modes")
 _DIGEST: Final = Parameter("", "1", "digest of the file", hint="null takes the file as it is.")
@@ -83,7 +85,8 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
     electrodes = _electrodes(table)
     couplings = [f"coupling_{e}" for e in range(1, electrodes + 1)]
     capacitances = [f"capacitance_{i + 1}_{j + 1}" for i, j in np.ndindex(electrodes, electrodes)]
-    table.check_names([*_UNITS, *_RESIDUAL, *couplings, *capacitances])
+    points = [name for name in table.names if name.startswith(POINT) and name.isidentifier()]
+    table.check_names([*_UNITS, *_RESIDUAL, *couplings, *capacitances, *points])
     rate, loss = _either(table, "frequency", "stiffness"), _either(table, "damping_ratio", "damping")
     if (rate, loss) not in _PAIRS:
         pairs = " or ".join(" and ".join(pair) for pair in _PAIRS)
@@ -111,6 +114,7 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
         tip_slope=(slope / root)[order],
         capacitance=_capacitance(table, electrodes),
         loss_tangent=float(_column(table, "loss_tangent")[0]) if "loss_tangent" in table.names else 0.0,
+        points={name.removeprefix(POINT): (_column(table, name, "1") / root)[order] for name in points},
     )
     return _with_residual(modes, table) if {*_RESIDUAL} & {*table.names} else modes
 
@@ -140,7 +144,8 @@ def write_modes(modes: NormalModes, path: str | Path) -> None:
     units = dict(_UNITS)
     for e, values in enumerate(modes.coupling.T, 1):
         columns[f"coupling_{e}"], units[f"coupling_{e}"] = values, "N V-1"
-    data = {name: ("mode", values, {"units": units[name]}) for name, values in columns.items()}
+    columns |= {f"{POINT}{name}": values for name, values in modes.points.items()}
+    data = {name: ("mode", values, {"units": units.get(name, "1")}) for name, values in columns.items()}
     numbers = {"loss_tangent": ((), modes.loss_tangent, {"units": "1"})}
     if modes.capacitance is not None:
         for (i, j), value in np.ndenumerate(modes.capacitance):

@@ -8,8 +8,8 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.datasheet.electrodes import currents, dielectric_loss
 from contactlab.estimate import Estimate
+from contactlab.motor.outputs import dielectric_loss
 from contactlab.settling.statistics import mean_with_error
 from contactlab.steady_state import BrokenOffError, NotSettledError, converged
 from contactlab.steady_state.period_map import PeriodMap
@@ -227,7 +227,7 @@ class Periods:
         """Return the electrical input, and the efficiencies where there is an output."""
         dielectric = dielectric_loss(self.run.motor)
         active = Estimate(drive.value + dielectric, drive.error)
-        squares = [self._sampled(each[1:] ** 2) for each in currents(self.run)]
+        squares = [self._sampled(each[1:] ** 2) for each in self.run.currents]
         volts = np.sqrt(np.mean(self.run.motor.drive.voltage(self.run.time[1:]) ** 2, axis=1)).tolist()
         apparent = Estimate(*(float(np.dot(volts, part)) for part in zip(*map(_root, squares), strict=True)))
         useful = output if output.value > 0.0 else UNKNOWN

@@ -65,7 +65,7 @@ def run_law(
                     event = step_compliant(each, law)
             else:
                 event = step_rigid(each, law)
-            commit(each, law, records.series, records.traces)
+            commit(each, law, records)
             _act(each, law, records.ends, event)
             left -= 1
         for j in range(run.plant.mode_count):

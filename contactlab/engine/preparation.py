@@ -24,6 +24,7 @@ from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import (
     HEAD,
     LEAVES,
+    NO_ROWS,
     OPEN,
     PRESSED,
     RELEASED,
@@ -44,6 +45,7 @@ from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
+from contactlab.motor.outputs import output_rows
 from contactlab.trajectory import Ending
 
 LARGEST_TURN: Final = 0.01
@@ -267,6 +269,8 @@ class Prepared(NamedTuple):
     errors: LawErrors
     waves: Array = NO_WAVES
     """The waveform's table."""
+    rows: Array = NO_ROWS
+    """What is recorded of the modes, see `contactlab.motor.outputs`."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state."""
@@ -278,13 +282,13 @@ class Prepared(NamedTuple):
 
     def records(self, count: int, run: Run) -> Records:
         """Return room for so many records of a run, and for its contacts."""
-        return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables))
+        return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables), self.rows)
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
         arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
         kind = kind_of(self.bound, impacts is not None)
-        room = kind, run.plant["phasors"].shape
+        room = kind, run.plant["phasors"].shape, run.plant["couplings"].shape
         if INTERPRETED or room in _compiled:
             return
         # Left to itself the compiler would take each law for a type of its own.
@@ -415,7 +419,7 @@ def prepared(
     made = plant, propagator, bound, parameters, row, errors
     waveform = motor.drive.waveform
     waves = NO_WAVES if waveform is None else waveform.table()
-    return Prepared(law, duration, contact_step, tolerance, *made, waves)
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor.modes))
 
 
 def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:

@@ -35,6 +35,7 @@ from contactlab.engine.state import (
     STALLED,
     START,
     Law,
+    Records,
     Run,
     value_at,
 )
@@ -55,7 +56,7 @@ Terms = tuple[float, float, float, float, float, float, float]
 
 
 @part_kernel
-def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
+def commit(run: Run, law: Law, records: Records) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, plant = run.state, run.plant
     s = state.taken
@@ -71,14 +72,14 @@ def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
     now = state.end if state.end - start <= s else start + s
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
-    while state.recorded < series.size:
+    while state.recorded < records.series.size:
         # The last record lies at the end of the run.
         due = state.end
-        if state.recorded < series.size - 1:
+        if state.recorded < records.series.size - 1:
             due = state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
-        _write_record(run, law, series, traces, max(min(due - start, s), 0.0))
+        _write_record(run, law, records, max(min(due - start, s), 0.0))
     total, row = state.total, state.contact
     total.drive_work += drive
     total.damping_loss += damping
@@ -103,7 +104,7 @@ def commit(run: Run, law: Law, series: Any, traces: Array) -> None:
 
 
 @inner_kernel
-def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> None:
+def _write_record(run: Run, law: Law, records: Records, s: float) -> None:
     """Write the next record, at time s of the step, and leave the state there BETWEEN."""
     state, lengths, total = run.state, run.plant.geometry, run.state.total
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
@@ -124,7 +125,7 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
         mode = run.plant.modes[j]
         angle -= mode.row_r * mode.q[BETWEEN] / lengths.radius
         lift += mode.row_w * mode.q[BETWEEN]
-    row = series[state.recorded]
+    row = records.series[state.recorded]
     row.tip_normal_displacement, row.rotor_normal_displacement = u + lift, lift
     row.tip_tangential_displacement = -lengths.tip_length * sin(th)
     row.tip_slope = th
@@ -142,7 +143,13 @@ def _write_record(run: Run, law: Law, series: Any, traces: Array, s: float) -> N
     row.contact_mode = state.mode
     state.held_energy = recovered
     for k in range(state.variables):
-        traces[state.recorded, k] = run.step.memory[BETWEEN, k]
+        records.traces[state.recorded, k] = run.step.memory[BETWEEN, k]
+    for i in range(len(records.rows)):
+        displacement, velocity = 0.0, 0.0
+        for j in range(records.rows.shape[1]):
+            displacement += records.rows[i, j] * run.plant.modes[j].q[BETWEEN]
+            velocity += records.rows[i, j] * run.plant.modes[j].v[BETWEEN]
+        records.outputs[state.recorded, i] = displacement, velocity
     state.recorded += 1
 
 

@@ -34,6 +34,7 @@ from contactlab.engine.state import (
 )
 from contactlab.laws.base import ContactLaw
 from contactlab.motor.motor import ModalState, Motor
+from contactlab.motor.outputs import output_series
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACTS
 
@@ -135,6 +136,7 @@ def simulate(
         finished.append(cut)
         ends.append(memory_of(state, law)[None])
     time, series, contact_modes = take_series(run, records.series)
+    series |= output_series(motor, time, records.outputs[: time.size])
     names = [f"internal_{variable.name}" for variable in law.internal_variables]
     series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
     if ending is Ending.COMPLETE:

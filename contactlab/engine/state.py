@@ -284,15 +284,26 @@ class ImpactBatch(NamedTuple):
     silent: Any
 
 
+NO_ROWS: Final = np.zeros((0, 0))
+"""Of a run that reads nothing more of its modes."""
+
+
 @final
 class Records(NamedTuple):
-    """What a run writes: its series, and the internal variables at records and at the ends of contacts."""
+    """What a run writes: its series, and the internal variables at records and at the ends of contacts.
+
+    outputs are what `rows`, shape (output, mode), read of displacements and of velocities at the records,
+    shape (record, output, 2).
+    """
 
     series: Any
     traces: Array
     ends: Array
+    outputs: Array
+    rows: Array
 
     @classmethod
-    def of(cls, records: int, contacts: int, variables: int) -> "Records":
+    def of(cls, records: int, contacts: int, variables: int, rows: Array = NO_ROWS) -> "Records":
         """Return room for so many of each."""
-        return cls(np.zeros(records, SAMPLE), np.zeros((records, variables)), np.zeros((contacts, variables)))
+        traces, ends = np.zeros((records, variables)), np.zeros((contacts, variables))
+        return cls(np.zeros(records, SAMPLE), traces, ends, np.zeros((records, len(rows), 2)), rows)

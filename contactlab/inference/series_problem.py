@@ -21,16 +21,17 @@ from typing import Any, Final, final
 import numpy as np
 import xarray
 
+from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
 from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
-from contactlab.datasheet.electrodes import currents
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
 from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
 from contactlab.laws import LawError
-from contactlab.measured.series import CURRENTS, MEASURABLE, MeasuredSeries
+from contactlab.measured.series import MEASURABLE, MeasuredSeries
+from contactlab.motor.outputs import output_variables
 from contactlab.settling.until import PRECISION
 from contactlab.settling.verdict import configured_period
 from contactlab.trajectory import Trajectory
@@ -41,8 +42,8 @@ ON_GRID: Final = 1e-3
 FINER: Final = 4
 """Number of records within the smallest interval of times that are not equidistant."""
 
-ON_RECORDS: Final = ("normal_force", "friction_force", *(item.name for item in CURRENTS))
-"""Series that are known at the records of a run only: means over an interval, and currents."""
+ON_RECORDS: Final = ("normal_force", "friction_force")
+"""Series that are means over the interval of records that ends at their time."""
 
 NOISE, DISCREPANCY = "noise", "discrepancy"
 
@@ -119,7 +120,7 @@ class SeriesProblem(Problem):
         run = self.run(values)
         if run is None:
             return None
-        series = series_of(run, self.measured.values)
+        series = {name: run.series[name] for name in self.measured.values}
         if self.places is None:
             return {name: np.interp(self.measured.time, run.time, x) for name, x in series.items()}
         places = self.places.astype(np.int64)
@@ -192,8 +193,9 @@ def series_problem(
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
 
     Raises:
-        ConfigurationError: a discrepancy with Student-t noise, whose likelihood has no closed form, forces
-            or currents at times that are not equidistant, or a drive without a period.
+        ConfigurationError: a discrepancy with Student-t noise, whose likelihood has no closed form, a
+            current or charge of an unknown capacitance, forces at times that are not equidistant, or a drive
+            without a period.
     """
     interval, places = records_at(measured.time)
     if places is None and (odd := [name for name in measured.values if name in ON_RECORDS]):
@@ -201,6 +203,14 @@ def series_problem(
             [
                 f"{', '.join(odd)} is measured at times that are no multiples of one interval; it must be, "
                 "since forces are means over intervals. Leave it out by --series, or put it on a grid."
+            ]
+        )
+    computed = {*variables.SERIES, *output_variables(build(configuration).motor.modes)}
+    if unknown := set(measured.values) - {each.name for each in computed}:
+        raise ConfigurationError(
+            [
+                f"{', '.join(sorted(unknown))} is measured, but the resonator has no such capacitance. Give "
+                "it one (capacitance_1_1 of a resonator.file), or leave the series out by --series."
             ]
         )
     period = configured_period(configuration)
@@ -219,14 +229,6 @@ def series_problem(
     settings["solver.contact_step"] = None if step is None else min(step, duration)
     correlation = period if discrepancy else 0.0
     return SeriesProblem(measured, settings, tuple(keys), interval, places, correlation, degrees_of_freedom)
-
-
-def series_of(run: Trajectory, names: Sequence[str] | Mapping[str, Any]) -> dict[str, Array]:
-    """Return series of a run by name, currents included."""
-    series = dict(run.series)
-    if any(item.name in names for item in CURRENTS):
-        series |= dict(zip((item.name for item in CURRENTS), currents(run), strict=False))
-    return {name: series[name] for name in names}
 
 
 def records_at(time: Array) -> tuple[float, Array | None]:

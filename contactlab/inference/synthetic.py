@@ -11,7 +11,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.impacts import velocities_after
-from contactlab.inference.series_problem import root_mean_square, series_of
+from contactlab.inference.series_problem import root_mean_square
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts, squared_norm
 from contactlab.measured.points import MeasuredPoints
@@ -48,9 +48,8 @@ def made_series(setup: Setup, names: Sequence[str], noise: float, seed: int) -> 
         TRUTH: json.dumps(truth_of(setup.configuration)),
         "seed": seed,
     }
-    exact = with_noise(
-        MeasuredSeries(run.time, series_of(run, names), {}, setup.configuration, stated), noise
-    )
+    series = {name: run.series[name] for name in names}
+    exact = with_noise(MeasuredSeries(run.time, series, {}, setup.configuration, stated), noise)
     draws = np.random.default_rng(seed)
     values = {
         name: series + exact.errors[name] * draws.standard_normal(run.time.size)

@@ -20,15 +20,9 @@ from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.table import MeasurementError, Table
 from contactlab.suggestion import suggestion
-from contactlab.variables import Variable
 
 FEWEST: Final = 8
 """Smallest number of times."""
-
-CURRENTS: Final = tuple(
-    Variable(f"current_{i}", ("time",), "A", f"I_{i}", f"current into the electrodes of drive.voltage_{i}")
-    for i in (1, 2)
-)
 
 _OF_A_RUN: Final = (
     *("tip_normal_displacement", "tip_tangential_displacement", "tip_slope", "gap", "slip_velocity"),
@@ -36,7 +30,8 @@ _OF_A_RUN: Final = (
 )
 
 MEASURABLE: Final = {
-    item.name: item for item in (*variables.SERIES, *CURRENTS) if item.name in _OF_A_RUN or item in CURRENTS
+    **{item.name: item for item in variables.SERIES if item.name in _OF_A_RUN},
+    **{item.name: item for electrode in (1, 2) for item in variables.of_electrode(electrode)},
 }
 """Quantities of a motor that can be measured, by name."""
 

@@ -55,6 +55,7 @@ def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
         tip_displacement=np.append(modes.tip_displacement, 0.0),
         tip_slope=np.append(modes.tip_slope, 0.0),
         rotor_displacement=np.append(carried, 1.0 / root),
+        points={name: np.append(row, 0.0) for name, row in modes.points.items()},
     )
     way = 0.0
     if bearing.preload > 0.0:

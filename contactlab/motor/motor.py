@@ -1,5 +1,6 @@
 """A motor: normal modes of a resonator, a drive, a contact geometry and a rotor."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, final
 
@@ -33,6 +34,8 @@ class NormalModes:
         tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
         rotor_displacement: w = rotor_displacement . q, of the rotor's centre along u [kg^-1/2], shape
             (mode,); None where its axle is fixed. The gap follows from u - w.
+        points: displacement of other points, x = row . q [kg^-1/2], shape (mode,) each, by name; a run
+            records them.
         shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
             int psi^2 dx = L: those of the basis before the modes, or the modes themselves, so scaled; None
             where the modes are not those of a beam.
@@ -51,6 +54,7 @@ class NormalModes:
     capacitance: Array | None = None
     loss_tangent: float = 0.0
     rotor_displacement: Array | None = None
+    points: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
@@ -58,6 +62,10 @@ class NormalModes:
         for name in ("damping", "tip_displacement", "tip_slope", "rotor_displacement"):
             if getattr(self, name) is not None:
                 check_shape(name, getattr(self, name), (count,), "one number a mode")
+        for name, row in self.points.items():
+            if not name.isidentifier():
+                raise ValueError(f"A point is called {name!r}; it must be a name of letters, digits and _.")
+            check_shape(f"points[{name!r}]", row, (count,), "one number a mode")
         check_shape("coupling", self.coupling, (count, -1), "a row a mode and a column an electrode")
         electrodes = self.coupling.shape[1]
         if self.shape_coupling is not None:
@@ -66,24 +74,6 @@ class NormalModes:
         if self.capacitance is not None:
             meaning = "a row and a column an electrode"
             check_shape("capacitance", self.capacitance, (electrodes, electrodes), meaning)
-
-    def charge(self, displacement: Array, voltage: Array) -> Array:
-        """Return the charges of the electrodes, Q = C_p U + coupling' q [C], shape (electrode, *time.shape).
-
-        The transpose of the forces of the actuator equation, so that sum_e int U_e dQ_e over a period is
-        the work of the drive; not a number where the capacitance is not known.
-
-        Args:
-            displacement: q [m kg^1/2], shape (mode, *time.shape).
-            voltage: U [V], shape (electrode, *time.shape).
-
-        Source: Andersen, Blanke and Helbo (2001), eqs. 20, 26 and 32.
-        """
-        electrodes = self.coupling.shape[1]
-        capacitance = self.capacitance
-        if capacitance is None:
-            capacitance = np.full((electrodes, electrodes), np.nan)
-        return np.asarray(capacitance @ voltage + self.coupling.T @ displacement)
 
     @property
     def approach(self) -> Array:

@@ -259,7 +259,8 @@ class PatchedBeam(Checked, ABC):
                 )
         except (np.linalg.LinAlgError, ArithmeticError) as error:
             raise ValueError(UNRESOLVED) from error
-        finite = (np.isfinite(values).all() for values in vars(modes).values() if values is not None)
+        arrays = [values for values in vars(modes).values() if isinstance(values, np.ndarray)]
+        finite = (np.isfinite(values).all() for values in arrays)
         if not (all(finite) and np.all(modes.stiffness > 0.0)):
             raise ValueError(UNRESOLVED)
         return modes

@@ -6,6 +6,7 @@ Phi diag(1/omega^2) Phi' b, follows as pseudo-modes, so that statics are exact.
 Sources: MacNeal (1971), Comput. Struct. 1, 581; Rubin (1975), AIAA J. 13, 995.
 """
 
+from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
@@ -33,6 +34,7 @@ def reduced(
     damping_ratio: float = 0.01,
     tip_length: float = FLAT,
     static_correction: bool = True,
+    points: Mapping[str, Array] | None = None,
 ) -> NormalModes:
     """Return the normal modes of a held structure.
 
@@ -54,6 +56,7 @@ def reduced(
         damping_ratio: of every mode [1].
         tip_length: of the contact's geometry [m]; the default is a flat contact.
         static_correction: whether pseudo-modes follow, one at most for each of these loads.
+        points: displacement of other points by each degree of freedom [1], shape (dof,), by name, to record.
 
     Raises:
         ValueError: shapes do not fit, or K is not positive definite.
@@ -65,6 +68,8 @@ def reduced(
     check_shape("uy", uy, (count,), "one number a degree of freedom")
     check_shape("ux", ux, (count,), "one number a degree of freedom")
     check_shape("coupling", coupling, (count, -1), "a row a degree of freedom and a column an electrode")
+    for name, row in (points or {}).items():
+        check_shape(f"points[{name!r}]", row, (count,), "one number a degree of freedom")
     if not 1 <= modes < count:
         raise ValueError(f"modes is {modes}; it must be at least 1 and less than {count}, the size.")
     m, k = csc_array(mass), csc_array(stiffness)
@@ -92,4 +97,5 @@ def reduced(
         coupling=shapes.T @ coupling,
         tip_displacement=shapes.T @ uy,
         tip_slope=-(shapes.T @ ux) / tip_length,
+        points={name: shapes.T @ row for name, row in (points or {}).items()},
     )

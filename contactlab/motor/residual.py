@@ -39,6 +39,8 @@ def add_residual_modes(
 ) -> NormalModes:
     """Return the modes and two residual modes behind them, with which a rigid impact meets the tip's mass.
 
+    What they move other points by is not known, and taken as zero.
+
     Args:
         modes: kept modes of the structure with its tip.
         mass: M of the rigid tip in (u, theta), [kg, kg m; kg m, kg m^2], shape (2, 2).
@@ -87,6 +89,7 @@ def add_residual_modes(
         coupling=np.vstack([modes.coupling, squares[:, None] * np.linalg.solve(shapes, response)]),
         tip_displacement=np.append(modes.tip_displacement, shapes[0]),
         tip_slope=np.append(modes.tip_slope, shapes[1]),
+        points={name: np.append(row, np.zeros(2)) for name, row in modes.points.items()},
     )
 
 

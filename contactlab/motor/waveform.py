@@ -95,13 +95,13 @@ class Waveform:
         """Time after which it repeats itself [s]; infinite where it does not."""
         return float(self.pieces.x[-1] - self.pieces.x[0]) if self.periodic else np.inf
 
-    def voltage(self, time: Array | float) -> Array:
-        """Return the voltages [V], shape (electrode, *time.shape)."""
+    def voltage(self, time: Array | float, order: int = 0) -> Array:
+        """Return the voltages or a derivative [V s^-order], shape (electrode, *time.shape)."""
         first, last = self.pieces.x[[0, -1]]
         clock = np.asarray(time, np.float64) + self.start
         if self.periodic:
             clock = first + (clock - first) % self.period
-        values = np.moveaxis(self.pieces(clock), -1, 0)
+        values = np.moveaxis(self.pieces(clock, order), -1, 0)
         return np.where((clock >= first) & (clock <= last), values, 0.0)
 
     def delayed(self, time: float) -> "Waveform":

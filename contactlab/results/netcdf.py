@@ -24,6 +24,7 @@ from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.motor import free_reach
+from contactlab.motor.outputs import output_variables
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
 from contactlab.settling.verdict import Settling, configured_period, drive_period, settling_of
@@ -71,6 +72,7 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
     kept = (*variables.SERIES, variables.CONTACT_MODE, *internal_series(trajectory.law))
     if modes.rotor_displacement is not None:
         kept += (variables.BEARING,)
+    kept += output_variables(modes)
     root = xarray.Dataset(
         _columns((*kept, *(each for each in variables.RESONATOR if each.name in values)), values),
         coords=_columns((variables.TIME,), values),

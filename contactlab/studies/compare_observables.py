@@ -8,7 +8,6 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.datasheet.electrodes import currents
 from contactlab.datasheet.transients import start_time
 from contactlab.estimate import Estimate
 from contactlab.steady_state import BrokenOffError, NotSettledError, steady
@@ -70,7 +69,7 @@ def observed(setup: Setup, names: Sequence[str]) -> tuple[str, dict[str, Estimat
             amplitude = _amplitude(run.series[f"tip_{name}_displacement"])
             repeats = state.periods > 0
             result[f"tip_{name}_amplitude"] = amplitude._replace(error=0.0) if repeats else amplitude
-        square = float(np.mean(currents(run)[:, 1:] ** 2))
+        square = float(np.mean(run.currents[:, 1:] ** 2))
         result["rms_current"] = Estimate(float(np.sqrt(square)), 0.0)
     if "stall_torque" in names:
         result["stall_torque"] = steady(setup, belt=0.0, longest=LONGEST).torque

@@ -12,6 +12,7 @@ from contactlab.laws import HertzPenalty
 from contactlab.motor import RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import ModalState, Motor
+from contactlab.motor.outputs import output_series
 from contactlab.trajectory import Ending, Trajectory
 
 Array = NDArray[np.float64]
@@ -47,14 +48,16 @@ def synthetic_trajectory(
     starts = starts[starts + CONTACT_DURATION <= duration] if contact else starts[:0]
     kinematics = _kinematics(time, starts)
     series = kinematics | _forces(time, starts) | _energies(time)
+    motor = Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, FREQUENCY))
+    outputs = output_series(motor, time, np.zeros((time.size, motor.modes.coupling.shape[1], 2)))
     return Trajectory(
-        motor=Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, FREQUENCY)),
+        motor=motor,
         law=HertzPenalty(stiffness=1e10, friction_coefficient=0.3),
         duration=duration,
         contact_step=2e-6,
         record_interval=interval,
         time=time,
-        series={variable.name: series[variable.name] for variable in variables.SERIES},
+        series={variable.name: series[variable.name] for variable in variables.SERIES} | outputs,
         contact_mode=_modes(time, starts),
         contacts=_contacts(starts),
         statistics={"free_flights": starts.size + 1, "contact_steps": 30 * starts.size},
