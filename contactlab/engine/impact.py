@@ -137,7 +137,7 @@ def integrate_impacts(
             states[1] = states[0]
             state.end = state.window = LONGEST * unit
             _throw(motions, contact, state.begins)
-            written = Records(impacts.silent, records.traces, records.ends, records.outputs, records.rows)
+            written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
             run_law(run, states[1:], motions, written, law, compliant, solve, NO_END, waves)

@@ -24,7 +24,7 @@ from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import (
     HEAD,
     LEAVES,
-    NO_ROWS,
+    NO_OUTPUTS,
     OPEN,
     PRESSED,
     RELEASED,
@@ -35,6 +35,7 @@ from contactlab.engine.state import (
     ImpactBatch,
     Law,
     Memory,
+    Read,
     Records,
     Run,
     new_record,
@@ -269,8 +270,8 @@ class Prepared(NamedTuple):
     errors: LawErrors
     waves: Array = NO_WAVES
     """The waveform's table."""
-    rows: Array = NO_ROWS
-    """What is recorded of the modes, see `contactlab.motor.outputs`."""
+    read: Read = NO_OUTPUTS
+    """What is recorded beside tip and rotor, see `contactlab.motor.outputs`."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state."""
@@ -282,7 +283,7 @@ class Prepared(NamedTuple):
 
     def records(self, count: int, run: Run) -> Records:
         """Return room for so many records of a run, and for its contacts."""
-        return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables), self.rows)
+        return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables), self.read)
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
@@ -419,7 +420,7 @@ def prepared(
     made = plant, propagator, bound, parameters, row, errors
     waveform = motor.drive.waveform
     waves = NO_WAVES if waveform is None else waveform.table()
-    return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor.modes))
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor))
 
 
 def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:

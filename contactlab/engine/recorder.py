@@ -149,7 +149,13 @@ def _write_record(run: Run, law: Law, records: Records, s: float) -> None:
         for j in range(records.rows.shape[1]):
             displacement += records.rows[i, j] * run.plant.modes[j].q[BETWEEN]
             velocity += records.rows[i, j] * run.plant.modes[j].v[BETWEEN]
-        records.outputs[state.recorded, i] = displacement, velocity
+        for k in range(run.plant.tone_count):
+            cosine, sine = run.plant.tones[k].cosine[BETWEEN], run.plant.tones[k].sine[BETWEEN]
+            first, second = records.phasors[i, 0, k], records.phasors[i, 1, k]
+            displacement += first.real * cosine - first.imag * sine
+            velocity += second.real * cosine - second.imag * sine
+        records.outputs[state.recorded, i, 0] = displacement
+        records.outputs[state.recorded, i, 1] = velocity
     state.recorded += 1
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import Any, Final, NamedTuple, cast, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
@@ -284,16 +285,18 @@ class ImpactBatch(NamedTuple):
     silent: Any
 
 
-NO_ROWS: Final = np.zeros((0, 0))
-"""Of a run that reads nothing more of its modes."""
+Read = tuple[Array, NDArray[np.complex128]]
+"""Rows and phasors of `Records`."""
+
+NO_OUTPUTS: Final[Read] = np.zeros((0, 0)), np.zeros((0, 2, 0), np.complex128)
 
 
 @final
 class Records(NamedTuple):
     """What a run writes: its series, and the internal variables at records and at the ends of contacts.
 
-    outputs are what `rows`, shape (output, mode), read of displacements and of velocities at the records,
-    shape (record, output, 2).
+    outputs, shape (record, output, 2), are what `rows`, shape (output, mode), read of displacements and of
+    velocities at the records, and of the tones by `phasors`, shape (output, 2, tone).
     """
 
     series: Any
@@ -301,9 +304,10 @@ class Records(NamedTuple):
     ends: Array
     outputs: Array
     rows: Array
+    phasors: NDArray[np.complex128]
 
     @classmethod
-    def of(cls, records: int, contacts: int, variables: int, rows: Array = NO_ROWS) -> "Records":
+    def of(cls, records: int, contacts: int, variables: int, read: Read = NO_OUTPUTS) -> "Records":
         """Return room for so many of each."""
         traces, ends = np.zeros((records, variables)), np.zeros((contacts, variables))
-        return cls(np.zeros(records, SAMPLE), traces, ends, np.zeros((records, len(rows), 2)), rows)
+        return cls(np.zeros(records, SAMPLE), traces, ends, np.zeros((records, len(read[0]), 2)), *read)

@@ -152,15 +152,11 @@ class Drive:
         """omega_k [rad/s], shape (tone,)."""
         return 2.0 * np.pi * self.frequency
 
-    def voltage(self, time: Array | float, order: int = 0) -> Array:
-        """Return the voltages of the electrodes or a derivative [V s^-order], (electrode, *time.shape)."""
-        result = np.zeros((len(self.phasors), *np.shape(time)))
-        # Without a matrix product, whose last bits depend on how many times there are.
-        for phasors, omega in zip(self.phasors.T, self.angular_frequency, strict=True):
-            turned, angle = phasors * (1j * omega) ** order, np.multiply(omega, time)
-            result += np.multiply.outer(turned.real, np.cos(angle))
-            result -= np.multiply.outer(turned.imag, np.sin(angle))
-        return result if self.waveform is None else result + self.waveform.voltage(time, order)
+    def voltage(self, time: Array | float) -> Array:
+        """Return the voltages of the electrodes [V], shape (electrode, *time.shape)."""
+        turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
+        tones = np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
+        return tones if self.waveform is None else tones + self.waveform.voltage(time)
 
     def delayed(self, time: float) -> "Drive":
         """Return the drive whose clock is ahead by a time [s]."""

@@ -10,21 +10,29 @@ one recorded is that of the piece which follows.
 Source: Andersen, Blanke and Helbo (2001), eqs. 19, 20, 26 and 32.
 """
 
-from dataclasses import replace
 from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.motor.motor import Motor, NormalModes
 from contactlab.variables import Variable, of_electrode, of_point
 
 
-def output_rows(modes: NormalModes) -> Array:
-    """Return what is read of the modes, (output, mode): electrodes of known capacitance, then points."""
+def output_rows(motor: Motor) -> tuple[Array, NDArray[np.complex128]]:
+    """Return what is read of the modes, (output, mode), and of the tones with its rate, (output, 2, tone).
+
+    Electrodes of known capacitance come first, then points.
+    """
+    modes, drive = motor.modes, motor.drive
     electrodes = [] if modes.capacitance is None else list(modes.coupling.T)
     rows = [*electrodes, *modes.points.values()]
-    return np.array(rows).reshape(len(rows), modes.stiffness.size)
+    phasors = np.zeros((len(rows), 2, drive.frequency.size), np.complex128)
+    if modes.capacitance is not None and drive.voltages:
+        charge = (1.0 - 1j * modes.loss_tangent) * (modes.capacitance @ drive.phasors)
+        phasors[: len(electrodes)] = np.stack([charge, 1j * drive.angular_frequency * charge], axis=1)
+    return np.array(rows).reshape(len(rows), modes.stiffness.size), phasors
 
 
 def output_variables(modes: NormalModes) -> tuple[Variable, ...]:
@@ -35,21 +43,20 @@ def output_variables(modes: NormalModes) -> tuple[Variable, ...]:
 
 
 def output_series(motor: Motor, time: Array, read: Array) -> dict[str, Array]:
-    """Return the recorded series by name, from what the rows read at the times.
+    """Return the recorded series by name, from what was read at the times.
 
     Args:
         motor: whose modes and voltages they are.
         time: [s], shape (time,).
-        read: of displacements and of velocities, shape (time, output, 2); it becomes the series' memory.
+        read: of modes and tones, and its rates, shape (time, output, 2); it becomes the series' memory.
     """
-    modes, drive = motor.modes, motor.drive
+    modes, waveform = motor.modes, motor.drive.waveform
     columns = read.reshape(len(time), -1).T
-    if modes.capacitance is not None and drive.voltages:
-        lossy = replace(drive, phasors=(1.0 - 1j * modes.loss_tangent) * drive.phasors)
-        electrodes = modes.coupling.shape[1]
+    if modes.capacitance is not None and waveform is not None:
         for order in (0, 1):
-            for column, voltage in zip(modes.capacitance.T, lossy.voltage(time, order), strict=True):
-                columns[order : 2 * electrodes : 2] += np.multiply.outer(column, voltage)
+            # Without a matrix product, whose last bits depend on how many times there are.
+            for column, voltage in zip(modes.capacitance.T, waveform.voltage(time, order), strict=True):
+                columns[order : 2 * column.size : 2] += np.multiply.outer(column, voltage)
     return dict(zip((each.name for each in output_variables(modes)), columns, strict=True))
 
 

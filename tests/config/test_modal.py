@@ -1,5 +1,6 @@
 """Claims on resonators of files: they are what was written, whatever the form, and faults have a name."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +30,20 @@ def test_a_motor_of_a_file_is_the_one_that_was_written_bit_for_bit(tmp_path: Pat
     assert first.contacts["start_time"].size
     for series, values in first.series.items():
         assert np.array_equal(second.series[series], values), series
+
+
+@pytest.mark.parametrize("name", ["modes.csv", "modes.nc"])
+def test_a_point_of_a_file_is_the_one_that_was_written_and_the_run_records_it(
+    tmp_path: Path, name: str
+) -> None:
+    modes = cl.build().motor.modes
+    write_modes(replace(modes, points={"foot": modes.tip_displacement}), tmp_path / name)
+    again = cl.build(["resonator=modal", f"resonator.file={tmp_path / name}", "solver.duration=1e-3"])
+    assert np.array_equal(again.motor.modes.points["foot"], modes.tip_displacement)
+    tree = cl.simulate(again).to_xarray()
+    assert tree["point_foot"].attrs["units"] == "m"
+    assert tree["point_foot_velocity"].attrs["units"] == "m s-1"
+    np.testing.assert_allclose(tree["point_foot"], tree["tip_normal_displacement"], rtol=1e-13, atol=1e-20)
 
 
 def test_shapes_of_any_scale_have_the_same_modes(tmp_path: Path) -> None:
