@@ -17,7 +17,7 @@ from contactlab.parameter import DeclaredField, Parameter
 from contactlab.settling.until import PRECISION, STEADY
 
 MOST_RECORDS = 10_000_000
-"""Records of one run; they take 3.5 GB of memory."""
+"""Records of one run; they take 3.8 GB of memory."""
 
 FRICTION = f"contact.{SHARED}"
 """Key of the friction coefficient that laws share."""
