@@ -138,7 +138,7 @@ class Table:
         """Raise a MeasurementError for a column of another name, which may be a misspelt one."""
         names = [*known]
         if unknown := [name for name in self.names if name not in names]:
-            hint = suggestion(unknown[0], [*names, *TEXTS], "See docs/measured_data.md for all names.")
+            hint = suggestion(unknown[0], [*names, *TEXTS], f"It must be one of {', '.join(names)}.")
             raise MeasurementError(f"'{unknown[0]}' is not the name of a column. {hint}")
 
 
