@@ -109,8 +109,10 @@ def crowded(clearance: float) -> Motor:
         tip_slope=np.append(few.tip_slope, few.tip_slope[1] * weak),
         shape_coupling=few.shape_coupling,
     )
-    phasors = np.array([60.0, 60.0, *[20.0] * 7]) * np.exp(1j * np.add.outer([0.0, 6.0], np.arange(9.0)))
-    frequencies = 3210.0 * np.array([1.0, 2.0, 0.5, 1.5, 3.0, 2.5, 0.75, 1.25, 1.75])
+    volts = np.array([60.0, 60.0, *[20.0] * 7, *[10.0] * 8])
+    phasors = volts * np.exp(1j * np.add.outer([0.0, 6.0], np.arange(17.0)))
+    others = [0.5, 1.5, 3.0, 2.5, 0.75, 1.25, 1.75, 2.25, 2.75, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5]
+    frequencies = 3210.0 * np.array([1.0, 2.0, *others])
     return replace(motor, modes=modes, drive=Drive(frequencies, phasors))
 
 
@@ -119,7 +121,7 @@ def crowded(clearance: float) -> Motor:
 def test_a_motor_beyond_the_usual_room_for_modes_and_tones_runs(law: ContactLaw) -> None:
     motor = crowded(1e-6)
     assert motor.modes.stiffness.size + 1 == 70 > MODES
-    assert motor.drive.frequency.size == 9 > TONES
+    assert motor.drive.frequency.size == 17 > TONES
     trajectory = run(motor, law, 5e-4)
     assert trajectory.contacts["start_time"].size > 0
     residual = np.abs(trajectory.series["energy_residual"]).max()
