@@ -57,11 +57,12 @@ class _Integration:
 
     def __init__(self, law: ContactLaw, tolerance: float | None, *, once: bool = False) -> None:
         check_law(law)
-        check_tolerance(law, tolerance)
+        rigid = isinstance(law, MultiplierLaw)
+        check_tolerance(tolerance, f"{law.name} answers an impact at once" if rigid else "")
         law = law.on_rotor(WAY)
         parameters, row, bound, errors = take_in(law, once)
         tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-        self.ready = Prepared(law, 1.0, 1.0, tolerance, *_body(), bound, parameters, row, errors)
+        self.ready = Prepared(law, 1.0, 1.0, tolerance, False, *_body(), bound, parameters, row, errors)
 
     def run(self, contacts: Array, history: int = 0) -> tuple[Any, Any, Run]:
         """Return records of `OUTCOME`, as many of `MOMENT` for each as `history`, and the last run."""

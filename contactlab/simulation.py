@@ -12,7 +12,7 @@ import xarray
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.quantity import UnitError, number_of
-from contactlab.engine.preparation import check_kinds, default_contact_step
+from contactlab.engine.preparation import check_kinds, default_contact_step, is_stepped
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
@@ -166,9 +166,9 @@ def simulate(
         duration: [s]; after that of `start`, if one is given. A motor and a law need one, unless they run
             until steady: then it is 1 s at most.
         record_interval: [s]; 1 us, or the duration if that is shorter. The last record lies at the end.
-        contact_step: step of a rigid law, or longest step of a compliant one [s]; the law's default, or less
-            where the tip has fast modes.
-        tolerance: error of a step of a compliant law [1]; the engine's default. Rigid laws have none.
+        contact_step: longest step in contact of a compliant law [s], by default the law's. A rigid law is
+            stepped in time by it, as in the paper; without, it is taken in its limit of no step.
+        tolerance: error of a step in contact [1]; the engine's default. Time stepping has none.
         until: 'steady' ends the run once the motor has settled, and at the latest after the duration;
             'duration' is the default.
         precision: share by which the motor may be off its steady state where `until='steady'` ends the run
@@ -293,6 +293,8 @@ def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
 def changed(setup: Setup, settings: dict[str, Any]) -> Setup:
     """Return a setup with other numbers, which its configuration tells too."""
     configuration = {name: dict(section) for name, section in setup.configuration.items()}
+    if is_stepped(setup.law, settings.get("contact_step")):
+        settings = {"tolerance": None} | settings
     for name, value in settings.items():
         section, key = PLACES[name]
         configuration.setdefault(section, {})[key] = value

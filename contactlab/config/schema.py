@@ -74,10 +74,12 @@ RULES: Final = (
         "solver.changes is {0}; it must be null with solver.until=steady.",
     ),
     Rule(
-        ("solver.tolerance", "law.name"),
-        lambda tolerance, law: tolerance is None or issubclass(law_class(law), PenaltyLaw),
-        "solver.tolerance is {0:g}; it must be null with law={1}, whose steps have no tolerance. Refine "
-        "solver.contact_step instead.",
+        ("solver.tolerance", "law.name", "solver.contact_step"),
+        lambda tolerance, law, step: (
+            tolerance is None or step is None or issubclass(law_class(law), PenaltyLaw)
+        ),
+        "solver.tolerance is {0:g}; it must be null with law={1} and solver.contact_step={2:g}: time stepping "
+        "has no tolerance. Leave one of the two out.",
     ),
     Rule(
         ("record.interval", "solver.duration"),

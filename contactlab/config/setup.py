@@ -22,7 +22,7 @@ from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.config.table import MeasurementError
 from contactlab.engine.equilibrium import at_rest
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, is_stepped, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
@@ -59,8 +59,9 @@ class Setup:
     Args:
         motor, law: what runs.
         duration, record_interval: simulated time, and time between records [s].
-        contact_step: largest step in contact [s], the default of law and motor where none was given.
-        tolerance: relative tolerance in contact [1]; None for a law that takes none.
+        contact_step: largest step in contact of a compliant law, or the step of a rigid law's time stepping
+            [s]; None of a rigid law in its limit of no step.
+        tolerance: relative tolerance in contact [1]; None for time stepping, which has none.
         configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
         until: 'duration', or 'steady' to end once the motor has settled, at the latest after the duration.
         precision: share by which a motor may be off its steady state where a run until then ends [1].
@@ -71,7 +72,7 @@ class Setup:
     law: ContactLaw
     duration: float
     record_interval: float
-    contact_step: float
+    contact_step: float | None
     tolerance: float | None
     configuration: dict[str, Any]
     until: Until = "duration"
@@ -142,9 +143,10 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     # What follows from the rotor takes its place in the configuration.
     of_law = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in of_law}
-    if solver["contact_step"] is None:
-        solver["contact_step"] = min(default_contact_step(motor.modes, law), solver["duration"])
-    if isinstance(law, PenaltyLaw) and solver["tolerance"] is None:
+    step = default_contact_step(motor.modes, law)
+    if solver["contact_step"] is None and step is not None:
+        solver["contact_step"] = min(step, solver["duration"])
+    if solver["tolerance"] is None and not is_stepped(law, solver["contact_step"]):
         solver["tolerance"] = DEFAULT_TOLERANCE
     numbers = {key: value for key, value in solver.items() if key != "changes"}
     interval = resolved["record"]["interval"]

@@ -24,6 +24,7 @@ from contactlab.engine.friction import (
     push_node,
 )
 from contactlab.engine.kinematics import (
+    Tip,
     add_collocated,
     checked,
     contact_at,
@@ -246,10 +247,10 @@ def _collocate(run: Run, law: Law, level: int, at_zero_slip: bool) -> int:
     return 0
 
 
-@merged_kernel
-def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
-    """Set motion and forces of node i; returns the change of its moments as a force on the rotor [N]."""
-    state, step, results = run.state, run.step, run.propagator.levels[level]
+@inner_kernel
+def pushed_tip(run: Run, level: int, i: int) -> Tip:
+    """Return the tip's motion at node i, under the nodal forces that there are."""
+    step, results = run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
     u, th = step.u[i], step.th[i]
     u_rate, th_rate, rotor = step.u_rate[i], step.th_rate[i], step.rotor[i]
@@ -260,7 +261,16 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
         u_rate += tip_v[0, i, m] * push_u + tip_v[1, i, m] * push_th
         th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
         rotor += tip_v[3, i, m] * step.push_r.node[m]
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
+    return u, th, u_rate, th_rate, rotor
+
+
+@merged_kernel
+def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
+    """Set motion and forces of node i; returns the change of its moments as a force on the rotor [N]."""
+    state, step = run.state, run.step
+    tip = pushed_tip(run, level, i)
+    _, th, _, th_rate, rotor = tip
+    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, tip)
     normal, bound, bias, loss, turned = 0.0, 0.0, 0.0, 0.0, 0.0
     note_turn(run, i, th, t_u, th_rate, rotor)
     recall(run, law, i)
@@ -310,7 +320,7 @@ def step_compliant(run: Run, law: Law) -> int:
     first_moments(run, law, law.memory, gap, known[0])
     if state.contact.duration == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
-        state.momentum = _impulse_scale(run, law, rate, known[0], mobility)
+        state.momentum = impulse_scale(run, law, rate, known[0], mobility)
     if known[1] == 0.0 and state.mode == SLIP and slip != 0.0:
         # What has no say in the slip cannot have followed its sign.
         state.sign = 1 if slip > 0.0 else -1
@@ -436,7 +446,7 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
 
 
 @merged_kernel
-def _impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: float) -> float:
+def impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: float) -> float:
     """Return the impulse [N s] that scales errors in a contact which begins now.
 
     It is the speed of the tip over its mobility D_nn [1/kg]: gap rate, vibration of its modes, and what drive

@@ -140,7 +140,7 @@ def integrate_impacts(
             written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, compliant, solve, NO_END, waves)
+            run_law(run, states[1:], motions, written, law, compliant, None, None, solve, NO_END, waves)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

@@ -172,6 +172,16 @@ def _follow_wave(run: Run, waves: Array) -> None:
             plant.forces[j, m] = total
 
 
+@inner_kernel
+def wave_force(plant: Plant, j: int, s: float) -> float:
+    """Return the force of the waveform on a coordinate, a time s after the start of the step."""
+    force, power = 0.0, 1.0
+    for m in range(ORDERS):
+        force += plant.forces[j, m] * power
+        power *= s / (m + 1)
+    return force
+
+
 @part_kernel
 def begin(run: Run, waves: Array) -> None:
     """Split the state at the step's start into steady state and free motion.

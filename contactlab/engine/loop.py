@@ -5,6 +5,7 @@ from typing import Any
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, merged_kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
+from contactlab.engine.constrained import settle, step_constrained
 from contactlab.engine.flight import step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
@@ -44,6 +45,8 @@ def run_law(
     records: Records,
     law: Law,
     compliant: int | None,
+    stepped: int | None,
+    constrained: int | None,
     solve: Any,
     budget: int,
     waves: Array,
@@ -64,7 +67,10 @@ def run_law(
                 if compliant is not None:
                     event = step_compliant(each, law)
             else:
-                event = step_rigid(each, law)
+                if stepped is not None:
+                    event = step_rigid(each, law)
+                if constrained is not None:
+                    event = step_constrained(each, law)
             commit(each, law, records)
             _act(each, law, records.ends, event)
             left -= 1
@@ -91,7 +97,7 @@ def _opens_step(run: Run, law: Law, waves: Array) -> bool:
         if state.compliant != 0:
             press(run, law, law.memory)
     begin(run, waves)
-    if state.phase != TOUCHING or state.compliant != 0:
+    if state.phase != TOUCHING or state.compliant != 0 or state.constrained != 0:
         # Beyond its end a piece says nothing; a rigid contact's step is as short as its error wants it.
         finest = run.propagator.rule.level_count - 1
         while state.level < finest and step_length(run.propagator, state.level + 1) >= (
@@ -130,6 +136,8 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
 def _release(run: Run, law: Law, ends: Array) -> None:
     """End the contact, and store it where it was one."""
     state = run.state
+    if state.constrained != 0 and state.contact.duration > 0.0:
+        settle(run)
     for k in range(state.variables):
         ends[state.stored, k] = state.memory[k]
     note_release(run, law, law.memory)
@@ -153,7 +161,7 @@ def _is_contact(run: Run) -> bool:
     """Return whether what ends here was a contact, and not a touch by round-off without impulse."""
     contact, rule = run.state.contact, run.propagator.rule
     if contact.normal_impulse != 0.0 or contact.friction_impulse != 0.0:
-        return bool(contact.duration > 0.0)
+        return bool(contact.duration > 0.0 or run.state.constrained != 0)
     return bool(contact.duration >= CRAWL * step_length(run.propagator, rule.contact_level))
 
 
@@ -171,7 +179,10 @@ def _open_contact(run: Run, law: Law) -> None:
     law.row[SPEED] = state.impact_speed
     state.mode = SLIP if slip != 0.0 or state.friction_kind == RATE_DEPENDENT else STICK
     state.sign = 1 if slip > 0.0 else -1
-    state.level = run.propagator.rule.contact_level + state.compliant * TOUCH_REFINEMENT
+    rule = run.propagator.rule
+    state.level = rule.contact_level + state.compliant * TOUCH_REFINEMENT
+    if state.constrained != 0:
+        state.level = max(state.level, rule.fresh_level)
     state.touchdowns += 1
     count_event(state)
     jump(run, law, law.memory, AT_TOUCH)

@@ -15,12 +15,12 @@ from contactlab.arrays import Array
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number, shown
 from contactlab.compilation import telling
 from contactlab.compiled import INTERPRETED, inner_kernel, kernel
-from contactlab.engine.binding import FORCE, LIMITS, SIGNATURES, Bound, bind, law_errors, row_of
+from contactlab.engine.binding import FORCE, LIMITS, SIGNATURES, SOLVE, Bound, bind, law_errors, row_of
 from contactlab.engine.explanation import explain
 from contactlab.engine.impact import evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
 from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
-from contactlab.engine.propagator import Propagator, Workspace
+from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
     HEAD,
     LEAVES,
@@ -42,7 +42,7 @@ from contactlab.engine.state import (
 )
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
-from contactlab.laws.declaration import refuse_unsound
+from contactlab.laws.declaration import names_of, refuse_unsound
 from contactlab.laws.memory import ODD
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
@@ -53,8 +53,26 @@ LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""
 
 
-def default_contact_step(modes: NormalModes, law: ContactLaw) -> float:
-    """Return the step in contact [s] of a law on a resonator, at most the law's `default_contact_step`.
+def has_limit(law: ContactLaw) -> bool:
+    """Return whether a law is rigid and has a limit of no step, as all have that do not read the step."""
+    return isinstance(law, MultiplierLaw) and "step" not in names_of(law.solve)
+
+
+def is_stepped(law: ContactLaw, contact_step: float | None) -> bool:
+    """Return whether a law is rigid and stepped in time, by a contact step [s]."""
+    return isinstance(law, MultiplierLaw) and contact_step is not None
+
+
+def default_contact_step(modes: NormalModes, law: ContactLaw) -> float | None:
+    """Return the step in contact [s] of a law on a resonator; None of a law that `has_limit`.
+
+    Of others it is at most the law's `default_contact_step`.
+    """
+    return None if has_limit(law) else stepping_step(modes, law)
+
+
+def stepping_step(modes: NormalModes, law: ContactLaw) -> float:
+    """Return a step [s] for the time stepping of a law on a resonator, at most its `default_contact_step`.
 
     A rigid law that projects puts the tip back onto the closed gap after every step, after an impact at
     speed v by about v h / 2. That bends the modes, which costs or gives energy of the order of rate h
@@ -94,10 +112,11 @@ def check_law(law: ContactLaw) -> None:
 
 
 def check_numbers(
-    law: ContactLaw, duration: float, interval: float, step: float, tolerance: float | None
+    law: ContactLaw, duration: float, interval: float, step: float | None, tolerance: float | None
 ) -> None:
     """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
-    for name, value in (("duration", duration), ("contact step", step)):
+    given = {} if step is None else {"contact step": step}
+    for name, value in {"duration": duration, **given}.items():
         check_number(f"The {name}", value)
         if not 0.0 < value < inf:
             raise ValueError(f"The {name} is {value} s; it must be positive and finite.")
@@ -107,24 +126,22 @@ def check_numbers(
             f"The record interval is {interval} s; it must be positive and at most the duration, "
             f"{duration} s."
         )
-    if step < SMALLEST_STEP * duration:
+    if step is not None and step < SMALLEST_STEP * duration:
         raise ValueError(
             f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
             f"{SMALLEST_STEP:g} of the duration: shorter steps do not move the clock. Leave it out for the "
             "law's own default."
         )
-    check_tolerance(law, tolerance)
+    idle = f"{law.name} is stepped by {step} s, which sets its error" if is_stepped(law, step) else ""
+    check_tolerance(tolerance, idle)
 
 
-def check_tolerance(law: ContactLaw, tolerance: float | None) -> None:
-    """Refuse a tolerance that no step can have, and any of a rigid law; None is the default."""
+def check_tolerance(tolerance: float | None, idle: str = "") -> None:
+    """Refuse a tolerance that no step can have, and any that is idle, for a reason; None is the default."""
     if tolerance is None:
         return
-    if isinstance(law, MultiplierLaw):
-        raise ValueError(
-            f"The tolerance is {tolerance}, but {law.name} has no error control: its contact step sets its "
-            "error. Leave the tolerance out."
-        )
+    if idle:
+        raise ValueError(f"The tolerance is {tolerance}, but {idle}. Leave the tolerance out.")
     check_number("The tolerance", tolerance)
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
@@ -169,8 +186,10 @@ _compiled: set[object] = set()
 SECONDS: Final = {
     "runs under compliant laws": 27.0,
     "runs under rigid laws": 19.0,
+    "runs under stepped rigid laws": 19.0,
     "runs under compliant laws with internal variables": 58.0,
     "runs under rigid laws with internal variables": 46.0,
+    "runs under stepped rigid laws with internal variables": 46.0,
     "impacts under compliant laws": 13.0,
     "impacts under rigid laws": 1.0,
     "impacts under compliant laws with internal variables": 24.0,
@@ -179,9 +198,9 @@ SECONDS: Final = {
 """What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""
 
 
-def kind_of(bound: Bound, impacts: bool) -> str:
+def kind_of(bound: Bound, impacts: bool, stepped: bool) -> str:
     """Return what the loop is compiled for."""
-    family = "compliant" if bound.kernels[2] is None else "rigid"
+    family = "compliant" if bound.kernels[SOLVE] is None else "stepped rigid" if stepped else "rigid"
     with_memory = "" if bound.plain else " with internal variables"
     return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
 
@@ -198,6 +217,8 @@ def advance(
     row: Array,
     budget: int | None,
     compliant: int | None,
+    stepped: int | None,
+    constrained: int | None,
     force: Any,
     friction: Any,
     solve: Any,
@@ -212,13 +233,13 @@ def advance(
     States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
     that another call continues the runs. Impacts are integrated instead where there are any.
 
-    Compiled once for each combination of None: impacts or budget, `solve` of compliant laws or `compliant` of
-    rigid ones, and the last five kernels of laws without internal variables.
+    Compiled once for each combination of None: impacts or budget, `solve` of compliant laws, all but one of
+    `compliant`, `stepped` and `constrained`, which name the contact, and the last five kernels of laws without internal variables.
     """
     law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:
         if budget is not None:
-            run_law(run, states, motions, records, law, compliant, solve, budget, waves)
+            run_law(run, states, motions, records, law, compliant, stepped, constrained, solve, budget, waves)
     elif solve is None:
         if compliant is not None:
             integrate_impacts(run, states, motions, records, impacts, law, compliant, solve, waves)
@@ -260,7 +281,10 @@ class Prepared(NamedTuple):
     law: ContactLaw
     duration: float
     contact_step: float
+    """Longest step in contact [s]."""
     tolerance: float
+    stepped: bool
+    """Whether the law is rigid and stepped in time."""
     plant: Plant
     propagator: Propagator
     bound: Bound
@@ -288,7 +312,7 @@ class Prepared(NamedTuple):
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
         arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
-        kind = kind_of(self.bound, impacts is not None)
+        kind = kind_of(self.bound, impacts is not None, self.stepped)
         room = kind, run.plant["phasors"].shape, run.plant["couplings"].shape
         if INTERPRETED or room in _compiled:
             return
@@ -300,7 +324,7 @@ class Prepared(NamedTuple):
         row = SIGNATURES["force"].args[-1]
         rows = row, row.copy(readonly=False)
         whole, none = numba.types.int64, numba.types.none
-        marks = whole if impacts is None else none, whole if self.bound.kernels[2] is None else none
+        marks = [none if mark is None else whole for mark in self._marks(impacts, 1)]
         loop: Any = advance
         with telling(kind, SECONDS[kind]):
             loop.disable_compile(False)
@@ -321,8 +345,18 @@ class Prepared(NamedTuple):
         self.prepare_loop(run, impacts)
         with self.errors():
             rows = self.parameters, self.row
-            marks = budget if impacts is None else None, 1 if self.bound.kernels[2] is None else None
+            marks = self._marks(impacts, budget)
             advance(run, states, motions, records, impacts, self.waves, *rows, *marks, *self.bound.kernels)
+
+    @property
+    def constrained(self) -> bool:
+        """Whether the law is rigid and taken in its limit of no step."""
+        return isinstance(self.law, MultiplierLaw) and not self.stepped
+
+    def _marks(self, impacts: ImpactBatch | None, budget: int) -> tuple[int | None, ...]:
+        """Return the budget of a run, and which contact it has: compliant, stepped or constrained."""
+        chosen = isinstance(self.law, PenaltyLaw), self.stepped, self.constrained
+        return budget if impacts is None else None, *(1 if each else None for each in chosen)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Return the ending of a run that stopped by itself, and a sentence on it."""
@@ -383,11 +417,11 @@ class Prepared(NamedTuple):
             state["parity"] = law.internal_variables[0].parity if law.coupled else ODD
             state["moments"] = law.moment is not None
         if isinstance(law, MultiplierLaw):
-            state["projects"] = law.projects
+            state["projects"], state["constrained"] = law.projects, self.constrained
         state["told"] = not self.bound.seen.isdisjoint(("step", "impact"))
         state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
         state["limited"] = law.limits is not None
-        pace = pace_of(self.plant, float(state["end"]), self.contact_step, compliant)
+        pace = pace_of(self.plant, float(state["end"]), self.contact_step, not self.stepped)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
 
@@ -408,16 +442,18 @@ def prepared(
     check_numbers(law, duration, interval, contact_step, tolerance)
     parameters, row, bound, errors = take_in(law)
     plant = plant_of(motor)
+    stepped = is_stepped(law, contact_step)
     rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(
             f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
             f"{most:.3g} rad/s. Leave it out, or run shorter."
         )
-    exact = isinstance(law, MultiplierLaw)
-    propagator = _workspace.propagator(plant, contact_step, duration, exact)
+    if contact_step is None:
+        contact_step = resolving_step(rate, duration)
+    propagator = _workspace.propagator(plant, contact_step, duration, stepped)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    made = plant, propagator, bound, parameters, row, errors
+    made = stepped, plant, propagator, bound, parameters, row, errors
     waveform = motor.drive.waveform
     waves = NO_WAVES if waveform is None else waveform.table()
     return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor))

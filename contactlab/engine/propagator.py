@@ -99,6 +99,11 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
     return nodes, lagrange @ (1.0 / powers), lagrange, np.asarray(derivative, np.float64)
 
 
+def resolving_step(rate: float, duration: float) -> float:
+    """Return the longest step [s] that resolves a rate [rad/s]: the duration, where there is none."""
+    return min(RESOLUTION / rate, OUTLASTING * duration) if rate > 0.0 else duration
+
+
 @final
 class Workspace:
     """Keeps the step responses of the last motor for a next one that has the same.
@@ -120,9 +125,7 @@ class Workspace:
         Steps in contact have that length at most, or `exact`ly.
         """
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
-        rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
-        rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
-        doublings = floor(log2(RESOLUTION / rate / contact_step))
+        doublings = floor(log2(resolving_step(resolved_rate(plant), duration) / contact_step))
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
         names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
         modes = [plant.modes[name].tobytes() for name in names]

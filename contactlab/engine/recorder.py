@@ -19,9 +19,9 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion
+from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion, wave_force
 from contactlab.engine.memory import end_at, memory_at, moment_power, moments_at, stored_apart, take_memory
-from contactlab.engine.plant import ORDERS, Plant
+from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
@@ -182,11 +182,7 @@ def _wave_power(plant: Plant, place: int, s: float) -> float:
     """Return the power of the waveform [W] at a place, a time s after the start of the step."""
     total = 0.0
     for j in range(plant.mode_count):
-        force, power = 0.0, 1.0
-        for m in range(ORDERS):
-            force += plant.forces[j, m] * power
-            power *= s / (m + 1)
-        total += force * plant.modes[j].v[place]
+        total += wave_force(plant, j, s) * plant.modes[j].v[place]
     return total
 
 

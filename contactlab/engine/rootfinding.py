@@ -42,6 +42,8 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
         return value_at(state.bound, x) - abs(value_at(state.friction, x) - value_at(state.bias, x))
     if event == PEAK:
         return slope_at(state.normal, x)
+    if event == RELEASE and state.compliant == 0:
+        return value_at(state.normal, x)
     if event == GUARD:
         return float(guard_at(run, law, law.memory, s))
     gap, rate, slip, _, _, _, _ = contact_after(run, s)

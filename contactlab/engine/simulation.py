@@ -57,8 +57,9 @@ def simulate(
     """Simulate a motor from its start, by default at rest; the drive is switched on at t = 0.
 
     Free flight is exact (the modal flow under the harmonic drive) and every touch-down is located. In contact
-    a penalty law is collocated at order 9 with error control, a multiplier law is stepped at order 1. The
-    trajectory does not depend on the record interval.
+    a law is collocated at order 9 with error control, a multiplier law with impacts at the touch-downs; only
+    where it is given a contact step is it stepped in time, at order 1. The trajectory does not depend on the
+    record interval.
 
     A run that continues another's `Trajectory.state` is the uncut run, bit for bit: a step that the cut
     shortened is repeated whole, and clock, contact, ledger and statistics count since t = 0. Its first record
@@ -68,9 +69,9 @@ def simulate(
     Args:
         duration: [s], positive; after the start that is continued.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
-        contact_step: step of a multiplier law, or longest step of a penalty law [s]; None takes that of
-            `contactlab.engine.preparation.default_contact_step`.
-        tolerance: error of a compliant step [1]; None takes the default. Multiplier laws have none.
+        contact_step: longest step in contact of a penalty law [s], or the step of the time stepping of a
+            multiplier law; None takes that of `contactlab.engine.preparation.default_contact_step`.
+        tolerance: error of a collocated step [1]; None takes the default. Time stepping has none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
         memory: values at t = 0 of the law's internal variables whose life is the run, in the order of
             `law.lasting`; None takes their initial ones. A run that goes on has those of its state.
@@ -82,7 +83,8 @@ def simulate(
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     ready = prepared(motor, law, duration, record_interval, contact_step, tolerance)
-    law, contact_step, plant = ready.law, ready.contact_step, ready.plant
+    law, plant = ready.law, ready.plant
+    contact_step = 0.0 if ready.constrained else ready.contact_step
     q, v = (modes_of(plant)[name][:, START] for name in ("q", "v"))
     states = np.zeros(1, STATE)
     state = states[0]

@@ -104,8 +104,8 @@ STATE: Final = record(
     "level level_before contact_level "  # of the next step, of the one before and of the contact step
     "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
     "most_steps steps_before "  # in contact in a window, and those taken before it
-    "projects compliant friction_kind parity variables coupled guards "  # of the law; whether the first
-    # variable is solved together with the friction
+    "projects constrained compliant friction_kind parity variables coupled guards "  # of the law; whether a
+    # rigid one has no step; whether the first variable is solved together with the friction
     "told turns limited moments "  # whether it reads step or impact, tilt or spin; has limits, moments
     "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
     # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
