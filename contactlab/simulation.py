@@ -12,7 +12,7 @@ import xarray
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.quantity import UnitError, number_of
-from contactlab.engine.preparation import check_kinds, default_contact_step, is_stepped
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, check_kinds, default_contact_step, is_stepped
 from contactlab.laws import ContactLaw
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
@@ -283,8 +283,8 @@ def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
         law=law,
         duration=settings["duration"],
         record_interval=min(RECORD_INTERVAL, settings["duration"]),
-        contact_step=default_contact_step(motor.modes, law),
-        tolerance=None,
+        contact_step=(step := default_contact_step(motor.modes, law)),
+        tolerance=None if is_stepped(law, step) else DEFAULT_TOLERANCE,
         configuration=settings_of(motor, law),
     )
     return changed(usual, {name: getattr(usual, name) for name in KEYS} | settings)

@@ -74,7 +74,8 @@ class Trajectory:
     Times are in seconds; the records lie at `time`, the last one at the end of the run.
 
     Args:
-        duration, contact_step: as asked for, and the largest step in contact that was used.
+        duration, contact_step: as asked for, and the largest step in contact that was used, zero of a
+            rigid law in its limit of no step.
         series, contact_mode: every name of `variables.SERIES`, `variables.BEARING` and of the outputs of
             `motor.outputs`; 0 free, 1 slip and 2 stick; at every record.
         contacts: every name of `variables.CONTACTS`, a row each.

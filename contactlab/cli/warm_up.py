@@ -6,9 +6,13 @@ from typing import Final
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE
 
+STEP: Final = 1e-7
+"""Of time stepping [s]."""
+
 LAWS: Final = (
     ["law=hertz_penalty"],
     ["law=lagrange_stick"],
+    ["law=lagrange_stick", f"solver.contact_step={STEP}"],
     ["law=composed", "law/normal=walton_braun"],
     ["law=lagrange_ageing"],
 )
@@ -31,7 +35,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiled import INTERPRETED, code_folder
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.preparation import SECONDS, kind_of
+    from contactlab.engine.preparation import SECONDS, is_stepped, kind_of
     from contactlab.impacts import velocities_after
 
     if INTERPRETED:
@@ -48,7 +52,7 @@ def main(arguments: list[str]) -> int:
                 else:
                     setup.run(duration=DURATION, record_interval=DURATION)
             done = "compiled" if "advance" in compiled.functions else "was there, loaded"
-            kind = kind_of(bind(setup.law), impacts)
+            kind = kind_of(bind(setup.law), impacts, is_stepped(setup.law, setup.contact_step))
             print(f"{kind:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
     seconds = perf_counter() - whole
     print(f"The engine is ready after {seconds:.0f} s; its code is kept in {code_folder()}.")

@@ -78,8 +78,8 @@ RULES: Final = (
         lambda tolerance, law, step: (
             tolerance is None or step is None or issubclass(law_class(law), PenaltyLaw)
         ),
-        "solver.tolerance is {0:g}; it must be null with law={1} and solver.contact_step={2:g}: time stepping "
-        "has no tolerance. Leave one of the two out.",
+        "solver.tolerance is {0:g}; it must be null with law={1} and solver.contact_step={2:g}: time "
+        "stepping has no tolerance. Leave one of the two out.",
     ),
     Rule(
         ("record.interval", "solver.duration"),

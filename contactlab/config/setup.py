@@ -25,7 +25,7 @@ from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, is_stepped, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
-from contactlab.laws import ContactLaw, LawError, PenaltyLaw
+from contactlab.laws import ContactLaw, LawError
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
     Bearing,

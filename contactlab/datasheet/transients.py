@@ -8,7 +8,6 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.estimate import Estimate
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.motor import ModalState, Motor
@@ -129,9 +128,9 @@ def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tupl
 
 def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Estimate:
     """Return a number at half the step, and its error by extrapolation with the law's order."""
-    control = control_of(setup.law)
+    control = control_of(setup)
     factor = FINER[control][1]
-    finer = changed(setup, {control: (getattr(setup, control) or DEFAULT_TOLERANCE) / factor})
+    finer = changed(setup, {control: getattr(setup, control) / factor})
     before, last = once(setup), once(finer)
     if not np.isfinite([before, last]).all():
         return Estimate(last, 0.0)

@@ -338,12 +338,19 @@ def step_compliant(run: Run, law: Law) -> int:
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
+    lengthen(run, level, error)
+    return checked(run, event)
+
+
+@inner_kernel
+def lengthen(run: Run, level: int, error: float) -> None:
+    """Choose the level of the next step from that of this one and its error over the tolerance."""
+    state = run.state
     state.level = state.level_before = level
     for _ in range(2):
         if state.level > run.propagator.rule.contact_level and 2.0 * error * GROWTH < 1.0:
             state.level -= 1
             error *= GROWTH
-    return checked(run, event)
 
 
 @merged_kernel

@@ -25,7 +25,7 @@ from math import cos, inf, sin, sqrt
 import numpy as np
 
 from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
-from contactlab.engine.compliant import AGREEMENT, MOST_ITERATIONS, impulse_scale, pushed_tip
+from contactlab.engine.compliant import AGREEMENT, MOST_ITERATIONS, impulse_scale, lengthen, pushed_tip
 from contactlab.engine.friction import FIRST, push_node
 from contactlab.engine.kinematics import (
     Contact,
@@ -80,13 +80,13 @@ from contactlab.laws.lagrange import stick_impulse, wedges
 from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 LASTING = 1e-6
-"""Time of a contact that lasts, over that in which its friction could end the slip: so short that it slides."""
+"""Time of a contact that lasts, over that in which its friction could end the slip: short enough to slide."""
 
 MOST_RATIO = 1e8
 """Ratio |F|/N from which on friction holds whatever there is."""
 
 POLISHES = 2
-"""Newton steps to the instant of an event, each of which leaves the relative error of the polynomial's slope."""
+"""Newton steps to the instant of an event; each leaves the relative error of the polynomial's slope."""
 
 HALVINGS = 60
 """Of the bracket around the largest ratio that sticks."""
@@ -133,21 +133,23 @@ def step_constrained(run: Run, law: Law) -> int:
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
-    peak = max(normal, value_at(state.normal, s / state.length))
-    for i in range(NODES):
-        if run.propagator.rule.nodes[i] * state.length < s:
-            peak = max(peak, state.normal.node[i])
-    contact.peak_normal_force = max(contact.peak_normal_force, peak)
+    _note_peak(run, normal)
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
-    state.level = state.level_before = level
-    for _ in range(2):
-        # The error of the multipliers goes as h^NODES, as an impulse as h^(NODES + 1).
-        if state.level > run.propagator.rule.contact_level and 2.0 * error * 2.0 ** (NODES + 1) < 1.0:
-            state.level -= 1
-            error *= 2.0 ** (NODES + 1)
+    lengthen(run, level, error)
     return checked(run, event)
+
+
+@merged_kernel
+def _note_peak(run: Run, first: float) -> None:
+    """Note the largest normal force of the contact so far, at the nodes and both ends of what was taken."""
+    state = run.state
+    peak = max(first, value_at(state.normal, state.taken / state.length))
+    for i in range(NODES):
+        if run.propagator.rule.nodes[i] * state.length < state.taken:
+            peak = max(peak, state.normal.node[i])
+    state.contact.peak_normal_force = max(state.contact.peak_normal_force, peak)
 
 
 @part_kernel
@@ -222,9 +224,7 @@ def _holds(law: Law, ratio: float, d: Matrix) -> bool:
     """Return whether the law sticks, at rest, with F/N = ratio."""
     d_nn, d_nt, d_tt = d
     normal, tangential = -(d_nn + d_nt * ratio), -(d_nt + d_tt * ratio)
-    _, _, mode = law.solve(
-        LASTING * normal, LASTING * tangential, 0.0, 0.0, d_nn, d_nt, d_tt, law.parameters
-    )
+    _, _, mode = law.solve(LASTING * normal, LASTING * tangential, 0.0, 0.0, d_nn, d_nt, d_tt, law.parameters)
     return bool(mode == STICK)
 
 
@@ -361,6 +361,15 @@ def settle(run: Run) -> Contact:
 
 
 @inner_kernel
+def _sticks(law: Law, normal: float, friction: float, d: Matrix) -> bool:
+    """Return whether the law holds the slip at zero with these forces [N]."""
+    side = 1.0 if friction > 0.0 else -1.0
+    return bool(
+        normal > 0.0 and abs(friction) <= _holding_ratio(law, side, d) * normal * (1.0 + CONE_ROUND_OFF)
+    )
+
+
+@inner_kernel
 def _start(run: Run, law: Law) -> Known:
     """Return the forces where the step begins, a normal force of zero where the contact opens; sets mode.
 
@@ -379,16 +388,15 @@ def _start(run: Run, law: Law) -> Known:
         slip = frame[2]
         if state.mode == STICK:
             normal, friction = stick_impulse(a_n, a_t, d_nn, d_nt, d_tt)
-            side = 1.0 if friction > 0.0 else -1.0
-            if normal <= 0.0 and a_n >= 0.0:
-                return 0.0, 0.0
-            if abs(friction) <= _holding_ratio(law, side, d) * normal * (1.0 + CONE_ROUND_OFF):
+            if _sticks(law, normal, friction, d):
                 return normal, friction
+            if normal <= 0.0 <= a_n:
+                return 0.0, 0.0
             _become(run, law, SLIP, -friction)
         elif state.sign * slip < -SLIP_ROUND_OFF:
             state.sign = -state.sign
         ratio = _sliding_ratio(law, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
-        if ratio == ratio:  # noqa: PLR0124 - it is a number
+        if ratio == ratio:
             normal = -a_n / (d_nn + ratio * d_nt)
             return max(normal, 0.0), ratio * max(normal, 0.0)
         if a_n >= 0.0:
@@ -447,9 +455,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state.sweeps += sweeps
     if sweeps == 0:
         return inf
-    error = max(
-        abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1])
-    )
+    error = max(abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1]))
     return float(error * h / (state.tolerance * state.momentum))
 
 
@@ -475,7 +481,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
                 d = delassus(run.plant, n_u, n_th, t_u, t_th)
                 slides = state.sign * max(state.sign * slip, SLIP_ROUND_OFF)
                 ratio = _sliding_ratio(law, slides, d)
-                if ratio == ratio:  # noqa: PLR0124 - it is a number
+                if ratio == ratio:
                     state.bias.node[i] = ratio
         change = _correct(run, level, sticks, size)
         flowed = correct_memory(run, law, law.memory, state.length)

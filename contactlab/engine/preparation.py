@@ -234,7 +234,8 @@ def advance(
     that another call continues the runs. Impacts are integrated instead where there are any.
 
     Compiled once for each combination of None: impacts or budget, `solve` of compliant laws, all but one of
-    `compliant`, `stepped` and `constrained`, which name the contact, and the last five kernels of laws without internal variables.
+    `compliant`, `stepped` and `constrained`, which name the contact, and the last five kernels of laws
+    without internal variables.
     """
     law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:

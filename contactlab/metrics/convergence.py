@@ -9,6 +9,8 @@ import numpy as np
 import xarray
 
 from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.engine.preparation import is_stepped
 from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
@@ -24,12 +26,12 @@ Ladder = Sequence[tuple[float, Run]]
 """Step [s] or tolerance [1] and run, of one law on one motor, coarsest first."""
 
 FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
-"""Divisors of the contact step of a rigid law, of the tolerance of a compliant one."""
+"""Divisors of the contact step of time stepping, of the tolerance of collocated contact."""
 
 
-def control_of(law: object) -> str:
-    """Return the option of the solver that is refined under a law."""
-    return "contact_step" if isinstance(law, MultiplierLaw) else "tolerance"
+def control_of(setup: Setup) -> str:
+    """Return the option of the solver that is refined in a setup."""
+    return "contact_step" if is_stepped(setup.law, setup.contact_step) else "tolerance"
 
 
 SLOWEST: Final = 0.9

@@ -50,7 +50,7 @@ def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[st
         "contacts": _contacts(tree, contacts),
         "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
         "steady state": f"{settling.sentence}. {settling.way_out(end)}".rstrip(),
-        "peak normal force": f"{peak:.4g} N",
+        "peak normal force": f"{peak:.4g} N" if np.isfinite(peak) else "infinite: impacts take no time",
     }
     if ended := _ended(configuration_of(tree).get("solver"), end - start, settling):
         lines["ended"] = ended
@@ -109,7 +109,8 @@ def _law(attributes: Mapping[Any, Any]) -> str:
     """Return the law's name and its effective parameters."""
     parameters = json.loads(attributes["law_parameters"])
     texts = [f"{name} {value:.6g}" for name, value in parameters.items()]
-    texts.append(f"contact step {prefixed(float(attributes['contact_step']), 's')}")
+    if step := float(attributes["contact_step"]):
+        texts.append(f"contact step {prefixed(step, 's')}")
     return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(texts)})"
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws import PenaltyLaw
+from contactlab.engine.preparation import is_stepped
 from contactlab.motor import ModalState
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
 from contactlab.steady_state.period_map import BELT, BrokenOffError, PeriodMap, period_of
@@ -129,8 +129,8 @@ def _on(run: Trajectory, periods: float) -> Trajectory:
         run.law,
         duration=periods * period,
         record_interval=min(1.0, periods) * period,
-        contact_step=run.contact_step,
-        tolerance=run.state["tolerance"] if isinstance(run.law, PenaltyLaw) else None,
+        contact_step=(step := run.contact_step or None),
+        tolerance=None if is_stepped(run.law, step) else run.state["tolerance"],
         start=run.state,
     )
     if later.ending is Ending.INTERRUPTED:
@@ -202,8 +202,9 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
             "by `longest`; a load that drives it, without damping of the rotor, may do so for ever."
         )
     kind = kind_without_period(late.series["tip_slope"][1:])
-    # In a contact that lasts, the steps of a rigid law do not divide the period.
-    if count := repeats_after(_stroboscopic_samples(late)[-TAIL:], run.contact_step / clock.period):
+    # In a contact that lasts, the steps of time stepping do not divide the period.
+    same = max(run.contact_step / clock.period, REPEATS)
+    if count := repeats_after(_stroboscopic_samples(late)[-TAIL:], same):
         kind = "periodic"
     return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
-from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
@@ -154,7 +153,7 @@ class Converged:
         '-2.19111 rad/s'
 
     Args:
-        control: what is refined, 'contact_step' of a rigid law or 'tolerance' of a compliant one.
+        control: what is refined, 'tolerance', or 'contact_step' of time stepping.
         values: of it, coarsest first.
         steps: the steady states, in the same order.
     """
@@ -201,7 +200,7 @@ def converged(
 ) -> Converged:
     """Compute a steady state at three steps, each from the one before it.
 
-    A rigid law takes contact steps h, h/2, h/4, a compliant one its tolerance, a tenth and a hundredth of it.
+    It is a tolerance, a tenth and a hundredth of it, or of time stepping the contact steps h, h/2, h/4.
 
     Args:
         motor, law: as of `steady`; the contact step or tolerance is the coarsest.
@@ -213,9 +212,9 @@ def converged(
     """
     coarsest = {name: arguments.pop(name) for name in FINER if name in arguments}
     setup = steady_setup(motor, law, **coarsest)
-    control = control_of(setup.law)
+    control = control_of(setup)
     divisors = FINER[control] if refine else (1.0,)
-    values = tuple((getattr(setup, control) or DEFAULT_TOLERANCE) / divisor for divisor in divisors)
+    values = tuple(getattr(setup, control) / divisor for divisor in divisors)
     steps: list[Steady] = []
     for value in values:
         finer: dict[str, Any] = arguments | {control: value}

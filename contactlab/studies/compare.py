@@ -405,7 +405,7 @@ class _Design:
 
     @staticmethod
     def _finer(setup: Setup, step: int) -> Setup:
-        control = control_of(setup.law)
+        control = control_of(setup)
         return replace(setup, **{control: getattr(setup, control) / FINER[control][step]})
 
     def spent(self, parts: Mapping[str, xarray.DataTree]) -> int:

@@ -226,7 +226,7 @@ def configuration_of(
             settings |= posterior.values(setup, x)
         elif not np.isnan(x):
             settings |= _changed(settings, factor, x)
-    control = control_of(setup.law)
+    control = control_of(setup)
     settings[f"solver.{control}"] /= FINER[control][step]
     return nested(settings)
 

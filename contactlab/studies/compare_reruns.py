@@ -45,7 +45,7 @@ def reruns_of(setup: Setup, *, refine: bool) -> Iterator[Rerun]:
     if not refine:
         yield CONFIGURED, CONFIGURED, setup
         return
-    control = control_of(setup.law)
+    control = control_of(setup)
     whole = "resonator" in configuration
     for number, divisor in enumerate(FINER[control]):
         step = getattr(setup, control) / divisor
@@ -166,7 +166,7 @@ class Reruns:
     @property
     def control(self) -> str:
         """Option of the solver that is refined."""
-        return control_of(self.setup.law) if self.setup else ""
+        return control_of(self.setup) if self.setup else ""
 
     @property
     def means(self) -> list[Means]:
