@@ -278,12 +278,14 @@ def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
     check_kinds(motor, law)
     if "duration" not in settings:
         raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
+    step = settings.get("contact_step")
+    step = default_contact_step(motor.modes, law) if step is None else step
     usual = Setup(
         motor=motor,
         law=law,
         duration=settings["duration"],
         record_interval=min(RECORD_INTERVAL, settings["duration"]),
-        contact_step=(step := default_contact_step(motor.modes, law)),
+        contact_step=step,
         tolerance=None if is_stepped(law, step) else DEFAULT_TOLERANCE,
         configuration=settings_of(motor, law),
     )

@@ -50,17 +50,19 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     state, rule = run.state, run.propagator.rule
     time, pace = f"{state.time:.6g} s", f"within {state.window:.3g} s"
     friction, critical = state.friction_limit, state.critical_friction
+    shorter = f"a shorter contact step than {contact_step:.3g} s"
+    if state.constrained:
+        shorter = f"a smaller tolerance than {state.tolerance:.3g}"
     endings = {
         CHATTERED: (
             Ending.CHATTERED,
             f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction switches "
-            f"{pace}, or no progress. The run stops there; a shorter contact step than {contact_step:.3g} s "
-            "or another law may pass it.",
+            f"{pace}, or no progress. The run stops there; {shorter} or another law may pass it.",
         ),
         DIVERGED: (
             Ending.DIVERGED,
-            f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's parameters, or "
-            f"shorten the contact step, {contact_step:.3g} s.",
+            f"The run diverges at {time}: {_runaway(run)}. Check the drive and the law's parameters, or try "
+            f"{shorter}.",
         ),
         UNFOLLOWED: (
             Ending.DIVERGED,
@@ -132,7 +134,7 @@ def balanced(
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
-        if state.compliant
+        if state.compliant or state.constrained
         else f"Choose a shorter solver.contact_step than {contact_step:.3g} s."
     )
     return Ending.UNBALANCED, (

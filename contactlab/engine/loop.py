@@ -92,7 +92,7 @@ def _opens_step(run: Run, law: Law, waves: Array) -> bool:
         for j in range(run.plant.mode_count):
             mode = run.plant.modes[j]
             mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
-    if state.phase == PRESSED:
+    if state.phase == PRESSED and state.constrained == 0:
         _open_contact(run, law)
         if state.compliant != 0:
             press(run, law, law.memory)
@@ -152,7 +152,8 @@ def _release(run: Run, law: Law, ends: Array) -> None:
         if state.stored > 0:
             run.step.contacts[state.stored - 1].energy_loss += state.contact.energy_loss
     state.mode, state.phase = FREE, RELEASED
-    state.level = run.propagator.rule.fresh_level
+    # An impact moves the fastest modes as well, at once.
+    state.level = run.propagator.rule.fresh_level + state.constrained
     leave(run, law, law.memory)
 
 

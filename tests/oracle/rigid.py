@@ -5,7 +5,8 @@
     slip s     N = -normal_bias/(D_nn - s mu D_nt),  F = -s mu N
 
 An impact answers gap rate and slip with impulses, from the Delassus matrix D. What rebounds flies; below the
-rate `SLOW` a rebound is none, and the contact lasts.
+rate `SLOW` what is left of the rebounds goes in one impulse, with the friction of its slip, and the contact
+lasts.
 
     newton, moreau_jean   gdot+ = -e gdot-, stick or slip at the end
     johnson               the same, e from m V^2/2 = pi a^4 p_d/(4 R) and 3 P^2/(10 a E*), P = pi a^2 p_d
@@ -330,6 +331,8 @@ class RigidJudge:
                 y = mechanics.push(y, c, *self.impact(c, c.gap_rate, c.slip))
             c = mechanics.contact(t, y)
             if c.gap_rate < SLOW:
+                if abs(c.slip) > SLOW:
+                    y = mechanics.push(y, c, *sliding(c, c.gap_rate, self.rough.mu, int(copysign(1, c.slip))))
                 t, y = self.last(t, settle(mechanics, t, y, 1), duration)
             p_n, p_t = y[2 * n + 1 : 2 * n + 3] - before
             run.starts.append(begun)
