@@ -152,8 +152,7 @@ def _release(run: Run, law: Law, ends: Array) -> None:
         if state.stored > 0:
             run.step.contacts[state.stored - 1].energy_loss += state.contact.energy_loss
     state.mode, state.phase = FREE, RELEASED
-    # An impact moves the fastest modes as well, at once.
-    state.level = run.propagator.rule.fresh_level + state.constrained
+    state.level = run.propagator.rule.fresh_level
     leave(run, law, law.memory)
 
 

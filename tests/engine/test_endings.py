@@ -123,7 +123,7 @@ def test_an_argument_out_of_range_is_refused(key: str, value: float) -> None:
 @pytest.mark.parametrize(
     ("motor", "law", "more", "key"),
     [
-        (case_a(), LagrangeStick(0.3), {"tolerance": 1e-6}, "lagrange_stick"),
+        (case_a(), LagrangeStick(0.3), {"tolerance": 1e-6, "contact_step": 5e-8}, "lagrange_stick"),
         (default_motor(clearance=-1e-6), LagrangeStick(0.3), {}, "gap"),
         (resonant_without_damping(), hertz(), {}, "mode 1"),
     ],

@@ -62,7 +62,9 @@ def assert_goes_on(whole: Trajectory, first: Trajectory, second: Trajectory, at:
 @laws
 def test_a_run_cut_in_flight_in_contact_and_in_stick_is_the_uncut_run(law: ContactLaw) -> None:
     whole = uncut(law)
-    assert {"flight", "slip"} <= set(cuts(law)) or {"flight", "stick"} <= set(cuts(law))
+    # Impacts that rebound take no time.
+    lasts = whole.contacts["duration"].any()
+    assert ("flight" in cuts(law)) and (not lasts or len(cuts(law)) > 1)
     for at in cuts(law).values():
         first = run(law, at * INTERVAL)
         second = run(law, WHOLE - at * INTERVAL, start=pickle.loads(pickle.dumps(first.state)))

@@ -16,8 +16,8 @@ STEP_LIMIT = "contactlab.engine.plant.STEP_LIMIT"
 EVENT_LIMIT = 1000
 
 
-def ran(motor: Motor, law: ContactLaw, duration: float) -> Trajectory:
-    return simulate(motor, law, duration=duration, record_interval=duration)
+def ran(motor: Motor, law: ContactLaw, duration: float, **others: float) -> Trajectory:
+    return simulate(motor, law, duration=duration, record_interval=duration, **others)
 
 
 @pytest.mark.parametrize("voltage", [0.0, 20.0])
@@ -37,7 +37,7 @@ def test_a_contact_that_never_comes_to_rest_chatters(
     monkeypatch.setattr(STEPS_PER_CALL, steps)
     # Pressed on by a weight, it is back within 120 ns, however slow or fast the drive.
     motor = block(2e-3, gap_rate=-0.1, weight=2.0, push_amplitude=1e-3, push_frequency=frequency)
-    trajectory = ran(motor, Rebound(), 5e-3)
+    trajectory = ran(motor, Rebound(), 5e-3, contact_step=5e-8)
     assert trajectory.ending is Ending.CHATTERED
     assert trajectory.time[-1] < 1e-3
     assert trajectory.statistics["touchdowns"] < 20 * EVENT_LIMIT

