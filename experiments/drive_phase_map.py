@@ -17,8 +17,6 @@ from variations import SettledMap, laws_of, quantity
 import contactlab as cl
 
 LAWS = ("hertz_penalty", "lagrange_stick")
-STICK_STEP = 2e-7
-"""Contact step of the rigid law [s]: its first-order error is 0.5 % in the reference case."""
 
 
 def _difference(data: xarray.Dataset) -> xarray.DataArray:
@@ -43,7 +41,6 @@ class DrivePhaseMap(SettledMap):
         "the highest final velocity. No map is given, and the frequency of the contact runs is not stated."
     )
 
-    rigid_step = STICK_STEP
     metrics = ("contact_count",)
 
     def axes(self, setup: cl.Setup) -> dict[str, xarray.DataArray]:

@@ -12,9 +12,6 @@ from variations import SettledMap, laws_of, quantity
 
 import contactlab as cl
 
-RIGID_STEP = 1e-7
-"""Contact step of the rigid laws [s]."""
-
 
 class FrictionSweep(SettledMap):
     """How does the settled velocity depend on the friction coefficient?"""
@@ -24,7 +21,6 @@ class FrictionSweep(SettledMap):
         "but not in a table."
     )
 
-    rigid_step = RIGID_STEP
     metrics = ("stick_share", "friction_share", "normal_loss_share")
 
     def axes(self, setup: cl.Setup) -> dict[str, xarray.DataArray]:

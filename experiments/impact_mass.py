@@ -49,7 +49,6 @@ class ImpactMass(SettledMap):
         "Two residual modes with the flexibility and the inverse mass that the kept modes leave out make the "
         "impulse of a rigid impact the same, within 1 %, from 4 modes on."
     )
-    rigid_step = STEPS[0]
     metrics = ()
 
     def axes(self, setup: cl.Setup) -> dict[str, xarray.DataArray]:

@@ -62,8 +62,8 @@ class Performance:
     Args:
         velocity: without load [rad/s], positive in either direction.
         stall_torque: [N m], positive in either direction.
-        peak_force: largest normal force on the rotor at rest [N]. A rigid law has no force during an
-            impact, only its impulse over the contact step, which ranks motors but wears none.
+        peak_force: largest normal force on the rotor at rest [N]; of a rigid law, whose impacts have no
+            force, the largest impulse [N s].
         runs: that this took.
     """
 
@@ -117,7 +117,8 @@ def on_belt(setup: cl.Setup, velocity: float) -> OnBelt:
     if normal == 0.0:
         raise NoMotorError("The tip does not touch the rotor.")
     late = run.contacts["start_time"] + run.contacts["duration"] >= 3 * quarter * period
-    return OnBelt(float(after), float(run.contacts["peak_normal_force"][late].max()))
+    peak = "normal_impulse" if isinstance(setup.law, cl.MultiplierLaw) else "peak_normal_force"
+    return OnBelt(float(after), float(run.contacts[peak][late].max()))
 
 
 def performance(setup: cl.Setup, watch: Callable[[float, int], None] | None = None) -> Performance:

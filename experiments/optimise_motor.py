@@ -33,6 +33,7 @@ from variations import changed, laws_of
 
 import contactlab as cl
 from contactlab.config.nesting import flat
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step
 from contactlab.laws.base import MultiplierLaw
 from contactlab.studies.study import option
 
@@ -86,7 +87,7 @@ CONFIGURED = -1
 FEW = 10
 """Motors below which no rank correlations are stated."""
 
-FORCE = ("peak normal force", "peak impulse over contact step")
+FORCE = ("peak normal force (N)", "peak normal impulse (N s)")
 
 
 def ranges_of(setup: cl.Setup, blocked: Sequence[str] = ()) -> dict[str, tuple[float, float]]:
@@ -323,8 +324,9 @@ class OptimiseMotor(Experiment):
         under_rival = np.full(best.size, np.nan)
         again = [0, *np.flatnonzero(best)]
         for k in tqdm(again, unit=f" motors under {rival}", disable=None):
-            step = min(law.default_contact_step, setup.duration)
-            under_rival[k] = _velocity(replace(motors[k], law=law, contact_step=step, tolerance=None))
+            step = default_contact_step(motors[k].motor.modes, law)
+            own = {"contact_step": step and min(step, setup.duration), "tolerance": DEFAULT_TOLERANCE}
+            under_rival[k] = _velocity(replace(motors[k], law=law, **own))
         settings = [motor.configuration for motor in motors]
         first = [motor.motor.modes.natural_frequency[0] for motor in motors]
         frequency = np.array([s["drive"]["frequency"] for s in settings])
@@ -407,7 +409,7 @@ class OptimiseMotor(Experiment):
         result = data.isel(motor=slice(1, None))
         trials = result.where(np.isfinite(result.velocity), drop=True).sortby("velocity")
         for ax, x, y, colour, texts in (
-            (panels[0], 1e3 * data.stall_torque, data.velocity, "peak_force", f"{data.force} (N)"),
+            (panels[0], 1e3 * data.stall_torque, data.velocity, "peak_force", data.force),
             (panels[1], 1e3 * data.patch_start, 1e3 * data.patch_end, "velocity", "velocity (rad/s)"),
         ):
             scale = {"vmin": 0.0, "vmax": float(trials[colour].max()), "linewidths": 0.6}

@@ -62,9 +62,7 @@ class ImpactOscillator:
             preload=np.array([self.weight]),
             start=ModalState(np.array([displacement]), np.array([velocity])),
         )
-        # Short against a period; the error of an impact is of its order.
-        steps = {"duration": self.period, "contact_step": 1e-9 * self.period}
-        return setup_of(motor, Newton(0.0, self.restitution), steps)
+        return setup_of(motor, Newton(0.0, self.restitution), {"duration": self.period})
 
     @property
     def period(self) -> float:

@@ -90,8 +90,8 @@ UNUSED = {
 }
 """Unknowns that a law lacks."""
 
-DURATION, LATE, STEP = 0.3, 0.1, 5e-7
-"""Of a run, from when on its speed is averaged, and contact step of rigid laws [s]."""
+DURATION, LATE = 0.3, 0.1
+"""Of a run, and from when on its speed is averaged [s]."""
 
 FLAT, LIGHT = 1e3, 0.1
 """Radius of the rotor that is the glass [m], and its inertia along its motion over the body's."""
@@ -199,7 +199,6 @@ def speed(
         law,
         duration=heavier * DURATION,
         record_interval=1e-4,
-        contact_step=STEP if rigid else None,
     )
     mean = float(run["rotor_velocity"].sel(time=slice(heavier * LATE, None)).mean()) * FLAT
     return max(mean, 0.0) if run.complete else np.nan

@@ -22,14 +22,11 @@ from contactlab.studies.study import Part, Setups, Task
 STIFFNESS = 1e10
 """Stiffness of a Hertz contact where a rigid law is configured [N/m^1.5]: a 5 mm steel tip."""
 
-RIGID = ("lagrange_slip", "lagrange_stick")
-"""Laws with a contact step in place of a tolerance."""
-
 CHUNK = 12
 """Steady states of one task."""
 
-Cell = tuple[cl.Motor, cl.ContactLaw, float | None, Sequence[str]]
-"""Motor, law, contact step [s] and metrics of a steady state."""
+Cell = tuple[cl.Motor, cl.ContactLaw, Sequence[str]]
+"""Motor, law and metrics of a steady state."""
 
 
 def changed(setup: cl.Setup, changes: Mapping[str, object]) -> cl.Setup:
@@ -77,7 +74,6 @@ def swept(
     *,
     motor: Callable[..., cl.Motor] | None = None,
     laws: Mapping[str, cl.ContactLaw] | None = None,
-    rigid_step: float | None = None,
     **options: Any,
 ) -> xarray.Dataset:
     """Return a sweep of transients under every law, which is the first dimension.
@@ -89,17 +85,12 @@ def swept(
         over: values by name.
         motor: makes the motor from them; None is the configured one.
         laws: by name; None is all three.
-        rigid_step: contact step of the rigid laws [s]; None is the default.
         options: of `contactlab.sweep`; the duration is the setup's by default.
     """
     laws, runs = laws or laws_of(setup), []
     for name, law in laws.items():
         data = cl.sweep(
-            over,
-            motor=motor or (lambda **_: setup.motor),
-            law=law,
-            contact_step=rigid_step if name in RIGID else None,
-            **{"duration": setup.duration, **options},
+            over, motor=motor or (lambda **_: setup.motor), law=law, **{"duration": setup.duration, **options}
         )
         report({f"{name}: {reason}" for reason in {*data.reason.values.ravel()} - {""}})
         runs.append(data.drop_vars(["status", "reason"]).where(data.status == Status.COMPLETE))
@@ -124,9 +115,9 @@ def settled(cells: Sequence[Cell]) -> Part:
     """
     names = ("rotor_velocity", "error", "periods", "settling_time")
     rows, reasons = [], set()
-    for motor, law, step, metrics in cells:
+    for motor, law, metrics in cells:
         try:
-            state = cl.steady(motor, law, contact_step=step).details
+            state = cl.steady(motor, law).details
         except (BrokenOffError, NotSettledError) as error:
             reasons.add(f"{law.name}: {error}")
             rows.append(dict.fromkeys((*names, *metrics), np.nan))
@@ -141,9 +132,6 @@ def settled(cells: Sequence[Cell]) -> Part:
 
 class SettledMap(Experiment):
     """Base class of experiments on steady states under several laws over values of parameters."""
-
-    rigid_step: ClassVar[float]
-    """Contact step of the rigid laws [s]."""
 
     metrics: ClassVar[tuple[str, ...]]
     """Keys of `contactlab.metrics.METRICS`."""
@@ -165,11 +153,10 @@ class SettledMap(Experiment):
         (setup,) = setups.values()
         axes = self.axes(setup)
         cells: list[Cell] = []
-        for name, law in self.laws(setup).items():
-            step = self.rigid_step if name in RIGID else None
+        for law in self.laws(setup).values():
             for values in product(*(values.values.tolist() for values in axes.values())):
                 made = self.varied(setup, law, **dict(zip(axes, values, strict=True)))
-                cells.append((*made, step, self.metrics))
+                cells.append((*made, self.metrics))
         for first in range(0, len(cells), CHUNK):
             yield Task(f"{first:06d}", settled, (cells[first : first + CHUNK],))
 

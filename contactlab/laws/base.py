@@ -92,7 +92,7 @@ class ContactLaw(Declared, Tangential):
     WORDS = ("name", "equation", "source", "default_contact_step")
 
     default_contact_step: ClassVar[float]
-    """Step in contact [s] where the configuration gives none."""
+    """Longest step in contact [s] where the configuration gives none; of a rigid law, of its time stepping."""
     allows_tension: ClassVar[bool] = False
     """Whether the normal force may pull."""
 
@@ -185,13 +185,18 @@ class PenaltyLaw(ContactLaw):
 
 
 class MultiplierLaw(ContactLaw):
-    """A rigid law: holds the gap at zero by the impulse of one step.
+    """A rigid law: holds the gap at zero, by impulses.
+
+    It is taken in its limit of no step, see `contactlab.engine.constrained`, or, where a contact step is given or the
+    law reads the step, stepped in time.
 
     >>> import contactlab as cl
     >>> law = cl.Newton(friction_coefficient=0.3, restitution=0.5)
     >>> isinstance(law, cl.MultiplierLaw), law.default_contact_step
     (True, 5e-08)
     """
+
+    default_contact_step: ClassVar[float] = 5e-8
 
     projects: ClassVar[bool] = True
     """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
@@ -208,7 +213,9 @@ class MultiplierLaw(ContactLaw):
         Its quantities: normal_rate and tangential_rate, gap rate and slip at the end of the step without
         contact [m/s]; gap_rate and slip at its start [m/s], where the gap rate is that of the approach in an
         impact and zero but for round-off while a contact lasts; d_nn, d_nt, d_tt, the symmetric Delassus
-        matrix of the step [1/kg]; step, its length [s], and impact, whether it is that of an impact. With
+        matrix of the step [1/kg]; step, its length [s], and impact, whether it is that of an impact. In the
+        limit of no step impulses are those of an impact, or of a contact that lasts for as short a time as
+        one likes. With
         impulses p the step ends with normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt
         p_t. The mode is SLIP or STICK. A normal impulse that is not positive means release. Internal
         variables flow with the mean force of the step.

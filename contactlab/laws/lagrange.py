@@ -26,7 +26,6 @@ class LagrangeSlip(MultiplierLaw):
     name = "lagrange_slip"
     equation = "g = 0, N >= 0, F = -mu N sign(v)"
     source = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
-    default_contact_step = 5e-8
     exact_stick = False
     violations = MappingProxyType(
         {
@@ -125,7 +124,6 @@ class LagrangeStick(MultiplierLaw):
     name = "lagrange_stick"
     equation = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
-    default_contact_step = 5e-8
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 

@@ -56,8 +56,7 @@ def records_change_nothing(bench: Bench) -> Claims:
 
 def _coarsely(bench: Bench, duration: float = MOTOR_DURATION, start: Any = None) -> Trajectory:
     """Run a bench's motor with few records, from a state that it goes on from where there is one."""
-    step, interval = bench.law.default_contact_step, MOTOR_DURATION / RECORDS
-    steps: dict[str, Any] = {"contact_step": step, "record_interval": interval}
+    steps: dict[str, Any] = {"contact_step": bench.step, "record_interval": MOTOR_DURATION / RECORDS}
     return completed(simulate(bench.motor, bench.law, duration=duration, start=start, **steps))
 
 

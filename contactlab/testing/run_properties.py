@@ -196,13 +196,13 @@ def forces_move_the_motor(bench: Bench) -> Claims:
 
 
 def converges(bench: Bench) -> Claims:
-    """The error against a much finer run, fitted over step or tolerance in logarithms."""
+    """The error against the limit or a much finer run, fitted over step or tolerance in logarithms."""
     # A law whose default run does not end is not asked for finer ones.
     duration, step = completed(bench.motor_run).duration, bench.law.default_contact_step
     make = partial(run, bench.motor, bench.law, duration)
     if bench.rigid:
         word, sizes = "step", [step * 2.0**k for k in range(5, -1, -1)]
-        runs, reference = [make(size) for size in sizes], make(step / 16.0)
+        runs, reference = [make(size) for size in sizes], make(bench.step and step / 16.0)
     else:
         word, sizes = "tolerance", [10.0**-k for k in range(2, 7)]
         runs = [make(2.0 * step, tolerance=size) for size in sizes]

@@ -93,7 +93,8 @@ def test_the_error_falls_with_the_tolerance() -> None:
     motor, law = case_a(), LagrangeStick(0.3)
     exact = final(limit_of(motor, law, tolerance=1e-12), "rotor_velocity")
     errors = [
-        abs(final(limit_of(motor, law, tolerance=t), "rotor_velocity") / exact - 1.0) for t in (1e-5, 1e-7, 1e-9)
+        abs(final(limit_of(motor, law, tolerance=t), "rotor_velocity") / exact - 1.0)
+        for t in (1e-5, 1e-7, 1e-9)
     ]
     assert errors[0] < 1e-6
     assert errors[1] < 1e-8

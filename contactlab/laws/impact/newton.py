@@ -22,8 +22,6 @@ OF_THE_GAP_RATE = MappingProxyType(
 class ImpactLaw(MultiplierLaw):
     """A rigid law with a restitution, whichever of velocity, impulse or energy it is of."""
 
-    default_contact_step = 5e-8
-
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
     restitution: Annotated[float, RESTITUTION] = 0.5
 
