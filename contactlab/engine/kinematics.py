@@ -14,6 +14,7 @@ from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, modes_of
+from contactlab.engine.propagator import BY_RECORD
 from contactlab.engine.state import (
     BETWEEN,
     COLLOCATED,
@@ -23,10 +24,12 @@ from contactlab.engine.state import (
     NODES,
     NOT_FINITE,
     NOTHING,
+    RECORDED,
     RUNNING,
     START,
     UNSOLVED,
     Run,
+    value_at,
 )
 from contactlab.motor.geometry import contact_frame
 
@@ -103,10 +106,10 @@ def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
 
 
 @part_kernel
-def _turn(tone: Any, place: int, cosine: float, sine: float) -> None:
-    """Leave at a place cosine and sine of omega t, from the start's and those of omega s."""
-    tone.cosine[place] = tone.cosine[START] * cosine - tone.sine[START] * sine
-    tone.sine[place] = tone.cosine[START] * sine + tone.sine[START] * cosine
+def _turn(tone: Any, origin: int, place: int, cosine: float, sine: float) -> None:
+    """Leave at a place cosine and sine of omega t, from those at another and those of omega s in between."""
+    tone.cosine[place] = tone.cosine[origin] * cosine - tone.sine[origin] * sine
+    tone.sine[place] = tone.cosine[origin] * sine + tone.sine[origin] * cosine
 
 
 @part_kernel
@@ -206,11 +209,11 @@ def begin(run: Run, waves: Array) -> None:
 
 @inner_kernel
 def _add_driven(
-    plant: Plant, j: int, k: int, place: int, response: tuple[float, float, float, float]
+    plant: Plant, j: int, k: int, origin: int, place: int, response: tuple[float, float, float, float]
 ) -> None:
-    """Add what a tone did to a nearly resonant mode since the step's start, from `response_from_rest`."""
+    """Add what a tone did to a nearly resonant mode since another place, from `response_from_rest`."""
     mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
-    cosine, sine = tone.cosine[START], tone.sine[START]
+    cosine, sine = tone.cosine[origin], tone.sine[origin]
     re = phasor.force_re * cosine - phasor.force_im * sine
     im = phasor.force_re * sine + phasor.force_im * cosine
     mode.q[place] += re * response[0] - im * response[1]
@@ -228,7 +231,7 @@ def flow_to(run: Run, s: float) -> None:
     top = ORDERS if waves else max(degree + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
-        _turn(tone, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
+        _turn(tone, START, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         c, stiffness = mode.damping, mode.stiffness
@@ -255,7 +258,7 @@ def flow_to(run: Run, s: float) -> None:
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     driven = response_from_rest(stiffness, c, plant.tones[k].omega, s)
-                    _add_driven(plant, j, k, BETWEEN, driven)
+                    _add_driven(plant, j, k, START, BETWEEN, driven)
 
 
 @inner_kernel
@@ -275,7 +278,7 @@ def free_response(run: Run, level: int, first: int) -> None:
     for i in range(NODES):
         for k in range(plant.tone_count):
             turn = propagator.turns[level, k]
-            _turn(plant.tones[k], i, turn.cosine[i], turn.sine[i])
+            _turn(plant.tones[k], START, i, turn.cosine[i], turn.sine[i])
         for j in range(plant.mode_count):
             mode, response = plant.modes[j], propagator.responses[level, j]
             q0, v0 = mode.free_q, mode.free_v
@@ -290,7 +293,58 @@ def free_response(run: Run, level: int, first: int) -> None:
                 for k in range(plant.tone_count):
                     if plant.phasors[j, k].near != 0:
                         part = propagator.driven[level, j, k].part
-                        _add_driven(plant, j, k, i, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
+                        response = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
+                        _add_driven(plant, j, k, START, i, response)
+
+
+@inner_kernel
+def flow_on(run: Run, s: float) -> None:
+    """Go on by a record interval from time s of the step, whose state is BETWEEN.
+
+    The state at its nodes is left at theirs, the last of which is BETWEEN again. The force polynomial over the
+    interval is that through its values at these nodes, and there is no waveform.
+    """
+    plant, step, propagator = run.plant, run.step, run.propagator
+    forced = step.kind == COLLOCATED
+    if forced:
+        for m in range(NODES):
+            x = (s + propagator.rule.nodes[m] * run.state.interval) / run.state.length
+            for force in (step.push_u, step.push_th, step.push_r):
+                force.node[m] = value_at(force, x)
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
+        mode.q[RECORDED], mode.v[RECORDED] = q, v
+    for k in range(plant.tone_count):
+        tone, turn = plant.tones[k], propagator.turns[BY_RECORD, k]
+        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
+        for i in range(NODES):
+            _turn(tone, RECORDED, i if i < LAST else BETWEEN, turn.cosine[i], turn.sine[i])
+    pushes = propagator.rule.integrals
+    for j in range(plant.mode_count):
+        mode, response = plant.modes[j], propagator.responses[BY_RECORD, j]
+        constant = mode.constant
+        for m in range(NODES if forced else 0 if step.kind == FLIGHT else 1):
+            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
+            pushes[m] = _modal_force(mode, u, th, rotor)
+        if step.kind == HELD:
+            constant += pushes[0]
+        q0, v0 = mode.q[RECORDED], mode.v[RECORDED]
+        for i in range(NODES):
+            place = i if i < LAST else BETWEEN
+            q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
+            v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
+            if forced:
+                for m in range(NODES):
+                    q += response.answer_q[i, m] * pushes[m]
+                    v += response.answer_v[i, m] * pushes[m]
+            mode.q[place], mode.v[place] = _add_steady(plant, j, place, q, v, 1.0)
+            if mode.near != 0:
+                for k in range(plant.tone_count):
+                    if plant.phasors[j, k].near != 0:
+                        part = propagator.driven[BY_RECORD, j, k].part
+                        driven = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
+                        _add_driven(plant, j, k, RECORDED, place, driven)
 
 
 @part_kernel

@@ -29,6 +29,9 @@ step takes 60."""
 ROOM = 24
 """Levels below that of the contact step: a contact begins six finer, and its error halves steps further."""
 
+BY_RECORD = MOST_LEVELS
+"""Level beside the ladder whose step is the record interval."""
+
 OUTLASTING = 2.0**20
 """Longest step over the duration of the run."""
 
@@ -74,10 +77,10 @@ def propagator_record(modes: int, tones: int) -> np.dtype[Any]:
     """Declare the record of a propagator with room for so many coordinates and tones."""
     return record(
         ("rule", RULE),
-        ("levels", LEVEL, MOST_LEVELS),
-        ("responses", RESPONSE, (MOST_LEVELS, modes)),
-        ("turns", TURN, (MOST_LEVELS, tones)),
-        ("driven", ANSWER, (MOST_LEVELS, modes, tones)),
+        ("levels", LEVEL, BY_RECORD + 1),
+        ("responses", RESPONSE, (BY_RECORD + 1, modes)),
+        ("turns", TURN, (BY_RECORD + 1, tones)),
+        ("driven", ANSWER, (BY_RECORD + 1, modes, tones)),
     )
 
 
@@ -135,7 +138,7 @@ class Workspace:
             return self._propagator
         turns = max(longest * fastest_rate(plant), 1.0)
         propagator = new_record(propagator_record(*plant.phasors.shape))
-        propagator.levels["length"] = longest * 0.5 ** np.arange(MOST_LEVELS)
+        propagator.levels["length"][:BY_RECORD] = longest * 0.5 ** np.arange(BY_RECORD)
         rule = propagator.rule
         rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
         rule.longest, rule.contact_level = longest, max(doublings, 0)

@@ -19,12 +19,14 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.kinematics import contact_at, flow_to, rates_in_frame, tip_motion, wave_force
+from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
 from contactlab.engine.memory import end_at, memory_at, moment_power, moments_at, stored_apart, take_memory
 from contactlab.engine.plant import Plant
-from contactlab.engine.propagator import step_length
+from contactlab.engine.propagator import BY_RECORD, build_level, step_length
 from contactlab.engine.state import (
     BETWEEN,
+    BY_FLOW,
+    BY_INTERVAL,
     CHATTERED,
     COLLOCATED,
     DIVERGED,
@@ -34,6 +36,7 @@ from contactlab.engine.state import (
     NODES,
     STALLED,
     START,
+    WHOLE,
     Law,
     Records,
     Run,
@@ -54,6 +57,8 @@ CRAWL = 1e-9
 Terms = tuple[float, float, float, float, float, float, float]
 """What a stretch of a step adds to a `LEDGER`, in its order [J], [N s]."""
 
+NOTHING_ADDED: Terms = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
 
 @part_kernel
 def commit(run: Run, law: Law, records: Records) -> None:
@@ -61,7 +66,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
     state, plant = run.state, run.plant
     s = state.taken
     whole = s == state.length
-    drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, whole)
+    drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
     if not whole:
         # The records below leave another state there.
         for j in range(plant.mode_count):
@@ -72,14 +77,17 @@ def commit(run: Run, law: Law, records: Records) -> None:
     now = state.end if state.end - start <= s else start + s
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
+    last, terms = -1.0, NOTHING_ADDED
     while state.recorded < records.series.size:
         # The last record lies at the end of the run.
-        due = state.end
-        if state.recorded < records.series.size - 1:
-            due = state.origin + (state.first + state.recorded) * state.interval
+        ends = state.recorded == records.series.size - 1
+        due = state.end if ends else state.origin + (state.first + state.recorded) * state.interval
         if due > now:
             break
-        _write_record(run, law, records, max(min(due - start, s), 0.0))
+        at = max(min(due - start, s), 0.0)
+        terms = _terms_until(run, law, last, at, ends, terms)
+        _write_record(run, law, records, at, terms)
+        last = at
     total, row = state.total, state.contact
     total.drive_work += drive
     total.damping_loss += damping
@@ -104,10 +112,36 @@ def commit(run: Run, law: Law, records: Records) -> None:
 
 
 @inner_kernel
-def _write_record(run: Run, law: Law, records: Records, s: float) -> None:
-    """Write the next record, at time s of the step, and leave the state there BETWEEN."""
+def _terms_until(run: Run, law: Law, last: float, s: float, ends: bool, before: Terms) -> Terms:
+    """Return the terms of a record at time s of the step, whose state is left BETWEEN.
+
+    From the record before, at time `last`, if that lies in this step and has the terms `before`: every step
+    begins anew, so that no round-off builds up. The record that `ends` a run may lie off the grid.
+    """
+    if last < 0.0 or ends or run.plant.wave.electrodes > 0:
+        return _terms(run, law, 0.0, s, BY_FLOW)
+    results, interval = run.propagator.levels[BY_RECORD], run.state.interval
+    if results.length != interval:
+        results.length, results.built = interval, 0
+        build_level(run.plant, run.propagator, BY_RECORD)
+    flow_on(run, last)
+    added = _terms(run, law, last, interval, BY_INTERVAL)
+    return (
+        before[0] + added[0],
+        before[1] + added[1],
+        before[2] + added[2],
+        before[3] + added[3],
+        before[4] + added[4],
+        before[5] + added[5],
+        before[6] + added[6],
+    )
+
+
+@inner_kernel
+def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) -> None:
+    """Write the next record, at time s of the step, from its terms and the state BETWEEN."""
     state, lengths, total = run.state, run.plant.geometry, run.state.total
-    drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, s, False)
+    drive, damping, friction, contact, load, p_n, p_t = terms
     u, th, _, _, rotor = tip_motion(run.plant, BETWEEN)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, BETWEEN)
     memory_at(run, law, law.memory, s)
@@ -187,15 +221,16 @@ def _wave_power(plant: Plant, place: int, s: float) -> float:
 
 
 @inner_kernel
-def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
-    """Sum the terms over [0, s], the state there being left BETWEEN; over a whole step, from its nodes."""
+def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Terms:
+    """Sum the terms over a length from a start in the step [s]; the motion there is how its nodes are known."""
     state, step, rule = run.state, run.step, run.propagator.rule
     drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(NODES):
-        at, place = rule.nodes[i] * s, i
-        weight = rule.weights[i] * s
-        if not whole:
+        at, place = start + rule.nodes[i] * length, i
+        weight = rule.weights[i] * length
+        if motion == BY_FLOW:
             flow_to(run, at)
+        if motion == BY_FLOW or (motion == BY_INTERVAL and i == LAST):
             place = BETWEEN
         driving, damped, loading = _powers(run.plant, place)
         if run.plant.wave.electrodes > 0:
@@ -205,7 +240,7 @@ def _terms(run: Run, law: Law, s: float, whole: bool) -> Terms:
         load += weight * loading
         if step.kind == FLIGHT:
             continue
-        if whole and step.kind == COLLOCATED:
+        if motion == WHOLE and step.kind == COLLOCATED:
             normal, tangential = state.normal.node[i], state.friction.node[i]
             slip, loss = step.slip[i], step.loss[i]
         else:

@@ -27,8 +27,8 @@ def _number(value: int) -> int:
 NODES: Final = _number(5)
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
 
-LAST, START, BETWEEN, PLACES = NODES - 1, NODES, NODES + 1, NODES + 2
-"""Places of a motion beside the nodes 0 ... LAST: the start of a step and a time in between."""
+LAST, START, BETWEEN, RECORDED, PLACES = NODES - 1, NODES, NODES + 1, NODES + 2, NODES + 3
+"""Places of a motion beside the nodes 0 ... LAST: the start of a step, a time in between, the last record."""
 
 RELEASED, SEPARATING, OPEN, TOUCHING, PRESSED = map(_number, range(5))
 """Phases. RELEASED is the instant after a contact, SEPARATING open but not yet clear of it; PRESSED is a
@@ -36,6 +36,10 @@ start in contact, or on the point of it."""
 
 FLIGHT, HELD, COLLOCATED = _number(-1), _number(0), NODES - 1
 """Kinds of a step: the degree of its force polynomial. FLIGHT has no force, HELD a constant one."""
+
+WHOLE, BY_FLOW, BY_INTERVAL = map(_number, range(3))
+"""How the motion at the nodes of a stretch of a step is known: the stretch is the whole step, by the flow to each
+from the step's start, or by that over a record interval."""
 
 NOTHING, TOUCH, RELEASE, REVERSAL, CONE, GUARD, PEAK = map(_number, range(7))
 """What ends a step: no event; the gap closes; the gap opens or the contact would pull; slip changes sign;
