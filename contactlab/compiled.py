@@ -11,14 +11,18 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import numba
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
 
 from contactlab.foreign import is_own
 
@@ -67,6 +71,114 @@ def _remove_old(parent: Path, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
+class _Unit:
+    """The code of a kernel and of all inner kernels that it calls, which the optimiser sees once and whole.
+
+    By itself the compiler makes machine code of every function, with all that it calls in it: of the loop's
+    code four times as much as there is. Inner kernels therefore put theirs into the unit of the kernel that is
+    being compiled, and are forgotten with it.
+    """
+
+    open: ClassVar[list["_Unit"]] = []
+    """Units being compiled: one kernel may call another."""
+
+    def __init__(self) -> None:
+        self.library: Any = None
+        self.parts: list[tuple[Any, tuple[Any, ...]]] = []
+        """Inner kernels in it, and the types of their arguments."""
+
+    @contextmanager
+    def hidden(self) -> Iterator[None]:
+        """Let inner kernels be compiled anew meanwhile."""
+        made = [(kernel.overloads, types, kernel.overloads.pop(types, None)) for kernel, types in self.parts]
+        try:
+            yield
+        finally:
+            for overloads, types, code in made:
+                overloads[types] = code
+
+
+class _Whole(CompilerBase):  # type: ignore[misc]
+    """Compiles a kernel as a unit."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        return [_pipeline(self.state, _Close)]
+
+    def compile_extra(self, function: Callable[..., object]) -> Any:
+        unit = _Unit()
+        with ExitStack() as stack:
+            if _Unit.open:
+                stack.enter_context(_Unit.open[-1].hidden())
+            _Unit.open.append(unit)
+            stack.callback(_Unit.open.pop)
+            unit.library = self.state.targetctx.codegen().create_library(function.__qualname__)
+            unit.library.enable_object_caching()
+            try:
+                return super().compile_extra(function)
+            finally:
+                for kernel, types in unit.parts:
+                    self.state.targetctx.remove_user_function(kernel.overloads.pop(types).entry_point)
+
+
+class _Part(CompilerBase):  # type: ignore[misc]
+    """Compiles an inner kernel into the unit that is open, or by itself."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        return [_pipeline(self.state, _Join) if _Unit.open else DefaultPassBuilder.define_nopython_pipeline(self.state)]
+
+
+def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
+    """Return the compiler's usual passes into the open unit, another one making the code callable."""
+    state.library, state.flags.no_compile = _Unit.open[-1].library, True
+    passes = DefaultPassBuilder.define_nopython_pipeline(state)
+    passes.add_pass_after(last, NativeLowering)
+    passes.finalize()
+    return passes
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _Join(LoweringPass):  # type: ignore[misc]
+    """Make an inner kernel callable within its unit."""
+
+    _name = "join_unit"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        # Python has no way in; the compiler asks for a built-in function to know the code by.
+        way_in = state.cr.env.__sizeof__
+        state.cr = state.cr._replace(cfunc=way_in)
+        state.targetctx.insert_user_function(way_in, state.cr.fndesc)
+        _Unit.open[-1].parts.append((_inner[state.func_id.func], tuple(state.args)))
+        return True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _Close(LoweringPass):  # type: ignore[misc]
+    """Make the unit's code, of which only the kernel itself is seen from outside."""
+
+    _name = "close_unit"
+
+    def __init__(self) -> None:
+        super().__init__()
+
+    def run_pass(self, state: Any) -> bool:
+        made, library = state.cr.fndesc, state.library
+        seen = made.llvm_func_name, made.llvm_cpython_wrapper_name, made.llvm_cfunc_wrapper_name
+        for function in library.get_defined_functions():
+            if function.name not in seen:
+                function.linkage = "internal"
+        way_in = state.targetctx.get_executable(library, made, state.cr.env)
+        state.targetctx.insert_user_function(way_in, made, [library])
+        state.cr = state.cr._replace(cfunc=way_in)
+        return True
+
+
+_inner: dict[Callable[..., object], Any] = {}
+"""Inner kernels by the functions that they are made from."""
+
+
 def kernel(function: Function, **options: Any) -> Function:
     """Compile a scalar or array function on first use and keep the code of this package's.
 
@@ -74,7 +186,7 @@ def kernel(function: Function, **options: Any) -> Function:
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    made: Any = fleeting_kernel(function, **options)
+    made: Any = fleeting_kernel(function, pipeline_class=_Whole, **options)
     if not INTERPRETED and is_own(function):
         _keep_in(code_folder(), made)
     return cast(Function, made)
@@ -85,7 +197,11 @@ def inner_kernel(function: Function, **options: Any) -> Function:
 
     No way in from Python is built, which is most of its compilation: a call from there would crash.
     """
-    return kernel(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+    made = fleeting_kernel(
+        function, pipeline_class=_Part, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options
+    )
+    _inner[function] = made
+    return made
 
 
 def part_kernel(function: Function) -> Function:
