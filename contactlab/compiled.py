@@ -211,7 +211,7 @@ def part_kernel(function: Function) -> Function:
 
 def merged_kernel(function: Function) -> Function:
     """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
-    return inner_kernel(function, inline="always")
+    return inner_kernel(function)
 
 
 def fleeting_kernel(function: Function, **options: Any) -> Function:
