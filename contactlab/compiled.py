@@ -11,8 +11,7 @@ import shutil
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -72,96 +71,91 @@ def _remove_old(parent: Path, name: str) -> None:
 
 
 class _Unit:
-    """The code of a kernel and of all inner kernels that it calls, which the optimiser sees once and whole.
+    """Code of a kernel and of all inner kernels that it calls, which is optimised once and as a whole.
 
-    By itself the compiler makes machine code of every function, with all that it calls in it: of the loop's
-    code four times as much as there is. Inner kernels therefore put theirs into the unit of the kernel that is
-    being compiled, and are forgotten with it.
+    Left to itself the compiler makes machine code of every function, with that of all functions that it calls
+    in it: four times as much as the loop has. Inner kernels therefore add theirs to the unit of the kernel
+    that is being compiled, and are compiled again for another one.
     """
 
     open: ClassVar[list["_Unit"]] = []
-    """Units being compiled: one kernel may call another."""
+    """Units being compiled, outermost first: one kernel may call another."""
 
-    def __init__(self) -> None:
-        self.library: Any = None
+    def __init__(self, library: Any) -> None:
+        self.library = library
         self.parts: list[tuple[Any, tuple[Any, ...]]] = []
         """Inner kernels in it, and the types of their arguments."""
 
-    @contextmanager
-    def hidden(self) -> Iterator[None]:
-        """Let inner kernels be compiled anew meanwhile."""
-        made = [(kernel.overloads, types, kernel.overloads.pop(types, None)) for kernel, types in self.parts]
-        try:
-            yield
-        finally:
-            for overloads, types, code in made:
-                overloads[types] = code
+    def take_parts(self) -> list[tuple[Any, tuple[Any, ...], Any]]:
+        """Remove the code of the inner kernels from them, and return it with both."""
+        return [(each, key, each.overloads.pop(key)) for each, key in self.parts if key in each.overloads]
 
 
-class _Whole(CompilerBase):  # type: ignore[misc]
+class _WholeCompiler(CompilerBase):
     """Compiles a kernel as a unit."""
 
     def define_pipelines(self) -> list[PassManager]:
-        return [_pipeline(self.state, _Close)]
+        return [_pipeline(self.state, _CloseUnit)]
 
-    def compile_extra(self, function: Callable[..., object]) -> Any:
-        unit = _Unit()
-        with ExitStack() as stack:
-            if _Unit.open:
-                stack.enter_context(_Unit.open[-1].hidden())
-            _Unit.open.append(unit)
-            stack.callback(_Unit.open.pop)
-            unit.library = self.state.targetctx.codegen().create_library(function.__qualname__)
-            unit.library.enable_object_caching()
-            try:
-                return super().compile_extra(function)
-            finally:
-                for kernel, types in unit.parts:
-                    self.state.targetctx.remove_user_function(kernel.overloads.pop(types).entry_point)
+    def compile_extra(self, function: Any) -> Any:
+        library = self.state.targetctx.codegen().create_library(function.__qualname__)
+        library.enable_object_caching()
+        unit, hidden = _Unit(library), _Unit.open[-1].take_parts() if _Unit.open else []
+        _Unit.open.append(unit)
+        try:
+            return super().compile_extra(function)  # type: ignore[no-untyped-call]
+        finally:
+            _Unit.open.pop()
+            for _, _, code in unit.take_parts():
+                self.state.targetctx.remove_user_function(code.entry_point)
+            for part, key, code in hidden:
+                part.overloads[key] = code
 
 
-class _Part(CompilerBase):  # type: ignore[misc]
-    """Compiles an inner kernel into the unit that is open, or by itself."""
+class _PartCompiler(CompilerBase):
+    """Compiles an inner kernel into the unit that is open, or by itself where none is."""
 
     def define_pipelines(self) -> list[PassManager]:
-        return [_pipeline(self.state, _Join) if _Unit.open else DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        if not _Unit.open:
+            return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        return [_pipeline(self.state, _JoinUnit)]
 
 
 def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
-    """Return the compiler's usual passes into the open unit, another one making the code callable."""
+    """Return the compiler's own passes, which write into the open unit, and one that makes a way in."""
     state.library, state.flags.no_compile = _Unit.open[-1].library, True
-    passes = DefaultPassBuilder.define_nopython_pipeline(state)
+    passes: PassManager = DefaultPassBuilder.define_nopython_pipeline(state)
     passes.add_pass_after(last, NativeLowering)
     passes.finalize()
     return passes
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
-class _Join(LoweringPass):  # type: ignore[misc]
-    """Make an inner kernel callable within its unit."""
+class _JoinUnit(LoweringPass):
+    """Lets other functions of the unit call an inner kernel."""
 
     _name = "join_unit"
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__()  # type: ignore[no-untyped-call]
 
     def run_pass(self, state: Any) -> bool:
-        # Python has no way in; the compiler asks for a built-in function to know the code by.
+        # There is no way in from Python; the compiler knows the code by any built-in function of its own.
         way_in = state.cr.env.__sizeof__
-        state.cr = state.cr._replace(cfunc=way_in)
         state.targetctx.insert_user_function(way_in, state.cr.fndesc)
+        state.cr = state.cr._replace(cfunc=way_in)
         _Unit.open[-1].parts.append((_inner[state.func_id.func], tuple(state.args)))
         return True
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
-class _Close(LoweringPass):  # type: ignore[misc]
-    """Make the unit's code, of which only the kernel itself is seen from outside."""
+class _CloseUnit(LoweringPass):
+    """Makes the unit's machine code, of which only the kernel can be called from outside."""
 
     _name = "close_unit"
 
     def __init__(self) -> None:
-        super().__init__()
+        super().__init__()  # type: ignore[no-untyped-call]
 
     def run_pass(self, state: Any) -> bool:
         made, library = state.cr.fndesc, state.library
@@ -186,7 +180,7 @@ def kernel(function: Function, **options: Any) -> Function:
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    made: Any = fleeting_kernel(function, pipeline_class=_Whole, **options)
+    made: Any = fleeting_kernel(function, pipeline_class=_WholeCompiler, **options)
     if not INTERPRETED and is_own(function):
         _keep_in(code_folder(), made)
     return cast(Function, made)
@@ -195,10 +189,10 @@ def kernel(function: Function, **options: Any) -> Function:
 def inner_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel that only kernels call, never Python.
 
-    No way in from Python is built, which is most of its compilation: a call from there would crash.
+    It has no way in from Python, and its code is kept with that of the kernels that call it.
     """
     made = fleeting_kernel(
-        function, pipeline_class=_Part, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options
+        function, pipeline_class=_PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options
     )
     _inner[function] = made
     return made
