@@ -16,9 +16,12 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
 import numba
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
 
 from contactlab.foreign import is_own
 
@@ -67,6 +70,109 @@ def _remove_old(parent: Path, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
+class _Unit:
+    """Code of a kernel and of all inner kernels that it calls, which is optimised once and as a whole.
+
+    Left to itself the compiler makes machine code of every function, with that of all functions that it calls
+    in it: four times as much as the loop has. Inner kernels therefore add theirs to the unit of the kernel
+    that is being compiled, and are compiled again for another one.
+    """
+
+    open: ClassVar[list["_Unit"]] = []
+    """Units being compiled, outermost first: one kernel may call another."""
+
+    def __init__(self, library: Any) -> None:
+        self.library = library
+        self.parts: list[tuple[Any, tuple[Any, ...]]] = []
+        """Inner kernels in it, and the types of their arguments."""
+
+    def take_parts(self) -> list[tuple[Any, tuple[Any, ...], Any]]:
+        """Remove the code of the inner kernels from them, and return it with both."""
+        return [(each, key, each.overloads.pop(key)) for each, key in self.parts if key in each.overloads]
+
+
+class _WholeCompiler(CompilerBase):
+    """Compiles a kernel as a unit."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        return [_pipeline(self.state, _CloseUnit)]
+
+    def compile_extra(self, function: Any) -> Any:
+        library = self.state.targetctx.codegen().create_library(function.__qualname__)
+        library.enable_object_caching()
+        unit, hidden = _Unit(library), _Unit.open[-1].take_parts() if _Unit.open else []
+        _Unit.open.append(unit)
+        try:
+            return super().compile_extra(function)  # type: ignore[no-untyped-call]
+        finally:
+            _Unit.open.pop()
+            for _, _, code in unit.take_parts():
+                self.state.targetctx.remove_user_function(code.entry_point)
+            for part, key, code in hidden:
+                part.overloads[key] = code
+
+
+class _PartCompiler(CompilerBase):
+    """Compiles an inner kernel into the unit that is open, or by itself where none is."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        if not _Unit.open:
+            return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        return [_pipeline(self.state, _JoinUnit)]
+
+
+def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
+    """Return the compiler's own passes, which write into the open unit, and one that makes a way in."""
+    state.library, state.flags.no_compile = _Unit.open[-1].library, True
+    passes: PassManager = DefaultPassBuilder.define_nopython_pipeline(state)
+    passes.add_pass_after(last, NativeLowering)
+    passes.finalize()
+    return passes
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _JoinUnit(LoweringPass):
+    """Lets other functions of the unit call an inner kernel."""
+
+    _name = "join_unit"
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+
+    def run_pass(self, state: Any) -> bool:
+        # There is no way in from Python; the compiler knows the code by any built-in function of its own.
+        way_in = state.cr.env.__sizeof__
+        state.targetctx.insert_user_function(way_in, state.cr.fndesc)
+        state.cr = state.cr._replace(cfunc=way_in)
+        _Unit.open[-1].parts.append((_inner[state.func_id.func], tuple(state.args)))
+        return True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _CloseUnit(LoweringPass):
+    """Makes the unit's machine code, of which only the kernel can be called from outside."""
+
+    _name = "close_unit"
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+
+    def run_pass(self, state: Any) -> bool:
+        made, library = state.cr.fndesc, state.library
+        seen = made.llvm_func_name, made.llvm_cpython_wrapper_name, made.llvm_cfunc_wrapper_name
+        for function in library.get_defined_functions():
+            if function.name not in seen:
+                function.linkage = "internal"
+        way_in = state.targetctx.get_executable(library, made, state.cr.env)
+        state.targetctx.insert_user_function(way_in, made, [library])
+        state.cr = state.cr._replace(cfunc=way_in)
+        return True
+
+
+_inner: dict[Callable[..., object], Any] = {}
+"""Inner kernels by the functions that they are made from."""
+
+
 def kernel(function: Function, **options: Any) -> Function:
     """Compile a scalar or array function on first use and keep the code of this package's.
 
@@ -74,7 +180,7 @@ def kernel(function: Function, **options: Any) -> Function:
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    made: Any = fleeting_kernel(function, **options)
+    made: Any = fleeting_kernel(function, pipeline_class=_WholeCompiler, **options)
     if not INTERPRETED and is_own(function):
         _keep_in(code_folder(), made)
     return cast(Function, made)
@@ -83,9 +189,13 @@ def kernel(function: Function, **options: Any) -> Function:
 def inner_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel that only kernels call, never Python.
 
-    No way in from Python is built, which is most of its compilation: a call from there would crash.
+    It has no way in from Python, and its code is kept with that of the kernels that call it.
     """
-    return kernel(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+    made = fleeting_kernel(
+        function, pipeline_class=_PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options
+    )
+    _inner[function] = made
+    return made
 
 
 def part_kernel(function: Function) -> Function:
@@ -95,7 +205,7 @@ def part_kernel(function: Function) -> Function:
 
 def merged_kernel(function: Function) -> Function:
     """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
-    return inner_kernel(function, inline="always")
+    return inner_kernel(function)
 
 
 def fleeting_kernel(function: Function, **options: Any) -> Function:
