@@ -120,8 +120,9 @@ class Workspace:
         Steps in contact have that length at most, or `exact`ly.
         """
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
-        rate = max(resolved_rate(plant), RESOLUTION / (OUTLASTING * duration))
-        rate = rate if resolved_rate(plant) > 0.0 else RESOLUTION / duration
+        persisting = resolved_rate(plant)
+        rate = max(persisting, RESOLUTION / (OUTLASTING * duration))
+        rate = rate if persisting > 0.0 else RESOLUTION / duration
         doublings = floor(log2(RESOLUTION / rate / contact_step))
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
         names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
