@@ -55,7 +55,7 @@ COUNTS: Final = "flight_steps contact_steps rejected_steps sweeps touchdowns fri
 
 
 class Record(np.void):
-    """A record whose fields are attributes, as they are in kernels; those of `np.record` cost ten times as much."""
+    """A record whose fields are attributes, as they are in kernels; those of `np.record` are slow."""
 
     def __getattr__(self, name: str) -> Any:
         try:
