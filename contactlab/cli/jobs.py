@@ -5,6 +5,8 @@ import sys
 import traceback
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
+from math import isnan
 from pathlib import Path
 from tempfile import TemporaryFile
 from time import perf_counter
@@ -15,8 +17,10 @@ from contactlab.cli.terminal import tell
 from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
+from contactlab.metrics import assess
 from contactlab.results import netcdf
 from contactlab.results.files import DATASET, LOG, error_text, whole_file
+from contactlab.results.provenance import code_digest
 from contactlab.results.summary import summarise
 from contactlab.studies.run_state import COMPLETE, FAILED, INTERRUPTED, RUNNING, Job, State, write_state
 
@@ -87,7 +91,13 @@ def _simulated(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
             overview.overview(tree, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
     summary = f"{summarise(tree, wall_time)}\nWritten to {directory / DATASET}{beside}"
-    return State(trajectory.ending.name.lower(), job, trajectory.message, digest), summary
+    left = State(trajectory.ending.name.lower(), job, trajectory.message, digest)
+    # Runs are collected without their files being opened; why metrics cannot be computed, `collect` says.
+    with suppress(Exception):
+        values = assess(tree) if trajectory.ending.reached_end else {}
+        numbers = {key: value for key, value in values.items() if not isnan(value)}
+        left = replace(left, metrics=numbers, code=code_digest())
+    return left, summary
 
 
 def write_log(path: Path, error: BaseException) -> None:

@@ -9,7 +9,7 @@ import random
 import re
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -20,8 +20,9 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
 from hydra.core.plugins import Plugins
+from hydra.core.utils import JobReturn, run_job
 from hydra.types import HydraContext, TaskFunction
-from omegaconf import DictConfig, OmegaConf
+from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
@@ -68,8 +69,10 @@ class Arguments:
         self.columns: dict[str, list[Value]] = {}
         self.faults: list[str] = []
         self._lines: dict[str, str] = {}
+        self._shared: dict[tuple[str, ...], DictConfig] = {}
+        self._parser = OverridesParser.create(config_loader=self._loader)
         try:
-            overrides = OverridesParser.create(config_loader=self._loader).parse_overrides(list(lines))
+            overrides = self._parser.parse_overrides(list(lines))
             self.settings: dict[str, Any] = dict(OmegaConf.to_container(config.sweep, resolve=True))  # type: ignore[arg-type]
         # Hydra lets the errors of what it calls through.
         except Exception as error:
@@ -123,19 +126,45 @@ class Arguments:
             values = axis.values if any(map(call_in, column)) else column
             before = lines.get(axis.key, axis.key).partition("=")[0]
             lines[axis.key] = f"{before}={_text(values[place])}"
-        composed = self._loaded([*lines.values()])
-        composed.hydra.job.num, composed.hydra.job.id = cell, str(cell)
+        composed = self.of_job([*lines.values()], cell)
         try:
             # For ${hydra:...} in the name.
             HydraConfig.instance().set_config(composed)
             name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
         except OmegaConfBaseException as error:
             raise ConfigurationError([f"hydra.sweep.subdir cannot be resolved: {one_line(error)}"]) from error
-        finally:
-            HydraConfig.instance().set_config(self._config)
         setup = build(resolved(composed))
         job = Job(key_of(setup), tuple(lines.values()), choices_of(composed.hydra), setup.configuration)
         return name, job
+
+    def of_job(self, lines: Sequence[str], number: int) -> DictConfig:
+        """Return the configuration of a job until that of another is asked for.
+
+        Jobs with the same options share one that Hydra has composed, in which the values are replaced.
+        """
+        overrides = self._parser.parse_overrides([*lines])
+        values = [each for each in overrides if self._is_value(each)]
+        options = tuple(line for line, each in zip(lines, overrides, strict=True) if not self._is_value(each))
+        if options not in self._shared:
+            self._shared[options] = self._loaded([*lines])
+        composed = self._shared[options]
+        hydra = composed.hydra
+        with read_write(hydra), open_dict(hydra):
+            for each in values:
+                OmegaConf.update(composed, each.key_or_group, each.value(), merge=True)
+            task = [each for each in overrides if not each.is_hydra_override()]
+            hydra.overrides.task = [each.input_line for each in task]
+            naming = hydra.job.config.override_dirname
+            named = sorted(e.input_line for e in task if e.key_or_group not in naming.exclude_keys)
+            hydra.job.override_dirname = naming.item_sep.join(named).replace("=", naming.kv_sep)
+            hydra.job.num, hydra.job.id = number, str(number)
+        return composed
+
+    def _is_value(self, override: Override) -> bool:
+        """Return whether an override sets a swept number, text or truth value of a run, and no option."""
+        key = override.key_or_group
+        swept = key not in self._lines or key in self.columns
+        return swept and not key.startswith("hydra.") and not self.options(key)
 
     def _values(self, override: Override) -> list[Any]:
         """Return the values of an override."""
@@ -281,6 +310,7 @@ class Sweeping:
                 except ConfigurationError as error:
                     faults += error.faults
                 show(cell)
+        HydraConfig.instance().set_config(self.config)
         raise_faults(faults)
         counts = Counter(name for name, _ in jobs)
         faults = [
@@ -305,26 +335,18 @@ class Sweeping:
         announce(job.configuration for _, job in pending)
         if pending:
             OmegaConf.save(self.config, folder / "multirun.yaml")
-        where = f"hydra.sweep.dir={quoted(str(folder))}"
-        batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in pending]
-        return self._launched(batch, folder)
+        return self._launched(pending, folder, arguments)
 
-    def _launched(self, batch: list[list[str]], folder: Path) -> int:
-        """Have a launcher run jobs; return the status of the worst, and print why they cannot be run."""
+    def _launched(self, jobs: Sequence[tuple[str, Job]], folder: Path, arguments: Arguments) -> int:
+        """Run jobs, or have a launcher do it; return the worst status, and print why they cannot be run."""
         status = COMPLETE
-        if not batch:
-            return status
+        launch = self._launch_here if self._launcher == "basic" else self._launch
         try:
             # Between the jobs an exception, at which a launcher ends the processes that it has begun.
             with terminal.raising():
-                launcher = Plugins.instance().instantiate_launcher(
-                    hydra_context=self.context, task_function=self.task, config=self.config
-                )
-                size = self.max_batch_size or len(batch)
-                for at in range(0, len(batch), size):
-                    for returned in launcher.launch(batch[at : at + size], initial_job_idx=at):
-                        # The exception of a job that failed is raised by reading its value.
-                        status = max(status, int(returned.return_value or 0))
+                for returned in launch(jobs, folder, arguments) if jobs else ():
+                    # The exception of a job that failed is raised by reading its value.
+                    status = max(status, int(returned.return_value or 0))
         # A worker that is killed, a cluster that takes no jobs: launchers raise exceptions of any kind.
         except Exception as error:
             tell(
@@ -336,15 +358,46 @@ class Sweeping:
             status = INCOMPLETE
         return status
 
+    def _launch(
+        self, jobs: Sequence[tuple[str, Job]], folder: Path, arguments: Arguments
+    ) -> Iterator[JobReturn]:
+        """Have the launcher run jobs."""
+        del arguments
+        where = f"hydra.sweep.dir={quoted(str(folder))}"
+        batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in jobs]
+        launcher = Plugins.instance().instantiate_launcher(
+            hydra_context=self.context, task_function=self.task, config=self.config
+        )
+        size = self.max_batch_size or len(batch)
+        for at in range(0, len(batch), size):
+            yield from launcher.launch(batch[at : at + size], initial_job_idx=at)
+
+    def _launch_here(
+        self, jobs: Sequence[tuple[str, Job]], folder: Path, arguments: Arguments
+    ) -> Iterator[JobReturn]:
+        """Run jobs in this process, one after the other; Hydra's launcher would compose each once more."""
+        print(f"Running {len(jobs)} jobs.", flush=True)
+        for number, (name, job) in enumerate(jobs):
+            print(f"#{number}: {' '.join(job.overrides)}", flush=True)
+            composed = arguments.of_job(job.overrides, number)
+            with read_write(composed.hydra):
+                composed.hydra.sweep.dir, composed.hydra.sweep.subdir = str(folder), name
+            places = {"job_dir_key": "hydra.sweep.dir", "job_subdir_key": "hydra.sweep.subdir"}
+            yield run_job(self.task, composed, **places, hydra_context=self.context)
+
+    @property
+    def _launcher(self) -> str:
+        return str(self.config.hydra.runtime.choices["hydra/launcher"])
+
     def _numbers(self, sweep: SweepStudy, folder: Path) -> int:
         """Do what is left of a sweep that keeps numbers alone; return the exit status."""
         faults = list(refusals(folder, "hydra.sweep.dir"))
         if not sweep.plan.axes:
             faults.append(NOTHING)
-        if (launcher := self.config.hydra.runtime.choices["hydra/launcher"]) != "basic":
+        if self._launcher != "basic":
             faults.append(
-                f"hydra/launcher is '{launcher}', for runs that leave folders; with sweep.keep=metrics it "
-                "must be left out. Take sweep.workers=N, or study.scheduler=ADDRESS of a Dask scheduler."
+                f"hydra/launcher is '{self._launcher}', for runs that leave folders; with sweep.keep=metrics "
+                "it must be left out. Take sweep.workers=N, or study.scheduler=ADDRESS of a Dask scheduler."
             )
         raise_faults(faults)
         begin(folder, sweep.plan)

@@ -1,18 +1,24 @@
 """A nested configuration by full keys, 'contact.clearance', and back."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 Value = float | int | bool | str
 """Type of a value of a configuration."""
+
+
+_PLAIN: Final = frozenset((float, int, bool, str, type(None)))
+"""Types of most values, which need no closer look."""
 
 
 def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     """Return the values of a nested configuration by full key."""
     values: dict[str, Any] = {}
     for key, value in configuration.items():
-        full = f"{path}{key}"
-        values |= flat(value, f"{full}.") if isinstance(value, Mapping) else {full: value}
+        if type(value) not in _PLAIN and isinstance(value, Mapping):
+            values |= flat(value, f"{path}{key}.")
+        else:
+            values[f"{path}{key}"] = value
     return values
 
 

@@ -532,7 +532,8 @@ def _compiled(
 def _kept(name: str, source: str, signature: Any) -> Any:
     kernel = generated_kernel(name, source)
     _compile(kernel, signature)
-    return kernel
+    # By its address, which is looked up in every call of the loop otherwise. Its own kernels raise nothing.
+    return types.CompileResultWAP(kernel.get_compile_result(signature))
 
 
 @lru_cache(maxsize=512)

@@ -312,11 +312,11 @@ class Prepared(NamedTuple):
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
-        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
         kind = kind_of(self.bound, impacts is not None, self.stepped)
         room = kind, run.plant["phasors"].shape, run.plant["couplings"].shape
         if INTERPRETED or room in _compiled:
             return
+        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
         # Left to itself the compiler would take each law for a type of its own.
         kernels = [
             numba.types.none if each is None else numba.types.FunctionType(signature)

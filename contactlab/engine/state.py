@@ -58,10 +58,23 @@ COUNTS: Final = "flight_steps contact_steps rejected_steps sweeps touchdowns fri
 """Statistics of the solver's work."""
 
 
+class Record(np.void):
+    """A record whose fields are attributes, as they are in kernels; those of `np.record` are slow."""
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self[name]
+        except ValueError:
+            raise AttributeError(name) from None
+
+    def __setattr__(self, name: str, value: object) -> None:
+        self[name] = value
+
+
 def record(*parts: object, real: str = "", whole: str = "") -> np.dtype[Any]:
     """Declare a record: pairs or triples of NumPy, then real and whole numbers by name."""
     reals, wholes = [(n, np.float64) for n in real.split()], [(n, np.int64) for n in whole.split()]
-    return np.dtype((np.record, np.dtype([*parts, *reals, *wholes], align=True)))
+    return np.dtype((Record, np.dtype([*parts, *reals, *wholes], align=True)))
 
 
 def new_record(kind: np.dtype[Any], **values: object) -> Any:

@@ -61,7 +61,9 @@ COUNTS = {"force": 5, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "
 
 def guarded(row: Array, canary: float = nan) -> Array:
     """Copy a parameter vector between canaries, read-only."""
-    copied = np.pad(row, CANARIES, constant_values=canary)[CANARIES:-CANARIES]
+    around = np.full(row.size + 2 * CANARIES, canary)
+    copied = around[CANARIES:-CANARIES]
+    copied[:] = row
     copied.flags.writeable = False
     return copied
 

@@ -85,26 +85,39 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
         root.attrs["free_reach"] = free_reach(trajectory.motor)
     groups = {"/": root, "/contacts": contacts}
     if trajectory.state:
-        state = {name: _as_variable(name, value) for name, value in trajectory.state.items()}
-        groups["/state"] = xarray.Dataset(state)
+        groups["/state"] = _as_dataset(trajectory.state)
     return xarray.DataTree.from_dict(groups)
 
 
-def _as_variable(name: str, value: object) -> xarray.Variable:
-    """Return an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
-    values = np.asarray(value)
-    values = values.astype(np.int8) if values.dtype.kind == "b" else values
-    axes = [f"{name}_{axis}" for axis in range(values.ndim)]
-    return xarray.Variable(axes, values, {"long_name": f"{name} where the run ended"})
+_KINDS: Final = {"real": np.float64, "whole": np.int64}
+"""Variables of the group `state`: a variable for each of its hundred numbers would take most of the time in
+which a file is written and opened."""
+
+
+def _as_dataset(state: Mapping[str, Any]) -> xarray.Dataset:
+    """Return the numbers of a state, real and whole, one after the other; arrays with lengths."""
+    group = xarray.Dataset()
+    for kind, number in _KINDS.items():
+        parts = {name: x for name, each in state.items() if (x := np.asarray(each)).dtype == number}
+        names = " ".join(f"{name}:{part.size}" if part.ndim else name for name, part in parts.items())
+        about = {"long_name": f"{kind} numbers where the run ended", "names": names}
+        group[kind] = f"{kind}_number", np.concatenate([*map(np.ravel, parts.values())]), about
+    return group
 
 
 def state_of(tree: xarray.DataTree) -> dict[str, Any]:
     """Return the state that a run ended in, as the engine takes it; empty where none was recorded."""
-    if "state" not in tree.children:
+    if "state" not in tree.children or not _KINDS.keys() <= tree.children["state"].data_vars.keys():
         return {}
-    # A time of its own stands in it beside that of the records.
-    group = tree.children["state"].to_dataset(inherit=False)
-    return {str(name): values.values[()] for name, values in group.variables.items()}
+    state: dict[str, Any] = {}
+    for kind in _KINDS:
+        values, at = tree.children["state"][kind], 0
+        for entry in values.attrs["names"].split():
+            name, _, length = entry.partition(":")
+            end = at + int(length or 1)
+            state[name] = values.values[at:end] if length else values.values[at]
+            at = end
+    return state
 
 
 def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
@@ -127,7 +140,9 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
 def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
     """Return the configuration that a dataset tells; empty where it tells none."""
     try:
-        configuration = yaml.safe_load(str(tree.attrs.get("configuration", "")))
+        # libyaml, where PyYAML has it, reads the same eight times as fast.
+        loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+        configuration = yaml.load(str(tree.attrs.get("configuration", "")), loader)
     # Besides its own errors YAML raises those of impossible dates.
     except (yaml.YAMLError, ValueError):
         return {}

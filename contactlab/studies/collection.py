@@ -28,6 +28,7 @@ from contactlab.metrics import assess, is_complete, read_run
 from contactlab.parameter import Parameter
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
+from contactlab.results.provenance import code_digest
 from contactlab.studies.run_state import RUNNING, Job, Status, read_state, status_of
 from contactlab.studies.sweep import collected, read_plan
 from contactlab.studies.sweep_dataset import (
@@ -169,6 +170,9 @@ def _read_run(name: str, folder: Path) -> Run:
         run.reason = f"{files.STATE} cannot be read, and there is no {files.DATASET}. Run it again."
     if run.status not in _WITH_NUMBERS:
         return run
+    if state and state.code == code_digest() and not _changed(folder / files.DATASET, state.digest):
+        run.metrics = state.metrics
+        return run
     # A file can be anything, and the other runs are collected.
     try:
         tree = read_run(folder / files.DATASET)
@@ -182,6 +186,14 @@ def _read_run(name: str, folder: Path) -> Run:
     except Exception as error:
         run.status, run.reason = Status.FAILED, one_line(error)
     return run
+
+
+def _changed(file: Path, digest: str) -> bool:
+    """Return whether a dataset is missing, or is not that of a digest."""
+    try:
+        return files.digest_of_file(file) != digest
+    except OSError:
+        return True
 
 
 def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:

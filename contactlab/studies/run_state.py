@@ -78,12 +78,17 @@ class Job:
 @final
 @dataclass(frozen=True)
 class State:
-    """State of a run, the reason where it is not complete, and the digest of its dataset."""
+    """State of a run, the reason where it is not complete, and the digest of its dataset.
+
+    The metrics are those of the dataset, by the code of a digest; one that is not applicable is left out.
+    """
 
     state: str
     job: Job
     reason: str = ""
     digest: str = ""
+    metrics: Mapping[str, float] = field(default_factory=dict)
+    code: str = ""
 
 
 _adapter: Final = TypeAdapter(State)

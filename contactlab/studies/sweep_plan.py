@@ -41,7 +41,7 @@ MOST_TASKS: Final = 1000
 NOTHING: Final = f"Nothing is swept; there must be one parameter at least: KEY={FORMS}."
 
 MOST_JOBS: Final = 100_000
-"""Runs that leave a folder each, which takes a fifth of a second beside the run."""
+"""Runs that leave a folder each, which takes a tenth of a second beside the run."""
 
 Configuration = Mapping[str, Any]
 

@@ -59,6 +59,30 @@ def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
                 assert str(cell["reason"].values) == ""
 
 
+def test_runs_are_collected_without_their_files_being_opened(
+    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+    opened: list[Path] = []
+
+    def counted(path: Path) -> xarray.DataTree:
+        opened.append(path)
+        return read_run(path)
+
+    monkeypatch.setattr("contactlab.studies.collection.read_run", counted)
+    result = collect("sweep")
+    assert not opened
+    # Metrics by other code are computed anew, from the file.
+    for clearance in ("1e-06", "2e-06"):
+        text = (folder(clearance) / "state.json").read_text().replace('"code": "', '"code": "other')
+        (folder(clearance) / "state.json").write_text(
+            text.replace('"contact_count": 3', '"contact_count": 4')
+        )
+    again = collect("sweep")
+    assert len(opened) == 2
+    xarray.testing.assert_identical(again, result)
+
+
 def test_what_is_not_complete_is_missing_with_a_reason(command: Command, simulations: Simulations) -> None:
     simulations.endings = {2.0: RuntimeError("no luck"), 3.0: Ending.CHATTERED, 4.0: Ending.INTERRUPTED}
     values = "contact.clearance=1e-6,2e-6,3e-6,4e-6,5e-6"

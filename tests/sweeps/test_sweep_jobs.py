@@ -6,13 +6,20 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 import xarray
+import yaml
 from hydra.core.plugins import Plugins
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
+from contactlab.cli.sweeper import Arguments
+from contactlab.config import build
+from contactlab.config.composition import compose
+from contactlab.metrics import assess, read_run
 from contactlab.studies import run_state as state
 from contactlab.trajectory import Ending
 
@@ -44,9 +51,37 @@ def test_what_failed_is_run_again_and_the_others_are_not(command: Command, simul
     assert command(*THREE)[0] == 0
     assert simulations.seen == [1.0, 2.0, 3.0, 2.0, 3.0]
     assert not (failed / "run.log").exists()
-    assert state_of(failed) | {"digest": 0, "job": 0} == {
-        "state": "complete", "reason": "", "digest": 0, "job": 0,
-    }  # fmt: skip
+    left = state_of(failed)
+    assert left.keys() == {"state", "reason", "digest", "job", "metrics", "code"}
+    assert (left["state"], left["reason"]) == ("complete", "")
+    of_dataset = assess(read_run(failed / "run.nc"))
+    assert left["metrics"] == {key: value for key, value in of_dataset.items() if np.isfinite(value)}
+
+
+def test_jobs_with_the_same_options_are_composed_once(
+    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    composed: list[list[str]] = []
+    before = Arguments._loaded
+
+    def counted(self: Arguments, lines: list[str]) -> Any:
+        composed.append(lines)
+        return before(self, lines)
+
+    monkeypatch.setattr(Arguments, "_loaded", counted)
+    counts = []
+    for clearances in ("1e-6", "2e-6,3e-6,4e-6"):
+        assert command("-m", "law=newton,hertz_penalty", f"contact.clearance={clearances}", *QUICK)[0] == 0
+        counts.append(len(composed) - sum(counts))
+    assert counts[0] == counts[1]
+    for law in ("newton", "hertz_penalty"):
+        for clearance in ("2e-06", "4e-06"):
+            left = folder(clearance, f"law={law}")
+            overrides = yaml.safe_load((left / ".hydra/overrides.yaml").read_text())
+            saved = yaml.safe_load((left / ".hydra/config.yaml").read_text())
+            assert overrides == [f"law={law}", f"contact.clearance={clearance}", "record.picture=false"]
+            assert saved == {**compose(overrides), "study": saved["study"]}
+            assert state_of(left)["job"]["configuration"] == build(overrides).configuration
 
 
 def test_a_sweep_with_more_values_runs_those_alone(command: Command, simulations: Simulations) -> None:
@@ -153,7 +188,7 @@ def test_a_launcher_that_fails_is_a_sentence_and_what_there_is_is_collected(
             raise RuntimeError("the cluster is gone")
 
     monkeypatch.setattr(Plugins, "instantiate_launcher", lambda *_, **__: Gone())
-    status, out, err = command(*THREE)
+    status, out, err = command(*THREE, "hydra/launcher=joblib")
     assert status == 1
     assert "Traceback" not in err
     assert "the cluster is gone" in Path("sweep/run.log").read_text(encoding="utf-8")
