@@ -3,7 +3,8 @@
 Numba decides by a kernel's own file whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
 sources of kernels, in the package or else in the user's cache. Kernels of other packages, which may call
-anything, are compiled in every session: about 0.1 s a law.
+anything, are compiled in every session: about 0.1 s a law. The compiler itself is imported when the first
+kernel is called: listings, help and configurations need none.
 """
 
 import os
@@ -12,24 +13,25 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property, update_wrapper
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any, TypeVar, cast
-
-import numba
+from typing import Any, TypeVar, cast, final
 
 from contactlab.foreign import is_own
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-INTERPRETED = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+INTERPRETED = bool(int(os.environ.get("NUMBA_DISABLE_JIT") or 0))
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
 PACKAGE = Path(__file__).parent
 SOURCES = ("compiled.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
+
+OPTIONS = {"error_model": "numpy", "_nrt": False}
+"""Of every kernel, see `kernel`."""
 
 PREFIX = "kernels-"
 OLD = 30 * 86400.0
@@ -67,6 +69,36 @@ def _remove_old(parent: Path, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
+@final
+class Kernel:
+    """A function that is compiled when it is first called, from Python or by another kernel.
+
+    Any other attribute is that of the compiler's own object, by whose type kernels call each other.
+    """
+
+    def __init__(self, function: Callable[..., object], options: dict[str, Any]) -> None:
+        update_wrapper(self, function)
+        self.py_func, self.targetoptions = function, OPTIONS | options
+
+    @cached_property
+    def compiled(self) -> Any:
+        """The compiler's own object."""
+        made: Any = fleeting_kernel(self.py_func, **self.targetoptions)
+        if is_own(self.py_func):
+            _keep_in(code_folder(), made)
+        return made
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Evaluate the function."""
+        return self.compiled(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        # Whoever looks for a method of Python's own needs no compiler.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.compiled, name)
+
+
 def kernel(function: Function, **options: Any) -> Function:
     """Compile a scalar or array function on first use and keep the code of this package's.
 
@@ -74,10 +106,7 @@ def kernel(function: Function, **options: Any) -> Function:
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    made: Any = fleeting_kernel(function, **options)
-    if not INTERPRETED and is_own(function):
-        _keep_in(code_folder(), made)
-    return cast(Function, made)
+    return function if INTERPRETED else cast(Function, Kernel(function, options))
 
 
 def inner_kernel(function: Function, **options: Any) -> Function:
@@ -100,8 +129,10 @@ def merged_kernel(function: Function) -> Function:
 
 def fleeting_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel while the program runs, around another."""
+    import numba
+
     njit: Any = numba.njit
-    return cast(Function, njit(error_model="numpy", _nrt=False, **options)(function))
+    return cast(Function, njit(**OPTIONS | options)(function))
 
 
 def generated_kernel(name: str, source: str) -> Any:
@@ -124,13 +155,16 @@ def generated_kernel(name: str, source: str) -> Any:
 
 def remade(kernel: Any) -> Any:
     """Return a kernel with another's function and options, but none of its code."""
-    jit: Any = numba.jit
+    from numba import jit
+
     return jit(**kernel.targetoptions)(kernel.py_func)
 
 
 def _keep_in(folder: Path, kernel: Any) -> None:
     """Let a kernel keep its code in a folder: the compiler reads the setting once, for each."""
-    settings: Any = numba.config
+    from numba import config
+
+    settings: Any = config
     before, settings.CACHE_DIR = settings.CACHE_DIR, str(folder)
     try:
         kernel.enable_caching()
