@@ -77,16 +77,16 @@ def _simulated(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
         trajectory = setup.run(progress=report, keep_interrupted=True)
     wall_time = perf_counter() - started
     with terminal.raising():
-        tree = netcdf.to_datatree(trajectory, setup.configuration)
-        digest = netcdf.write_tree(tree, directory / DATASET)
+        groups = netcdf.to_groups(trajectory, setup.configuration)
+        digest = netcdf.write_groups(groups, directory / DATASET)
         beside = "."
         if setup.configuration["record"]["picture"]:
             # Imported here: it brings the plotting.
             from contactlab.plot import overview
 
-            overview.overview(tree, directory / PICTURE)
+            overview.overview(groups, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
-    summary = f"{summarise(tree, wall_time)}\nWritten to {directory / DATASET}{beside}"
+    summary = f"{summarise(groups, wall_time)}\nWritten to {directory / DATASET}{beside}"
     return State(trajectory.ending.name.lower(), job, trajectory.message, digest), summary
 
 

@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import Annotated, Any, final
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 from threadpoolctl import threadpool_limits
 
 from contactlab.arrays import Array
@@ -44,7 +44,14 @@ def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tup
     """Solve a x = lambda b x for symmetric matrices, eigenvalues ascending, or refuse it by UNRESOLVED."""
     if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
         raise ValueError(UNRESOLVED)
-    eigenvalues, vectors = eigh(a, b, **options)
+    if b is None:
+        eigenvalues, vectors = scipy.linalg.eigh(a, **options)
+    else:
+        # By numpy alone: the import of scipy's would take longer than a run.
+        root = np.linalg.cholesky(b)
+        half = np.linalg.solve(root, a)
+        eigenvalues, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
+        vectors = np.linalg.solve(root.T, vectors)
     # Not the other way round: nothing is larger than what is no number.
     if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
         raise ValueError(UNRESOLVED)

@@ -1,10 +1,10 @@
 """The study `simulate`: one run of the configured duration."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
-
-import xarray
+from typing import TYPE_CHECKING, ClassVar
 
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
@@ -12,6 +12,9 @@ from contactlab.metrics import METRICS, assess
 from contactlab.results.netcdf import to_datatree
 from contactlab.studies.study import Part, Setups, Study, Task
 from contactlab.variables import Variable
+
+if TYPE_CHECKING:
+    import xarray
 
 
 @dataclass(frozen=True, kw_only=True)
