@@ -29,7 +29,15 @@ from contactlab.cli.jobs import perform, refusals
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
 from contactlab.config import ConfigurationError, Setup, build, validate
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, faults_of, refuse_lines, resolved
+from contactlab.config.composition import (
+    CONFIG_NAME,
+    EXPERIMENT,
+    VERSION_BASE,
+    faults_of,
+    refuse_lines,
+    resolved,
+    started,
+)
 from contactlab.config.faults import one_line
 from contactlab.config.options import conf_directory
 from contactlab.config.schema import FRICTION
@@ -63,22 +71,29 @@ def main(arguments: list[str]) -> int:
         return COMPLETE
     # So Hydra raises what it would print and end on.
     os.environ["HYDRA_FULL_ERROR"] = "1"
-    command = hydra.main(
-        config_path=str(conf_directory()), config_name=CONFIG_NAME, version_base=VERSION_BASE
-    )
-    sys.argv[1:] = for_hydra(arguments)
+    sys.argv[1:] = lines = for_hydra(arguments)
     try:
         refuse_lines(line for line in arguments if not line.startswith("-"))
         with warnings.catch_warnings():
             # Hydra warns of a folder of options that does not exist, and goes on without.
             warnings.filterwarnings("error", ".* is not available", UserWarning)
-            command(run)()
+            _perform(lines)
     except (BrokenPipeError, RefusalError):
         raise
     # Jobs catch their own: this is from Hydra, whose exceptions have many kinds.
     except Exception as error:
         return refuse(faults_of(error, sys.argv[1:]))
     return COMPLETE
+
+
+def _perform(lines: list[str]) -> None:
+    """Run, sweep or inform, as the arguments say."""
+    if any(line.startswith(("-", "hydra.mode", f"{EXPERIMENT}=")) for line in lines):
+        hydra.main(str(conf_directory()), CONFIG_NAME, VERSION_BASE)(run)()
+        return
+    # Hydra composes once more to see whether the configuration asks for a sweep, which none of these can.
+    with started() as application:
+        application.run(CONFIG_NAME, run, [*lines, "hydra.mode=RUN"])
 
 
 def run(settings: DictConfig) -> int:

@@ -44,14 +44,7 @@ def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tup
     """Solve a x = lambda b x for symmetric matrices, eigenvalues ascending, or refuse it by UNRESOLVED."""
     if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
         raise ValueError(UNRESOLVED)
-    if b is None:
-        eigenvalues, vectors = scipy.linalg.eigh(a, **options)
-    else:
-        # By numpy alone: the import of scipy's would take longer than a run.
-        root = np.linalg.cholesky(b)
-        half = np.linalg.solve(root, a)
-        eigenvalues, vectors = np.linalg.eigh(np.linalg.solve(root, half.T))
-        vectors = np.linalg.solve(root.T, vectors)
+    eigenvalues, vectors = scipy.linalg.eigh(a, b, **options)
     # Not the other way round: nothing is larger than what is no number.
     if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
         raise ValueError(UNRESOLVED)

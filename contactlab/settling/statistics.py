@@ -1,10 +1,11 @@
 """Statistics of sequences: their mean, trend, limit, and the kind of motion that they show."""
 
 from dataclasses import dataclass
-from math import atan, cos, exp, hypot, inf, lgamma, pi, sqrt, tan
+from math import hypot, inf
 from typing import Final, final
 
 import numpy as np
+import scipy
 
 from contactlab.arrays import Array
 from contactlab.estimate import Estimate
@@ -16,11 +17,6 @@ MOST_ALIKE: Final = 0.9
 """Largest correlated share of a sequence of which a variance is computed."""
 
 CONFIDENCE: Final = 0.95
-
-NORMAL_QUANTILE: Final = 1.959963984540054
-"""Number that a standard normal variable exceeds in magnitude with the probability 1 - `CONFIDENCE`."""
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(32)
 
 MOST_PERIODS: Final = 16
 """Longest period of a periodic motion [periods of the drive]."""
@@ -60,23 +56,6 @@ ROUND_OFF: Final = 1e-9
 """Relative error of the values themselves."""
 
 
-def student_quantile(freedom: float) -> float:
-    """Return the number that |t| of Student's distribution exceeds with the probability 1 - `CONFIDENCE`.
-
-    With t = sqrt(n) tan(phi) and n >= 1 degrees of freedom the density of phi is proportional to
-    cos(phi)^(n - 1), whose integral Newton's method takes to `CONFIDENCE`, from below and thus without fail.
-    """
-    density = 2.0 / sqrt(pi) * exp(lgamma(0.5 * freedom + 0.5) - lgamma(0.5 * freedom))
-    angle = atan(NORMAL_QUANTILE / sqrt(freedom))
-    for _ in range(20):
-        inside = 0.5 * angle * float(_WEIGHTS @ np.cos(0.5 * angle * (1.0 + _NODES)) ** (freedom - 1.0))
-        step = (CONFIDENCE / density - inside) / cos(angle) ** (freedom - 1.0)
-        angle += step
-        if abs(step) <= 1e-15 * angle:
-            break
-    return sqrt(freedom) * tan(angle)
-
-
 def mean_with_error(values: Array) -> Estimate:
     """Return the mean of a stationary sequence and half the width of its 95 % interval.
 
@@ -102,7 +81,9 @@ def mean_with_error(values: Array) -> Estimate:
     # Anticorrelated values count as independent, on the safe side.
     alike = max(float(sums[last]), 1.0) * (1.0 + extent) / count
     spread = np.sqrt(variance * alike / (1.0 - min(alike, MOST_ALIKE)))
-    return Estimate(mean, float(student_quantile(max(1.0 / extent, 1.0)) * spread))
+    return Estimate(
+        mean, float(scipy.special.stdtrit(max(1.0 / extent, 1.0), 0.5 + 0.5 * CONFIDENCE) * spread)
+    )
 
 
 def trend(values: Array) -> tuple[float, float]:
@@ -238,7 +219,7 @@ def _fit(window: Array) -> Approach:
     correlation = min(max(correlation, 0.0), MOST_CORRELATED)
     independent = max(count * (1.0 - correlation) / (1.0 + correlation), FEWEST_INDEPENDENT)
     freedom = max(independent - 3.0, 1.0)
-    quantile = student_quantile(freedom)
+    quantile = float(scipy.special.stdtrit(freedom, 0.975))
     variance = squares / freedom
     of_limit = quantile * np.sqrt(variance / count * (1.0 + count * middle**2 / spread))
     of_distance = quantile * float(np.sqrt(variance[best] / spread[best]))
