@@ -11,35 +11,15 @@ What a script needs stands here: a motor is made of a resonator's modes, a drive
 defines it, are declared in `__init__.pyi`; a module is imported when a name of it is first used.
 """
 
-import ast
-from importlib import import_module
-from importlib.util import find_spec
-from pathlib import Path
+from contactlab.lazy import attach
 
-
-def _declared() -> dict[str, str]:
-    """Return the module that each public name is imported from."""
-    stub = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
-    imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
-    return {alias.name: str(node.module) for node in imports for alias in node.names}
-
-
-_MODULES = _declared()
-__all__ = ["__version__", *_MODULES]
+_get, __dir__, __all__ = attach(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
-    if name in _MODULES:
-        value: object = getattr(import_module(_MODULES[name]), name)
-    elif name == "__version__":
-        value = import_module("contactlab.results.provenance").versions()["contactlab_version"]
-    elif name.isidentifier() and not name.startswith("_") and find_spec(f"{__name__}.{name}"):
-        return import_module(f"{__name__}.{name}")
-    else:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    globals()[name] = value
-    return value
+    if name == "__version__":
+        # Imported here: it reads the metadata of every library.
+        from contactlab.results.provenance import versions
 
-
-def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+        return versions()["contactlab_version"]
+    return _get(name)

@@ -17,7 +17,7 @@ from contactlab.motor import Motor
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
-from contactlab.settling.until import LONGEST, PRECISION, STEADY, Until
+from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES

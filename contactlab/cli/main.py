@@ -69,9 +69,9 @@ def _perform(*line: str) -> int:
     elif verb != RUN:
         arguments = line
     # Imported here: it brings Hydra, which other verbs do not need.
-    from contactlab.cli import app
+    from contactlab.cli import start
 
-    return app.main(list(arguments))
+    return start.main(list(arguments))
 
 
 def _verbs() -> list[str]:

@@ -17,7 +17,7 @@ from contactlab.results.netcdf import (
     reached_end,
     settling_in,
 )
-from contactlab.settling.until import PRECISION, STEADY
+from contactlab.settling.criterion import PRECISION, STEADY
 from contactlab.settling.verdict import Settling
 from contactlab.variables import INTERNAL
 
