@@ -8,9 +8,12 @@ import re
 import sys
 import warnings
 from hashlib import sha256
+from string import Template
 from typing import Final
 
 import hydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.object_type import ObjectType
 from omegaconf import DictConfig, OmegaConf
 
 from contactlab.cli.arguments import for_hydra
@@ -23,7 +26,7 @@ from contactlab.config.composition import (
     refuse_lines,
     started,
 )
-from contactlab.config.options import conf_directory
+from contactlab.config.options import conf_directory, groups
 from contactlab.results.provenance import versions
 
 MOST_CHARACTERS: Final = 120
@@ -57,12 +60,34 @@ def main(arguments: list[str]) -> int:
 
 def _perform(lines: list[str]) -> None:
     """Run, sweep or inform, as the arguments say."""
+    flags = [line for line in lines if line.startswith("-")]
+    if flags in (["--help"], ["-h"]) and not any(line.startswith("hydra.") for line in lines):
+        print(_help(lines[:-1]))
+        return
     if any(line.startswith(("-", "hydra.mode", f"{EXPERIMENT}=")) for line in lines):
         hydra.main(str(conf_directory()), CONFIG_NAME, VERSION_BASE)(task)()
         return
     # Hydra composes once more to see whether the configuration asks for a sweep, which none of these can.
     with started() as application:
         application.run(CONFIG_NAME, task, [*lines, "hydra.mode=RUN"])
+
+
+def _help(lines: list[str]) -> str:
+    """Return what Hydra prints for --help; it lists its own groups besides, which takes longer than all."""
+    with started() as application:
+        config = hydra.compose(CONFIG_NAME, lines, return_hydra_config=True)
+        HydraConfig.instance().set_config(config)
+        template, sources = Template(config.hydra.help.template), application.config_loader.get_sources()
+        every = {group for source in sources for group in source.list("", ObjectType.GROUP)}
+        options = {
+            group: sorted(
+                {each for s in sources if s.is_group(group) for each in s.list(group, ObjectType.CONFIG)}
+            )
+            for group in sorted({*groups(), *every} - {"hydra"})
+        }
+        listed = "".join(f"{group}: {', '.join(names)}\n" for group, names in options.items() if names)
+        own = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+        return template.substitute(APP_CONFIG_GROUPS=listed, CONFIG=OmegaConf.to_yaml(own))
 
 
 def task(settings: DictConfig) -> int:
