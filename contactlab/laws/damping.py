@@ -151,9 +151,12 @@ def loss_number(restitution: float) -> float:
         x = exp(logarithm)
         return (1.0 + e) * x / (1.0 + e * x) - log1p((1.0 + e) * x)
 
-    # From an x that is too small by far to one that is too large.
-    x = exp(scipy.optimize.brentq(missing, log(1.0 - e), 2.0 / e + 2.0, xtol=1e-14))
-    return float(x / (1.0 + e * x))
+    # Halved to the last bit, from an x that is too small by far to one that is too large.
+    low, high = log(1.0 - e), 2.0 / e + 2.0
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if missing(middle) > 0.0 else (low, middle)
+    x = exp(low)
+    return x / (1.0 + e * x)
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ def overview(run: "xarray.DataTree | Groups", path: Path) -> None:
     figure = draw_overview(run)
     with rc_context(DENSE), whole_file(path) as partial:
         # Without the default metadata the picture does not depend on matplotlib's version string.
-        figure.savefig(partial, format="png", metadata={"Software": None})
+        figure.savefig(partial, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 1})
 
 
 def draw_overview(run: "xarray.DataTree | Groups") -> Figure:
@@ -152,7 +152,7 @@ def _draw_velocity(axes: Axes, run: Recording) -> None:
 def _draw_steady(axes: Axes, settling: Settling) -> None:
     """Draw the estimated velocity of the steady state with its error, and say whether the run came there."""
     names = settling.short.replace("-", "\u2212").replace("+\u2212", "\u00b1")
-    axes.set_title(names, loc="right", fontsize=7, pad=4)
+    axes.set_title(names, loc="right", y=1.0, fontsize=7, pad=4)
     if settling.verdict == INCONCLUSIVE:
         return
     low, high = axes.get_ylim()
@@ -198,7 +198,7 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     else:
         _set_equal_limits(axes, x / scale, y / scale)
         title += f", rotor at {prefixed(surface, 'm')}"
-    axes.set_title(title, loc="right", fontsize=7, pad=4)
+    axes.set_title(title, loc="right", y=1.0, fontsize=7, pad=4)
     axes.locator_params(nbins=6)
     axes.set_xlabel(f"tangential displacement ({unit})")
     label = "relative normal displacement" if np.any(lift) else "normal displacement"
