@@ -21,6 +21,9 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.config.table import MeasurementError
+from contactlab.engine.equilibrium import at_rest
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
+from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError, PenaltyLaw
 from contactlab.laws.registry import build_law, classes_of, law_class
@@ -38,6 +41,7 @@ from contactlab.motor import (
 )
 from contactlab.parameter import DeclaredField
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
+from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]
@@ -81,10 +85,6 @@ class Setup:
         Raises:
             KeyboardInterrupt: somebody pressed Ctrl-C, unless what there is by then is to be kept.
         """
-        # Imported here, as in `build`: help on configurations needs no engine.
-        from contactlab.engine.simulation import simulate
-        from contactlab.settling.until import simulate_until_steady
-
         names = ["duration", "record_interval", "contact_step", "tolerance"]
         if self.until == STEADY:
             names.append("precision")
@@ -122,9 +122,6 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     Raises:
         ConfigurationError: with every fault.
     """
-    from contactlab.engine.equilibrium import at_rest
-    from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step
-
     if isinstance(configuration, str):
         raise TypeError(f"configuration is {configuration!r}; it must be a list of overrides or a mapping.")
     if not isinstance(configuration, Mapping):
@@ -192,11 +189,7 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
 
 
 # A sweep over anything else asks for the same law, drive and resonator again and again.
-@lru_cache(maxsize=4096)
-def _take_in_once(law: ContactLaw) -> None:
-    from contactlab.engine.preparation import take_in
-
-    take_in(law)
+_take_in_once = lru_cache(maxsize=4096)(take_in)
 
 
 @lru_cache(maxsize=256)

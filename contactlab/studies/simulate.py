@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.metrics import METRICS, assess
 from contactlab.results.netcdf import to_datatree
@@ -15,6 +14,8 @@ from contactlab.variables import Variable
 
 if TYPE_CHECKING:
     import xarray
+
+    from contactlab.config import Setup
 
 
 @dataclass(frozen=True, kw_only=True)

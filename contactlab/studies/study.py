@@ -18,7 +18,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
 
-from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.parameter import Parameter
 from contactlab.studies.tables import as_text
@@ -29,7 +28,9 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-Setups = Mapping[str, Setup]
+    from contactlab.config import Setup
+
+Setups = Mapping[str, "Setup"]
 """The setups of a study by label: what distinguishes each, as 'law=newton'; empty for a single one."""
 
 
