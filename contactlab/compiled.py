@@ -3,7 +3,8 @@
 Numba decides by a kernel's own file whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
 sources of kernels, in the package or else in the user's cache. Kernels of other packages, which may call
-anything, are compiled in every session: about 0.1 s a law.
+anything, are compiled in every session: about 0.1 s a law. The compiler itself is imported when the first
+kernel is called: listings, help and configurations need none.
 """
 
 import os
@@ -12,27 +13,25 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
-from functools import cache
+from functools import cache, cached_property, update_wrapper
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar, TypeVar, cast
-
-import numba
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
-from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
-from numba.core.typed_passes import NativeLowering
+from typing import Any, TypeVar, cast, final
 
 from contactlab.foreign import is_own
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
-INTERPRETED = bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
+INTERPRETED = bool(int(os.environ.get("NUMBA_DISABLE_JIT") or 0))
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
 PACKAGE = Path(__file__).parent
 SOURCES = ("compiled.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
+
+OPTIONS = {"error_model": "numpy", "_nrt": False}
+"""Of every kernel, see `kernel`."""
 
 PREFIX = "kernels-"
 OLD = 30 * 86400.0
@@ -70,107 +69,34 @@ def _remove_old(parent: Path, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
-class _Unit:
-    """Code of a kernel and of all inner kernels that it calls, which is optimised once and as a whole.
+@final
+class Kernel:
+    """A function that is compiled when it is first called, from Python or by another kernel.
 
-    Left to itself the compiler makes machine code of every function, with that of all functions that it calls
-    in it: four times as much as the loop has. Inner kernels therefore add theirs to the unit of the kernel
-    that is being compiled, and are compiled again for another one.
+    Any other attribute is that of the compiler's own object, by whose type kernels call each other.
     """
 
-    open: ClassVar[list["_Unit"]] = []
-    """Units being compiled, outermost first: one kernel may call another."""
+    def __init__(self, function: Callable[..., object], options: dict[str, Any]) -> None:
+        update_wrapper(self, function)
+        self.py_func, self.targetoptions = function, OPTIONS | options
 
-    def __init__(self, library: Any) -> None:
-        self.library = library
-        self.parts: list[tuple[Any, tuple[Any, ...]]] = []
-        """Inner kernels in it, and the types of their arguments."""
+    @cached_property
+    def compiled(self) -> Any:
+        """The compiler's own object."""
+        made: Any = fleeting_kernel(self.py_func, **self.targetoptions)
+        if is_own(self.py_func):
+            _keep_in(code_folder(), made)
+        return made
 
-    def take_parts(self) -> list[tuple[Any, tuple[Any, ...], Any]]:
-        """Remove the code of the inner kernels from them, and return it with both."""
-        return [(each, key, each.overloads.pop(key)) for each, key in self.parts if key in each.overloads]
+    def __call__(self, *arguments: Any) -> Any:
+        """Evaluate the function."""
+        return self.compiled(*arguments)
 
-
-class _WholeCompiler(CompilerBase):
-    """Compiles a kernel as a unit."""
-
-    def define_pipelines(self) -> list[PassManager]:
-        return [_pipeline(self.state, _CloseUnit)]
-
-    def compile_extra(self, function: Any) -> Any:
-        library = self.state.targetctx.codegen().create_library(function.__qualname__)
-        library.enable_object_caching()
-        unit, hidden = _Unit(library), _Unit.open[-1].take_parts() if _Unit.open else []
-        _Unit.open.append(unit)
-        try:
-            return super().compile_extra(function)  # type: ignore[no-untyped-call]
-        finally:
-            _Unit.open.pop()
-            for _, _, code in unit.take_parts():
-                self.state.targetctx.remove_user_function(code.entry_point)
-            for part, key, code in hidden:
-                part.overloads[key] = code
-
-
-class _PartCompiler(CompilerBase):
-    """Compiles an inner kernel into the unit that is open, or by itself where none is."""
-
-    def define_pipelines(self) -> list[PassManager]:
-        if not _Unit.open:
-            return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
-        return [_pipeline(self.state, _JoinUnit)]
-
-
-def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
-    """Return the compiler's own passes, which write into the open unit, and one that makes a way in."""
-    state.library, state.flags.no_compile = _Unit.open[-1].library, True
-    passes: PassManager = DefaultPassBuilder.define_nopython_pipeline(state)
-    passes.add_pass_after(last, NativeLowering)
-    passes.finalize()
-    return passes
-
-
-@register_pass(mutates_CFG=False, analysis_only=False)
-class _JoinUnit(LoweringPass):
-    """Lets other functions of the unit call an inner kernel."""
-
-    _name = "join_unit"
-
-    def __init__(self) -> None:
-        super().__init__()  # type: ignore[no-untyped-call]
-
-    def run_pass(self, state: Any) -> bool:
-        # There is no way in from Python; the compiler knows the code by any built-in function of its own.
-        way_in = state.cr.env.__sizeof__
-        state.targetctx.insert_user_function(way_in, state.cr.fndesc)
-        state.cr = state.cr._replace(cfunc=way_in)
-        _Unit.open[-1].parts.append((_inner[state.func_id.func], tuple(state.args)))
-        return True
-
-
-@register_pass(mutates_CFG=False, analysis_only=False)
-class _CloseUnit(LoweringPass):
-    """Makes the unit's machine code, of which only the kernel can be called from outside."""
-
-    _name = "close_unit"
-
-    def __init__(self) -> None:
-        super().__init__()  # type: ignore[no-untyped-call]
-
-    def run_pass(self, state: Any) -> bool:
-        made, library = state.cr.fndesc, state.library
-        seen = made.llvm_func_name, made.llvm_cpython_wrapper_name, made.llvm_cfunc_wrapper_name
-        for function in library.get_defined_functions():
-            if function.name not in seen:
-                function.linkage = "internal"
-        way_in = state.targetctx.get_executable(library, made, state.cr.env)
-        state.targetctx.insert_user_function(way_in, made, [library])
-        state.cr = state.cr._replace(cfunc=way_in)
-        return True
-
-
-_inner: dict[Callable[..., object], Any] = {}
-"""Inner kernels by the functions that they are made from."""
+    def __getattr__(self, name: str) -> Any:
+        # Whoever looks for a method of Python's own needs no compiler.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self.compiled, name)
 
 
 def kernel(function: Function, **options: Any) -> Function:
@@ -180,22 +106,15 @@ def kernel(function: Function, **options: Any) -> Function:
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    made: Any = fleeting_kernel(function, pipeline_class=_WholeCompiler, **options)
-    if not INTERPRETED and is_own(function):
-        _keep_in(code_folder(), made)
-    return cast(Function, made)
+    return function if INTERPRETED else cast(Function, Kernel(function, options))
 
 
 def inner_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel that only kernels call, never Python.
 
-    It has no way in from Python, and its code is kept with that of the kernels that call it.
+    No way in from Python is built, which is most of its compilation: a call from there would crash.
     """
-    made = fleeting_kernel(
-        function, pipeline_class=_PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options
-    )
-    _inner[function] = made
-    return made
+    return kernel(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
 
 
 def part_kernel(function: Function) -> Function:
@@ -205,13 +124,15 @@ def part_kernel(function: Function) -> Function:
 
 def merged_kernel(function: Function) -> Function:
     """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
-    return inner_kernel(function)
+    return inner_kernel(function, inline="always")
 
 
 def fleeting_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel while the program runs, around another."""
+    import numba
+
     njit: Any = numba.njit
-    return cast(Function, njit(error_model="numpy", _nrt=False, **options)(function))
+    return cast(Function, njit(**OPTIONS | options)(function))
 
 
 def generated_kernel(name: str, source: str) -> Any:
@@ -234,13 +155,16 @@ def generated_kernel(name: str, source: str) -> Any:
 
 def remade(kernel: Any) -> Any:
     """Return a kernel with another's function and options, but none of its code."""
-    jit: Any = numba.jit
+    from numba import jit
+
     return jit(**kernel.targetoptions)(kernel.py_func)
 
 
 def _keep_in(folder: Path, kernel: Any) -> None:
     """Let a kernel keep its code in a folder: the compiler reads the setting once, for each."""
-    settings: Any = numba.config
+    from numba import config
+
+    settings: Any = config
     before, settings.CACHE_DIR = settings.CACHE_DIR, str(folder)
     try:
         kernel.enable_caching()

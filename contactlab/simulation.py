@@ -7,8 +7,6 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final, get_args
 
-import xarray
-
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.quantity import UnitError, number_of
@@ -19,12 +17,13 @@ from contactlab.motor import Motor
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
-from contactlab.settling.until import LONGEST, PRECISION, STEADY, Until
+from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
 from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 
 if TYPE_CHECKING:
+    import xarray
     from matplotlib.figure import Figure
 
 RECORD_INTERVAL: Final = 1e-6
@@ -65,10 +64,10 @@ class Solution:
             as that of a motor that was made in Python.
     """
 
-    tree: xarray.DataTree
+    tree: "xarray.DataTree"
     setup: Setup | None = None
 
-    def __getitem__(self, name: str) -> xarray.DataArray:
+    def __getitem__(self, name: str) -> "xarray.DataArray":
         """Return a quantity at the root of the tree by its name.
 
         Raises:
@@ -80,7 +79,7 @@ class Solution:
         return self.tree.to_dataset()[name]
 
     @property
-    def contacts(self) -> xarray.Dataset:
+    def contacts(self) -> "xarray.Dataset":
         """The contacts, a row each; one that the end of the run cut has no separation velocity."""
         return self.tree.children["contacts"].to_dataset(inherit=False)
 
@@ -104,7 +103,7 @@ class Solution:
         """Whether the run reached its end with a closed energy ledger."""
         return bool(self.tree.attrs["complete"])
 
-    def to_xarray(self) -> xarray.DataTree:
+    def to_xarray(self) -> "xarray.DataTree":
         """Return the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`."""
         return self.tree
 
@@ -253,7 +252,7 @@ def load(path: str | Path) -> Solution:
             "datasets are judged by contactlab.metrics.assess."
         )
     try:
-        return Solution(tree, build(configuration_of(tree)))
+        return Solution(tree, build(configuration_of(tree.attrs)))
     # A motor made in Python, or a law that is not installed here.
     except ConfigurationError:
         return Solution(tree)

@@ -1,20 +1,15 @@
-"""The command as a Hydra application: its task, the checks before a run, and the names of folders.
+"""The task of the Hydra application, and the checks before a run.
 
 Hydra makes the folder of a run before it calls the task. Therefore single runs are checked by a callback,
 and sweeps by our sweeper: a faulty one leaves nothing behind.
 """
 
-import os
-import re
 import sys
-import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final, final
 
-import hydra
 from hydra.conf import HydraConf
 from hydra.core.hydra_config import HydraConfig
 from hydra.experimental.callback import Callback
@@ -23,28 +18,20 @@ from omegaconf import DictConfig, OmegaConf, read_write
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import for_hydra, quoted
+from contactlab.cli.arguments import quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import perform, refusals
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
 from contactlab.config import ConfigurationError, Setup, build, validate
-from contactlab.config.composition import CONFIG_NAME, VERSION_BASE, faults_of, refuse_lines, resolved
+from contactlab.config.composition import resolved
 from contactlab.config.faults import one_line
-from contactlab.config.options import conf_directory
 from contactlab.config.schema import FRICTION
 from contactlab.config.studies import RUN, study_of
 from contactlab.laws.registry import takes_shared
 from contactlab.results.files import STATE
-from contactlab.results.provenance import versions
 from contactlab.studies import run_state
 from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
-
-MOST_CHARACTERS: Final = 120
-"""Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
-
-DIGITS: Final = 8
-"""Length of the digest that distinguishes names that were shortened or simplified."""
 
 RECORD_ON_DISK: Final = 85
 """Size of a record in run.nc [bytes], measured with three laws at 1 and 10 us: 83 to 104."""
@@ -56,33 +43,8 @@ _checked: dict[str, Setup] = {}
 """The setup of a single run, built by its check."""
 
 
-def main(arguments: list[str]) -> int:
-    """Run or sweep what the arguments say, and return the exit status."""
-    if "--version" in arguments:
-        print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
-        return COMPLETE
-    # So Hydra raises what it would print and end on.
-    os.environ["HYDRA_FULL_ERROR"] = "1"
-    command = hydra.main(
-        config_path=str(conf_directory()), config_name=CONFIG_NAME, version_base=VERSION_BASE
-    )
-    sys.argv[1:] = for_hydra(arguments)
-    try:
-        refuse_lines(line for line in arguments if not line.startswith("-"))
-        with warnings.catch_warnings():
-            # Hydra warns of a folder of options that does not exist, and goes on without.
-            warnings.filterwarnings("error", ".* is not available", UserWarning)
-            command(run)()
-    except (BrokenPipeError, RefusalError):
-        raise
-    # Jobs catch their own: this is from Hydra, whose exceptions have many kinds.
-    except Exception as error:
-        return refuse(faults_of(error, sys.argv[1:]))
-    return COMPLETE
-
-
 def run(settings: DictConfig) -> int:
-    """Perform one job and return its exit status; launchers import it from here.
+    """Perform one job and return its exit status.
 
     A job of a sweep that is complete already is left as it is.
 
@@ -114,7 +76,7 @@ def run(settings: DictConfig) -> int:
     if swept and is_done(directory, job.key):
         return COMPLETE
     with terminal.ending_at_once():
-        status = COMPLETE if perform(setup, directory, job) else INCOMPLETE
+        status = COMPLETE if perform(setup, directory, job, swept=swept) else INCOMPLETE
     if status and not swept:
         sys.exit(status)
     return status
@@ -216,23 +178,3 @@ def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:
         for group, option in sorted(hydra_config.runtime.choices.items())
         if not str(group).startswith("hydra/")
     }
-
-
-def folder_name(overrides: str) -> str:
-    """Return the name of the folder of a job, or of a sweep, by its overrides, separated by commas.
-
-    The characters are those that every file system and the netCDF library take, and the length is limited;
-    a digest at the end distinguishes what differs elsewhere only.
-    """
-    spelled = re.sub(r"\s+", "_", re.sub(r"[\\'\"]", "", overrides).strip())
-    # A micro sign or a mu, and the slashes of a group.
-    plain = re.sub(r"/(?=[\w/]*=)", "-", re.sub(r"[\u00b5\u03bc]", "u", spelled))
-    text = re.sub(r"[^-+\w.,=@~%]", "-", plain, flags=re.ASCII)
-    if text == plain and len(text) <= MOST_CHARACTERS:
-        return text or "default"
-    digest = sha256(overrides.encode()).hexdigest()[:DIGITS]
-    return f"{text[: MOST_CHARACTERS - DIGITS - 1].rstrip('_-,')}-{digest}"
-
-
-# Workers of a launcher compose configurations too: whatever they import brings this with it.
-OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)

@@ -17,7 +17,6 @@ from contactlab.cli.terminal import tell
 from contactlab.config import Setup
 from contactlab.config.faults import one_line
 from contactlab.laws import LawError
-from contactlab.metrics import assess
 from contactlab.results import netcdf
 from contactlab.results.files import DATASET, LOG, error_text, whole_file
 from contactlab.results.provenance import code_digest
@@ -30,7 +29,7 @@ MOST_CHARACTERS: Final = 500
 """Length of a reason in state.json; the log has all of it."""
 
 
-def perform(setup: Setup, directory: Path, job: Job) -> bool:
+def perform(setup: Setup, directory: Path, job: Job, *, swept: bool) -> bool:
     """Run a job, leave its dataset and its state in a directory, and return whether it is complete.
 
     What an earlier run left there is removed first. A run that is not complete has printed why; where it
@@ -44,7 +43,7 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
         for name in (LOG, DATASET, PICTURE):
             (directory / name).unlink(missing_ok=True)
         write_state(directory, State(RUNNING, job))
-        left, summary = _simulated(setup, directory, job)
+        left, summary = _simulated(setup, directory, job, swept)
         write_state(directory, left)
     except KeyboardInterrupt as interrupt:
         with suppress(OSError):
@@ -66,8 +65,8 @@ def perform(setup: Setup, directory: Path, job: Job) -> bool:
     return left.state == COMPLETE
 
 
-def _simulated(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
-    """Simulate and write the files; return the state of the run and its summary."""
+def _simulated(setup: Setup, directory: Path, job: Job, swept: bool) -> tuple[State, str]:
+    """Simulate and write the files; return the state of the run, of a sweep with metrics, and its summary."""
     started = perf_counter()
     with terminal.progress(setup.duration, "s") as show, terminal.waiting() as check:
 
@@ -81,22 +80,26 @@ def _simulated(setup: Setup, directory: Path, job: Job) -> tuple[State, str]:
         trajectory = setup.run(progress=report, keep_interrupted=True)
     wall_time = perf_counter() - started
     with terminal.raising():
-        tree = netcdf.to_datatree(trajectory, setup.configuration)
-        digest = netcdf.write_tree(tree, directory / DATASET)
+        groups = netcdf.to_groups(trajectory, setup.configuration)
+        digest = netcdf.write_groups(groups, directory / DATASET)
         beside = "."
         if setup.configuration["record"]["picture"]:
             # Imported here: it brings the plotting.
             from contactlab.plot import overview
 
-            overview.overview(tree, directory / PICTURE)
+            overview.overview(groups, directory / PICTURE)
             beside = f" and {PICTURE} beside it."
-    summary = f"{summarise(tree, wall_time)}\nWritten to {directory / DATASET}{beside}"
+    summary = f"{summarise(groups, wall_time)}\nWritten to {directory / DATASET}{beside}"
     left = State(trajectory.ending.name.lower(), job, trajectory.message, digest)
-    # Runs are collected without their files being opened; why metrics cannot be computed, `collect` says.
-    with suppress(Exception):
-        values = assess(tree) if trajectory.ending.reached_end else {}
-        numbers = {key: value for key, value in values.items() if not isnan(value)}
-        left = replace(left, metrics=numbers, code=code_digest())
+    if swept and trajectory.ending.reached_end:
+        # Imported here: a run by itself has none.
+        from contactlab.metrics import assess
+
+        # Runs are collected without their files being opened; why metrics cannot be computed, `collect` says.
+        with suppress(Exception):
+            values = assess(netcdf.to_datatree(trajectory, setup.configuration))
+            numbers = {key: value for key, value in values.items() if not isnan(value)}
+            left = replace(left, metrics=numbers, code=code_digest())
     return left, summary
 
 

@@ -1,7 +1,5 @@
 """From overrides or a configuration to the objects that run, and everything that can be wrong with one."""
 
-from contactlab.config.composition import compose
-from contactlab.config.faults import ConfigurationError
-from contactlab.config.setup import Setup, build, validate
+from contactlab.lazy import attach
 
-__all__ = ["ConfigurationError", "Setup", "build", "compose", "validate"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -142,14 +142,14 @@ def options_of(group: str) -> list[str]:
 
 
 @contextmanager
-def started() -> Iterator[None]:
-    """Start Hydra for compositions until the end of the context; one that runs already goes on after it."""
+def started() -> Iterator[Any]:
+    """Start Hydra until the end of the context, and yield it; one that runs already goes on after it."""
     running = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()
     conf = str(conf_directory())
     try:
         with hydra.initialize_config_dir(conf, job_name=SCHEME, version_base=VERSION_BASE):
-            yield
+            yield GlobalHydra.instance().hydra
     finally:
         if running is not None:
             GlobalHydra.instance().initialize(running)

@@ -18,7 +18,7 @@ from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import PARTS, class_of, law_names
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
-from contactlab.settling.until import LONGEST, PRECISION, STEADY, Until
+from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
 
 DURATION: Final = 0.02

@@ -24,7 +24,6 @@ from pathlib import Path
 from typing import Annotated, Final, final
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
@@ -139,6 +138,9 @@ def write_modes(modes: NormalModes, path: str | Path) -> None:
     """
     if modes.rotor_displacement is not None:
         raise ValueError("The modes have a rotor_displacement; they must be those of the resonator alone.")
+    # Imported here: reading needs none.
+    import xarray
+
     columns = {"stiffness": modes.stiffness, "damping": modes.damping, "uy": modes.tip_displacement}
     columns |= {"rotation": modes.tip_slope}
     units = dict(_UNITS)

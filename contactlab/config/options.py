@@ -79,11 +79,12 @@ def known_keys(law: str = "") -> list[str]:
 
 
 def help_on_keys() -> str:
-    """Return a line for every key but those of laws: meaning, unit, and what null stands for."""
+    """Return a line for every key but those of laws and studies: meaning, unit, and what null stands for."""
+    sections = {group: section for group, section in GROUPS.items() if group != "study"}
     return "\n  ".join(
         f"{key:<31} {declared.meaning}{declared.label and f' [{declared.unit}]'}"
         f"{'. ' + declared.hint if NoneType in field.kinds else ''}"
-        for key, field in dict(full_keys({**GROUPS})).items()
+        for key, field in dict(full_keys({**sections})).items()
         if (declared := field.parameter)
     )
 

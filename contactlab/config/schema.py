@@ -14,7 +14,7 @@ from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
 from contactlab.parameter import DeclaredField, Parameter
-from contactlab.settling.until import PRECISION, STEADY
+from contactlab.settling.criterion import PRECISION, STEADY
 
 MOST_RECORDS = 10_000_000
 """Records of one run; they take 3.8 GB of memory."""

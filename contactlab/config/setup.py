@@ -40,7 +40,8 @@ from contactlab.motor import (
     on_bearing,
 )
 from contactlab.parameter import DeclaredField
-from contactlab.settling.until import PRECISION, STEADY, Until, check_until_steady, simulate_until_steady
+from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
+from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]

@@ -3,9 +3,11 @@
 A study is imported when it is chosen; see `contactlab.studies.study`.
 """
 
+import ast
 from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
@@ -76,5 +78,15 @@ def study_names() -> Iterator[str]:
 
 
 def question_of(name: str) -> str:
-    """Return the question of a study: the first paragraph of its docstring on one line."""
-    return " ".join((study_class(name).__doc__ or "").split("\n\n")[0].split())
+    """Return the question of a study: the first paragraph of its docstring on one line.
+
+    That of the package's own is read from its source, so that no list of studies imports them all.
+    """
+    if name in OWN:
+        module, _, owner = OWN[name].partition(":")
+        source = Path(__file__).parents[2].joinpath(*module.split(".")).with_suffix(".py")
+        parts = ast.parse(source.read_text(encoding="utf-8")).body
+        text = next(ast.get_docstring(c) for c in parts if isinstance(c, ast.ClassDef) and c.name == owner)
+    else:
+        text = study_class(name).__doc__
+    return " ".join((text or "").split("\n\n")[0].split())

@@ -11,17 +11,18 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
-import pandas
-import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config.quantity import UnitError, factor
 from contactlab.parameter import from_cf
 from contactlab.suggestion import suggestion
+
+if TYPE_CHECKING:
+    import xarray
 
 TEXTS: Final = ("title", "source", "licence", "jacobian", "note")
 """Texts of a file: comments in CSV, global attributes in netCDF."""
@@ -63,7 +64,7 @@ class Table:
         places: of the rows in the file, for messages: "line 7".
     """
 
-    data: xarray.Dataset
+    data: "xarray.Dataset"
     dimension: str
     places: Sequence[str]
 
@@ -149,6 +150,9 @@ def read_table(path: Path) -> Table:
         OSError: the file cannot be read.
         MeasurementError: it contains no table.
     """
+    # Imported here, as below: a run without files needs none.
+    import xarray
+
     with path.open("rb") as stream:
         start = stream.read(8)
     if not start.startswith(_NETCDF):
@@ -200,6 +204,8 @@ def _table_of(rows: Sequence[tuple[str, str]], comments: Sequence[str]) -> Table
             if unit is not None and number["unit"]:
                 raise MeasurementError(f"'{name}' has two units; it must have one.")
             named.append((name, unit or number["unit"], _with_point(number["number"], separator)))
+    import xarray
+
     columns: dict[str, xarray.Variable] = {}
     for name, unit, values in named:
         if name in columns:
@@ -233,8 +239,10 @@ def _comment(line: str, separator: str) -> tuple[str, str | None, str] | None:
     return None if comment is None else (comment["name"], comment["unit"], comment["value"].strip())
 
 
-def write_csv(data: xarray.Dataset, path: Path) -> None:
+def write_csv(data: "xarray.Dataset", path: Path) -> None:
     """Write variables with one dimension as columns and numbers and texts as comments, with all digits."""
+    import pandas
+
     units = {name: from_cf(variable.attrs["units"]) for name, variable in data.variables.items()}
     columns = {name: x.values for name, x in data.variables.items() if x.ndim}
     with path.open("w", encoding="utf-8", newline="") as stream:

@@ -71,7 +71,6 @@ from contactlab.engine.state import (
     Law,
     Run,
     fit,
-    hold,
     slope_at,
     value_at,
 )

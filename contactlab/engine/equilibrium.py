@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from contactlab.engine.binding import FORCE
 from contactlab.engine.preparation import take_in
@@ -54,7 +54,7 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
                 raise ValueError(
                     f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest."
                 )
-            return float(brentq(missing, 0.0, DEEPEST, xtol=1e-20, rtol=1e-14))
+            return float(scipy.optimize.brentq(missing, 0.0, DEEPEST, xtol=1e-20, rtol=1e-14))
 
     force = 0.0
     if free.size:
@@ -63,7 +63,9 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
         most = (comes - clearance) / yields
         force = most + OPEN / yields
         if isinstance(law, PenaltyLaw):
-            force = brentq(lambda n: (most - n) * yields - penetration(n), 0.0, most, xtol=1e-20)
+            force = scipy.optimize.brentq(
+                lambda n: (most - n) * yields - penetration(n), 0.0, most, xtol=1e-20
+            )
     q = np.zeros_like(k)
     q[elastic] = (preload[elastic] - force * row[elastic]) / k[elastic]
     if free.size and force > 0.0:

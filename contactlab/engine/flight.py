@@ -24,7 +24,6 @@ from contactlab.engine.state import (
     LAST,
     NOTHING,
     OPEN,
-    PRESSED,
     RELEASED,
     SEPARATING,
     START,
@@ -74,10 +73,6 @@ def step_flight(run: Run, law: Law) -> int:
     """
     state, level = run.state, run.state.level
     run.step.kind = FLIGHT
-    if state.phase == PRESSED:
-        # A rigid contact from the start on: what is recorded there is before its impact.
-        state.length, state.taken = step_length(run.propagator, level), 0.0
-        return TOUCH
     note_limit(run, law.memory)
     tip = tip_motion(run.plant, START)
     before, rate_before, slip, _, _, _, _ = contact_of(run.plant, tip)

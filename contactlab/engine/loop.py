@@ -15,6 +15,7 @@ from contactlab.engine.recorder import CRAWL, commit
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
     CONE,
+    FLIGHT,
     GUARD,
     NOTHING,
     PRESSED,
@@ -60,7 +61,10 @@ def run_law(
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law, waves):
             event = NOTHING
-            if each.state.phase != TOUCHING:
+            if each.state.phase == PRESSED:
+                # A rigid contact from the start on: what is recorded there is before its impact.
+                each.step.kind, each.state.taken, event = FLIGHT, 0.0, TOUCH
+            elif each.state.phase != TOUCHING:
                 event = step_flight(each, law)
             elif solve is None:
                 # The compiler leaves out what asks whether None is None, and nothing else.

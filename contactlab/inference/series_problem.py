@@ -32,7 +32,7 @@ from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, studen
 from contactlab.laws import LawError
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.motor.outputs import output_variables
-from contactlab.settling.until import PRECISION
+from contactlab.settling.criterion import PRECISION
 from contactlab.settling.verdict import configured_period
 from contactlab.trajectory import Trajectory
 

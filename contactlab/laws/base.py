@@ -92,7 +92,7 @@ class ContactLaw(Declared, Tangential):
     WORDS = ("name", "equation", "source", "default_contact_step")
 
     default_contact_step: ClassVar[float]
-    """Longest step in contact [s] where the configuration gives none; of a rigid law, of its time stepping."""
+    """Longest step in contact [s] where the configuration gives none; of a rigid law in time stepping."""
     allows_tension: ClassVar[bool] = False
     """Whether the normal force may pull."""
 
@@ -187,8 +187,8 @@ class PenaltyLaw(ContactLaw):
 class MultiplierLaw(ContactLaw):
     """A rigid law: holds the gap at zero, by impulses.
 
-    It is taken in its limit of no step, see `contactlab.engine.constrained`, or, where a contact step is given or the
-    law reads the step, stepped in time.
+    It is taken in its limit of no step, see `contactlab.engine.constrained`, or, where a contact step is given
+    or the law reads the step, stepped in time.
 
     >>> import contactlab as cl
     >>> law = cl.Newton(friction_coefficient=0.3, restitution=0.5)

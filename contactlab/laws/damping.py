@@ -22,8 +22,7 @@ from math import exp, inf, log, log1p
 from typing import Annotated, Any, final
 
 import numpy as np
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
+import scipy
 
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
@@ -109,7 +108,7 @@ def damping_coefficient(damping: LinearDamping, normal: NormalForce) -> float:
         return float(np.log(elastic(10.0**exponent)[1] / energy))
 
     # Depth and speed are the units.
-    depth = float(10.0 ** brentq(beyond, -20.0, 2.0, xtol=1e-12))
+    depth = float(10.0 ** scipy.optimize.brentq(beyond, -20.0, 2.0, xtol=1e-12))
     unit = depth / (mass * speed**2)
 
     def excess(ratio: float) -> float:
@@ -126,13 +125,13 @@ def damping_coefficient(damping: LinearDamping, normal: NormalForce) -> float:
         end: Any = force
         end.terminal, end.direction = True, -1.0
         accuracy = {"rtol": INTEGRATION, "atol": INTEGRATION}
-        done = solve_ivp(motion, (0.0, 1e9), [0.0, 1.0], "DOP853", events=end, **accuracy)
+        done = scipy.integrate.solve_ivp(motion, (0.0, 1e9), [0.0, 1.0], "DOP853", events=end, **accuracy)
         return -float(done.y[1, -1]) - damping.restitution
 
     right = 1.0
     while excess(right) > 0.0:
         right *= 2.0
-    return float(brentq(excess, 0.0, right, xtol=1e-13) * (mass * speed / depth))
+    return float(scipy.optimize.brentq(excess, 0.0, right, xtol=1e-13) * (mass * speed / depth))
 
 
 @cache
@@ -152,9 +151,12 @@ def loss_number(restitution: float) -> float:
         x = exp(logarithm)
         return (1.0 + e) * x / (1.0 + e * x) - log1p((1.0 + e) * x)
 
-    # From an x that is too small by far to one that is too large.
-    x = exp(brentq(missing, log(1.0 - e), 2.0 / e + 2.0, xtol=1e-14))
-    return float(x / (1.0 + e * x))
+    # Halved to the last bit, from an x that is too small by far to one that is too large.
+    low, high = log(1.0 - e), 2.0 / e + 2.0
+    while low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if missing(middle) > 0.0 else (low, middle)
+    x = exp(low)
+    return x / (1.0 + e * x)
 
 
 @dataclass(frozen=True)
@@ -170,7 +172,7 @@ class Hysteretic(Damping):
         super().__post_init__()
         e, most = self.restitution, self.largest
         if loss_number(e) > most:
-            least = brentq(lambda e: loss_number(e) - most, e, 1.0, xtol=1e-12)
+            least = scipy.optimize.brentq(lambda e: loss_number(e) - most, e, 1.0, xtol=1e-12)
             raise ValueError(
                 f"{self.name}: restitution is {e}; it must be at least {least:.6g}, which the model "
                 "achieves with a nominal one of 0. Take flores, which has no such bound."

@@ -1,17 +1,21 @@
 """The catalogue of the metrics: each is declared beside the function that computes it."""
 
+from __future__ import annotations
+
 import re
 from collections.abc import Callable, Container
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite, isnan, nan
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
-import xarray
 
 from contactlab.metrics.run import NotApplicableError, Run
+
+if TYPE_CHECKING:
+    import xarray
 
 Measure = Callable[[Any], float]
 

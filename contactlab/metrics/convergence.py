@@ -1,12 +1,13 @@
 """Dependence of a law's results on the step, the basis of the resonator and friction."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from math import log
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
@@ -15,6 +16,9 @@ from contactlab.laws.base import MultiplierLaw
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+
+if TYPE_CHECKING:
+    import xarray
 
 SAME_RATIO: Final = 1e-6  # relative difference of ratios of steps that count as equal
 

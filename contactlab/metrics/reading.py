@@ -1,15 +1,19 @@
 """Reading of a run's dataset, or of another one in the same layout, with a check of the layout."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import xarray
 
 from contactlab import variables
 from contactlab.results.files import damage
 from contactlab.variables import Variable
+
+if TYPE_CHECKING:
+    import xarray
 
 _ROOT: Final = (*variables.SERIES, variables.CONTACT_MODE)
 
@@ -22,9 +26,9 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
     Raises:
         ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
     """
-    tree = source if isinstance(source, xarray.DataTree) else _opened(Path(source))
+    tree = _opened(Path(source)) if isinstance(source, str | Path) else source
     for fault in _faults(tree):
-        text = "The dataset" if isinstance(source, xarray.DataTree) else f"'{source}'"
+        text = f"'{source}'" if isinstance(source, str | Path) else "The dataset"
         raise ValueError(
             f"{text} has {fault} The layout is that of a run.nc, which `contactlab` writes; a variable may "
             "be left out, never be misnamed."
@@ -38,6 +42,9 @@ def is_complete(tree: xarray.DataTree) -> bool:
 
 
 def _opened(path: Path) -> xarray.DataTree:
+    # Imported here: runs are written and assessed without.
+    import xarray
+
     if not path.is_file():
         raise ValueError(f"'{path}' is not there; it must be a netCDF-4 file in the layout of a run.nc.")
     try:

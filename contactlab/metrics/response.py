@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from contactlab.config import ConfigurationError, build
+from contactlab import config
 from contactlab.metrics.catalogue import SETTLED, UNSETTLED, metric, without_records
 from contactlab.metrics.constraints import stiffness
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
@@ -71,8 +71,8 @@ def effective_mass(run: Run) -> float:
         raise NotApplicableError
     changes = {"law": {"name": "lagrange_stick"}, "solver": {**solver, "tolerance": None}}
     try:
-        modes = build({**run.configuration, **changes}).motor.modes
-    except ConfigurationError as fault:
+        modes = config.build({**run.configuration, **changes}).motor.modes
+    except config.ConfigurationError as fault:
         raise NotApplicableError from fault
     # At rest the normal is (0, -1) and the slope moves the tip end along the tangent alone.
     return 1.0 / positive(float(modes.tip_displacement @ modes.tip_displacement))

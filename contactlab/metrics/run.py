@@ -1,15 +1,16 @@
 """A run with the accessors that metrics and comparison use."""
 
+from __future__ import annotations
+
 import json
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from inspect import getattr_static
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
-import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
@@ -18,9 +19,12 @@ from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
-from contactlab.results.netcdf import configuration_of, lasting_in, period_in
+from contactlab.results.netcdf import EMPTY, configuration_of, groups_of, lasting_in, period_in
 from contactlab.settling.verdict import Settling, drive_period, settling_of
 from contactlab.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    import xarray
 
 LAST_SHARE: Final = 0.25
 """Share of the run whose whole drive periods represent its end."""
@@ -67,27 +71,28 @@ class Run:
     lasting: tuple[str, ...] = ()  # columns of internal variables whose life is the run
 
     @classmethod
-    def of(cls, source: "xarray.DataTree | Run") -> "Run":
+    def of(cls, source: xarray.DataTree | Run) -> Run:
         """Return the run of a dataset in the layout of a run.nc; a run is returned as it is."""
         if isinstance(source, Run):
             return source
+        groups = groups_of(source)
         text, step = source.attrs, source.attrs.get("contact_step", 0.0)
         parameters: dict[str, Any] = {}
         with suppress(ValueError, TypeError):
             parameters = dict(json.loads(str(text.get("law_parameters", ""))))
         return cls(
-            columns=_values(source),
-            rows=_values(source.children.get("contacts", xarray.DataTree())),
-            configuration=configuration_of(source),
+            columns=groups["/"].values,
+            rows=groups.get("/contacts", EMPTY).values,
+            configuration=configuration_of(source.attrs),
             law=str(text.get("law", "")),
             law_parameters={k: x for k, x in parameters.items() if isinstance(x, int | float)},
             contact_step=float(step) if isinstance(step, int | float | np.number) else 0.0,
             attributes=text,
-            lasting=lasting_in(source.to_dataset(inherit=False).variables),
+            lasting=lasting_in(groups["/"].variables),
         )
 
     @classmethod
-    def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> "Run":
+    def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> Run:
         """Return the run of a trajectory; the numbers are those of its dataset."""
         records: dict[str, NDArray[Any]] = {"contact_mode": trajectory.contact_mode}
         return cls(
@@ -203,8 +208,3 @@ class Run:
         """Return all impulses over all durations [N], a scale of forces that does not depend on the step."""
         impulse = positive(float(np.abs(self.contacts("normal_impulse")).sum()))
         return impulse / positive(float(self.contacts("duration").sum()))
-
-
-def _values(tree: xarray.DataTree) -> dict[str, NDArray[Any]]:
-    result = tree.to_dataset(inherit=False).variables
-    return {str(name): np.asarray(variable.values) for name, variable in result.items()}

@@ -10,7 +10,7 @@ from math import sqrt
 from typing import Any, Final
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_number
@@ -307,7 +307,8 @@ def _clamped_free(count: int) -> tuple[Array, Array]:
         return float(np.cos(z) + 1.0 / np.cosh(z))
 
     centres = [(i + 0.5) * np.pi for i in range(count)]
-    numbers: Sequence[float] = [brentq(characteristic, c - 0.5, c + 0.5, xtol=1e-15) for c in centres]
+    root = scipy.optimize.brentq
+    numbers: Sequence[float] = [root(characteristic, c - 0.5, c + 0.5, xtol=1e-15) for c in centres]
     b = np.array(numbers)
     small = np.exp(-b)
     ratio = (1.0 - small**2 - 2.0 * small * np.sin(b)) / (1.0 + small**2 + 2.0 * small * np.cos(b))

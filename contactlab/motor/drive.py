@@ -7,8 +7,8 @@ from math import ceil, pi
 from typing import Annotated, Final, final
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import PPoly
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
@@ -169,7 +169,7 @@ class Drive:
         waveform = self.waveform
         if waveform is not None:
             c, x = np.zeros_like(waveform.pieces.c), waveform.pieces.x
-            waveform = replace(waveform, pieces=PPoly(c, x))
+            waveform = replace(waveform, pieces=scipy.interpolate.PPoly(c, x))
         return Drive(self.frequency, np.zeros_like(self.phasors), waveform)
 
 

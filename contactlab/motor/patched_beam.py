@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import Annotated, Any, final
 
 import numpy as np
-from scipy.linalg import eigh
+import scipy
 from threadpoolctl import threadpool_limits
 
 from contactlab.arrays import Array
@@ -44,7 +44,7 @@ def resolved_eigenpairs(a: Array, b: Array | None = None, **options: Any) -> tup
     """Solve a x = lambda b x for symmetric matrices, eigenvalues ascending, or refuse it by UNRESOLVED."""
     if not all(np.isfinite(matrix).all() for matrix in (a, b) if matrix is not None):
         raise ValueError(UNRESOLVED)
-    eigenvalues, vectors = eigh(a, b, **options)
+    eigenvalues, vectors = scipy.linalg.eigh(a, b, **options)
     # Not the other way round: nothing is larger than what is no number.
     if not eigenvalues[0] > RESOLVED * eigenvalues[-1]:
         raise ValueError(UNRESOLVED)

@@ -10,9 +10,7 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 import numpy as np
-from scipy.linalg import eigh
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import ArpackError, eigsh, splu
+import scipy
 
 from contactlab.arrays import Array
 from contactlab.checks import check_shape
@@ -72,12 +70,12 @@ def reduced(
         check_shape(f"points[{name!r}]", row, (count,), "one number a degree of freedom")
     if not 1 <= modes < count:
         raise ValueError(f"modes is {modes}; it must be at least 1 and less than {count}, the size.")
-    m, k = csc_array(mass), csc_array(stiffness)
+    m, k = scipy.sparse.csc_array(mass), scipy.sparse.csc_array(stiffness)
     loads = np.column_stack([uy, ux, coupling])
     try:
-        squares, shapes = eigsh(k, modes, m, sigma=0.0, v0=np.ones(count))
-        static = splu(k).solve(loads)
-    except (RuntimeError, ArpackError) as error:
+        squares, shapes = scipy.sparse.linalg.eigsh(k, modes, m, sigma=0.0, v0=np.ones(count))
+        static = scipy.sparse.linalg.splu(k).solve(loads)
+    except (RuntimeError, scipy.sparse.linalg.ArpackError) as error:
         raise ValueError("stiffness is singular; it must be positive definite.") from error
     if not squares.min() > 0.0:
         raise ValueError(f"stiffness has the eigenvalue {squares.min():g} 1/s^2; all must be positive.")
@@ -87,7 +85,7 @@ def reduced(
         energy, directions = np.linalg.eigh(rest.T @ (k @ rest))
         scale = np.sum(static * loads, axis=0).max()
         rest = rest @ directions[:, energy > DEPENDENT * scale]
-        others, vectors = eigh(rest.T @ (k @ rest), rest.T @ (m @ rest))
+        others, vectors = scipy.linalg.eigh(rest.T @ (k @ rest), rest.T @ (m @ rest))
         squares, shapes = np.append(squares, others), np.hstack([shapes, rest @ vectors])
     # A mode's sign is free: it moves towards the rotor, or along its surface.
     shapes *= np.where((shapes.T @ (uy + ux)) < 0.0, -1.0, 1.0)

@@ -5,7 +5,7 @@ from math import factorial
 from typing import Any, Final, final
 
 import numpy as np
-from scipy.interpolate import PPoly, make_interp_spline
+import scipy
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_shape
@@ -43,12 +43,12 @@ class Waveform:
         ValueError: shape, degree, or times that do not increase.
     """
 
-    pieces: PPoly
+    pieces: "scipy.interpolate.PPoly"
     periodic: bool = False
     start: float = 0.0
 
     def __post_init__(self) -> None:
-        check_kind("pieces", self.pieces, PPoly)
+        check_kind("pieces", self.pieces, scipy.interpolate.PPoly)
         check_shape("pieces.c", self.pieces.c, (-1, -1, -1), "powers, pieces and electrodes")
         check_shape("pieces.x", self.pieces.x, (self.pieces.c.shape[1] + 1,), "one time more than pieces")
         if len(self.pieces.c) > MOST_DEGREE + 1:
@@ -85,10 +85,10 @@ class Waveform:
                 )
             time, voltage = np.append(time, time[0] + period), np.hstack([voltage, voltage[:, :1]])
         ends = "periodic" if period is not None and degree > 1 else None
-        spline = make_interp_spline(time, voltage.T, degree, bc_type=ends)
+        spline = scipy.interpolate.make_interp_spline(time, voltage.T, degree, bc_type=ends)
         edges = np.unique(spline.t[degree : len(spline.t) - degree])
         powers = [spline(edges[:-1], nu) / factorial(nu) for nu in range(degree, -1, -1)]
-        return cls(PPoly(np.stack(powers), edges), period is not None)
+        return cls(scipy.interpolate.PPoly(np.stack(powers), edges), period is not None)
 
     @property
     def period(self) -> float:

@@ -95,9 +95,9 @@ class Animation:
     def _draw_texts(self, film_time: float) -> None:
         run = self.film.run
         lasts = run.end - run.start
-        law = str(run.series.attrs.get("law", "")) or "run"
+        law = str(run.attributes.get("law", "")) or "run"
         title = f"{law}: 1 s shows {prefixed(lasts / film_time, 's')}"
-        if not reached_end(run.series.attrs):
+        if not reached_end(run.attributes):
             title += " \u2013 the run is incomplete"
         text = (
             f"{prefixed(lasts, 's')} from t = {prefixed(run.start, 's')}; motion of the tip and angle of "
@@ -120,7 +120,7 @@ class Animation:
         axes.add_patch(Polygon(corners, facecolor="#E6E6E6", edgecolor="none"))
         axes.plot(*rim.T, color="0.35", linewidth=1.2, scalex=False, scaley=False)
         motion = (film.run.series[name] for name in ("tip_tangential_displacement", "gap"))
-        path = film.tip_end(*(drawable(values.values) for values in motion))
+        path = film.tip_end(*map(drawable, motion))
         axes.plot(*path.T, color="0.6", linewidth=0.8, scalex=False, scaley=False, zorder=1.5)
         bar = 10.0 ** np.floor(np.log10(0.1 * size))
         left, low = -0.97 * _HALF_WIDTH * size, (_BOTTOM + 0.03) * size
@@ -143,9 +143,9 @@ class Animation:
         force = self.figure.add_subplot(rows[0])
         velocity = self.figure.add_subplot(rows[1], sharex=force)
         edges = (run.time - run.start) / scale
-        _, means = line = steps(edges, run.series["normal_force"].values[1:])
+        _, means = line = steps(edges, run.series["normal_force"][1:])
         force.plot(*line, color="black")
-        velocity.plot(*envelope(edges, drawable(run.series["rotor_velocity"].values)), color="black")
+        velocity.plot(*envelope(edges, drawable(run.series["rotor_velocity"])), color="black")
         for axes in (force, velocity):
             shade(axes, run, run.start)
             axes.locator_params(axis="y", nbins=4)
@@ -265,7 +265,7 @@ def _pitch(film: Film) -> float:
     repeats itself begins where it ends. That they need not close on the rotor's circle is never seen.
     """
     usual = 0.06 * film.size / film.run.radius
-    angle = drawable(film.run.series["rotor_angle"].values)
+    angle = drawable(film.run.series["rotor_angle"])
     ends = np.interp((film.run.start, film.run.end), film.run.time, angle)
     turned = film.magnification * abs(float(ends[1] - ends[0]))
     fives = round(turned / (5.0 * usual)) if np.isfinite(turned) else 0

@@ -98,7 +98,7 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     size = min(run.tip_length, run.radius)
 
     def recorded(name: str) -> Array:
-        return drawable(np.asarray(run.series[name].values, dtype=float))
+        return drawable(np.asarray(run.series[name], dtype=float))
 
     def at_frames(name: str) -> Array:
         return np.interp(edges[1:], time, recorded(name))
@@ -151,7 +151,7 @@ def _modes(edges: Array, run: Recording, spans: dict[str, Array]) -> NDArray[np.
     """Return the contact mode of every interval between edges."""
     lasted = {mode: np.diff(_time_spent(edges, times)) for mode, times in spans.items()}
     # A contact of no duration is one all the same.
-    starts = np.searchsorted(run.contacts["start_time"].values, edges, side="right")
+    starts = np.searchsorted(run.contacts["start_time"], edges, side="right")
     touched = (np.diff(starts) > 0) | (lasted["slip"] + lasted["stick"] > 0.0)
     sticks = (lasted["stick"] > 0.0) & (lasted["stick"] >= lasted["slip"])
     return np.where(touched, np.where(sticks, STICK, SLIP), FREE).astype(np.int8)

@@ -4,10 +4,9 @@ Only matplotlib's objects are used, so that nothing of a caller's own figures or
 """
 
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import xarray
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -18,9 +17,12 @@ from contactlab.arrays import Array
 from contactlab.plot.recording import COLUMNS, Recording, drawable, envelope, extent, recording_of, steps
 from contactlab.plot.style import COLOURS, STYLE
 from contactlab.results.files import whole_file
-from contactlab.results.netcdf import reached_end, settling_in
+from contactlab.results.netcdf import Groups, groups_of, reached_end, settling_in
 from contactlab.results.summary import prefixed, prefixed_unit
 from contactlab.settling.verdict import INCONCLUSIVE, Settling
+
+if TYPE_CHECKING:
+    import xarray
 
 DENSE: Final[dict[Any, Any]] = STYLE | {
     "figure.dpi": 300,
@@ -48,22 +50,23 @@ _SIZE: Final = (7.1, 5.9)
 """Inches; the width of two columns of a journal."""
 
 
-def overview(tree: xarray.DataTree, path: Path) -> None:
+def overview(run: "xarray.DataTree | Groups", path: Path) -> None:
     """Draw a run, complete or not, and write the picture as PNG.
 
     Raises:
         OSError: the folder is missing, not writable or full.
     """
-    figure = draw_overview(tree)
+    figure = draw_overview(run)
     with rc_context(DENSE), whole_file(path) as partial:
         # Without the default metadata the picture does not depend on matplotlib's version string.
-        figure.savefig(partial, format="png", metadata={"Software": None})
+        figure.savefig(partial, format="png", metadata={"Software": None}, pil_kwargs={"compress_level": 1})
 
 
-def draw_overview(tree: xarray.DataTree) -> Figure:
+def draw_overview(run: "xarray.DataTree | Groups") -> Figure:
     """Draw a run, complete or not, into the axes velocity, path, gap and force."""
-    run = recording_of(tree)
-    window = run.between(run.end - PERIODS * run.period, run.end)
+    groups = groups_of(run)
+    whole = recording_of(groups)
+    window = whole.between(whole.end - PERIODS * whole.period, whole.end)
     with rc_context(DENSE):
         figure = Figure(figsize=_SIZE)
         FigureCanvasAgg(figure)
@@ -76,9 +79,9 @@ def draw_overview(tree: xarray.DataTree) -> Figure:
         below = rows[1].subgridspec(2, 1, hspace=0.17)
         gap = figure.add_subplot(below[0])
         force = figure.add_subplot(below[1], sharex=gap)
-        _draw_title(figure, run.series, run.contacts.sizes["contact"])
-        _draw_velocity(velocity, run)
-        _draw_steady(velocity, settling_in(tree))
+        _draw_title(figure, whole)
+        _draw_velocity(velocity, whole)
+        _draw_steady(velocity, settling_in(groups))
         _draw_path(path, window)
         _draw_gap(gap, window)
         _draw_force(force, window)
@@ -120,24 +123,25 @@ def explain_shades(axes: Axes, height: float) -> None:
     )  # fmt: skip
 
 
-def _draw_title(figure: Figure, root: xarray.Dataset, count: int) -> None:
+def _draw_title(figure: Figure, run: Recording) -> None:
     """Draw one factual line over the picture."""
-    time, velocity = float(np.ptp(root["time"].values)), float(root["rotor_velocity"][-1])
+    attributes, count = run.attributes, run.contacts["start_time"].size
+    time, velocity = float(np.ptp(run.time)), float(run.series["rotor_velocity"][-1])
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
-    text = f"{root.attrs['law']}: {contacts} in {prefixed(time, 's')}, "
+    text = f"{attributes['law']}: {contacts} in {prefixed(time, 's')}, "
     text += f"rotor velocity {speed} rad/s at the end"
     colour = "black"
-    if not root.attrs["complete"]:
-        ending, colour = root.attrs["ending"], COLOURS["fault"]
-        text += f" \u2013 {ending if reached_end(root.attrs) else f'incomplete: {ending}'}"
+    if not attributes["complete"]:
+        ending, colour = attributes["ending"], COLOURS["fault"]
+        text += f" \u2013 {ending if reached_end(attributes) else f'incomplete: {ending}'}"
     figure.text(0.012, 0.985, text, va="top", fontsize=9, color=colour)
 
 
 def _draw_velocity(axes: Axes, run: Recording) -> None:
     """Draw the rotor's velocity over the whole run."""
     time, (unit, scale) = run.time, run.unit
-    line = envelope(time / scale, drawable(run.series["rotor_velocity"].values))
+    line = envelope(time / scale, drawable(run.series["rotor_velocity"]))
     axes.plot(*line, color="black", marker="o" if time.size == 1 else "", markersize=2.5)
     if time.size > 1:
         axes.set_xlim(time[0] / scale, time[-1] / scale)
@@ -148,7 +152,7 @@ def _draw_velocity(axes: Axes, run: Recording) -> None:
 def _draw_steady(axes: Axes, settling: Settling) -> None:
     """Draw the estimated velocity of the steady state with its error, and say whether the run came there."""
     names = settling.short.replace("-", "\u2212").replace("+\u2212", "\u00b1")
-    axes.set_title(names, loc="right", fontsize=7, pad=4)
+    axes.set_title(names, loc="right", y=1.0, fontsize=7, pad=4)
     if settling.verdict == INCONCLUSIVE:
         return
     low, high = axes.get_ylim()
@@ -169,11 +173,11 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     + R (sin, -cos).
     """
     series, surface = window.series, window.clearance
-    x = drawable(series["tip_tangential_displacement"].values)
+    x = drawable(series["tip_tangential_displacement"])
     # 1 - cos th without cancellation.
-    versine = 2.0 * np.sin(0.5 * series["tip_slope"].values) ** 2
-    rise, lift = series["tip_normal_displacement"].values, series.get("rotor_normal_displacement", 0.0)
-    y = drawable(rise - np.asarray(lift) - window.tip_length * versine)
+    versine = 2.0 * np.sin(0.5 * series["tip_slope"]) ** 2
+    rise, lift = series["tip_normal_displacement"], series.get("rotor_normal_displacement", 0.0)
+    y = drawable(rise - lift - window.tip_length * versine)
     # A distant rotor would shrink the path to a dot.
     size = max(extent(x)[1], extent(y)[1])
     near = size == 0.0 or abs(surface - extent(y)[0]) <= 4.0 * size
@@ -181,7 +185,7 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     unit, scale = prefixed_unit(max(size, surface if near else 0.0), "m", smallest=0.1)
     axes.plot(x / scale, y / scale, **_line(window))
     for value, mode in ((1, "slip"), (2, "stick")):
-        inside = np.where(series["contact_mode"].values == value, y, np.nan)
+        inside = np.where(series["contact_mode"] == value, y, np.nan)
         style = _line(window) | {"color": COLOURS[mode], "linewidth": 1.6}
         axes.plot(x / scale, inside / scale, **style)
     title = "path of the tip end"
@@ -194,7 +198,7 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     else:
         _set_equal_limits(axes, x / scale, y / scale)
         title += f", rotor at {prefixed(surface, 'm')}"
-    axes.set_title(title, loc="right", fontsize=7, pad=4)
+    axes.set_title(title, loc="right", y=1.0, fontsize=7, pad=4)
     axes.locator_params(nbins=6)
     axes.set_xlabel(f"tangential displacement ({unit})")
     label = "relative normal displacement" if np.any(lift) else "normal displacement"
@@ -212,30 +216,30 @@ def _draw_rotor(axes: Axes, surface: float, radius: float) -> None:
 
 def _draw_gap(axes: Axes, window: Recording) -> None:
     """Draw the gap over the last drive periods, and the legend of the shades."""
-    time = (window.series["time"].values - window.end) / window.unit[1]
-    gap = drawable(window.series["gap"].values)
+    time = (window.series["time"] - window.end) / window.unit[1]
+    gap = drawable(window.series["gap"])
     unit, scale = prefixed_unit(float(np.nanmax(np.abs(gap), initial=0.0)), "m", smallest=0.1)
     shade(axes, window, window.end)
     axes.axhline(0.0, color="0.35", linewidth=0.6)
     axes.plot(*envelope(time, gap / scale), **_line(window))
     axes.set_ylabel(f"gap ({unit})")
     axes.tick_params(labelbottom=False)
-    if window.contacts.sizes["contact"]:
+    if window.contacts["start_time"].size:
         explain_shades(axes, 1.03)
 
 
 def _draw_force(axes: Axes, window: Recording) -> None:
     """Draw the normal force over the last drive periods: means over the record intervals, so steps."""
     unit, scale = window.unit
-    edges = (window.series["time"].values - window.end) / scale
-    force = window.series["normal_force"].values[1:]
+    edges = (window.series["time"] - window.end) / scale
+    force = window.series["normal_force"][1:]
     shade(axes, window, window.end)
     axes.plot(*steps(edges, force), color="black")
     if window.start < window.end:
         axes.set_xlim((window.start - window.end) / scale, 0.0)
     largest = np.nanmax(drawable(force), initial=0.0)
     axes.set_ylim(0.0, 1.08 * largest if largest > 0.0 else 1.0)
-    if not window.contacts.sizes["contact"]:
+    if not window.contacts["start_time"].size:
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", color="0.35")
     axes.set_xlabel(f"time relative to the end of the run ({unit})")
     axes.set_ylabel("normal force (N)")

@@ -1,14 +1,17 @@
 """A recorded run made ready to be drawn; nothing here knows matplotlib."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
-import xarray
 
 from contactlab.arrays import Array
-from contactlab.results.netcdf import configuration_of
+from contactlab.results.netcdf import EMPTY, Groups, configuration_of, groups_of
 from contactlab.results.summary import prefixed_unit
+
+if TYPE_CHECKING:
+    import xarray
 
 COARSE: Final = 20
 """Records in a drive period below which lines between them would invent the motion."""
@@ -39,15 +42,17 @@ class Recording:
     """A recorded run, or a part of one.
 
     Args:
-        series: root variables, with a record at or before `start` and one at or after `end`.
-        contacts: those that lie in the part, wholly or not.
+        series: root variables over time, with a record at or before `start` and one at or after `end`.
+        contacts: those that lie in the part, wholly or not, a row each.
+        attributes: of the dataset.
         start, end: of the part [s].
         tip_length, radius, clearance: of tip end, rotor and the gap at rest [m].
         period: of the first tone, or else of the first natural frequency; endless without both [s].
     """
 
-    series: xarray.Dataset
-    contacts: xarray.Dataset
+    series: Mapping[str, Array]
+    contacts: Mapping[str, Array]
+    attributes: Mapping[Any, Any]
     start: float
     end: float
     tip_length: float
@@ -58,7 +63,7 @@ class Recording:
     @property
     def time(self) -> Array:
         """Times of the records [s]."""
-        return np.asarray(self.series["time"].values, dtype=float)
+        return np.asarray(self.series["time"], dtype=float)
 
     @property
     def coarse(self) -> bool:
@@ -77,12 +82,12 @@ class Recording:
         start = max(start, float(self.time[0]))
         first = max(int(np.searchsorted(self.time, start, side="right")) - 1, 0)
         last = int(np.searchsorted(self.time, end)) + 1
-        begins = self.contacts["start_time"].values
-        meets = (begins + self.contacts["duration"].values >= start) & (begins <= end)
+        begins = self.contacts["start_time"]
+        meets = (begins + self.contacts["duration"] >= start) & (begins <= end)
         return replace(
             self,
-            series=self.series.isel(time=slice(first, last)),
-            contacts=self.contacts.isel(contact=meets),
+            series={name: values[first:last] for name, values in self.series.items()},
+            contacts={name: values[meets] for name, values in self.contacts.items()},
             start=start,
             end=end,
         )
@@ -96,18 +101,19 @@ class Recording:
         return clipped
 
 
-def recording_of(tree: xarray.DataTree) -> Recording:
-    """Take a run apart, complete or not.
+def recording_of(run: "xarray.DataTree | Groups") -> Recording:
+    """Take the tree or the groups of a run apart, complete or not.
 
     Raises:
         UnfitRunError: something is missing, or a length or a frequency is not positive.
     """
+    groups = groups_of(run)
     for group, names in NEEDED.items():
-        node = tree if group == "/" else tree.children.get(group.removeprefix("/"))
-        missing = [name for name in names if node is None or name not in node.variables]
+        missing = [name for name in names if name not in groups.get(group, EMPTY).variables]
         if missing:
             raise UnfitRunError(f"lacks {', '.join(missing)} in the group {group}")
-    root, configuration = tree.to_dataset(), configuration_of(tree)
+    root, attributes = groups["/"]
+    configuration = configuration_of(attributes)
     try:
         contact, radius = configuration["contact"], float(configuration["rotor"]["radius"])
         tip_length, clearance = float(contact["tip_length"]), float(contact["clearance"])
@@ -122,8 +128,9 @@ def recording_of(tree: xarray.DataTree) -> Recording:
         raise UnfitRunError("has a tip length, a rotor radius or a drive frequency that is not positive")
     time = root["time"].values
     return Recording(
-        series=root,
-        contacts=tree.children["contacts"].to_dataset(inherit=False),
+        series={str(name): v.values for name, v in root.items() if tuple(v.dims) == ("time",)},
+        contacts=groups["/contacts"].values,
+        attributes=attributes,
         start=float(time[0]),
         end=float(time[-1]),
         tip_length=tip_length,
@@ -133,22 +140,22 @@ def recording_of(tree: xarray.DataTree) -> Recording:
     )
 
 
-def contact_spans(series: xarray.Dataset, contacts: xarray.Dataset) -> dict[str, Array]:
+def contact_spans(series: Mapping[str, Array], contacts: Mapping[str, Array]) -> dict[str, Array]:
     """Return starts and ends of slip and of stick in the order of time [s], shape (span, 2).
 
     A contact begins and ends when its row says so; inside, the mode changes half-way between two
     records that differ. A contact without a record inside takes the mode of its larger part.
     """
-    starts, duration = contacts["start_time"].values, contacts["duration"].values
+    starts, duration = contacts["start_time"], contacts["duration"]
     ends = starts + duration
-    time, mode = series["time"].values, series["contact_mode"].values
+    time, mode = series["time"], series["contact_mode"]
     owner = np.searchsorted(starts, time, side="right") - 1
     inside = (mode > 0) & (owner >= 0)
     inside[inside] = time[inside] <= ends[owner[inside]]
     time, mode, owner = time[inside], mode[inside], owner[inside]
 
     unseen = np.setdiff1d(np.arange(starts.size), owner)
-    sticks = contacts["stick_duration"].values[unseen] >= 0.5 * duration[unseen]
+    sticks = contacts["stick_duration"][unseen] >= 0.5 * duration[unseen]
     new = np.diff(owner, prepend=-1) != 0
     first = np.flatnonzero(new | (np.diff(mode, prepend=mode[:1]) != 0))
     last = np.append(first[1:], time.size) - 1 if first.size else first

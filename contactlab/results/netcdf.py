@@ -1,21 +1,21 @@
-"""A run as an xarray tree and as a netCDF-4 file that stands under its name only when whole.
+"""The groups of a run's dataset, as an xarray tree and as a netCDF-4 file that is there only when whole.
 
 The root holds the time series and the resonator's quantities, the group `contacts` one row a
 contact; names, dimensions and units are those of `contactlab.variables`, and with what the law remembers
 those of `contactlab.results.netcdf`. The group `state` holds what
 the engine needs to go on where the run ended, to the last bit. The attributes say what
 ran and with which code. Nothing in the file depends on when, where or on which machine it was
-written, so the same run leaves the same bytes.
+written, so the same run leaves the same bytes. xarray is imported for a tree alone: a run is written,
+summed up and drawn without.
 """
 
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
 import numpy as np
-import xarray
 import yaml
 
 from contactlab import variables
@@ -31,6 +31,9 @@ from contactlab.settling.verdict import Settling, configured_period, drive_perio
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import INTERNAL, Variable
 
+if TYPE_CHECKING:
+    import xarray
+
 REFERENCES: Final = (
     "Andersen, B., Blanke, M., Helbo, J. (2001). Two Mode Resonator and Contact Model for Standing "
     "Wave Piezomotor. Proc. 18th ASME Biennial Conference on Mechanical Vibration and Noise."
@@ -43,8 +46,72 @@ TITLE: Final = "Standing-wave piezoelectric motor with the contact law "
 """What the title of a run begins with; that of its law follows."""
 
 
-def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | None = None) -> xarray.DataTree:
-    """Return a run as an xarray tree, whose arrays are those of the trajectory.
+class Column(Protocol):
+    """Dimensions, values and attributes of a variable; one of xarray's is such a column too."""
+
+    @property
+    def dims(self) -> tuple[Any, ...]:
+        """Names of the dimensions."""
+
+    @property
+    def values(self) -> Any:
+        """The array."""
+
+    @property
+    def attrs(self) -> Mapping[Any, Any]:
+        """Attributes by name."""
+
+
+@final
+class Recorded(NamedTuple):
+    """A `Column` of a run in memory."""
+
+    dims: tuple[str, ...]
+    values: np.ndarray
+    attrs: dict[str, object]
+
+
+@final
+class Group(NamedTuple):
+    """Variables of a group by name, and its attributes."""
+
+    variables: Mapping[Any, Column]
+    attrs: Mapping[Any, Any]
+
+    @property
+    def values(self) -> dict[str, np.ndarray]:
+        """The arrays by name."""
+        return {str(name): np.asarray(column.values) for name, column in self.variables.items()}
+
+
+Groups = dict[str, Group]
+"""Groups of a run by path: "/", "/contacts", and "/state" where it is known."""
+
+EMPTY: Final = Group({}, {})
+
+
+def to_datatree(
+    trajectory: Trajectory, configuration: Mapping[str, object] | None = None
+) -> "xarray.DataTree":
+    """Return the groups of a run, see `to_groups`, as an xarray tree."""
+    import xarray
+
+    groups = to_groups(trajectory, configuration)
+    return xarray.DataTree.from_dict(
+        {path: xarray.Dataset(g.variables, attrs=g.attrs) for path, g in groups.items()}
+    )
+
+
+def groups_of(run: "xarray.DataTree | Groups") -> Groups:
+    """Return the groups of a run, which may be a tree."""
+    if isinstance(run, dict):
+        return run
+    datasets = {node.path: node.to_dataset(inherit=False) for node in run.subtree}
+    return {path: Group(data.variables, data.attrs) for path, data in datasets.items()}
+
+
+def to_groups(trajectory: Trajectory, configuration: Mapping[str, object] | None = None) -> Groups:
+    """Return the groups of a run's dataset, whose arrays are those of the trajectory.
 
     Args:
         trajectory: what the simulation gave back.
@@ -73,51 +140,36 @@ def to_datatree(trajectory: Trajectory, configuration: Mapping[str, object] | No
     if modes.rotor_displacement is not None:
         kept += (variables.BEARING,)
     kept += output_variables(modes)
-    root = xarray.Dataset(
-        _columns((*kept, *(each for each in variables.RESONATOR if each.name in values)), values),
-        coords=_columns((variables.TIME,), values),
-        attrs=_attributes(trajectory, configuration or settings_of(trajectory.motor, trajectory.law)),
-    )
-    of_contacts = (*variables.CONTACTS, *internal_contacts(trajectory.law))
-    contacts = xarray.Dataset(_columns(of_contacts, trajectory.contacts))
-    if not contacts.sizes["contact"]:
+    kept += tuple(each for each in variables.RESONATOR if each.name in values)
+    attributes = _attributes(trajectory, configuration or settings_of(trajectory.motor, trajectory.law))
+    if not trajectory.contacts["start_time"].size:
         # What no contact disturbs is known beforehand.
-        root.attrs["free_reach"] = free_reach(trajectory.motor)
-    groups = {"/": root, "/contacts": contacts}
+        attributes["free_reach"] = free_reach(trajectory.motor)
+    of_contacts = (*variables.CONTACTS, *internal_contacts(trajectory.law))
+    groups = {
+        "/": Group(_columns((*kept, variables.TIME), values), attributes),
+        "/contacts": Group(_columns(of_contacts, trajectory.contacts), {}),
+    }
     if trajectory.state:
-        groups["/state"] = _as_dataset(trajectory.state)
-    return xarray.DataTree.from_dict(groups)
+        groups["/state"] = Group({name: _of_state(name, x) for name, x in trajectory.state.items()}, {})
+    return groups
 
 
-_KINDS: Final = {"real": np.float64, "whole": np.int64}
-"""Variables of the group `state`: a variable for each of its hundred numbers would take most of the time in
-which a file is written and opened."""
+def _of_state(name: str, value: object) -> Recorded:
+    """Return an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
+    values = np.asarray(value)
+    values = values.astype(np.int8) if values.dtype.kind == "b" else values
+    axes = tuple(f"{name}_{axis}" for axis in range(values.ndim))
+    return Recorded(axes, values, {"long_name": f"{name} where the run ended"})
 
 
-def _as_dataset(state: Mapping[str, Any]) -> xarray.Dataset:
-    """Return the numbers of a state, real and whole, one after the other; arrays with lengths."""
-    group = xarray.Dataset()
-    for kind, number in _KINDS.items():
-        parts = {name: x for name, each in state.items() if (x := np.asarray(each)).dtype == number}
-        names = " ".join(f"{name}:{part.size}" if part.ndim else name for name, part in parts.items())
-        about = {"long_name": f"{kind} numbers where the run ended", "names": names}
-        group[kind] = f"{kind}_number", np.concatenate([*map(np.ravel, parts.values())]), about
-    return group
-
-
-def state_of(tree: xarray.DataTree) -> dict[str, Any]:
+def state_of(tree: "xarray.DataTree") -> dict[str, Any]:
     """Return the state that a run ended in, as the engine takes it; empty where none was recorded."""
-    if "state" not in tree.children or not _KINDS.keys() <= tree.children["state"].data_vars.keys():
+    if "state" not in tree.children:
         return {}
-    state: dict[str, Any] = {}
-    for kind in _KINDS:
-        values, at = tree.children["state"][kind], 0
-        for entry in values.attrs["names"].split():
-            name, _, length = entry.partition(":")
-            end = at + int(length or 1)
-            state[name] = values.values[at:end] if length else values.values[at]
-            at = end
-    return state
+    # A time of its own stands in it beside that of the records.
+    group = tree.children["state"].to_dataset(inherit=False)
+    return {str(name): values.values[()] for name, values in group.variables.items()}
 
 
 def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
@@ -137,24 +189,24 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
     return plain
 
 
-def configuration_of(tree: xarray.DataTree) -> dict[str, Any]:
-    """Return the configuration that a dataset tells; empty where it tells none."""
+def configuration_of(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Return the configuration that the attributes of a dataset contain; empty without one."""
     try:
         # libyaml, where PyYAML has it, reads the same eight times as fast.
         loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-        configuration = yaml.load(str(tree.attrs.get("configuration", "")), loader)
+        configuration = yaml.load(str(attributes.get("configuration", "")), loader)
     # Besides its own errors YAML raises those of impossible dates.
     except (yaml.YAMLError, ValueError):
         return {}
     return configuration if isinstance(configuration, dict) else {}
 
 
-def settling_in(tree: xarray.DataTree) -> Settling:
+def settling_in(run: "xarray.DataTree | Groups") -> Settling:
     """Judge whether the motor of a dataset has settled, from its numbers; they may be those of anybody."""
-    root = tree.to_dataset(inherit=False).variables
-    contacts = tree.children.get("contacts", xarray.DataTree()).to_dataset(inherit=False).variables
-    columns, rows = ({str(k): v.values for k, v in group.items()} for group in (root, contacts))
-    return settling_of(columns, rows, period_in(tree.attrs, configuration_of(tree)), lasting_in(root))
+    groups = groups_of(run)
+    root, contacts = groups["/"], groups.get("/contacts", EMPTY)
+    period = period_in(root.attrs, configuration_of(root.attrs))
+    return settling_of(root.values, contacts.values, period, lasting_in(root.variables))
 
 
 def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
@@ -163,25 +215,46 @@ def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -
     return float(period) if isinstance(period, int | float | np.number) else configured_period(configuration)
 
 
-def write_tree(tree: xarray.DataTree, path: Path) -> str:
-    """Write what `to_datatree` gives to a netCDF-4 file, whole or not at all, and give its digest.
+def write_tree(tree: "xarray.DataTree", path: Path) -> str:
+    """Write a tree to a netCDF-4 file, whole or not at all, and return its digest.
 
     Raises:
         OSError: the folder is missing, not writable or full.
     """
     encoding = {
-        node.path: {name: _encoding(v) for name, v in node.to_dataset(inherit=False).variables.items()}
-        for node in tree.subtree
+        path: {name: {"_FillValue": None, **_stored(v.values.shape)} for name, v in group.variables.items()}
+        for path, group in groups_of(tree).items()
     }
     with whole_netcdf(path) as partial:
         tree.to_netcdf(partial, engine="netcdf4", encoding=encoding)
         return digest_of_file(partial)
 
 
-def _encoding(variable: xarray.Variable) -> dict[str, Any]:
-    """Return the encoding of a variable: compressed without loss, and without a fill value beside NaN."""
-    chunks = tuple(min(max(size, 1), _CHUNK) for size in variable.shape)
-    return {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None, "chunksizes": chunks}
+def write_groups(groups: Groups, path: Path) -> str:
+    """Write the groups of a run as `write_tree` does its tree, but without xarray."""
+    # Imported here: it brings the netCDF library, which a summary does not need.
+    import netCDF4
+
+    with whole_netcdf(path) as partial:
+        with netCDF4.Dataset(partial, "w", format="NETCDF4") as file:
+            for name, group in groups.items():
+                node = file if name == "/" else file.createGroup(name)
+                node.setncatts(group.attrs)
+                for variable, column in group.variables.items():
+                    values = column.values
+                    for dimension, size in zip(column.dims, values.shape, strict=True):
+                        if dimension not in node.dimensions:
+                            node.createDimension(dimension, size)
+                    made = node.createVariable(variable, values.dtype, column.dims, **_stored(values.shape))
+                    made.setncatts(column.attrs)
+                    made[...] = values
+        return digest_of_file(partial)
+
+
+def _stored(shape: tuple[int, ...]) -> dict[str, Any]:
+    """Return how a variable of a shape is stored: compressed without loss."""
+    chunks = tuple(min(max(size, 1), _CHUNK) for size in shape)
+    return {"zlib": True, "complevel": 1, "shuffle": True, "chunksizes": chunks}
 
 
 def reached_end(attributes: Mapping[Any, Any]) -> bool:
@@ -190,11 +263,9 @@ def reached_end(attributes: Mapping[Any, Any]) -> bool:
     return bool(attributes.get("complete", 1)) or unbalanced
 
 
-def _columns(
-    table: Iterable[Variable], values: Mapping[str, np.ndarray]
-) -> dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, object]]]:
+def _columns(table: Iterable[Variable], values: Mapping[str, np.ndarray]) -> dict[str, Recorded]:
     """Return dimensions, values and CF attributes of every variable of a table."""
-    return {entry.name: (entry.dims, values[entry.name], cf_attributes(entry)) for entry in table}
+    return {e.name: Recorded(e.dims, values[e.name], cf_attributes(e)) for e in table}
 
 
 def cf_attributes(variable: Variable) -> dict[str, object]:

@@ -2,15 +2,27 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray
 
-from contactlab.results.netcdf import TITLE, configuration_of, lasting_in, reached_end, settling_in
-from contactlab.settling.until import PRECISION, STEADY
+from contactlab.results.netcdf import (
+    TITLE,
+    Column,
+    Group,
+    Groups,
+    configuration_of,
+    groups_of,
+    lasting_in,
+    reached_end,
+    settling_in,
+)
+from contactlab.settling.criterion import PRECISION, STEADY
 from contactlab.settling.verdict import Settling
 from contactlab.variables import INTERNAL
+
+if TYPE_CHECKING:
+    import xarray
 
 ROUND_OFF = 1e-9
 """Part of a clearance that is no motion of the tip."""
@@ -19,45 +31,46 @@ MOST_REMEMBERED = 4
 """Internal variables that are shown."""
 
 
-def summarise(tree: xarray.DataTree, wall_time: float | None = None) -> str:
+def summarise(run: "xarray.DataTree | Groups", wall_time: float | None = None) -> str:
     """Return the numbers of a run that one looks at first, a line each.
 
     Args:
-        tree: a run as `contactlab.results.netcdf.to_datatree` gives it; one that was cut short is summed up
-            to where it came.
+        run: the tree or the groups of a run, see `contactlab.results.netcdf`; one that was cut short is
+            summed up to where it came.
         wall_time: what the simulation alone took [s], where that is known.
 
     Returns:
         Lines of a label and its value, aligned, without a newline at the end; plain ASCII, which
         every terminal and every log can show.
     """
-    lines = summary_of(tree, wall_time)
+    lines = summary_of(run, wall_time)
     width = max(map(len, lines)) + 2
     return "\n".join(f"{label:<{width}}{value}" for label, value in lines.items())
 
 
-def summary_of(tree: xarray.DataTree, wall_time: float | None = None) -> dict[str, str]:
+def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) -> dict[str, str]:
     """Return the values of `summarise` by their labels."""
-    attributes, root = tree.attrs, tree.to_dataset()
-    contacts = tree.children["contacts"].to_dataset(inherit=False)
+    groups = groups_of(run)
+    (root, attributes), contacts = groups["/"], groups["/contacts"].variables
+    configuration = configuration_of(attributes)
     start, end = root["time"].values[[0, -1]].tolist()
     # Plus nothing: a rotor at rest has no sign.
-    velocity = float(root["rotor_velocity"][-1]) + 0.0
+    velocity = float(root["rotor_velocity"].values[-1]) + 0.0
     peak = float(np.max(contacts["peak_normal_force"].values, initial=0.0))
-    settling = settling_in(tree)
+    settling = settling_in(groups)
     lines = {
         "law": _law(attributes),
-        "contacts": _contacts(tree, contacts),
+        "contacts": _contacts(groups["/"], configuration, contacts),
         "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
         "steady state": f"{settling.sentence}. {settling.way_out(end)}".rstrip(),
         "peak normal force": f"{peak:.4g} N" if np.isfinite(peak) else "infinite: impacts take no time",
     }
-    if ended := _ended(configuration_of(tree).get("solver"), end - start, settling):
+    if ended := _ended(configuration.get("solver"), end - start, settling):
         lines["ended"] = ended
-    work, loaded = float(root["load_work"][-1]), bool(root["load_work"].values.any())
+    work, loaded = float(root["load_work"].values[-1]), bool(root["load_work"].values.any())
     if "preloaded" in attributes:
         # The ledger adds up what the torque takes and what the preload takes.
-        by_torque = float(configuration_of(tree)["rotor"]["load_torque"]) * float(root["rotor_angle"][-1])
+        by_torque = float(configuration["rotor"]["load_torque"]) * float(root["rotor_angle"].values[-1])
         lines["preload"] = f"has done {by_torque - work:.4g} J of work on the motor"
         work, loaded = by_torque, by_torque != 0.0
     if loaded:
@@ -127,17 +140,17 @@ def _ended(solver: Any, length: float, settling: Settling) -> str:
     return f"at the longest, {longest}, before it had settled to {precision:g}"
 
 
-def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
+def _contacts(root: Group, configuration: Mapping[str, Any], contacts: Mapping[Any, Column]) -> str:
     """Return number, duration and stick of the contacts, or how far away the tip stayed."""
-    if count := contacts.sizes["contact"]:
+    if count := contacts["duration"].values.size:
         touching = prefixed(float(np.sum(contacts["duration"].values)), "s")
         sticking = prefixed(float(np.sum(contacts["stick_duration"].values)), "s")
         return f"{count}, {touching} in contact, {sticking} of it sticking"
-    clearance = float(configuration_of(tree)["contact"]["clearance"])
-    bridged = max(clearance - float(np.min(tree.to_dataset()["gap"].values)), 0.0)
+    clearance = float(configuration["contact"]["clearance"])
+    bridged = max(clearance - float(np.min(root.variables["gap"].values)), 0.0)
     texts = f"the tip bridged at most {prefixed(bridged, 'm')}"
     way_out = "Lower contact.clearance or raise the drive's voltages."
-    reach = float(tree.attrs.get("free_reach", np.nan))
+    reach = float(root.attrs.get("free_reach", np.nan))
     if reach >= clearance:
         # It has not come to where it is going.
         texts += f" so far, and {prefixed(reach, 'm')} once it has settled"
@@ -150,16 +163,16 @@ def _contacts(tree: xarray.DataTree, contacts: xarray.Dataset) -> str:
     return f"none: of the clearance, {prefixed(clearance, 'm')}, {texts}. {way_out}"
 
 
-def _remembered(root: xarray.Dataset) -> str:
+def _remembered(root: Mapping[Any, Column]) -> str:
     """Return what the law remembers beyond a contact, at the end of the run; empty where that is nothing."""
     lasting = {name.removeprefix(INTERNAL): root[name] for name in lasting_in(root)}
-    texts = [f"{name} {float(x[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
+    texts = [f"{name} {float(x.values[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
     more = f", and {len(texts) - MOST_REMEMBERED} more" if len(texts) > MOST_REMEMBERED else ""
     return ", ".join(text.removesuffix(" 1") for text in texts[:MOST_REMEMBERED]) + more
 
 
-def _residual(root: xarray.Dataset) -> str:
+def _residual(root: Mapping[Any, Column]) -> str:
     """Return the energy that the ledger cannot account for, and its share of the work of the drive."""
-    residual, work = float(root["energy_residual"][-1]), abs(float(root["drive_work"][-1]))
+    residual, work = float(root["energy_residual"].values[-1]), abs(float(root["drive_work"].values[-1]))
     share = f"{abs(residual) / work:.2g} of the drive work" if work > 0.0 else "no drive work"
     return f"{residual:.2g} J, {share}"

@@ -5,7 +5,7 @@ from math import hypot, inf
 from typing import Final, final
 
 import numpy as np
-from scipy.special import stdtrit
+import scipy
 
 from contactlab.arrays import Array
 from contactlab.estimate import Estimate
@@ -81,7 +81,9 @@ def mean_with_error(values: Array) -> Estimate:
     # Anticorrelated values count as independent, on the safe side.
     alike = max(float(sums[last]), 1.0) * (1.0 + extent) / count
     spread = np.sqrt(variance * alike / (1.0 - min(alike, MOST_ALIKE)))
-    return Estimate(mean, float(stdtrit(max(1.0 / extent, 1.0), 0.5 + 0.5 * CONFIDENCE) * spread))
+    return Estimate(
+        mean, float(scipy.special.stdtrit(max(1.0 / extent, 1.0), 0.5 + 0.5 * CONFIDENCE) * spread)
+    )
 
 
 def trend(values: Array) -> tuple[float, float]:
@@ -217,7 +219,7 @@ def _fit(window: Array) -> Approach:
     correlation = min(max(correlation, 0.0), MOST_CORRELATED)
     independent = max(count * (1.0 - correlation) / (1.0 + correlation), FEWEST_INDEPENDENT)
     freedom = max(independent - 3.0, 1.0)
-    quantile = float(stdtrit(freedom, 0.975))
+    quantile = float(scipy.special.stdtrit(freedom, 0.975))
     variance = squares / freedom
     of_limit = quantile * np.sqrt(variance / count * (1.0 + count * middle**2 / spread))
     of_distance = quantile * float(np.sqrt(variance[best] / spread[best]))

@@ -3,40 +3,20 @@
 from collections.abc import Callable
 from itertools import count
 from math import ceil
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 from contactlab.engine.preparation import ON_GRID
 from contactlab.engine.simulation import simulate
 from contactlab.laws import ContactLaw
-from contactlab.motor import Drive, Motor
+from contactlab.motor import Motor
 from contactlab.motor.drive import period_of
+from contactlab.settling.criterion import PRECISION, check_until_steady
 from contactlab.settling.statistics import LEAST_VALUES
-from contactlab.settling.verdict import COARSEST, SETTLED, settling_of
+from contactlab.settling.verdict import SETTLED, settling_of
 from contactlab.trajectory import Trajectory
-
-Until = Literal["duration", "steady"]
-"""End of a run: after its duration, or earlier once the motor has settled."""
-
-STEADY: Final = "steady"
-
-PRECISION: Final = 1e-3
-"""Default relative error of the velocity at which a run ends."""
-
-LONGEST: Final = 1.0
-"""Default duration of a run until steady [s]: some tens of a usual motor's settling times."""
 
 GROWTH: Final = 1.25
 """Factor between the times at which convergence is checked."""
-
-
-def check_until_steady(drive: Drive, record_interval: float) -> None:
-    """Refuse a drive without a period, and records too far apart, by a ValueError."""
-    most = COARSEST * period_of(drive)
-    if record_interval > most:
-        raise ValueError(
-            f"record.interval is {record_interval:.6g} s; with solver.until=steady it must be at most "
-            f"{most:.6g} s, an eighth of the drive's period. Record more often."
-        )
 
 
 def simulate_until_steady(

@@ -176,7 +176,7 @@ def _read_run(name: str, folder: Path) -> Run:
     # A file can be anything, and the other runs are collected.
     try:
         tree = read_run(folder / files.DATASET)
-        run.job = run.job if state else Job(configuration=configuration_of(tree))
+        run.job = run.job if state else Job(configuration=configuration_of(tree.attrs))
         run.status, run.reason = Status.COMPLETE, ""
         if not is_complete(tree):
             status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)

@@ -13,11 +13,8 @@ from enum import IntEnum
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, final
 
-from pydantic import TypeAdapter
-
-from contactlab import metrics
 from contactlab.config import Setup
 from contactlab.config.groups import NO_NUMBERS
 from contactlab.foreign import digest_of_sources
@@ -26,6 +23,9 @@ from contactlab.laws.registry import classes_in, classes_of, provenance
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, digest_of, versions
 from contactlab.trajectory import Ending
+
+if TYPE_CHECKING:
+    from pydantic import TypeAdapter
 
 
 class Status(IntEnum):
@@ -91,9 +91,6 @@ class State:
     code: str = ""
 
 
-_adapter: Final = TypeAdapter(State)
-
-
 def write_state(folder: Path, state: State) -> None:
     """Write the state of a run, whole or not at all; an OSError if it cannot be written."""
     with whole_file(folder / STATE) as partial:
@@ -104,9 +101,17 @@ def write_state(folder: Path, state: State) -> None:
 def read_state(folder: Path) -> State | None:
     """Return the state of a run; None where no file can be read as one."""
     try:
-        return _adapter.validate_json((folder / STATE).read_bytes())
+        return _adapter().validate_json((folder / STATE).read_bytes())
     except (OSError, ValueError):
         return None
+
+
+@cache
+def _adapter() -> "TypeAdapter[State]":
+    # Imported here: a run alone reads no state.
+    from pydantic import TypeAdapter
+
+    return TypeAdapter(State)
 
 
 def key_of(setup: Setup) -> str:
@@ -119,7 +124,8 @@ def key_of(setup: Setup) -> str:
 def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
     """Return the digest of the code that a sweep depends on: that of its laws, metrics and studies."""
     parts = [part for each in configurations for part in _code_of(*classes_in(each["law"]))]
-    parts += [digest_of(Path(file).parent) for file in (str(metrics.__file__), __file__)]
+    package = Path(__file__).parents[1]
+    parts += [digest_of(package / folder) for folder in ("metrics", "studies")]
     return sha256("\0".join(parts).encode()).hexdigest()
 
 

@@ -1,17 +1,21 @@
 """The study `simulate`: one run of the configured duration."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import xarray
-
-from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.metrics import METRICS, assess
 from contactlab.results.netcdf import to_datatree
 from contactlab.studies.study import Part, Setups, Study, Task
 from contactlab.variables import Variable
+
+if TYPE_CHECKING:
+    import xarray
+
+    from contactlab.config import Setup
 
 
 @dataclass(frozen=True, kw_only=True)

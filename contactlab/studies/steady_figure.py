@@ -45,7 +45,7 @@ def draw(tree: xarray.DataTree) -> Figure:
     below["gap"].axhline(0.0, color="0.35", linewidth=0.6)
     below["gap"].set_ylabel(f"gap ({gap_unit})")
     for name, colour in (("normal", "black"), ("friction", COLOURS["fault"])):
-        force = series[f"{name}_force"].values[1:]
+        force = series[f"{name}_force"][1:]
         below["force"].plot(*steps(time, force), color=colour, label=name)
     below["force"].legend(loc="upper right")
     below["force"].set_ylabel("force on the tip (N)")

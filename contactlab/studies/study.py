@@ -8,6 +8,8 @@ adds a study by an entry point:
     stroke = "their_module:Stroke"
 """
 
+from __future__ import annotations
+
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
@@ -16,19 +18,19 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
 
-import pandas
-import xarray
-
-from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.parameter import Parameter
 from contactlab.studies.tables import as_text
 from contactlab.variables import Variable
 
 if TYPE_CHECKING:
+    import pandas
+    import xarray
     from matplotlib.figure import Figure
 
-Setups = Mapping[str, Setup]
+    from contactlab.config import Setup
+
+Setups = Mapping[str, "Setup"]
 """The setups of a study by label: what distinguishes each, as 'law=newton'; empty for a single one."""
 
 
@@ -134,12 +136,12 @@ class Study(ABC):
         del data
         return {}
 
-    def figures(self, data: xarray.DataTree) -> dict[str, "Figure"]:
+    def figures(self, data: xarray.DataTree) -> dict[str, Figure]:
         """Return figures by name."""
         del data
         return {}
 
-    def result(self, setup: Setup) -> "Result":
+    def result(self, setup: Setup) -> Result:
         """Put the study to one setup, in this process."""
         # Imported here: the runner knows studies.
         from contactlab.studies.runner import run
@@ -214,7 +216,7 @@ class Result:
         """Return a variable of the data, or a group."""
         return self.data[name]
 
-    def plot(self) -> "Figure":
+    def plot(self) -> Figure:
         """Return the first figure.
 
         Raises:

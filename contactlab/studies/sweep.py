@@ -36,7 +36,7 @@ from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
-from contactlab.settling.until import STEADY
+from contactlab.settling.criterion import STEADY
 from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
 from contactlab.studies.run_state import Status, status_of
 from contactlab.studies.runner import TASKS, Parts, Progress, done_parts, kept_parts

@@ -22,7 +22,7 @@ from contactlab.config.studies import study_class, study_of
 from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
 from contactlab.results.netcdf import internal_series
-from contactlab.settling.until import STEADY
+from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_state import code_digest_of
 from contactlab.studies.sweep_dataset import SERIES, Axis
 from contactlab.studies.sweep_values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread

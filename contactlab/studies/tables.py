@@ -5,17 +5,21 @@ the CF conventions and `frame.attrs["caption"]` a sentence; `frame.attrs["refere
 texts, which stands at the end of the page. All may be missing.
 """
 
+from __future__ import annotations
+
 import io
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-import pandas
 
 from contactlab.estimate import Estimate
 from contactlab.parameter import from_cf
 from contactlab.results.summary import prefixed_unit
 from contactlab.variables import Variable
+
+if TYPE_CHECKING:
+    import pandas
 
 UNIT: Final = "unit"
 """Column of the units of rows, in the words of the CF conventions."""
@@ -29,6 +33,9 @@ DIGITS: Final = 5
 
 def table(rows: Any, *, units: Mapping[str, str] | None = None, caption: str = "") -> pandas.DataFrame:
     """Return a table from rows (mappings), with units by column and a caption."""
+    # Imported here, as below: studies are declared without.
+    import pandas
+
     frame = pandas.DataFrame(rows)
     frame.attrs = {"units": dict(units or {}), "caption": caption}
     return frame
@@ -77,6 +84,8 @@ def heads(frame: pandas.DataFrame) -> list[str]:
 def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pandas.DataFrame:
     """Return a frame of texts; rows with a unit get one of a handy size."""
     rows = frame.to_dict("records")
+    import pandas
+
     texts = [[write(cell) for cell in (_prefixed(row) if UNIT in row else row).values()] for row in rows]
     return pandas.DataFrame(texts, columns=heads(frame), dtype=object)
 
@@ -104,6 +113,8 @@ def as_text(frame: pandas.DataFrame) -> str:
 
 def as_csv(frame: pandas.DataFrame) -> str:
     """Return a table as CSV with all digits; an error is a column of its own behind its number's."""
+    import pandas
+
     columns: dict[str, list[Any]] = {}
     for name, head in zip(frame, heads(frame), strict=True):
         cells = [*frame[name]]

@@ -16,7 +16,7 @@ import yaml
 from support.command_line import Command, cases, left_behind
 from support.synthetic import synthetic_trajectory
 
-from contactlab.cli import app
+from contactlab.cli import start
 from contactlab.trajectory import Ending, Trajectory
 
 NO_PICTURE = "record.picture=false"
@@ -109,7 +109,7 @@ def test_run_leaves_dataset_picture_and_summary(command: Command) -> None:
 
 
 def test_task_can_be_sent_to_another_process() -> None:
-    assert pickle.loads(pickle.dumps(app.run)) is app.run
+    assert pickle.loads(pickle.dumps(start.task)) is start.task
 
 
 # How it ends

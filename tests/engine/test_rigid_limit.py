@@ -1,4 +1,4 @@
-"""Rigid laws in their limit of no step: against the event-driven oracle, closed forms and their own stepping."""
+"""Rigid laws in their limit of no step: an event-driven oracle, closed forms, and their own time stepping."""
 
 from functools import cache
 from math import sqrt

@@ -117,7 +117,7 @@ def test_frames_do_not_depend_on_their_order() -> None:
 def test_the_marks_of_a_motor_that_turns_evenly_end_where_they_begin() -> None:
     shown = film(100)
     angle = -2.3 * shown.run.series["time"]
-    even = dataclasses.replace(shown.run, series=shown.run.series.assign(rotor_angle=angle))
+    even = dataclasses.replace(shown.run, series={**shown.run.series, "rotor_angle": angle})
     # The first frame lies an interval after the beginning, which is what the last one repeats.
     whole = film_of(even, even.start, even.end, 100)
     turned = whole.magnification * 2.3 * (even.end - even.start)

@@ -2,28 +2,21 @@
 
 import numpy as np
 import pytest
-import xarray
 from support.synthetic import CONFIGURATION, CONTACT_DURATION, FREQUENCY, STICK_SHARE, synthetic_trajectory
 
 from contactlab.plot.overview import PERIODS
 from contactlab.plot.recording import COLUMNS, Recording, contact_spans, envelope, recording_of
-from contactlab.results.netcdf import to_datatree
-
-
-def datasets(tree: xarray.DataTree) -> tuple[xarray.Dataset, xarray.Dataset]:
-    """Root and contacts of a run."""
-    return tree.to_dataset(), tree["contacts"].to_dataset(inherit=False)
+from contactlab.results.netcdf import Groups, to_groups
 
 
 def spans_of(
     time: list[float], mode: list[int], rows: list[tuple[float, float, float]]
 ) -> dict[str, list[list[float]]]:
     """Spans for records and for contacts of start, duration and stick duration."""
-    series = xarray.Dataset({"contact_mode": ("time", np.array(mode, dtype=np.int8))})
     table = np.array(rows, dtype=float).reshape(-1, 3)
     names = ("start_time", "duration", "stick_duration")
-    contacts = xarray.Dataset({n: ("contact", table[:, i]) for i, n in enumerate(names)})
-    spans = contact_spans(series.assign_coords(time=np.array(time)), contacts)
+    contacts = {name: table[:, i] for i, name in enumerate(names)}
+    spans = contact_spans({"time": np.array(time), "contact_mode": np.array(mode)}, contacts)
     return {name: values.tolist() for name, values in spans.items()}
 
 
@@ -51,32 +44,32 @@ def test_contacts_that_follow_each_other_stay_apart() -> None:
 
 @pytest.mark.parametrize("interval", [1e-6, 7e-6, 100e-6])
 def test_spans_add_up_to_the_time_in_contact_at_any_record_interval(interval: float) -> None:
-    root, contacts = datasets(to_datatree(synthetic_trajectory(interval=interval), CONFIGURATION))
-    spans = np.concatenate(list(contact_spans(root, contacts).values()))
+    run = recording_of(to_groups(synthetic_trajectory(interval=interval), CONFIGURATION))
+    spans = np.concatenate(list(contact_spans(run.series, run.contacts).values()))
     spans = spans[np.argsort(spans[:, 0])]
-    assert np.sum(spans[:, 1] - spans[:, 0]) == pytest.approx(float(contacts["duration"].sum()))
+    assert np.sum(spans[:, 1] - spans[:, 0]) == pytest.approx(float(run.contacts["duration"].sum()))
     assert np.all(spans[1:, 0] >= spans[:-1, 1] - 1e-15)
 
 
 def test_stick_is_shaded_where_it_was_to_half_a_record() -> None:
-    root, contacts = datasets(to_datatree(synthetic_trajectory(), CONFIGURATION))
-    stick = contact_spans(root, contacts)["stick"]
-    expected = contacts["start_time"].values[:, None] + CONTACT_DURATION * np.array(STICK_SHARE)
+    run = recording_of(to_groups(synthetic_trajectory(), CONFIGURATION))
+    stick = contact_spans(run.series, run.contacts)["stick"]
+    expected = run.contacts["start_time"][:, None] + CONTACT_DURATION * np.array(STICK_SHARE)
     np.testing.assert_allclose(stick, expected, atol=0.51e-6)
 
 
-def shown(tree: xarray.DataTree) -> Recording:
+def shown(groups: Groups) -> Recording:
     """The last periods of a run."""
-    run = recording_of(tree)
+    run = recording_of(groups)
     return run.between(run.end - PERIODS * run.period, run.end)
 
 
 def test_the_window_is_the_last_three_drive_periods() -> None:
-    window = shown(to_datatree(synthetic_trajectory(), CONFIGURATION))
+    window = shown(to_groups(synthetic_trajectory(), CONFIGURATION))
     assert window.end == 5e-3
     assert window.end - window.start == pytest.approx(3.0 / FREQUENCY)
     assert window.series["time"][0] <= window.start < window.series["time"][1]
-    assert window.contacts.sizes["contact"] == 3
+    assert window.contacts["start_time"].size == 3
     assert not window.coarse
 
 

@@ -11,7 +11,7 @@ import xarray
 import yaml
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab.results.netcdf import to_datatree, write_tree
+from contactlab.results.netcdf import to_datatree, to_groups, write_groups, write_tree
 from contactlab.trajectory import Ending, Trajectory
 
 # Spelt out again, not taken from the package: this table is what readers of the files rely on.
@@ -98,6 +98,20 @@ def test_the_tree_given_back_is_the_one_in_the_file(tmp_path: Path, trajectory: 
     written = write(trajectory, tmp_path / "run.nc")
     with xarray.open_datatree(tmp_path / "run.nc") as read:
         assert read.identical(written)
+
+
+def test_the_groups_that_a_run_leaves_are_its_tree(tmp_path: Path, trajectory: Trajectory) -> None:
+    files = tmp_path / "groups.nc", tmp_path / "again.nc"
+    for file in files:
+        write_groups(to_groups(trajectory, CONFIGURATION), file)
+    assert files[0].read_bytes() == files[1].read_bytes()
+    written = write(trajectory, tmp_path / "tree.nc")
+    with xarray.open_datatree(files[0]) as read, xarray.open_datatree(tmp_path / "tree.nc") as other:
+        assert read.identical(written)
+        for node, twin in zip(read.subtree, other.subtree, strict=True):
+            for name, variable in node.variables.items():
+                stored = {key: variable.encoding[key] for key in ("dtype", "zlib", "shuffle", "chunksizes")}
+                assert stored.items() <= twin.variables[name].encoding.items()
 
 
 def test_contact_modes_are_flags_after_the_cf_conventions(path: Path) -> None:

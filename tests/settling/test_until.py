@@ -11,7 +11,8 @@ from contactlab.config import ConfigurationError
 from contactlab.metrics import Run
 from contactlab.motor.drive import period_of
 from contactlab.results.summary import summary_of
-from contactlab.settling.until import LONGEST, PRECISION, simulate_until_steady
+from contactlab.settling.criterion import LONGEST, PRECISION
+from contactlab.settling.until import simulate_until_steady
 from contactlab.settling.verdict import settling_of
 from contactlab.trajectory import Trajectory
 

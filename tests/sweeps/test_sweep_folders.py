@@ -6,7 +6,7 @@ import pytest
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, state_of
 
-from contactlab.cli.app import MOST_CHARACTERS, folder_name
+from contactlab.cli.start import MOST_CHARACTERS, folder_name
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 

@@ -6,8 +6,7 @@ from functools import cache
 from math import exp, log, pi, sqrt
 from typing import Annotated, final
 
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipkm1
+import scipy
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import NormalForce
@@ -100,7 +99,7 @@ def approach_factor(ratio: float) -> float:
         """Return (a/b)^2 E - K, K - E and K of the ellipse with log a/b."""
         # Of a slender ellipse 1 - (b/a)^2 keeps no digit of (b/a)^2, on which K depends.
         rest = exp(-2.0 * slenderness)
-        first, second = float(ellipkm1(rest)), float(ellipe(1.0 - rest))
+        first, second = float(scipy.special.ellipkm1(rest)), float(scipy.special.ellipe(1.0 - rest))
         return exp(2.0 * slenderness) * second - first, first - second, first
 
     def missing(slenderness: float) -> float:
@@ -109,7 +108,7 @@ def approach_factor(ratio: float) -> float:
 
     # Nearly two thirds of log(R'/R'').
     size = log(ratio)
-    slenderness = brentq(missing, 0.4 * size, 0.8 * size, xtol=1e-15 * size, rtol=1e-14)
+    slenderness = scipy.optimize.brentq(missing, 0.4 * size, 0.8 * size, xtol=1e-15 * size, rtol=1e-14)
     over, under, first = terms(slenderness)
     squared = 1.0 - exp(-2.0 * slenderness)
     cubed = 4.0 / (pi * squared) * exp(-1.5 * slenderness) * sqrt(over * under)

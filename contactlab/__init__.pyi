@@ -1,0 +1,118 @@
+from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
+from contactlab.config.modal import read_modes as read_modes, write_modes as write_modes
+from contactlab.config.table import MeasurementError as MeasurementError
+from contactlab.config.universal import read_universal as read_universal
+from contactlab.engine.equilibrium import at_rest as at_rest
+from contactlab.estimate import Estimate as Estimate
+from contactlab.impacts import impact as impact
+from contactlab.inference.cross_validation import ValidationError as ValidationError
+from contactlab.inference.nested_sampling import NoSamplerError as NoSamplerError
+from contactlab.laws import (
+    AgeingStick as AgeingStick,
+    Archard as Archard,
+    BoucWen as BoucWen,
+    Brach as Brach,
+    ChatterjeeRuina as ChatterjeeRuina,
+    Cohesive as Cohesive,
+    Composed as Composed,
+    ContactLaw as ContactLaw,
+    Coulomb as Coulomb,
+    Dahl as Dahl,
+    Damping as Damping,
+    Dmt as Dmt,
+    ElastoPlastic as ElastoPlastic,
+    Flores as Flores,
+    Friction as Friction,
+    HertzElliptic as HertzElliptic,
+    HertzPenalty as HertzPenalty,
+    HertzPoint as HertzPoint,
+    HuntCrossley as HuntCrossley,
+    InternalVariable as InternalVariable,
+    Iwan as Iwan,
+    Jkr as Jkr,
+    Johnson as Johnson,
+    LagrangeAgeing as LagrangeAgeing,
+    LagrangeSlip as LagrangeSlip,
+    LagrangeStick as LagrangeStick,
+    LankaraniNikravesh as LankaraniNikravesh,
+    LawError as LawError,
+    Line as Line,
+    Linear as Linear,
+    LinearDamping as LinearDamping,
+    Lining as Lining,
+    LuGre as LuGre,
+    Microslip as Microslip,
+    Mindlin as Mindlin,
+    MoreauJean as MoreauJean,
+    MultiplierLaw as MultiplierLaw,
+    Newton as Newton,
+    NormalForce as NormalForce,
+    PenaltyLaw as PenaltyLaw,
+    Poisson as Poisson,
+    Prony as Prony,
+    RateAndState as RateAndState,
+    Regularised as Regularised,
+    Stribeck as Stribeck,
+    Stronge as Stronge,
+    Thornton as Thornton,
+    Undamped as Undamped,
+    WaltonBraun as WaltonBraun,
+    hertz_stiffness as hertz_stiffness,
+    law as law,
+    law_names as law_names,
+)
+from contactlab.motor import (
+    Bearing as Bearing,
+    Chirp as Chirp,
+    ContactGeometry as ContactGeometry,
+    Drive as Drive,
+    FiniteElementResonator as FiniteElementResonator,
+    ModalState as ModalState,
+    Motor as Motor,
+    NormalModes as NormalModes,
+    Piezoceramic as Piezoceramic,
+    RitzResonator as RitzResonator,
+    Rotor as Rotor,
+    Steel as Steel,
+    TwoPhase as TwoPhase,
+    Waveform as Waveform,
+    add_residual_modes as add_residual_modes,
+    ball as ball,
+    belt as belt,
+    cantilever as cantilever,
+    on_bearing as on_bearing,
+    oscillator as oscillator,
+    reduced as reduced,
+)
+from contactlab.parameter import Parameter as Parameter
+from contactlab.processes import WorkerError as WorkerError
+from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
+from contactlab.steady_state import (
+    Attractor as Attractor,
+    BrokenOffError as BrokenOffError,
+    Converged as Converged,
+    NoBranchError as NoBranchError,
+    NoPeriodError as NoPeriodError,
+    NotSettledError as NotSettledError,
+    UnboundedError as UnboundedError,
+    attractors as attractors,
+)
+from contactlab.studies.basins import Basins as Basins, basins as basins
+from contactlab.studies.branch import Branch as Branch, branch as branch
+from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
+from contactlab.studies.collection import collect as collect
+from contactlab.studies.compare import (
+    Compare as Compare,
+    ComparisonError as ComparisonError,
+    compare as compare,
+)
+from contactlab.studies.fit import Fit as Fit, fit as fit
+from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
+from contactlab.studies.study import Result as Result, Study as Study
+from contactlab.studies.sweep import sweep as sweep
+from contactlab.studies.sweep_values import SweepError as SweepError
+from contactlab.studies.synthetic import Synthetic as Synthetic
+from contactlab.studies.validate import Validate as Validate, validate as validate
+from contactlab.trajectory import Ending as Ending
+
+__version__: str

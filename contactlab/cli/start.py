@@ -1,0 +1,117 @@
+"""The command as a Hydra application: runs, sweeps, help, and the names of folders.
+
+The modules of a run are imported when one is performed: help and completion need none of them.
+"""
+
+import os
+import re
+import sys
+import warnings
+from hashlib import sha256
+from string import Template
+from typing import Final
+
+import hydra
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.object_type import ObjectType
+from omegaconf import DictConfig, OmegaConf
+
+from contactlab.cli.arguments import for_hydra
+from contactlab.cli.terminal import COMPLETE, RefusalError, refuse
+from contactlab.config.composition import (
+    CONFIG_NAME,
+    EXPERIMENT,
+    VERSION_BASE,
+    faults_of,
+    refuse_lines,
+    started,
+)
+from contactlab.config.options import conf_directory, groups
+from contactlab.results.provenance import versions
+
+MOST_CHARACTERS: Final = 120
+"""Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
+
+DIGITS: Final = 8
+"""Length of the digest that distinguishes names that were shortened or simplified."""
+
+
+def main(arguments: list[str]) -> int:
+    """Run or sweep what the arguments say, and return the exit status."""
+    if "--version" in arguments:
+        print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
+        return COMPLETE
+    # So Hydra raises what it would print and end on.
+    os.environ["HYDRA_FULL_ERROR"] = "1"
+    sys.argv[1:] = lines = for_hydra(arguments)
+    try:
+        refuse_lines(line for line in arguments if not line.startswith("-"))
+        with warnings.catch_warnings():
+            # Hydra warns of a folder of options that does not exist, and goes on without.
+            warnings.filterwarnings("error", ".* is not available", UserWarning)
+            _perform(lines)
+    except (BrokenPipeError, RefusalError):
+        raise
+    # Jobs catch their own: this is from Hydra, whose exceptions have many kinds.
+    except Exception as error:
+        return refuse(faults_of(error, sys.argv[1:]))
+    return COMPLETE
+
+
+def _perform(lines: list[str]) -> None:
+    """Run, sweep or inform, as the arguments say."""
+    flags = [line for line in lines if line.startswith("-")]
+    if flags in (["--help"], ["-h"]) and not any(line.startswith("hydra.") for line in lines):
+        print(_help(lines[:-1]))
+        return
+    if any(line.startswith(("-", "hydra.mode", f"{EXPERIMENT}=")) for line in lines):
+        hydra.main(str(conf_directory()), CONFIG_NAME, VERSION_BASE)(task)()
+        return
+    # Hydra composes once more to see whether the configuration asks for a sweep, which none of these can.
+    with started() as application:
+        application.run(CONFIG_NAME, task, [*lines, "hydra.mode=RUN"])
+
+
+def _help(lines: list[str]) -> str:
+    """Return what Hydra prints for --help; it lists its own groups besides, which takes longer than all."""
+    with started() as application:
+        config = hydra.compose(CONFIG_NAME, lines, return_hydra_config=True)
+        HydraConfig.instance().set_config(config)
+        template, sources = Template(config.hydra.help.template), application.config_loader.get_sources()
+        every = {group for source in sources for group in source.list("", ObjectType.GROUP)}
+        options = {
+            group: sorted(
+                {each for s in sources if s.is_group(group) for each in s.list(group, ObjectType.CONFIG)}
+            )
+            for group in sorted({*groups(), *every} - {"hydra"})
+        }
+        listed = "".join(f"{group}: {', '.join(names)}\n" for group, names in options.items() if names)
+        own = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+        return template.substitute(APP_CONFIG_GROUPS=listed, CONFIG=OmegaConf.to_yaml(own))
+
+
+def task(settings: DictConfig) -> int:
+    """Perform one job and return its exit status; launchers import it from here."""
+    from contactlab.cli.app import run
+
+    return run(settings)
+
+
+def folder_name(overrides: str) -> str:
+    """Return the name of the folder of a job, or of a sweep, by its overrides, separated by commas.
+
+    The characters are those that every file system and the netCDF library take, and the length is limited;
+    a digest at the end distinguishes what differs elsewhere only.
+    """
+    spelled = re.sub(r"\s+", "_", re.sub(r"[\\'\"]", "", overrides).strip())
+    # A micro sign or a mu, and the slashes of a group.
+    plain = re.sub(r"/(?=[\w/]*=)", "-", re.sub(r"[\u00b5\u03bc]", "u", spelled))
+    text = re.sub(r"[^-+\w.,=@~%]", "-", plain, flags=re.ASCII)
+    if text == plain and len(text) <= MOST_CHARACTERS:
+        return text or "default"
+    digest = sha256(overrides.encode()).hexdigest()[:DIGITS]
+    return f"{text[: MOST_CHARACTERS - DIGITS - 1].rstrip('_-,')}-{digest}"
+
+
+# Workers of a launcher compose configurations too: whatever they import brings this with it.
+OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)
