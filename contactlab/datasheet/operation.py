@@ -166,7 +166,7 @@ class Periods:
             **self._electrical(drive, output),
             "peak_force": Estimate(
                 float(contacts["peak_normal_force"].max(initial=0.0)),
-                0.0 if self.closure is not None else abs(halves[1] - halves[0]),
+                0.0 if self.closure is not None or halves[0] == halves[1] else abs(halves[1] - halves[0]),
             ),
             "contact_share": share,
             "stick_share": ratio(stick, share),

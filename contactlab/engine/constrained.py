@@ -299,7 +299,12 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
         return False
     _strike(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)
-    rebound, left = after[1], 0.0 if mode == STICK else after[2]
+    rebound, left = after[1], after[2]
+    # A law may call stick what leaves a slip.
+    if mode == STICK and abs(left) <= ROUND_OFF * max(abs(rate), abs(slip)):
+        left = 0.0
+    else:
+        mode = SLIP
     _become(run, law, mode, left)
     if rebound <= ROUND_OFF * abs(rate):
         return False

@@ -61,11 +61,8 @@ def run_law(
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law, waves):
             event = NOTHING
-            if each.state.phase == PRESSED:
-                # A rigid contact from the start on: what is recorded there is before its impact.
-                each.step.kind, each.state.taken, event = FLIGHT, 0.0, TOUCH
-            elif each.state.phase != TOUCHING:
-                event = step_flight(each, law)
+            if each.state.phase != TOUCHING:
+                event = _step_free(each, law)
             elif solve is None:
                 # The compiler leaves out what asks whether None is None, and nothing else.
                 if compliant is not None:
@@ -81,6 +78,18 @@ def run_law(
         for j in range(run.plant.mode_count):
             mode = run.plant.modes[j]
             motions[i, 0, j], motions[i, 1, j] = mode.q[START], mode.v[START]
+
+
+@merged_kernel
+def _step_free(run: Run, law: Law) -> int:
+    """Take a step without contact, of no time where a rigid contact is there from the start on.
+
+    What is recorded there is before its impact.
+    """
+    if run.state.phase == PRESSED:
+        run.step.kind, run.state.taken = FLIGHT, 0.0
+        return TOUCH
+    return step_flight(run, law)
 
 
 @inner_kernel

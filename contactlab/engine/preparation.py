@@ -40,9 +40,9 @@ from contactlab.engine.state import (
     Run,
     new_record,
 )
-from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, has_limit
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
-from contactlab.laws.declaration import names_of, refuse_unsound
+from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
@@ -51,11 +51,6 @@ from contactlab.trajectory import Ending
 
 LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""
-
-
-def has_limit(law: ContactLaw) -> bool:
-    """Return whether a law is rigid and has a limit of no step, as all have that do not read the step."""
-    return isinstance(law, MultiplierLaw) and "step" not in names_of(law.solve)
 
 
 def is_stepped(law: ContactLaw, contact_step: float | None) -> bool:

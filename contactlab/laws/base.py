@@ -23,7 +23,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Self
 
 from contactlab.compiled import kernel
-from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared, names_of
 from contactlab.laws.memory import Remembering
 
 FREE, SLIP, STICK = 0, 1, 2
@@ -187,8 +187,8 @@ class PenaltyLaw(ContactLaw):
 class MultiplierLaw(ContactLaw):
     """A rigid law: holds the gap at zero, by impulses.
 
-    It is taken in its limit of no step, see `contactlab.engine.constrained`, or, where a contact step is given
-    or the law reads the step, stepped in time.
+    It is taken in its limit of no step, see `contactlab.engine.constrained`. Where a contact step is given, or
+    the law reads the step, it is stepped in time.
 
     >>> import contactlab as cl
     >>> law = cl.Newton(friction_coefficient=0.3, restitution=0.5)
@@ -220,6 +220,14 @@ class MultiplierLaw(ContactLaw):
         p_t. The mode is SLIP or STICK. A normal impulse that is not positive means release. Internal
         variables flow with the mean force of the step.
         """
+
+
+def has_limit(law: ContactLaw | type[ContactLaw]) -> bool:
+    """Return whether a law is rigid and has a limit of no step, as all have that do not read the step."""
+    if not issubclass(law if isinstance(law, type) else type(law), MultiplierLaw):
+        return False
+    # What is no function is refused where the law is bound.
+    return not callable(law.solve) or "step" not in names_of(law.solve)
 
 
 class NormalForce(Declared, Remembering):

@@ -79,7 +79,8 @@ def _statistical_errors(run: Run, stick: float, friction: float) -> list[float]:
     deviation = run.rows["stick_duration"] - stick * durations
     lost = np.diff(run.columns["friction_loss"]) - friction * work
     pairs = ((deviation, durations), (lost, work))
-    halves = abs(float(peaks[:middle].max() - peaks[middle:].max()))
+    before, after = float(peaks[:middle].max()), float(peaks[middle:].max())
+    halves = abs(before - after) if before != after else 0.0
     return [halves, *(mean_with_error(part)[1] / abs(float(whole.mean())) for part, whole in pairs)]
 
 

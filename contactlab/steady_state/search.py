@@ -177,7 +177,8 @@ class Converged:
             of: gives number and statistical error of a steady state, as `lambda each: each.velocity`.
         """
         numbers, statistical = np.transpose([of(each) for each in self.steps])
-        left = float(np.ptp(numbers))
+        # The force of an impact is infinite at every step.
+        left = float(np.ptp(numbers)) if np.isfinite(numbers).all() else 0.0
         # What statistics blur has no order to be seen, and a single step none at all.
         if numbers.size > 2 and left > np.nan_to_num(statistical).max():
             order = self.best.setup.law.convergence_order

@@ -155,12 +155,14 @@ class Steady:
 
     @property
     def peak_force(self) -> Estimate:
-        """Largest normal force of the motion and its error [N]; of a rigid law, an impulse over its step.
+        """Largest normal force of the motion and its error [N], infinite with impacts.
 
         No error is known of the largest force of a motion that does not repeat itself.
         """
         peaks = self.motion.contacts["peak_normal_force"]
         largest = float(peaks.max(initial=0.0))
+        if np.isinf(largest):
+            return Estimate(largest, 0.0)
         if self.orbit is not None or not peaks.size:
             return Estimate(largest, self.closure * largest)
         if not self.periods:

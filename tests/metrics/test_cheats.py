@@ -125,7 +125,9 @@ def failed(tree: xarray.DataTree) -> list[str]:
 @pytest.mark.parametrize("interval", [1e-6, 1e-7])
 @pytest.mark.parametrize("line", CHEATS)
 def test_a_law_that_cheats_fails_on_exactly_its_line(line: str, interval: float) -> None:
-    assert failed(of_law(CHEATS[line], interval, **STICKING)) == [line]
+    # In the limit of no step there is no stick that creeps.
+    step = 5e-8 if isinstance(CHEATS[line], MultiplierLaw) else None
+    assert failed(of_law(CHEATS[line], interval, step, **STICKING)) == [line]
 
 
 @pytest.mark.parametrize("law", [hertz(), LagrangeStick(0.3)], ids=lambda law: law.name)

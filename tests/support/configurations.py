@@ -89,10 +89,16 @@ def datatree(configuration: dict[str, Any]) -> xarray.DataTree:
     return to_datatree(trajectory, setup.configuration)
 
 
-def of_law(law: ContactLaw, record_interval: float = 1e-7, **changes: dict[str, Any]) -> xarray.DataTree:
+def of_law(
+    law: ContactLaw,
+    record_interval: float = 1e-7,
+    contact_step: float | None = None,
+    **changes: dict[str, Any],
+) -> xarray.DataTree:
     """A law that no configuration can name, on case A with some sections changed."""
     setup = build(configured(**changes))
-    trajectory = simulate(setup.motor, law, duration=DURATION, record_interval=record_interval)
+    steps = {"record_interval": record_interval, "contact_step": contact_step}
+    trajectory = simulate(setup.motor, law, duration=DURATION, **steps)  # type: ignore[arg-type]
     assert trajectory.complete, trajectory.message
     return to_datatree(trajectory, setup.configuration)
 
