@@ -1,27 +1,5 @@
 """Steady states of a motor: periodic orbits, their stability and branches, and means where there is none."""
 
-from contactlab.steady_state.arrival import (
-    NotSettledError as NotSettledError,
-    UnboundedError as UnboundedError,
-)
-from contactlab.steady_state.basins import (
-    Attractor as Attractor,
-    Basins as Basins,
-    attractors as attractors,
-    basins as basins,
-)
-from contactlab.steady_state.branches import (
-    Branch as Branch,
-    NoBranchError as NoBranchError,
-    branch as branch,
-)
-from contactlab.steady_state.period_map import (
-    BrokenOffError as BrokenOffError,
-    NoPeriodError as NoPeriodError,
-)
-from contactlab.steady_state.search import (
-    Converged as Converged,
-    Steady as Steady,
-    converged as converged,
-    steady as steady,
-)
+from contactlab.lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -35,8 +35,8 @@ FURTHER: Final = {
 
 @cache
 def exported() -> dict[str, Any]:
-    """Return what the public API exports, `from ... import NAME as NAME`, by name."""
-    return {name: getattr(contactlab, name) for name in _passed_on(contactlab)}
+    """Return what the public API exports, by name."""
+    return {name: getattr(contactlab, name) for name in contactlab.__all__}
 
 
 @cache
