@@ -27,7 +27,7 @@ INTERPRETED = bool(int(os.environ.get("NUMBA_DISABLE_JIT") or 0))
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
 PACKAGE = Path(__file__).parent
-SOURCES = ("compiled.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
+SOURCES = ("compiled.py", "units.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
 
 OPTIONS = {"error_model": "numpy", "_nrt": False}
@@ -76,15 +76,20 @@ class Kernel:
     Any other attribute is that of the compiler's own object, by whose type kernels call each other.
     """
 
-    def __init__(self, function: Callable[..., object], options: dict[str, Any]) -> None:
+    def __init__(self, function: Callable[..., object], options: dict[str, Any], inner: bool) -> None:
         update_wrapper(self, function)
-        self.py_func, self.targetoptions = function, OPTIONS | options
+        self.py_func, self.targetoptions, self._inner = function, OPTIONS | options, inner
 
     @cached_property
     def compiled(self) -> Any:
         """The compiler's own object."""
-        made: Any = fleeting_kernel(self.py_func, **self.targetoptions)
-        if is_own(self.py_func):
+        from contactlab import units
+
+        pipeline = units.PartCompiler if self._inner else units.WholeCompiler
+        made: Any = fleeting_kernel(self.py_func, pipeline_class=pipeline, **self.targetoptions)
+        if self._inner:
+            units.inner[self.py_func] = made
+        elif is_own(self.py_func):
             _keep_in(code_folder(), made)
         return made
 
@@ -106,15 +111,16 @@ def kernel(function: Function, **options: Any) -> Function:
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
     which the many small calls with many arrays would otherwise spend most of their time on.
     """
-    return function if INTERPRETED else cast(Function, Kernel(function, options))
+    return function if INTERPRETED else cast(Function, Kernel(function, options, inner=False))
 
 
 def inner_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel that only kernels call, never Python.
 
-    No way in from Python is built, which is most of its compilation: a call from there would crash.
+    It has no way in from Python, and its code is kept with that of the kernels that call it.
     """
-    return kernel(function, no_cpython_wrapper=True, no_cfunc_wrapper=True, **options)
+    options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    return function if INTERPRETED else cast(Function, Kernel(function, options, inner=True))
 
 
 def part_kernel(function: Function) -> Function:
@@ -123,8 +129,8 @@ def part_kernel(function: Function) -> Function:
 
 
 def merged_kernel(function: Function) -> Function:
-    """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
-    return inner_kernel(function, inline="always")
+    """Make an inner kernel with one caller: the optimiser makes it part of that."""
+    return inner_kernel(function)
 
 
 def fleeting_kernel(function: Function, **options: Any) -> Function:

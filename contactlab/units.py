@@ -1,0 +1,114 @@
+"""Machine code of a kernel and of all inner kernels that it calls, optimised once and as a whole.
+
+Left to itself the compiler makes machine code of every function, with that of all functions that it calls in
+it: four times as much as the engine's loop has. Here inner kernels add theirs to the unit of the kernel
+that is being compiled, and are compiled again for another one.
+
+It is written with Numba's interface for compilers of one's own (`pipeline_class` of `numba.jit`, passes) and, beyond
+what that documents, with the libraries of code that passes write into; `pyproject.toml` therefore admits the
+versions of Numba that it has been tested with.
+"""
+
+from collections.abc import Callable
+from typing import Any, ClassVar
+
+from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
+from numba.core.typed_passes import NativeLowering
+
+inner: dict[Callable[..., object], Any] = {}
+"""Inner kernels by the functions that they are made from."""
+
+
+class Unit:
+    """Code of a kernel and of the inner kernels that it calls."""
+
+    open: ClassVar[list["Unit"]] = []
+    """Units being compiled, outermost first: one kernel may call another."""
+
+    def __init__(self, library: Any) -> None:
+        self.library = library
+        self.parts: list[tuple[Any, tuple[Any, ...]]] = []
+        """Inner kernels in it, and the types of their arguments."""
+
+    def take_parts(self) -> list[tuple[Any, tuple[Any, ...], Any]]:
+        """Remove the code of the inner kernels from them, and return it with both."""
+        return [(each, key, each.overloads.pop(key)) for each, key in self.parts if key in each.overloads]
+
+
+class WholeCompiler(CompilerBase):
+    """Compiles a kernel as a unit."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        return [_pipeline(self.state, _CloseUnit)]
+
+    def compile_extra(self, function: Any) -> Any:
+        library = self.state.targetctx.codegen().create_library(function.__qualname__)
+        library.enable_object_caching()
+        unit, hidden = Unit(library), Unit.open[-1].take_parts() if Unit.open else []
+        Unit.open.append(unit)
+        try:
+            return super().compile_extra(function)  # type: ignore[no-untyped-call]
+        finally:
+            Unit.open.pop()
+            for _, _, code in unit.take_parts():
+                self.state.targetctx.remove_user_function(code.entry_point)
+            for part, key, code in hidden:
+                part.overloads[key] = code
+
+
+class PartCompiler(CompilerBase):
+    """Compiles an inner kernel into the unit that is open, or by itself where none is."""
+
+    def define_pipelines(self) -> list[PassManager]:
+        if not Unit.open:
+            return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        return [_pipeline(self.state, _JoinUnit)]
+
+
+def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
+    """Return the compiler's own passes, which write into the open unit, and one that makes a way in."""
+    state.library, state.flags.no_compile = Unit.open[-1].library, True
+    passes: PassManager = DefaultPassBuilder.define_nopython_pipeline(state)
+    passes.add_pass_after(last, NativeLowering)
+    passes.finalize()
+    return passes
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _JoinUnit(LoweringPass):
+    """Lets other functions of the unit call an inner kernel."""
+
+    _name = "join_unit"
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+
+    def run_pass(self, state: Any) -> bool:
+        # There is no way in from Python; the compiler knows the code by any built-in function of its own.
+        way_in = state.cr.env.__sizeof__
+        state.targetctx.insert_user_function(way_in, state.cr.fndesc)
+        state.cr = state.cr._replace(cfunc=way_in)
+        Unit.open[-1].parts.append((inner[state.func_id.func], tuple(state.args)))
+        return True
+
+
+@register_pass(mutates_CFG=False, analysis_only=False)
+class _CloseUnit(LoweringPass):
+    """Makes the unit's machine code, of which only the kernel can be called from outside."""
+
+    _name = "close_unit"
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+
+    def run_pass(self, state: Any) -> bool:
+        made, library = state.cr.fndesc, state.library
+        seen = made.llvm_func_name, made.llvm_cpython_wrapper_name, made.llvm_cfunc_wrapper_name
+        for function in library.get_defined_functions():
+            if function.name not in seen:
+                function.linkage = "internal"
+        way_in = state.targetctx.get_executable(library, made, state.cr.env)
+        state.targetctx.insert_user_function(way_in, made, [library])
+        state.cr = state.cr._replace(cfunc=way_in)
+        return True
