@@ -204,7 +204,7 @@ def part_kernel(function: Function) -> Function:
 
 
 def merged_kernel(function: Function) -> Function:
-    """Make an inner kernel with one caller, whose code it is compiled as: each would be optimised twice."""
+    """Make an inner kernel with one caller: the optimiser makes it part of that."""
     return inner_kernel(function)
 
 
