@@ -139,7 +139,13 @@ def _piece_at(run: Run, waves: Array) -> tuple[int, float]:
     clock, turns = state.time + wave.offset, 0.0
     if wave.period > 0.0:
         turns = np.floor((clock - waves[0, 0]) / wave.period) * wave.period
-    piece = max(np.searchsorted(waves[:, 0], clock - turns, "right") - 1, 0)
+    piece, beyond = 0, count
+    while beyond - piece > 1:
+        middle = (piece + beyond) // 2
+        if waves[middle, 0] <= clock - turns:
+            piece = middle
+        else:
+            beyond = middle
     while True:
         end = np.inf
         if piece + 1 < count:

@@ -179,15 +179,15 @@ _compiled: set[object] = set()
 """Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
 
 SECONDS: Final = {
-    "runs under compliant laws": 27.0,
-    "runs under rigid laws": 19.0,
-    "runs under stepped rigid laws": 19.0,
-    "runs under compliant laws with internal variables": 58.0,
-    "runs under rigid laws with internal variables": 46.0,
-    "runs under stepped rigid laws with internal variables": 46.0,
-    "impacts under compliant laws": 13.0,
+    "runs under compliant laws": 17.0,
+    "runs under rigid laws": 17.0,
+    "runs under stepped rigid laws": 12.0,
+    "runs under compliant laws with internal variables": 23.0,
+    "runs under rigid laws with internal variables": 23.0,
+    "runs under stepped rigid laws with internal variables": 17.0,
+    "impacts under compliant laws": 19.0,
     "impacts under rigid laws": 1.0,
-    "impacts under compliant laws with internal variables": 24.0,
+    "impacts under compliant laws with internal variables": 25.0,
     "impacts under rigid laws with internal variables": 1.0,
 }
 """What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""

@@ -3,10 +3,13 @@
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from numba.core.errors import TypingError
 
 from contactlab import compiled
+from contactlab.compilation import telling
 
 PROBE = "from contactlab import compiled; print(compiled.code_folder())"
 
@@ -58,3 +61,46 @@ def test_a_read_only_installation_falls_back_to_the_users_cache(
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "users"))
     assert compiled.code_folder.__wrapped__().parent == tmp_path / "users" / "contactlab"
+
+
+@compiled.inner_kernel
+def _third(x: float) -> float:
+    return x / 3.0
+
+
+@compiled.kernel
+def _within(x: float) -> float:
+    return _third(x) + 1.0
+
+
+@compiled.kernel
+def _around(x: float) -> float:
+    return _third(x) + _within(x)
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_kernels_that_call_each_other_share_an_inner_kernel() -> None:
+    inner: Any = _third
+    with telling() as made:
+        assert _around(6.0) == 5.0
+    # Once for each of the two units, and the kernel that is called from the other.
+    assert sorted(made.functions) == ["_around", "_third", "_third", "_within"]
+    assert _within(6.0) == 3.0
+    assert not inner.overloads
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_a_kernel_that_does_not_compile_leaves_no_inner_code_behind() -> None:
+    @compiled.fleeting_kernel
+    def wrong(x: float) -> float:
+        return x.missing  # type: ignore[attr-defined, no-any-return]
+
+    @compiled.kernel
+    def fails(x: float) -> float:
+        return _third(x) + wrong(x)
+
+    with pytest.raises(TypingError):
+        fails(6.0)
+    inner: Any = _third
+    assert not inner.overloads
+    assert _within(9.0) == 4.0
