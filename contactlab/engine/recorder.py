@@ -20,7 +20,15 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion
-from contactlab.engine.memory import end_at, memory_at, moment_power, moments_at, stored_apart, take_memory
+from contactlab.engine.memory import (
+    end_at,
+    memory_at,
+    moment_power,
+    moments_at,
+    note_turn_at,
+    stored_apart,
+    take_memory,
+)
 from contactlab.engine.plant import ORDERS, Plant
 from contactlab.engine.propagator import BY_RECORD, build_level, step_length
 from contactlab.engine.state import (
@@ -34,8 +42,10 @@ from contactlab.engine.state import (
     HELD,
     LAST,
     NODES,
+    SPIN,
     STALLED,
     START,
+    TILT,
     WHOLE,
     Law,
     Records,
@@ -226,7 +236,7 @@ def _wave_power(plant: Plant, place: int, s: float) -> float:
 
 @inner_kernel
 def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Terms:
-    """Sum the terms over a length from a start in the step [s]; the motion there is how its nodes are known."""
+    """Sum the terms over a length from a start in the step [s], its motion known as WHOLE and others say."""
     state, step, rule = run.state, run.step, run.propagator.rule
     drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(NODES):
@@ -256,6 +266,9 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
                 memory_at(run, law, law.memory, at)
+                if state.turns != 0:
+                    note_turn_at(run, place)
+                    law.row[TILT], law.row[SPIN] = step.tilt[place], step.spin[place]
                 # Where the step was cut at the release, its last node may be clear of it by round-off.
                 loss = 0.0
                 if gap < end_at(run, law, law.memory, rate):
