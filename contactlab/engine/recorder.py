@@ -87,17 +87,23 @@ def commit(run: Run, law: Law, records: Records) -> None:
     now = state.end if state.end - start <= s else start + s
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
-    last, terms = -1.0, NOTHING_ADDED
+    last, terms, index = -1.0, NOTHING_ADDED, state.first + state.recorded
+    # A run that goes on repeats a step whose first records another has: it comes by them, to the same bits.
+    while state.recorded == 0 and index > 0 and state.origin + (index - 1) * state.interval > start:
+        index -= 1
     while state.recorded < records.series.size:
+        on_grid = state.origin + index * state.interval
+        new = index == state.first + state.recorded
         # The last record lies at the end of the run.
-        ends = state.recorded == records.series.size - 1
-        due = state.end if ends else state.origin + (state.first + state.recorded) * state.interval
+        due = state.end if new and state.recorded == records.series.size - 1 else on_grid
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
-        terms = _terms_until(run, law, last, at, ends, terms)
-        _write_record(run, law, records, at, terms)
+        terms = _terms_until(run, law, last, at, due != on_grid, terms)
+        if new:
+            _write_record(run, law, records, at, terms)
         last = at
+        index += 1
     total, row = state.total, state.contact
     total.drive_work += drive
     total.damping_loss += damping
@@ -122,13 +128,13 @@ def commit(run: Run, law: Law, records: Records) -> None:
 
 
 @inner_kernel
-def _terms_until(run: Run, law: Law, last: float, s: float, ends: bool, before: Terms) -> Terms:
+def _terms_until(run: Run, law: Law, last: float, s: float, apart: bool, before: Terms) -> Terms:
     """Return the terms of a record at time s of the step, whose state is left BETWEEN.
 
     From the record before, at time `last`, if that lies in this step and has the terms `before`: every step
-    begins anew, so that no round-off builds up. The record that `ends` a run may lie off the grid.
+    begins anew, so that no round-off builds up. The last record of a run may lie `apart` from the grid.
     """
-    if last < 0.0 or ends or run.plant.wave.electrodes > 0:
+    if last < 0.0 or apart or run.plant.wave.electrodes > 0:
         return _terms(run, law, 0.0, s, BY_FLOW)
     results, interval = run.propagator.levels[BY_RECORD], run.state.interval
     if results.length != interval:
