@@ -226,6 +226,17 @@ def _add_driven(
     mode.v[place] += re * response[2] - im * response[3]
 
 
+@part_kernel
+def _add_near(run: Run, level: int, j: int, i: int, origin: int, place: int) -> None:
+    """Add what the tones did to a nearly resonant mode since the origin, at node i of a level."""
+    plant = run.plant
+    if plant.modes[j].near != 0:
+        for k in range(plant.tone_count):
+            if plant.phasors[j, k].near != 0:
+                part = run.propagator.driven[level, j, k].part
+                _add_driven(plant, j, k, origin, place, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
+
+
 @inner_kernel
 def flow_to(run: Run, s: float) -> None:
     """Go to time s after the start, 0 <= s <= h: the state there is left BETWEEN."""
@@ -295,62 +306,69 @@ def free_response(run: Run, level: int, first: int) -> None:
                 q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
                 q += response.hold[i, 0] * mode.constant
                 mode.q[i] = q + _by_wave(plant, response, i, j, 1)
-            if mode.near != 0:
-                for k in range(plant.tone_count):
-                    if plant.phasors[j, k].near != 0:
-                        part = propagator.driven[level, j, k].part
-                        response = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
-                        _add_driven(plant, j, k, START, i, response)
+            _add_near(run, level, j, i, START, i)
+
+
+@part_kernel
+def _leave_record(run: Run, s: float) -> None:
+    """Leave the motion BETWEEN without its steady state RECORDED, and the forces of a record interval."""
+    plant, step, rule = run.plant, run.step, run.propagator.rule
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
+        mode.q[RECORDED], mode.v[RECORDED] = q, v
+    for k in range(plant.tone_count):
+        tone = plant.tones[k]
+        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
+    if step.kind == COLLOCATED:
+        for m in range(NODES):
+            x = (s + rule.nodes[m] * run.state.interval) / run.state.length
+            step.push_u.node[m] = value_at(step.push_u, x)
+            step.push_th.node[m] = value_at(step.push_th, x)
+            step.push_r.node[m] = value_at(step.push_r, x)
+
+
+@part_kernel
+def _free_on(run: Run, i: int, place: int) -> None:
+    """Set the motion at a node of a record interval by all forces but the tones'."""
+    plant, step = run.plant, run.step
+    forces = step.kind + 1
+    for j in range(plant.mode_count):
+        mode, response = plant.modes[j], run.propagator.responses[BY_RECORD, j]
+        q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
+        q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
+        v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
+        for m in range(forces):
+            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
+            push = _modal_force(mode, u, th, rotor)
+            if step.kind == HELD:
+                q += response.hold[i, 0] * push
+                v += response.hold[i, 1] * push
+            else:
+                q += response.answer_q[i, m] * push
+                v += response.answer_v[i, m] * push
+        mode.q[place], mode.v[place] = q, v
 
 
 @inner_kernel
 def flow_on(run: Run, s: float) -> None:
     """Go on by a record interval from time s of the step, whose state is BETWEEN.
 
-    The state at its nodes is left at theirs, the last of which is BETWEEN again. The force polynomial over the
-    interval is that through its values at these nodes, and there is no waveform.
+    The state at the nodes of the interval is left at theirs, the last of which is BETWEEN again. The force
+    polynomial is that through its values at these nodes; there is no waveform.
     """
-    plant, step, propagator = run.plant, run.step, run.propagator
-    forced = step.kind == COLLOCATED
-    if forced:
-        for m in range(NODES):
-            x = (s + propagator.rule.nodes[m] * run.state.interval) / run.state.length
-            for force in (step.push_u, step.push_th, step.push_r):
-                force.node[m] = value_at(force, x)
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
-        mode.q[RECORDED], mode.v[RECORDED] = q, v
-    for k in range(plant.tone_count):
-        tone, turn = plant.tones[k], propagator.turns[BY_RECORD, k]
-        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
-        for i in range(NODES):
-            _turn(tone, RECORDED, i if i < LAST else BETWEEN, turn.cosine[i], turn.sine[i])
-    pushes = propagator.rule.integrals
-    for j in range(plant.mode_count):
-        mode, response = plant.modes[j], propagator.responses[BY_RECORD, j]
-        constant = mode.constant
-        for m in range(NODES if forced else 0 if step.kind == FLIGHT else 1):
-            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
-            pushes[m] = _modal_force(mode, u, th, rotor)
-        if step.kind == HELD:
-            constant += pushes[0]
-        q0, v0 = mode.q[RECORDED], mode.v[RECORDED]
-        for i in range(NODES):
-            place = i if i < LAST else BETWEEN
-            q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
-            v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
-            if forced:
-                for m in range(NODES):
-                    q += response.answer_q[i, m] * pushes[m]
-                    v += response.answer_v[i, m] * pushes[m]
-            mode.q[place], mode.v[place] = _add_steady(plant, j, place, q, v, 1.0)
-            if mode.near != 0:
-                for k in range(plant.tone_count):
-                    if plant.phasors[j, k].near != 0:
-                        part = propagator.driven[BY_RECORD, j, k].part
-                        driven = part[i, 0], part[i, 1], part[i, 2], part[i, 3]
-                        _add_driven(plant, j, k, RECORDED, place, driven)
+    plant, propagator = run.plant, run.propagator
+    _leave_record(run, s)
+    for i in range(NODES):
+        place = i if i < LAST else BETWEEN
+        for k in range(plant.tone_count):
+            turn = propagator.turns[BY_RECORD, k]
+            _turn(plant.tones[k], RECORDED, place, turn.cosine[i], turn.sine[i])
+        _free_on(run, i, place)
+        for j in range(plant.mode_count):
+            mode = plant.modes[j]
+            mode.q[place], mode.v[place] = _add_steady(plant, j, place, mode.q[place], mode.v[place], 1.0)
+            _add_near(run, BY_RECORD, j, i, RECORDED, place)
 
 
 @part_kernel

@@ -20,7 +20,15 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
-from contactlab.engine.memory import end_at, memory_at, moment_power, moments_at, stored_apart, take_memory
+from contactlab.engine.memory import (
+    end_at,
+    memory_at,
+    moment_power,
+    moments_at,
+    note_turn_at,
+    stored_apart,
+    take_memory,
+)
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import BY_RECORD, build_level, step_length
 from contactlab.engine.state import (
@@ -34,8 +42,10 @@ from contactlab.engine.state import (
     HELD,
     LAST,
     NODES,
+    SPIN,
     STALLED,
     START,
+    TILT,
     WHOLE,
     Law,
     Records,
@@ -77,17 +87,23 @@ def commit(run: Run, law: Law, records: Records) -> None:
     now = state.end if state.end - start <= s else start + s
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
-    last, terms = -1.0, NOTHING_ADDED
+    last, terms, index = -1.0, NOTHING_ADDED, state.first + state.recorded
+    # A run that goes on repeats a step whose first records another has: it comes by them, to the same bits.
+    while state.recorded == 0 and index > 0 and state.origin + (index - 1) * state.interval > start:
+        index -= 1
     while state.recorded < records.series.size:
+        on_grid = state.origin + index * state.interval
+        new = index == state.first + state.recorded
         # The last record lies at the end of the run.
-        ends = state.recorded == records.series.size - 1
-        due = state.end if ends else state.origin + (state.first + state.recorded) * state.interval
+        due = state.end if new and state.recorded == records.series.size - 1 else on_grid
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
-        terms = _terms_until(run, law, last, at, ends, terms)
-        _write_record(run, law, records, at, terms)
+        terms = _terms_until(run, law, last, at, due != on_grid, terms)
+        if new:
+            _write_record(run, law, records, at, terms)
         last = at
+        index += 1
     total, row = state.total, state.contact
     total.drive_work += drive
     total.damping_loss += damping
@@ -112,13 +128,13 @@ def commit(run: Run, law: Law, records: Records) -> None:
 
 
 @inner_kernel
-def _terms_until(run: Run, law: Law, last: float, s: float, ends: bool, before: Terms) -> Terms:
+def _terms_until(run: Run, law: Law, last: float, s: float, apart: bool, before: Terms) -> Terms:
     """Return the terms of a record at time s of the step, whose state is left BETWEEN.
 
     From the record before, at time `last`, if that lies in this step and has the terms `before`: every step
-    begins anew, so that no round-off builds up. The record that `ends` a run may lie off the grid.
+    begins anew, so that no round-off builds up. The last record of a run may lie `apart` from the grid.
     """
-    if last < 0.0 or ends or run.plant.wave.electrodes > 0:
+    if last < 0.0 or apart or run.plant.wave.electrodes > 0:
         return _terms(run, law, 0.0, s, BY_FLOW)
     results, interval = run.propagator.levels[BY_RECORD], run.state.interval
     if results.length != interval:
@@ -222,7 +238,7 @@ def _wave_power(plant: Plant, place: int, s: float) -> float:
 
 @inner_kernel
 def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Terms:
-    """Sum the terms over a length from a start in the step [s]; the motion there is how its nodes are known."""
+    """Sum the terms over a length from a start in the step [s], its motion known as WHOLE and others say."""
     state, step, rule = run.state, run.step, run.propagator.rule
     drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(NODES):
@@ -252,6 +268,9 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
             else:
                 gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
                 memory_at(run, law, law.memory, at)
+                if state.turns != 0:
+                    note_turn_at(run, place)
+                    law.row[TILT], law.row[SPIN] = step.tilt[place], step.spin[place]
                 # Where the step was cut at the release, its last node may be clear of it by round-off.
                 loss = 0.0
                 if gap < end_at(run, law, law.memory, rate):

@@ -38,7 +38,7 @@ FLIGHT, HELD, COLLOCATED = _number(-1), _number(0), NODES - 1
 """Kinds of a step: the degree of its force polynomial. FLIGHT has no force, HELD a constant one."""
 
 WHOLE, BY_FLOW, BY_INTERVAL = map(_number, range(3))
-"""How the motion at the nodes of a stretch of a step is known: the stretch is the whole step, by the flow to each
+"""How the motion at the nodes of a part of a step is known: the part is the whole step, by the flow to each
 from the step's start, or by that over a record interval."""
 
 NOTHING, TOUCH, RELEASE, REVERSAL, CONE, GUARD, PEAK = map(_number, range(7))
