@@ -1,0 +1,101 @@
+"""What users wait for: processor time of commands, first runs, records, motors and batches.
+
+    python benchmarks/benchmark_waits.py [repeats] [--other PYTHON]
+
+Every row is a process of its own, timed from outside (user and system time with its children), the median of
+some repeats. With another environment's interpreter, as that of an earlier version, both run in turn, and the
+ratio is that of the medians. Commands are warm; *first run* begins with an empty folder of compiled code.
+"""
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from statistics import median
+
+MOTOR = "import contactlab as cl; s = cl.build(['law={law}', 'record.picture=false']); m = s.motor; "
+RUN = "[cl.simulate(m, s.law, duration={duration}, record_interval={interval}) for _ in range({times})]"
+
+COMMANDS = {
+    "import contactlab": ["-c", "import contactlab"],
+    "help": ["-m", "contactlab", "help"],
+    "laws": ["-m", "contactlab", "laws"],
+    "--help": ["-m", "contactlab", "--help"],
+    "run of 20 ms, with picture": ["-m", "contactlab", "hydra.run.dir=run"],
+    "run of 20 ms, without": ["-m", "contactlab", "hydra.run.dir=run", "record.picture=false"],
+    "steady": ["-m", "contactlab", "steady", "hydra.run.dir=steady"],
+    "10 jobs of -m": ["-m", "contactlab", "-m", "drive.phase=linspace(-1,1,10)", "record.picture=false",
+                      "solver.duration=2e-3", "hydra.sweep.dir=jobs"],
+    "collect of these": ["-m", "contactlab", "collect", "jobs"],
+    "2000 runs of 2 ms, metrics": ["-m", "contactlab", "-m", "drive.phase=linspace(-1,1,2000)",
+                                   "sweep.keep=metrics", "solver.duration=2e-3", "sweep.workers=1"],
+}  # fmt: skip
+
+LAWS = ("hertz_penalty", "lagrange_stick", "newton")
+
+
+def rows() -> dict[str, list[str]]:
+    """Return the arguments of an interpreter by row."""
+    result = dict(COMMANDS)
+    for law in (*LAWS, "lagrange_ageing"):
+        one = RUN.format(duration=2e-3, interval=2e-3, times=1)
+        result[f"first run, {law}"] = ["-c", MOTOR.format(law=law) + one]
+    for law in LAWS:
+        for times in (0, 5):
+            second = RUN.format(duration=1.0, interval=1.0, times=times)
+            result[f"{times} motor seconds, {law}"] = ["-c", MOTOR.format(law=law) + second]
+        dense = RUN.format(duration=0.2, interval=1e-6, times=1)
+        result[f"0.2 s at 1 us, {law}"] = ["-c", MOTOR.format(law=law) + dense]
+        for times in (0, 20):
+            states = f"[cl.steady(s) for _ in range({times})]"
+            result[f"{times} steady states, {law}"] = ["-c", MOTOR.format(law=law) + states]
+    return result
+
+
+def seconds(python: str, name: str, arguments: list[str], folder: str) -> float:
+    """Return the processor time of a process [s]; a sweep is run anew."""
+    environment = dict(os.environ)
+    if name.startswith("first run"):
+        environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=folder)
+    if name.startswith(("10 jobs", "2000 runs")):
+        subprocess.run(["rm", "-rf", "jobs", "multirun"], cwd=folder, check=True)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(
+        [python, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
+    )
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode:
+        raise RuntimeError(f"{name}: {done.stderr[-500:]}")
+    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("repeats", nargs="?", type=int, default=3)
+    parser.add_argument("--other", help="interpreter of another environment")
+    parser.add_argument("--only", default="", help="rows whose names contain this")
+    arguments = parser.parse_args()
+    pythons = [sys.executable, *([arguments.other] if arguments.other else [])]
+    with tempfile.TemporaryDirectory() as root:
+        folders = [tempfile.mkdtemp(dir=root) for _ in pythons]
+        for name, line in rows().items():
+            if arguments.only not in name:
+                continue
+            cold = name.startswith("first run")
+            taken: list[list[float]] = [[] for _ in pythons]
+            # The first of each warms up what is on the disk.
+            for repeat in range(1 if cold else arguments.repeats + 1):
+                for times, python, folder in zip(taken, pythons, folders, strict=True):
+                    spent = seconds(python, name, line, folder)
+                    if repeat or cold:
+                        times.append(spent)
+            figures = [median(times) for times in taken]
+            ratio = f"  {figures[0] / figures[1]:6.3f}" if len(figures) > 1 else ""
+            print(f"{name:35}" + "".join(f"{figure:9.2f} s" for figure in figures) + ratio, flush=True)
+
+
+if __name__ == "__main__":
+    main()
