@@ -128,11 +128,6 @@ def part_kernel(function: Function) -> Function:
     return inner_kernel(function, forceinline=True)
 
 
-def merged_kernel(function: Function) -> Function:
-    """Make an inner kernel with one caller: the optimiser makes it part of that."""
-    return inner_kernel(function)
-
-
 def fleeting_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel while the program runs, around another."""
     import numba

@@ -4,9 +4,9 @@ Left to itself the compiler makes machine code of every function, with that of a
 it: four times as much as the engine's loop has. Here inner kernels add theirs to the unit of the kernel
 that is being compiled, and are compiled again for another one.
 
-It is written with Numba's interface for compilers of one's own (`pipeline_class` of `numba.jit`, passes) and, beyond
-what that documents, with the libraries of code that passes write into; `pyproject.toml` therefore admits the
-versions of Numba that it has been tested with.
+It is written with Numba's interface for compilers of one's own (`pipeline_class` of `numba.jit`, passes) and,
+beyond what that documents, with the libraries of code that passes write into; `pyproject.toml` therefore
+admits the versions of Numba alone that it has been tested with.
 """
 
 from collections.abc import Callable
@@ -40,9 +40,11 @@ class WholeCompiler(CompilerBase):
     """Compiles a kernel as a unit."""
 
     def define_pipelines(self) -> list[PassManager]:
+        """Return the only one."""
         return [_pipeline(self.state, _CloseUnit)]
 
     def compile_extra(self, function: Any) -> Any:
+        """Compile a function into a unit of its own."""
         library = self.state.targetctx.codegen().create_library(function.__qualname__)
         library.enable_object_caching()
         unit, hidden = Unit(library), Unit.open[-1].take_parts() if Unit.open else []
@@ -61,6 +63,7 @@ class PartCompiler(CompilerBase):
     """Compiles an inner kernel into the unit that is open, or by itself where none is."""
 
     def define_pipelines(self) -> list[PassManager]:
+        """Return the only one."""
         if not Unit.open:
             return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
         return [_pipeline(self.state, _JoinUnit)]

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.friction import (
     FIRST,
     HELD_SLIP,
@@ -152,7 +152,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     return float(error * h / allowed)
 
 
-@merged_kernel
+@inner_kernel
 def _highest_coefficient(run: Run, level: int) -> float:
     """Return the highest coefficient of the friction [N], in rigid stick without that of the slip residue.
 
@@ -167,7 +167,7 @@ def _highest_coefficient(run: Run, level: int) -> float:
     return highest + NODES * NODE_PRODUCT * slip / yielding
 
 
-@merged_kernel
+@inner_kernel
 def _kinked_force(run: Run, known: Known) -> float:
     """Return the largest force [N] of a step in which the gap opens, or the force ends or begins; else -1."""
     normal, forces = known[0], run.state.normal.node
@@ -182,7 +182,7 @@ def _kinked_force(run: Run, known: Known) -> float:
     return most if ends or begins else -1.0
 
 
-@merged_kernel
+@inner_kernel
 def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, nodes = run.state, run.propagator.rule.nodes
@@ -264,7 +264,7 @@ def pushed_tip(run: Run, level: int, i: int) -> Tip:
     return u, th, u_rate, th_rate, rotor
 
 
-@merged_kernel
+@inner_kernel
 def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
     """Set motion and forces of node i; returns the change of its moments as a force on the rotor [N]."""
     state, step = run.state, run.step
@@ -304,7 +304,7 @@ ROUND_OFF = 1e-13
 """Relative impulse of the tip that is round-off of the forces which hold its slip."""
 
 
-@merged_kernel
+@inner_kernel
 def step_compliant(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through compliant contact; returns the event that ends it.
 
@@ -353,7 +353,7 @@ def lengthen(run: Run, level: int, error: float) -> None:
             error *= GROWTH
 
 
-@merged_kernel
+@inner_kernel
 def _solve(
     run: Run, law: Law, gap: float, rate: float, slip: float, known: Known
 ) -> tuple[int, float, float]:
@@ -437,7 +437,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     return normal, bound, 0.5 * (most + least), friction, steepness
 
 
-@merged_kernel
+@inner_kernel
 def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     """Return the level that approaches a release at a gap [m] below its own while the force matters."""
     state, level = run.state, run.state.level
@@ -452,7 +452,7 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     return int(level)
 
 
-@merged_kernel
+@inner_kernel
 def impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: float) -> float:
     """Return the impulse [N s] that scales errors in a contact which begins now.
 
@@ -511,7 +511,7 @@ def _switch(state: Any, event: int, friction: float) -> None:
     count_event(state)
 
 
-@merged_kernel
+@inner_kernel
 def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) -> bool:
     """Return whether the step contradicts its own friction mode at its start; the other mode is then set.
 

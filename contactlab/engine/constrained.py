@@ -24,7 +24,7 @@ from math import cos, inf, sin, sqrt
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.compliant import AGREEMENT, MOST_ITERATIONS, impulse_scale, lengthen, pushed_tip
 from contactlab.engine.friction import FIRST, push_node
 from contactlab.engine.kinematics import (
@@ -97,7 +97,7 @@ Known = tuple[float, float]
 """Normal force and friction [N] where a step begins."""
 
 
-@merged_kernel
+@inner_kernel
 def step_constrained(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through a rigid contact; returns the event that ends it.
 
@@ -138,7 +138,7 @@ def step_constrained(run: Run, law: Law) -> int:
     return checked(run, event)
 
 
-@merged_kernel
+@inner_kernel
 def _note_peak(run: Run, first: float) -> None:
     """Note the largest normal force of the contact so far, at the nodes and both ends of what was taken."""
     state = run.state
@@ -393,7 +393,7 @@ def _start(run: Run, law: Law) -> Known:
     return 0.0, 0.0
 
 
-@merged_kernel
+@inner_kernel
 def _solve(run: Run, law: Law, known: Known) -> tuple[int, float]:
     """Shorten a step until it is accepted; returns its level and its error over the tolerance."""
     state, rule = run.state, run.propagator.rule
@@ -489,7 +489,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
     return 0
 
 
-@merged_kernel
+@inner_kernel
 def _bound_node(run: Run, law: Law, i: int, sticks: bool) -> None:
     """Set the bound of the friction at a node [N], and its middle to zero."""
     state, step = run.state, run.step
@@ -597,7 +597,7 @@ def _polished(run: Run, law: Law, event: int, s: float) -> float:
     return s
 
 
-@merged_kernel
+@inner_kernel
 def _first_event(run: Run, law: Law) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length."""
     state, step = run.state, run.step

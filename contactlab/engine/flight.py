@@ -12,7 +12,7 @@ chord at the left end, the smaller one at the right end. The parabolas are then 
 
 from math import sqrt
 
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.plant import ORDERS
@@ -61,7 +61,7 @@ Instant = tuple[float, float, float, float, float]
 its rate [m/s]."""
 
 
-@merged_kernel
+@inner_kernel
 def step_flight(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through free flight; returns TOUCH or NOTHING.
 

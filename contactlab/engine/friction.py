@@ -15,7 +15,7 @@ from typing import Final, cast
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.memory import end_at, jump, memory_at, push_moments, recall, recall_start, solve_linear
 from contactlab.engine.state import HEAD, NODES, START, Law, Memory, Run, value_at
@@ -169,7 +169,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
     return most
 
 
-@merged_kernel
+@inner_kernel
 def follow_bound(run: Run, law: Law, sign: float) -> None:
     """Let the spring follow a slider that slips: its stretch from the bound, and what of the slip slides."""
     state, step = run.state, run.step
@@ -202,7 +202,7 @@ def _spring_at_start(run: Run, law: Law) -> tuple[float, float]:
     return friction, stiffness
 
 
-@merged_kernel
+@inner_kernel
 def jump_at_guard(run: Run, law: Law) -> bool:
     """Apply a guard's reset map; returns whether an elastoplastic friction that slid is held again.
 
@@ -219,7 +219,7 @@ def jump_at_guard(run: Run, law: Law) -> bool:
     return bool(after < before and friction != 0.0 and state.mode == SLIP)
 
 
-@merged_kernel
+@inner_kernel
 def missed_between(run: Run, law: Law, yielding: float) -> float:
     """Return the largest error [N] of friction's polynomial half-way between nodes, from the law's answer.
 

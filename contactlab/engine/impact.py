@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.loop import run_law
 from contactlab.engine.state import (
     BETWEEN,
@@ -109,7 +109,7 @@ def _give_up(outcome: Any, ending: int) -> None:
     outcome.peak_normal_force, outcome.max_penetration = np.nan, np.nan
 
 
-@merged_kernel
+@inner_kernel
 def integrate_impacts(
     run: Run,
     states: Any,
@@ -148,7 +148,7 @@ def integrate_impacts(
             _keep(records.series, impacts.histories[i], outcome, contact, motions)
 
 
-@merged_kernel
+@inner_kernel
 def _set_body(run: Run, contact: Array) -> None:
     """Return the body the rows of its Delassus matrix."""
     a, b, c = _rows(contact)
@@ -165,7 +165,7 @@ def _rows(contact: Array) -> tuple[float, float, float]:
     return a, b, sqrt(contact[4] - b * b)
 
 
-@merged_kernel
+@inner_kernel
 def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
     """Return a unit of time for an impact [s], sqrt(2 d / (D_nn N)) with the largest force N down to d.
 
@@ -191,7 +191,7 @@ def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
     return sqrt(2.0 * depth / (mobility * most)) if 0.0 < most < np.inf else -depth / rate
 
 
-@merged_kernel
+@inner_kernel
 def _set_ladder(run: Run, longest: float) -> None:
     """Let the steps be halvings of the longest [s], none of them built yet."""
     rule = run.propagator.rule
@@ -206,7 +206,7 @@ def _set_ladder(run: Run, longest: float) -> None:
             level.tip_v[:] = 0.0
 
 
-@merged_kernel
+@inner_kernel
 def _throw(motions: Array, contact: Array, begins: float) -> None:
     """Set the motion at the touch-down, where contacts begin at a gap [m]."""
     a, b, c = _rows(contact)
@@ -215,7 +215,7 @@ def _throw(motions: Array, contact: Array, begins: float) -> None:
     motions[0, 1, 1] = (contact[1] - b * motions[0, 1, 0]) / c
 
 
-@merged_kernel
+@inner_kernel
 def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
     """Read what became of the impact."""
     a, b, c = _rows(contact)
@@ -233,7 +233,7 @@ def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
         _give_up(outcome, state.ending)
 
 
-@merged_kernel
+@inner_kernel
 def _keep(series: Any, history: Any, outcome: Any, contact: Array, motions: Array) -> None:
     """Keep a history: the impulses of the records, made mean forces."""
     count = history.size

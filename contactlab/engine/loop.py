@@ -3,7 +3,7 @@
 from typing import Any
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, merged_kernel
+from contactlab.compiled import inner_kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.constrained import settle, step_constrained
 from contactlab.engine.flight import step_flight
@@ -38,7 +38,7 @@ TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
 
-@merged_kernel
+@inner_kernel
 def run_law(
     run: Run,
     states: Any,
@@ -80,7 +80,7 @@ def run_law(
             motions[i, 0, j], motions[i, 1, j] = mode.q[START], mode.v[START]
 
 
-@merged_kernel
+@inner_kernel
 def _step_free(run: Run, law: Law) -> int:
     """Take a step without contact, of no time where a rigid contact is there from the start on.
 
@@ -145,7 +145,7 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         leave(run, law, law.memory)
 
 
-@merged_kernel
+@inner_kernel
 def _release(run: Run, law: Law, ends: Array) -> None:
     """End the contact, and store it where it was one."""
     state = run.state

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
@@ -183,7 +183,7 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
                         propagator.driven[level, j, k].part[i, part] = result[part]
 
 
-@merged_kernel
+@inner_kernel
 def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
     """Fill the responses of one coordinate at one node, and add what the contact sees of them."""
     integrals, tip_q, tip_v = rule.integrals, results.tip_q, results.tip_v

@@ -15,7 +15,7 @@ impulse until the gap is open.
 
 from math import inf
 
-from contactlab.compiled import inner_kernel, merged_kernel, part_kernel
+from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import add_constant, checked, contact_at, free_response, rates_in_frame
 from contactlab.engine.memory import pass_step
@@ -36,7 +36,7 @@ Answer = tuple[float, float, int, int]
 """Normal and friction impulse [N s], the mode, and how many answers there are."""
 
 
-@merged_kernel
+@inner_kernel
 def step_rigid(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING.
 

@@ -187,8 +187,8 @@ class PenaltyLaw(ContactLaw):
 class MultiplierLaw(ContactLaw):
     """A rigid law: holds the gap at zero, by impulses.
 
-    It is taken in its limit of no step, see `contactlab.engine.constrained`. Where a contact step is given, or
-    the law reads the step, it is stepped in time.
+    It is taken in its limit of no step, see `contactlab.engine.constrained`. Where a contact step is given,
+    or the law reads the step, it is stepped in time.
 
     >>> import contactlab as cl
     >>> law = cl.Newton(friction_coefficient=0.3, restitution=0.5)
@@ -226,8 +226,9 @@ def has_limit(law: ContactLaw | type[ContactLaw]) -> bool:
     """Return whether a law is rigid and has a limit of no step, as all have that do not read the step."""
     if not issubclass(law if isinstance(law, type) else type(law), MultiplierLaw):
         return False
+    solve: Any = getattr(law, "solve", None)
     # What is no function is refused where the law is bound.
-    return not callable(law.solve) or "step" not in names_of(law.solve)
+    return not callable(solve) or "step" not in names_of(solve)
 
 
 class NormalForce(Declared, Remembering):

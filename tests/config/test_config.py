@@ -77,7 +77,7 @@ def test_law_has_one_name_as_option_section_and_class() -> None:
 def test_all_but_time_stepping_takes_a_tolerance() -> None:
     for name in LAWS:
         assert build(composed(law=name)).tolerance == DEFAULT_TOLERANCE
-    assert build(composed(law="lagrange_stick") | {"solver": {"contact_step": 1e-7}}).tolerance is None
+    assert build(["law=lagrange_stick", "solver.contact_step=1e-7"]).tolerance is None
     (fault,) = faults({"solver.tolerance": 1e-6, "solver.contact_step": 1e-7}, law="lagrange_stick")
     assert fault.startswith("solver.tolerance is 1e-06; it must be null with law=lagrange_stick")
 

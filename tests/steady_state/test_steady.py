@@ -257,7 +257,7 @@ def test_a_motor_and_a_law_made_in_python_have_the_steady_states_of_their_setup(
 
 
 def test_the_peak_of_a_motion_without_period_has_no_known_error() -> None:
-    result = cl.steady(setup_of("law=newton", "resonator=finite_element"), longest=200)
+    result = cl.steady(setup_of("resonator=finite_element"), longest=200)
     chaotic = replace(result.details, orbit=None, periods=0)
     assert chaotic.peak_force.value == result.peak_force.value
     assert np.isnan(chaotic.peak_force.error)
