@@ -107,15 +107,16 @@ def _as_dataset(state: Mapping[str, Any]) -> xarray.Dataset:
 
 def state_of(tree: xarray.DataTree) -> dict[str, Any]:
     """Return the state that a run ended in, as the engine takes it; empty where none was recorded."""
-    if "state" not in tree.children or not _KINDS.keys() <= tree.children["state"].data_vars.keys():
+    group = tree.children["state"].to_dataset() if "state" in tree.children else xarray.Dataset()
+    if not _KINDS.keys() <= group.keys():
         return {}
     state: dict[str, Any] = {}
     for kind in _KINDS:
-        values, at = tree.children["state"][kind], 0
-        for entry in values.attrs["names"].split():
+        numbers, at = group[kind].values, 0
+        for entry in group[kind].attrs["names"].split():
             name, _, length = entry.partition(":")
             end = at + int(length or 1)
-            state[name] = values.values[at:end] if length else values.values[at]
+            state[name] = numbers[at:end] if length else numbers[at]
             at = end
     return state
 
