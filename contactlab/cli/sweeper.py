@@ -138,7 +138,7 @@ class Arguments:
         return name, job
 
     def of_job(self, lines: Sequence[str], number: int) -> DictConfig:
-        """Return the configuration of a job until that of another is asked for.
+        """Return the configuration of a job, which the next call changes.
 
         Jobs with the same options share one that Hydra has composed, in which the values are replaced.
         """
@@ -155,7 +155,7 @@ class Arguments:
             task = [each for each in overrides if not each.is_hydra_override()]
             hydra.overrides.task = [each.input_line for each in task]
             naming = hydra.job.config.override_dirname
-            named = sorted(e.input_line for e in task if e.key_or_group not in naming.exclude_keys)
+            named = sorted(str(e.input_line) for e in task if e.key_or_group not in naming.exclude_keys)
             hydra.job.override_dirname = naming.item_sep.join(named).replace("=", naming.kv_sep)
             hydra.job.num, hydra.job.id = number, str(number)
         return composed
@@ -382,8 +382,7 @@ class Sweeping:
             composed = arguments.of_job(job.overrides, number)
             with read_write(composed.hydra):
                 composed.hydra.sweep.dir, composed.hydra.sweep.subdir = str(folder), name
-            places = {"job_dir_key": "hydra.sweep.dir", "job_subdir_key": "hydra.sweep.subdir"}
-            yield run_job(self.task, composed, **places, hydra_context=self.context)
+            yield run_job(self.task, composed, "hydra.sweep.dir", "hydra.sweep.subdir", self.context)
 
     @property
     def _launcher(self) -> str:

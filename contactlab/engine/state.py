@@ -58,7 +58,7 @@ COUNTS: Final = "flight_steps contact_steps rejected_steps sweeps touchdowns fri
 """Statistics of the solver's work."""
 
 
-class Record(np.void):
+class Record(np.void):  # type: ignore[misc] # NumPy's stubs have it final
     """A record whose fields are attributes, as they are in kernels; those of `np.record` are slow."""
 
     def __getattr__(self, name: str) -> Any:
@@ -67,7 +67,7 @@ class Record(np.void):
         except ValueError:
             raise AttributeError(name) from None
 
-    def __setattr__(self, name: str, value: object) -> None:
+    def __setattr__(self, name: str, value: Any) -> None:
         self[name] = value
 
 
