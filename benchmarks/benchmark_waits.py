@@ -40,8 +40,8 @@ def rows() -> dict[str, list[str]]:
     """Return the arguments of an interpreter by row."""
     result = dict(COMMANDS)
     for law in (*LAWS, "lagrange_ageing"):
-        one = RUN.format(duration=2e-3, interval=2e-3, times=1)
-        result[f"first run, {law}"] = ["-c", MOTOR.format(law=law) + one]
+        short = RUN.format(duration=2e-3, interval=2e-3, times=1)
+        result[f"first run, {law}"] = ["-c", MOTOR.format(law=law) + short]
     for law in LAWS:
         for times in (0, 5):
             second = RUN.format(duration=1.0, interval=1.0, times=times)

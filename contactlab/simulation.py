@@ -166,7 +166,7 @@ def simulate(
             until steady: then it is 1 s at most.
         record_interval: [s]; 1 us, or the duration if that is shorter. The last record lies at the end.
         contact_step: longest step in contact of a compliant law [s], by default the law's. A rigid law is
-            stepped in time by it, as in the paper; without, it is taken in its limit of no step.
+            stepped in time by it, as in the paper; without, it is solved in its limit of no step.
         tolerance: error of a step in contact [1]; the engine's default. Time stepping has none.
         until: 'steady' ends the run once the motor has settled, and at the latest after the duration;
             'duration' is the default.

@@ -11,7 +11,7 @@ zero up to the largest ratio |F|/N that they stick with. Where they never stick,
 sign back, the slip stays at zero as well: it is what chattering tends to (Filippov 1988, Differential
 Equations with Discontinuous Righthand Sides, sec. 4).
 
-After an impact with a rebound w the tip flies, if anything can be told from it: under a pressing
+After an impact with a rebound w the tip flies, as long as that matters: under a pressing
 acceleration a the flight takes 2 w/|a|, and with the restitution e = w/|w_before| the infinitely many that
 follow it T = 2 w/(|a| (1 - e)) in all. Where T is shorter than sqrt(tolerance) times the longest step,
 they are taken as one impulse that leaves no rebound: what they change beyond that is of second order in T.
@@ -252,7 +252,7 @@ def _move(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
 
 
 @inner_kernel
-def _strike(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
+def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
     """Let impulses act [N s], and account for what they do."""
     state, contact = run.state, run.state.contact
     _, rate, slip, _, _, _, _ = frame
@@ -297,7 +297,7 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     if not p_n > 0.0 or not np.isfinite(p_n + p_t):
         state.ending = INCONSISTENT if np.isfinite(p_n + p_t) else NOT_FINITE
         return False
-    _strike(run, frame, p_n, p_t)
+    _push(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)
     rebound, left = after[1], after[2]
     # A law may call stick what leaves a slip.
@@ -321,7 +321,7 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
         ratio = ratio if np.isfinite(ratio) else 0.0
         p_n = -rebound / (d_nn + ratio * d_nt)
         p_t = ratio * p_n
-    _strike(run, after, p_n, p_t)
+    _push(run, after, p_n, p_t)
     return False
 
 

@@ -110,8 +110,8 @@ def check_numbers(
     law: ContactLaw, duration: float, interval: float, step: float | None, tolerance: float | None
 ) -> None:
     """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
-    given = {} if step is None else {"contact step": step}
-    for name, value in {"duration": duration, **given}.items():
+    times = {"duration": duration} | ({} if step is None else {"contact step": step})
+    for name, value in times.items():
         check_number(f"The {name}", value)
         if not 0.0 < value < inf:
             raise ValueError(f"The {name} is {value} s; it must be positive and finite.")

@@ -187,7 +187,7 @@ class PenaltyLaw(ContactLaw):
 class MultiplierLaw(ContactLaw):
     """A rigid law: holds the gap at zero, by impulses.
 
-    It is taken in its limit of no step, see `contactlab.engine.constrained`. Where a contact step is given,
+    It is solved in its limit of no step, see `contactlab.engine.constrained`. Where a contact step is given,
     or the law reads the step, it is stepped in time.
 
     >>> import contactlab as cl

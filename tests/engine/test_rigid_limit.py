@@ -8,7 +8,7 @@ import pytest
 from engine.test_against_oracle import DURATION, LOADED, MOTORS, STRONG, friction_of
 from numpy.testing import assert_allclose
 from oracle.composed import JudgedRun
-from oracle.rigid import Impact, RigidJudge, Rough, newton, plastic_ageing, process
+from oracle.rigid import Impact, RigidJudge, Rough, newton as newtons, plastic_ageing, process
 from support.command_line import cases
 from support.motors import case_a, default_motor, final, oracle_motor, total
 
@@ -29,8 +29,8 @@ from contactlab.trajectory import Ending, Trajectory
 AGEING = 1.2, 0.01, 1e-5
 
 JUDGED = {
-    "stick": (lambda mu: newton(mu, 0.0), Rough, LagrangeStick),
-    "newton": (lambda mu: newton(mu, 0.5), Rough, lambda mu: Newton(mu, 0.5)),
+    "stick": (lambda mu: newtons(mu, 0.0), Rough, LagrangeStick),
+    "newton": (lambda mu: newtons(mu, 0.5), Rough, lambda mu: Newton(mu, 0.5)),
     "stronge": (lambda mu: process(mu, 0.7, True), Rough, lambda mu: Stronge(mu, 0.7)),
     "ageing": (
         lambda mu: plastic_ageing(Rough(mu, *AGEING)),
@@ -48,8 +48,8 @@ def limit_of(motor: object, law: MultiplierLaw, duration: float = DURATION, **ot
 def judged(name: str, law: str) -> tuple[JudgedRun, MultiplierLaw]:
     mu = friction_of(MOTORS[name])
     impact, rough, made = JUDGED[law]
-    answer: Impact = impact(mu)
-    return RigidJudge(oracle_motor(**MOTORS[name]), answer, rough(mu), 1e-11).run(DURATION), made(mu)
+    made_impact: Impact = impact(mu)
+    return RigidJudge(oracle_motor(**MOTORS[name]), made_impact, rough(mu), 1e-11).run(DURATION), made(mu)
 
 
 @pytest.mark.parametrize("law", JUDGED)
@@ -109,15 +109,15 @@ def test_the_ledger_closes(law: MultiplierLaw) -> None:
 
 
 def test_two_ways_to_say_the_restitution_have_one_limit() -> None:
-    one, other = (limit_of(case_a(), law(0.3, 0.5)) for law in (Newton, MoreauJean))
-    for name, values in one.series.items():
-        assert np.array_equal(values, other.series[name]), name
+    newton, moreau_jean = (limit_of(case_a(), law(0.3, 0.5)) for law in (Newton, MoreauJean))
+    for name, values in newton.series.items():
+        assert np.array_equal(values, moreau_jean.series[name]), name
 
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 0.8])
 def test_a_bouncing_ball_comes_to_rest_after_infinitely_many_impacts(restitution: float) -> None:
     """It rests at sqrt(2 h/g) (1 + e)/(1 - e) after the drop, having lost m g h; a little earlier here, by
-    the impacts that are taken at once."""
+    the impacts that go in one."""
     height, gravity, mass = 1e-6, 9.81, 1e-3
     falls = sqrt(2.0 * height / gravity)
     rests = falls * (1.0 + restitution) / (1.0 - restitution)
