@@ -1,6 +1,6 @@
 """Numbers on the motor that README, steady.md, paper.md and the page on comparison state, in one file.
 
-    python experiments/motor_findings.py [FILE]
+    python experiments/motor_findings.py [SECTION ...]
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
 motor; and a synthetic world, in which one law is true, with the rule of pairs beside the older rule on the
