@@ -83,7 +83,7 @@ STIFFER: Final = 1.02
 def settled(overrides: list[str], names: tuple[str, ...] = ("rotor_velocity",)) -> dict[str, Any]:
     """Return kind and quantities of a settled motor at the finest of three steps, with numerical errors."""
     setup = cl.build(overrides)
-    control = control_of(setup.law)
+    control = control_of(setup)
     steps = []
     for divisor in FINER[control]:
         key = f"solver.{control}={getattr(setup, control) / divisor!r}"
