@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Final, final, get_args
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.quantity import UnitError, number_of
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, check_kinds, default_contact_step, is_stepped
-from contactlab.laws import ContactLaw
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, check_kinds, default_contact_step
+from contactlab.laws.base import ContactLaw, is_stepped
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
 from contactlab.parameter import DeclaredField, declared_fields

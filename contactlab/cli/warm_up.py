@@ -35,8 +35,9 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiled import INTERPRETED, code_folder
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.preparation import SECONDS, is_stepped, kind_of
+    from contactlab.engine.preparation import SECONDS, kind_of
     from contactlab.impacts import velocities_after
+    from contactlab.laws.base import is_stepped
 
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")

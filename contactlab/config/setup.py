@@ -22,10 +22,11 @@ from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.config.table import MeasurementError
 from contactlab.engine.equilibrium import at_rest
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, is_stepped, take_in
+from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError
+from contactlab.laws.base import is_stepped
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
     Bearing,

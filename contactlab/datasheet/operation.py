@@ -92,6 +92,8 @@ def operate(setup: Setup, belt: float | None = None) -> Point:
     def limit(name: str) -> Estimate:
         levels = {key: every[name] for key, every in steps.items()}
         value, error = result.value(lambda each: levels[id(each)])
+        if np.isinf(value):
+            return Estimate(value, np.inf)
         before, last = np.diff([abs(number) for number, _ in levels.values()])
         diverges = last > GROWS * before > 0.0
         threshold = NOTABLE * abs(value) + levels[id(result.best)].error

@@ -15,6 +15,8 @@ After an impact with a rebound w the tip flies, as long as that matters: under a
 acceleration a the flight takes 2 w/|a|, and with the restitution e = w/|w_before| the infinitely many that
 follow it T = 2 w/(|a| (1 - e)) in all. Where T is shorter than sqrt(tolerance) times the longest step,
 they are taken as one impulse that leaves no rebound: what they change beyond that is of second order in T.
+Nearly elastic rebounds, e > 0.99, never end; they count as none where a single flight is as short as that,
+which takes the velocity w from the motion.
 
 Where slip presses the bodies together more than the normal force parts them, D_nn + r D_nt <= 0 (Painleve),
 a contact that opens by itself is released, and one that does not is stopped by an impact without approach.
@@ -86,6 +88,9 @@ MOST_RATIO = 1e8
 
 POLISHES = 2
 """Newton steps to the instant of an event; each leaves the relative error of the polynomial's slope."""
+
+NEARLY_ELASTIC = 0.99
+"""Restitution from which on rebounds never end."""
 
 HALVINGS = 60
 """Of the bracket around the largest ratio that sticks."""
@@ -310,8 +315,9 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
         return False
     pressing, restitution = -free_accelerations(run, START, 0.0)[0], rebound / abs(rate)
     lasting = inf
-    if pressing > 0.0 and restitution < 1.0:
-        lasting = 2.0 * rebound / (pressing * (1.0 - restitution))
+    if pressing > 0.0:
+        lasting = 2.0 * rebound / pressing
+        lasting /= 1.0 - restitution if restitution <= NEARLY_ELASTIC else 1.0
     if lasting > sqrt(state.tolerance) * run.propagator.rule.longest:
         return True
     if left == 0.0:

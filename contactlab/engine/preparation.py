@@ -40,7 +40,7 @@ from contactlab.engine.state import (
     Run,
     new_record,
 )
-from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, has_limit
+from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, has_limit, is_stepped
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
 from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
@@ -51,11 +51,6 @@ from contactlab.trajectory import Ending
 
 LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""
-
-
-def is_stepped(law: ContactLaw, contact_step: float | None) -> bool:
-    """Return whether a law is rigid and stepped in time, by a contact step [s]."""
-    return isinstance(law, MultiplierLaw) and contact_step is not None
 
 
 def default_contact_step(modes: NormalModes, law: ContactLaw) -> float | None:

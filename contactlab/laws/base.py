@@ -231,6 +231,11 @@ def has_limit(law: ContactLaw | type[ContactLaw]) -> bool:
     return not callable(solve) or "step" not in names_of(solve)
 
 
+def is_stepped(law: ContactLaw, contact_step: float | None) -> bool:
+    """Return whether a law is rigid and stepped in time, by a contact step [s]."""
+    return isinstance(law, MultiplierLaw) and contact_step is not None
+
+
 class NormalForce(Declared, Remembering):
     """A part of a composed law: a normal force of the penetration d >= 0.
 

@@ -14,19 +14,18 @@ from contactlab.laws.declaration import FRICTION_COEFFICIENT
 class LagrangeSlip(MultiplierLaw):
     """Lagrange multiplier with Coulomb slip, eqs. 37, 43, 47-51 and 59 of the paper.
 
-    The sign is that of the slip when the step begins, in the impact step as well, whatever the
-    friction impulse then does to it. It reverses the slip in nearly every impact of the paper's
-    motor, and where the bodies would stick it chatters at the step: there is no slip-only
-    solution there. Where the friction of that slip presses the bodies together more than the normal
-    impulse parts them, d_nn <= mu |d_nt|, nothing stops an approach (Painleve), and the run ends. The
-    impact is one step, so the peak force is impulse / step and grows without bound as the step
-    shrinks; the impulse converges.
+    The sign is that of the slip when a step or an impact begins, whatever the friction impulse then
+    does to it. It reverses the slip in nearly every impact of the paper's motor, and where the bodies
+    would stick it chatters at the step of time stepping: there is no slip-only solution there, and what
+    it tends to is a slip held at zero inside the cone. Where the friction of that slip presses the bodies
+    together more than the normal impulse parts them, d_nn <= mu |d_nt|, nothing stops an approach
+    (Painleve), and the run ends. In time stepping an impact is one step, so the peak force is impulse / step
+    and grows without bound as the step shrinks; the impulse converges.
     """
 
     name = "lagrange_slip"
     equation = "g = 0, N >= 0, F = -mu N sign(v)"
     source = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
-    exact_stick = False
     violations = MappingProxyType(
         {
             "friction_opposes_slip": "the friction impulse of an impact is mu p_n whatever slip there is "
@@ -118,7 +117,7 @@ class LagrangeStick(MultiplierLaw):
     M_stick = M + (J/R^2) G_t' G_t does, and the stick force carries load torque and rotor damping
     (eqs. 62-63 drop them; the sign(v_T) of eqs. 63-66 would let the mass lose definiteness and the
     stick create energy).
-    The impact is one step and may stick; its peak force is impulse / step.
+    The impact may stick; in time stepping it is one step, and its peak force is impulse / step.
     """
 
     name = "lagrange_stick"

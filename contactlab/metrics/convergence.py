@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.config import Setup
-from contactlab.engine.preparation import is_stepped
-from contactlab.laws.base import MultiplierLaw
+from contactlab.laws.base import MultiplierLaw, is_stepped
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
 from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 
 if TYPE_CHECKING:
     import xarray
+
+    from contactlab.config import Setup
 
 SAME_RATIO: Final = 1e-6  # relative difference of ratios of steps that count as equal
 

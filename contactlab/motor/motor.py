@@ -145,7 +145,7 @@ class Motor(Checked):
         >>> motor = cl.Motor(cl.RitzResonator().modes, drive, rotor=cl.Rotor(inertia=1e-5))
         >>> run = cl.simulate(motor, cl.Newton(restitution=0.4), duration=2e-3)
         >>> f"{run['rotor_velocity'][-1]:.3f} rad/s"
-        '-0.042 rad/s'
+        '-0.041 rad/s'
 
     Args:
         modes, drive, geometry, rotor: the resonator in any basis, and what acts on it; without a drive there

@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.engine.preparation import is_stepped
+from contactlab.laws.base import is_stepped
 from contactlab.motor import ModalState
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
 from contactlab.steady_state.period_map import BELT, BrokenOffError, PeriodMap, period_of

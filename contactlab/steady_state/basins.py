@@ -94,7 +94,7 @@ def attractors(
         ...     print(f"{each.share:.0%} {each.steady.kind}, {each.steady.velocity[0]:.4f} rad/s")
         ...
         75% without contact, 0.0000 rad/s
-        25% periodic, 1.9566 rad/s
+        25% periodic, 1.9487 rad/s
 
     Args:
         motor: what moves, or a whole setup; its own start is the first of those that are tried.

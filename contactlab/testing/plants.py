@@ -9,9 +9,8 @@ from typing import Any, final
 import numpy as np
 
 from contactlab.engine import simulate
-from contactlab.engine.preparation import is_stepped
 from contactlab.laws import ContactLaw, MultiplierLaw
-from contactlab.laws.base import has_limit
+from contactlab.laws.base import has_limit, is_stepped
 from contactlab.motor import RitzResonator
 from contactlab.motor.bodies import FLAT as FLAT, HEAVY as HEAVY, block as block, way_of as way_of
 from contactlab.motor.drive import Drive

@@ -149,7 +149,7 @@ def rigid_case_a() -> Claims:
     result = last(run(paper_motor(), law, CASE_A_DURATION), "rotor_velocity")
     # What the paper's time stepping tends to.
     yield Claim(f"{text}: velocity", -0.4836, result, 5e-5, units="rad s-1")
-    steps = [run(paper_motor(), law, CASE_A_DURATION, step) for step in (1e-6, 5e-7)]
+    steps = [run(paper_motor(), law, CASE_A_DURATION, step) for step in (5e-8, 2.5e-8)]
     peaks = [float(made.contacts["peak_normal_force"].max()) for made in steps]
     yield close(f"{text}: peak force at half the step", peaks[1] / peaks[0], 2.0, 1e-3)
 

@@ -192,7 +192,9 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     for name, row, free in zip(names, rows, (flight.u, flight.th), strict=True):
         result = (np.exp(flight.exponents * end) @ free).real + row @ driven
         scale, text = np.abs(series[name]).max(), f"{name} under the recorded forces"
-        yield close(text, result, series[name][-1], bench.balance, names[name], scale)
+        # An impact lies anywhere in its interval.
+        left = 1e-3 if bench.rigid else bench.balance
+        yield close(text, result, series[name][-1], left, names[name], scale)
 
 
 def converges(bench: Bench) -> Claims:

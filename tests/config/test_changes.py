@@ -28,7 +28,8 @@ def test_a_run_with_changes_is_the_runs_in_sequence(law: str) -> None:
 def test_a_change_to_the_same_changes_nothing() -> None:
     plain = cl.build(["solver.duration=2e-3"]).run()
     same = cl.build(["solver.duration=2e-3", "solver.changes=['1.2345 ms; drive.voltage_1=100']"]).run()
-    assert same.series["rotor_velocity"][-1] == plain.series["rotor_velocity"][-1]
+    # Records of another origin are reached in other ways, but for round-off the same.
+    assert same.series["rotor_velocity"][-1] == pytest.approx(plain.series["rotor_velocity"][-1], rel=1e-13)
     assert same.contacts["start_time"].tolist() == plain.contacts["start_time"].tolist()
 
 
