@@ -390,7 +390,7 @@ def _start(run: Run, law: Law) -> Known:
         elif state.sign * slip < -SLIP_ROUND_OFF:
             state.sign = -state.sign
         ratio = _sliding_ratio(law, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
-        if ratio == ratio:
+        if np.isfinite(ratio):
             normal = -a_n / (d_nn + ratio * d_nt)
             return max(normal, 0.0), ratio * max(normal, 0.0)
         if a_n >= 0.0 or _impact(run, law, -LASTING * abs(slip), slip) or state.ending != RUNNING:
@@ -474,7 +474,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
                 d = delassus(run.plant, n_u, n_th, t_u, t_th)
                 slides = state.sign * max(state.sign * slip, SLIP_ROUND_OFF)
                 ratio = _sliding_ratio(law, slides, d)
-                if ratio == ratio:
+                if np.isfinite(ratio):
                     state.bias.node[i] = ratio
         change = _correct(run, level, sticks, size)
         flowed = correct_memory(run, law, law.memory, state.length)

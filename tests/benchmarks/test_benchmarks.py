@@ -1,12 +1,15 @@
 """The benchmarks compute what they time: their short forms, untimed."""
 
 import sys
+from pathlib import Path
 
 import benchmark_engine
 import benchmark_impacts
 import benchmark_sweep
+import benchmark_waits
 import pytest
 import sweep_endurance
+import work_precision
 
 from contactlab.laws import LAWS
 
@@ -30,6 +33,27 @@ def test_every_way_to_run_a_batch_is_timed() -> None:
     rows = benchmark_sweep.in_batches(benchmark_sweep.plan_with(9), repeats=1)
     assert len(rows) == 4
     assert all(row.seconds > 0.0 for row in rows)
+
+
+def test_the_work_precision_diagram_has_every_family_and_its_convergence(tmp_path: Path) -> None:
+    timings = work_precision.measure(duration=5e-4, repeats=1)
+    for law in work_precision.LAWS:
+        errors = [each.error for each in timings if (each.law, each.method) == (law, "collocated")]
+        assert errors[-1] < 1e-8, law
+        assert errors[-1] <= errors[0], law
+    stepped = [each.error for each in timings if each.method == "time stepping"]
+    assert min(stepped) > 1e-8
+    work_precision.draw(timings, tmp_path / "picture.png")
+    assert (tmp_path / "picture.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.long
+def test_what_users_wait_for_is_timed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["benchmark_waits", "1", "--only=help", f"--other={sys.executable}"])
+    benchmark_waits.main()
+    assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["help", "--help"]
 
 
 # The short form is the sweep that tests/sweeps kills.
