@@ -104,6 +104,10 @@ def with_parameters(app: Sphinx, what: str, name: str, item: Any, options: Any, 
     equation = getattr(item, "equation", "")
     if isinstance(equation, str) and equation:
         lines += ["", "::", "", *[f"    {line}" for line in equation.splitlines()], ""]
+    annotations = [each for kind in item.__mro__ for each in vars(kind).get("__annotations__", {}).values()]
+    # Others may be annotated for type checkers alone, with names that are not imported.
+    if not any("Annotated" in str(each) for each in annotations):
+        return
     declared = {n: f for n, f in declared_fields(item).items() if f.parameter}
     if not declared:
         return
