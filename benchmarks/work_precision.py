@@ -68,7 +68,7 @@ def measure(duration: float = DURATION, repeats: int = 3) -> list[Timing]:
 
 def draw(timings: Sequence[Timing], path: Path) -> None:
     """Draw error over time of a motor second."""
-    figure, axes = plt.subplots(figsize=(6.0, 4.0), layout="constrained")
+    figure, axes = plt.subplots(figsize=(6.0, 4.6), layout="constrained")
     styles = dict(zip(LAWS, ("C0", "C1", "C2", "C3"), strict=True))
     for law, colour in styles.items():
         for method, line in (("collocated", "o-"), ("time stepping", "s--")):
@@ -80,7 +80,7 @@ def draw(timings: Sequence[Timing], path: Path) -> None:
                 axes.loglog(errors, times, line, color=colour, ms=4, lw=1, label=f"{law}, {method}")
     axes.set_xlabel("relative error of the rotor velocity after 20 ms (1)")
     axes.set_ylabel("processor time of a motor second (s)")
-    axes.legend(fontsize=8)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8)
     axes.grid(alpha=0.3)
     figure.savefig(path, dpi=150)
 
