@@ -38,11 +38,16 @@ _PRECISION = positive(
     "share by which a motor may be off its steady state where solver.until=steady ends its run",
     at_most=SHARE,
 )
-_STEP = positive("h", "s", "largest step in contact", hint="Leave it out for that of the law.")
+_STEP = positive(
+    "h",
+    "s",
+    "largest step in contact of a compliant law, step of the time stepping of a rigid one",
+    hint="Leave it out for that of the law.",
+)
 _TOLERANCE = Parameter(
     "",
     "1",
-    "relative tolerance in contact, compliant laws only",
+    "relative tolerance in contact, not of time stepping",
     at_least=1e-14,
     at_most=1e-2,
     hint="Leave it out for the solver's own default.",

@@ -63,7 +63,7 @@ class Run:
     configuration: Mapping[str, Any]
     law: str
     law_parameters: Mapping[str, float]
-    contact_step: float  # largest step in contact [s]; zero where it is not known
+    contact_step: float  # largest step in contact [s]; zero where there is none
     attributes: Mapping[Any, Any] = field(default_factory=dict)
     sound: bool = False  # its numbers are known to be finite
     source: str = ""  # where it is from
