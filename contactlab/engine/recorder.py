@@ -303,7 +303,7 @@ def _weigh(run: Run) -> None:
         return
     kinetic, strain = _energies(run.plant, START)
     left = total.load_work - total.drive_work + total.damping_loss
-    left += total.friction_loss + total.contact_loss + kinetic + strain
+    left += total.friction_loss + total.contact_loss + kinetic + strain + state.apart
     state.least_open = min(state.least_open, left)
     state.most_open = max(state.most_open, left)
 

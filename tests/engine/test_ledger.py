@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from support.motors import PLACEMENT_1, default_motor, every_law, final, hertz, run
 
-from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick
+from contactlab.engine import simulate
+from contactlab.laws import Composed, ContactLaw, LagrangeSlip, LagrangeStick, Prony
+from contactlab.motor import ball
 from contactlab.trajectory import Trajectory
 
 LOADED = {"load_torque": 2e-3, "rotor_damping": 1e-4, "initial_velocity": -0.9, "clearance": 0.0}
@@ -91,3 +93,11 @@ def test_an_undamped_frictionless_motor_conserves_the_work_of_its_drive(clearanc
     s = trajectory.series
     energy = s["kinetic_energy"] + s["strain_energy"] + s["contact_energy"]
     assert np.abs(energy - s["drive_work"]).max() <= 1e-9 * energy.max()
+
+
+def test_what_a_lining_still_stores_in_flight_is_in_the_ledger() -> None:
+    """The arms are stretched where the ball leaves, and relax while it flies."""
+    lining = Composed(Prony(relaxed_stiffness=1e6, first_stiffness=4e6, first_time=2e-5))
+    result = simulate(ball(1e-3, height=1e-6, gravity=9.81), lining, duration=2e-3, record_interval=1e-6)
+    assert result.series["contact_energy"][result.contact_mode == 0].max() > 1e-2 * final(result, "load_work")
+    assert result.complete, result.message
