@@ -1,8 +1,9 @@
 """Checks of arguments from Python against the annotations of a class."""
 
 from functools import cache, partial
-from math import isfinite
+from math import inf, isfinite
 from numbers import Integral, Real
+from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args, get_origin
 
@@ -12,6 +13,15 @@ from contactlab.parameter import DeclaredField, declared_fields
 
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
+
+MOST_RECORDS = 10_000_000
+"""Records of one run."""
+
+RECORD_SIZE = 380.0
+"""Memory that a record takes until its run is in a file [bytes], measured with 1e7 of them."""
+
+MEMORY_INFO = Path("/proc/meminfo")
+"""Where Linux tells the memory that processes can have."""
 
 _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False", NoneType: "None"}
 
@@ -79,6 +89,41 @@ def check_shape(name: str, values: Any, shape: tuple[int, ...], meaning: str, ki
     if not np.isfinite(values).all():
         odd = values[~np.isfinite(values)][0]
         raise ValueError(f"{name} has {odd} among its numbers; all must be finite.")
+
+
+def check_records(duration: float, interval: float, name: str) -> None:
+    """Refuse more records than a run may have, or than there is memory for, by a ValueError.
+
+    Args:
+        duration, interval: of the run and its records [s].
+        name: of the interval.
+    """
+    count = duration / interval
+    most = min(float(MOST_RECORDS), available_memory() / RECORD_SIZE)
+    if count > most:
+        raise ValueError(
+            f"{name} is {interval:.6g} s; a duration of {duration:.6g} s makes {count:.4g} records of it, "
+            f"{size_of(count * RECORD_SIZE)}, and {most:.4g} are the most, {size_of(most * RECORD_SIZE)}: it "
+            f"must be at least {duration / most:.3g} s. Records do not change the motion."
+        )
+
+
+def available_memory() -> float:
+    """Return the memory that this process can have [bytes]; infinite where the system does not tell."""
+    try:
+        fields = dict(line.split(":", 1) for line in MEMORY_INFO.read_text().splitlines())
+        return 1024.0 * float(fields["MemAvailable"].split()[0])
+    except (OSError, KeyError, ValueError):
+        return inf
+
+
+def size_of(count: float) -> str:
+    """Write a number of bytes as a sentence shows it.
+
+    >>> size_of(3.8e9)
+    '3.8 GB'
+    """
+    return f"{count / 1e9:.3g} GB" if count >= 1e9 else f"{count / 1e6:.3g} MB"
 
 
 def shown(value: object) -> str:

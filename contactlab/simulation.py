@@ -10,7 +10,12 @@ from typing import TYPE_CHECKING, Any, Final, final, get_args
 from contactlab.checks import check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.quantity import UnitError, number_of
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, check_kinds, default_contact_step
+from contactlab.engine.preparation import (
+    DEFAULT_TOLERANCE,
+    check_kinds,
+    default_contact_step,
+    default_record_interval,
+)
 from contactlab.laws.base import ContactLaw, is_stepped
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
@@ -25,9 +30,6 @@ from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
-
-RECORD_INTERVAL: Final = 1e-6
-"""Default time between records [s]."""
 
 KEYS: Final = {
     "duration": ("solver", "duration"),
@@ -164,9 +166,12 @@ def simulate(
         law: what acts between tip and rotor; a setup has its own.
         duration: [s]; after that of `start`, if one is given. A motor and a law need one, unless they run
             until steady: then it is 1 s at most.
-        record_interval: [s]; 1 us, or the duration if that is shorter. The last record lies at the end.
-        contact_step: longest step in contact of a compliant law [s], by default the law's. A rigid law is
-            stepped in time by it, as in the paper; without, it is solved in its limit of no step.
+        record_interval: [s]; 1 us, of a slow motor a two-hundredth of its shortest period if 100,000 records
+            are not enough for that, see `default_record_interval` in `contactlab.engine.preparation`. The
+            last record lies at the end.
+        contact_step: longest step in contact of a compliant law [s], by default the law's, and longer for
+            slow motors. A rigid law is stepped in time by it, as in the paper; without, it is solved in its
+            limit of no step.
         tolerance: error of a step in contact [1]; the engine's default. Time stepping has none.
         until: 'steady' ends the run once the motor has settled, and at the latest after the duration;
             'duration' is the default.
@@ -277,13 +282,13 @@ def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
     check_kinds(motor, law)
     if "duration" not in settings:
         raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
-    step = settings.get("contact_step")
-    step = default_contact_step(motor.modes, law) if step is None else step
+    duration, step = settings["duration"], settings.get("contact_step")
+    step = default_contact_step(motor, law, duration) if step is None else step
     usual = Setup(
         motor=motor,
         law=law,
-        duration=settings["duration"],
-        record_interval=min(RECORD_INTERVAL, settings["duration"]),
+        duration=duration,
+        record_interval=default_record_interval(motor, duration),
         contact_step=step,
         tolerance=None if is_stepped(law, step) else DEFAULT_TOLERANCE,
         configuration=settings_of(motor, law),

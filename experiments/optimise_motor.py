@@ -324,7 +324,7 @@ class OptimiseMotor(Experiment):
         under_rival = np.full(best.size, np.nan)
         again = [0, *np.flatnonzero(best)]
         for k in tqdm(again, unit=f" motors under {rival}", disable=None):
-            step = default_contact_step(motors[k].motor.modes, law)
+            step = default_contact_step(motors[k].motor, law, setup.duration)
             own = {"contact_step": step and min(step, setup.duration), "tolerance": DEFAULT_TOLERANCE}
             under_rival[k] = _velocity(replace(motors[k], law=law, **own))
         settings = [motor.configuration for motor in motors]

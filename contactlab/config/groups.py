@@ -44,6 +44,9 @@ _STEP = positive(
     "largest step in contact of a compliant law, step of the time stepping of a rigid one",
     hint="Leave it out for that of the law.",
 )
+_INTERVAL = positive(
+    "", "s", "time between records", hint="Leave it out for 1 us, or longer for slow motors that run long."
+)
 _TOLERANCE = Parameter(
     "",
     "1",
@@ -84,7 +87,7 @@ class Solver(Checked):
 class Record(Checked):
     """What is kept; it does not change the motion."""
 
-    interval: Annotated[float, positive("", "s", "time between records")] = 1e-6
+    interval: Annotated[float | None, _INTERVAL] = None
     picture: Annotated[bool, _declared("whether run.png is drawn; it takes long")] = True
 
 

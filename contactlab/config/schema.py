@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from types import NoneType
 from typing import Any, Final, NamedTuple, get_args
 
-from contactlab.checks import SMALLEST_STEP, is_kind
+from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
 from contactlab.config.faults import unknown_key
 from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, duration_for
 from contactlab.config.nesting import flat
@@ -15,9 +15,6 @@ from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
 from contactlab.parameter import DeclaredField, Parameter
 from contactlab.settling.criterion import PRECISION, STEADY
-
-MOST_RECORDS = 10_000_000
-"""Records of one run; they take 3.8 GB of memory."""
 
 FRICTION = f"contact.{SHARED}"
 """Key of the friction coefficient that laws share."""
@@ -83,9 +80,9 @@ RULES: Final = (
     ),
     Rule(
         ("record.interval", "solver.duration"),
-        lambda interval, duration: 1.0 <= duration / interval <= MOST_RECORDS,
+        lambda interval, duration: interval is None or 1.0 <= duration / interval <= MOST_RECORDS,
         "record.interval is {0:.12g} s; it must be at most the solver.duration, {1:.12g} s, and give at most "
-        f"{MOST_RECORDS} records. Records do not change the motion.",
+        f"{MOST_RECORDS} records, {size_of(MOST_RECORDS * RECORD_SIZE)}. Records do not change the motion.",
     ),
     *(
         Rule(

@@ -9,7 +9,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, final
 
-from contactlab.checks import check_kind
+from contactlab.checks import check_kind, check_records
 from contactlab.config.changes import changed
 from contactlab.config.composition import compose
 from contactlab.config.drives import drive_of
@@ -22,7 +22,12 @@ from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.config.table import MeasurementError
 from contactlab.engine.equilibrium import at_rest
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step, take_in
+from contactlab.engine.preparation import (
+    DEFAULT_TOLERANCE,
+    default_contact_step,
+    default_record_interval,
+    take_in,
+)
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.laws import ContactLaw, LawError
@@ -93,6 +98,7 @@ class Setup:
         arguments = {name: getattr(self, name) for name in names} | others
         function = simulate_until_steady if self.until == STEADY else simulate
         duration, interval = arguments.pop("duration"), arguments.pop("record_interval")
+        check_records(duration, interval, "The record interval, record_interval,")
         ends = [*(time for time, _ in self.changes if time < duration), duration]
         motors = [self.motor, *(motor for _, motor in self.changes)]
         run, done = None, 0.0
@@ -130,8 +136,14 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         configuration = compose(configuration)
     values, law = _checked(configuration)
     resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
-    solver = resolved["solver"]
+    solver, record = resolved["solver"], resolved["record"]
     motor = _motor(resolved)
+    if record["interval"] is None:
+        record["interval"] = default_record_interval(motor, solver["duration"])
+    try:
+        check_records(solver["duration"], record["interval"], "record.interval")
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error
     if resolved["contact"]["preload"] is not None:
         try:
             motor = at_rest(motor, law)
@@ -141,17 +153,17 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     later = changed(resolved, solver["changes"] or (), solver["duration"])
     changes = tuple((time, _motor(_checked(each)[0])) for time, each in later)
     if solver["until"] == STEADY:
-        _refuse_unseen_periods(motor.drive, resolved["record"]["interval"])
+        _refuse_unseen_periods(motor.drive, record["interval"])
     # What follows from the rotor takes its place in the configuration.
     of_law = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in of_law}
-    step = default_contact_step(motor.modes, law)
+    step = default_contact_step(motor, law, solver["duration"])
     if solver["contact_step"] is None and step is not None:
         solver["contact_step"] = min(step, solver["duration"])
     if solver["tolerance"] is None and not is_stepped(law, solver["contact_step"]):
         solver["tolerance"] = DEFAULT_TOLERANCE
     numbers = {key: value for key, value in solver.items() if key != "changes"}
-    interval = resolved["record"]["interval"]
+    interval = record["interval"]
     return Setup(motor, law, record_interval=interval, **numbers, configuration=resolved, changes=changes)
 
 

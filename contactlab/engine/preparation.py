@@ -12,7 +12,7 @@ import numba
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import SMALLEST_STEP, check_kind, check_number, shown
+from contactlab.checks import SMALLEST_STEP, check_kind, check_number, check_records, shown
 from contactlab.compilation import telling
 from contactlab.compiled import INTERPRETED, inner_kernel, kernel
 from contactlab.engine.binding import FORCE, LIMITS, SIGNATURES, SOLVE, Bound, bind, law_errors, row_of
@@ -52,13 +52,45 @@ from contactlab.trajectory import Ending
 LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""
 
+RECORD_INTERVAL: Final = 1e-6
+"""Shortest default time between records [s]."""
 
-def default_contact_step(modes: NormalModes, law: ContactLaw) -> float | None:
-    """Return the step in contact [s] of a law on a resonator; None of a law that `has_limit`.
+RECORD_TURN, CONTACT_TURN = 1.0 / 32.0, 1.0 / 512.0
+"""Longest default record interval and step in contact, times the fastest rate that persists [rad]."""
 
-    Of others it is at most the law's `default_contact_step`.
+DEFAULT_COUNT: Final = 1e5
+"""Number of records, and of longest steps in contact, beyond which their defaults shorten no more."""
+
+
+def default_record_interval(motor: Motor, duration: float) -> float:
+    """Return the time between records [s] of a run that has none of its own.
+
+    It is a microsecond for fast motors and short runs, a share of the shortest period for slow ones, see
+    `for_slow`, and at most the duration.
     """
-    return None if has_limit(law) else stepping_step(modes, law)
+    return min(for_slow(RECORD_INTERVAL, RECORD_TURN, motor, duration), duration)
+
+
+def default_contact_step(motor: Motor, law: ContactLaw, duration: float) -> float | None:
+    """Return the step in contact [s] of a law on a motor; None of a law that `has_limit`.
+
+    Of a compliant law, whose error does not depend on it, it is the law's `default_contact_step`, or longer
+    for slow motors, see `for_slow`; of others at most the law's.
+    """
+    if isinstance(law, PenaltyLaw):
+        return for_slow(law.default_contact_step, CONTACT_TURN, motor, duration)
+    return None if has_limit(law) else stepping_step(motor.modes, law)
+
+
+def for_slow(shortest: float, turn: float, motor: Motor, duration: float) -> float:
+    """Return a time [s] by which the fastest rate that persists turns by an angle [rad].
+
+    It is at most the duration over `DEFAULT_COUNT`, as where nothing vibrates, and at least the shortest.
+    """
+    rates = persisting_rates(motor.modes.stiffness, motor.modes.damping)
+    rate = max(rates.max(initial=0.0), motor.drive.angular_frequency.max(initial=0.0))
+    longest = duration / DEFAULT_COUNT
+    return max(shortest, float(min(turn / rate, longest)) if rate > 0.0 else longest)
 
 
 def stepping_step(modes: NormalModes, law: ContactLaw) -> float:
@@ -116,6 +148,7 @@ def check_numbers(
             f"The record interval is {interval} s; it must be positive and at most the duration, "
             f"{duration} s."
         )
+    check_records(duration, interval, "The record interval, record_interval,")
     if step is not None and step < SMALLEST_STEP * duration:
         raise ValueError(
             f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
@@ -412,7 +445,9 @@ class Prepared(NamedTuple):
         state["told"] = not self.bound.seen.isdisjoint(("step", "impact"))
         state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
         state["limited"] = law.limits is not None
-        pace = pace_of(self.plant, float(state["end"]), self.contact_step, not self.stepped)
+        # Of a compliant law the step in contact is a bound that a healthy run may never reach.
+        watched = min(self.contact_step, law.default_contact_step) if compliant else self.contact_step
+        pace = pace_of(self.plant, float(state["end"]), watched, not self.stepped)
         state["window"], state["most_steps"] = pace
         state["tolerance"] = self.tolerance
 
@@ -429,7 +464,7 @@ def prepared(
     check_kinds(motor, law)
     law = law.on_rotor(motor.geometry.rotor_radius)
     if contact_step is None:
-        contact_step = default_contact_step(motor.modes, law)
+        contact_step = default_contact_step(motor, law, duration)
     check_numbers(law, duration, interval, contact_step, tolerance)
     parameters, row, bound, errors = take_in(law)
     plant = plant_of(motor)

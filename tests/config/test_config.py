@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from support.configurations import CONF, altered, composed, options
 
+from contactlab.checks import MOST_RECORDS
 from contactlab.config import ConfigurationError, build, validate
 from contactlab.config.groups import keys_of_law
 from contactlab.config.options import groups, known_keys
 from contactlab.config.resonators import BASES
-from contactlab.config.schema import MOST_RECORDS
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, hertz_stiffness
 

@@ -98,10 +98,9 @@ class Hesitant(MultiplierLaw):
 
 @laws
 def test_a_rigid_law_has_no_step_unless_it_reads_one(law: MultiplierLaw) -> None:
-    modes = default_resonator().modes
-    assert default_contact_step(modes, law) is None
+    assert default_contact_step(case_a(), law, 2e-4) is None
     assert run(case_a(), law, 2e-4).contact_step == 0.0
-    assert default_contact_step(modes, Hesitant()) == 3e-7
+    assert default_contact_step(case_a(), Hesitant(), 2e-4) == 3e-7
     assert run(case_a(), Hesitant(), 2e-4).contact_step == 3e-7
 
 
