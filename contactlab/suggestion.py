@@ -1,4 +1,4 @@
-"""The name that somebody meant who wrote one that is nearly right."""
+"""Texts of a user or a file as messages show them, and the name that was meant by one nearly right."""
 
 from collections.abc import Iterable
 from difflib import get_close_matches
@@ -9,6 +9,19 @@ ALIKE: Final = 0.75
 
 MOST: Final = 3
 """Names that are suggested at most."""
+
+LONGEST: Final = 60
+"""Characters of a file that a message shows at most: the file may be one that nobody meant to show."""
+
+
+def excerpt(text: object) -> str:
+    r"""Return the beginning of a text of a file, without control characters.
+
+    >>> excerpt("frequency\x1b[31m")
+    'frequency [31m'
+    """
+    line = "".join(each if each.isprintable() else " " for each in str(text))
+    return line if len(line) <= LONGEST else f"{line[: LONGEST - 3]}..."
 
 
 def suggestion(word: str, known: Iterable[str], otherwise: str = "") -> str:

@@ -10,7 +10,8 @@ class Variable:
     """One recorded quantity.
 
     `cell_methods` says in the words of the CF conventions what a value stands for where it is not a point;
-    `flags` names the values of an enumerated quantity, in the order 0, 1, 2, ...; `comment` is a sentence.
+    `flags` names the values of an enumerated quantity, in the order 0, 1, 2, ...; `comment` is a sentence,
+    `standard_name` that of the CF conventions, where there is one.
     """
 
     name: str
@@ -21,6 +22,7 @@ class Variable:
     cell_methods: str = ""
     flags: tuple[str, ...] = field(default=(), kw_only=True)
     comment: str = field(default="", kw_only=True)
+    standard_name: str = field(default="", kw_only=True)
 
 
 def _along(dimension: str, *rows: tuple[str, ...]) -> tuple[Variable, ...]:
@@ -29,7 +31,9 @@ def _along(dimension: str, *rows: tuple[str, ...]) -> tuple[Variable, ...]:
 
 _MEAN: Final = "time: mean (over the record interval that ends at the time)"
 
-TIME: Final = Variable("time", ("time",), "s", "t", "time since the drive was switched on")
+TIME: Final = Variable(
+    "time", ("time",), "s", "t", "time since the drive was switched on", standard_name="time"
+)
 
 SERIES: Final = _along(
     "time",

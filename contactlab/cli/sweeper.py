@@ -52,6 +52,7 @@ from contactlab.studies.sweep_plan import (
     raise_faults,
 )
 from contactlab.studies.sweep_values import FORMS, SweepError, call_in, spread
+from contactlab.suggestion import excerpt
 
 
 @final
@@ -209,10 +210,15 @@ def table(path: str) -> dict[str, list[Value]]:
     except Exception as error:
         raise ConfigurationError(
             [
-                f"sweep.samples is '{path}' and cannot be read ({one_line(error)}); it must be a table, CSV "
-                "(NAME.csv) or netCDF, whose columns are keys and whose rows are runs."
+                f"sweep.samples is '{path}' and cannot be read ({excerpt(one_line(error))}); it must be a "
+                "table, CSV (NAME.csv) or netCDF, whose columns are keys and whose rows are runs."
             ]
         ) from error
+    raise_faults(
+        f"sweep.samples has the column '{excerpt(name)}'; its name must be a key."
+        for name in rows
+        if excerpt(name) != str(name)
+    )
     raise_faults(
         f"sweep.samples has {'no' if str(value) == 'nan' else 'a reference as'} {name} in row {row} of "
         f"'{path}'; a cell must be a number or the name of an option."

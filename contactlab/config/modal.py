@@ -6,7 +6,7 @@
     rotation                   rad/m, of a rigid tip, whose end moves by -contact.tip_length times it along x
     coupling_1, coupling_2 ... N/V, modal force per voltage of each electrode
     modal_mass                 kg, of the shapes as they stand; 1 where the column is absent
-    capacitance_1_1 ...        F, a number each, with the modes at rest; zero where others are absent
+    capacitance_1_1 ...        F, a number each, with the modes at rest; symmetric, zero where absent
     loss_tangent               1, a number
     point_NAME                 1, displacement of another point, which runs record by that name
     residual_uu, residual_ur, residual_rr   m/N, 1/N, rad/(N m): what the modes that are left out yield to a
@@ -197,6 +197,8 @@ def _capacitance(table: Table, electrodes: int) -> Array | None:
         name = f"capacitance_{i + 1}_{j + 1}"
         if name in table.names:
             matrix[i, j], known = table.numbers(name, "F")[0], True
+            if f"capacitance_{j + 1}_{i + 1}" not in table.names:
+                matrix[j, i] = matrix[i, j]
         elif i == j and any(each.startswith("capacitance_") for each in table.names):
             raise MeasurementError(
                 f"'{name}' is missing; every electrode must have its capacitance, or none."

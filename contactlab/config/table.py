@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.config.quantity import UnitError, factor
 from contactlab.parameter import from_cf
-from contactlab.suggestion import suggestion
+from contactlab.suggestion import excerpt, suggestion
 
 if TYPE_CHECKING:
     import xarray
@@ -68,6 +68,13 @@ class Table:
     dimension: str
     places: Sequence[str]
 
+    def __post_init__(self) -> None:
+        for name in self.names:
+            if excerpt(name) != name:
+                raise MeasurementError(f"'{excerpt(name)}' is not the name of a column.")
+        if not self.places:
+            raise MeasurementError("it has no row; there must be one at least.")
+
     @property
     def names(self) -> list[str]:
         """Names of the columns."""
@@ -101,7 +108,7 @@ class Table:
         try:
             scale = 1.0 if unit in ("", units, expected) else float(factor(unit, expected))
         except UnitError as error:
-            raise MeasurementError(f"{name} is in '{unit}'; {needed}") from error
+            raise MeasurementError(f"{name} is in '{excerpt(unit)}'; {needed}") from error
         variable = self.data.variables[name]
         if variable.dims not in ((), (self.dimension,)):
             raise MeasurementError(
@@ -112,7 +119,9 @@ class Table:
         values = _as_numbers(cells)
         refuse(
             ~(np.abs(values) < LARGEST),
-            lambda at: f"{name} is '{cells[at]}' in {self.places[int(rows[at])]}; it must be a number.",
+            lambda at: (
+                f"{name} is '{excerpt(cells[at])}' in {self.places[int(rows[at])]}; it must be a number."
+            ),
         )
         return values * scale
 
@@ -128,8 +137,8 @@ class Table:
             if cells.dtype.kind == "O" and not np.isfinite(values).all():
                 first = int(np.argmin(np.isfinite(values)))
                 raise MeasurementError(
-                    f"{name} is '{cells[first]}' in {self.places[first]}; a flag must be 0 or empty for an "
-                    "impact that is used, and another number for one that is left out."
+                    f"{name} is '{excerpt(cells[first])}' in {self.places[first]}; a flag must be 0 or "
+                    "empty for an impact that is used, and another number for one that is left out."
                 )
             # xarray represents an empty cell by NaN.
             marked |= np.nan_to_num(values) != 0.0
@@ -202,14 +211,14 @@ def _table_of(rows: Sequence[tuple[str, str]], comments: Sequence[str]) -> Table
             texts[text_name] = f"{texts[text_name]}\n{value}" if text_name in texts else value
         elif number := _QUANTITY.fullmatch(value):
             if unit is not None and number["unit"]:
-                raise MeasurementError(f"'{name}' has two units; it must have one.")
+                raise MeasurementError(f"'{excerpt(name)}' has two units; it must have one.")
             named.append((name, unit or number["unit"], _with_point(number["number"], separator)))
     import xarray
 
     columns: dict[str, xarray.Variable] = {}
     for name, unit, values in named:
         if name in columns:
-            raise MeasurementError(f"'{name}' occurs twice; it must occur once.")
+            raise MeasurementError(f"'{excerpt(name)}' occurs twice; it must occur once.")
         array = np.array(values, dtype=object)
         columns[name] = xarray.Variable((_ROW,) * array.ndim, array, {"units": unit or ""})
     return Table(xarray.Dataset(columns, attrs=texts), _ROW, places)
@@ -228,7 +237,9 @@ def _with_point(cell: str, separator: str) -> str:
 def _headed(cell: str, values: list[str]) -> tuple[str, str | None, str | list[str]]:
     """Return name and unit in the head of a column, and its values."""
     if (head := _HEAD.fullmatch(cell)) is None:
-        raise MeasurementError(f"'{cell}' is not the name of a column; it must be as 'before_x [m/s]'.")
+        raise MeasurementError(
+            f"'{excerpt(cell)}' is not the name of a column; it must be as 'before_x [m/s]'."
+        )
     return head["name"], head["unit"], values
 
 

@@ -11,6 +11,7 @@ from contactlab.checks import check_shape
 from contactlab.config.table import MeasurementError
 from contactlab.motor import NormalModes
 from contactlab.motor.bodies import FLAT
+from contactlab.suggestion import excerpt
 
 _NORMAL_MODE: Final = 2
 """Analysis type of a dataset 55."""
@@ -57,7 +58,7 @@ def read_universal(
         sets: Any = pyuff.UFF(str(path)).read_sets()
     # It raises what its parser came upon.
     except Exception as error:
-        raise MeasurementError(f"'{path}' cannot be read as a universal file: {error}.") from error
+        raise MeasurementError(f"'{path}' cannot be read as a universal file: {excerpt(error)}.") from error
     every = [sets] if isinstance(sets, dict) else list(sets)
     if units := [each["length"] for each in every if each["type"] == 164 and each["length"] != 1.0]:
         raise MeasurementError(f"'{path}' has a unit of length of 1/{units[0]:g} m; it must be in SI units.")

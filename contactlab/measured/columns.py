@@ -20,6 +20,7 @@ from contactlab.measured.bodies import BodyImpacts, sign_note
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies, squared_norm
 from contactlab.measured.series import MEASURABLE
 from contactlab.parameter import from_cf
+from contactlab.suggestion import excerpt
 
 CONTACT: Final = ("gap_rate", "slip")
 """Coordinates of a file with velocities of the contact."""
@@ -348,12 +349,13 @@ def _coordinates(table: Table) -> dict[str, bool]:
                 result[match[1]] = bool(is_angle)
         if match[1] not in result:
             raise MeasurementError(
-                f"{name} is in '{table.unit(name)}'; it must be in {' or, for an angle, '.join(expected)}."
+                f"{name} is in '{excerpt(table.unit(name))}'; it must be in "
+                f"{' or, for an angle, '.join(expected)}."
             )
     if not result:
         raise MeasurementError(
-            f"it has {', '.join(table.names) or 'no columns'}; it must have before_NAME and after_NAME for "
-            f"each coordinate (impacts), time and one of {', '.join(MEASURABLE)} (series), or rotor_velocity "
-            "and keys such as rotor.load_torque (operating points). See docs/measured_data.md."
+            f"it has {excerpt(', '.join(table.names)) or 'no columns'}; it must have before_NAME and "
+            f"after_NAME for each coordinate (impacts), time and one of {', '.join(MEASURABLE)} (series), or "
+            "rotor_velocity and keys such as rotor.load_torque (operating points). See docs/measured_data.md."
         )
     return result

@@ -23,6 +23,7 @@ import numpy as np
 from contactlab.config.table import MeasurementError
 from contactlab.measured.bodies import BodyImpacts
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies
+from contactlab.suggestion import excerpt
 
 MASS: Final = 36.4e-3  # [kg], as in the repository DAIRLab/ImpactModeling
 AXES: Final = (35e-3, 25e-3)  # [m] half axes
@@ -51,8 +52,8 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
         scipy.io.matlab.MatReadError,
     ) as error:
         raise MeasurementError(
-            f"it is not the MATLAB file with the impacts of ellipses ({error}); write other measurements as "
-            "CSV or netCDF, see docs/measured_data.md."
+            f"it is not the MATLAB file with the impacts of ellipses ({excerpt(error)}); write other "
+            "measurements as CSV or netCDF, see docs/measured_data.md."
         ) from error
     if not all(np.isfinite(column).all() for column in (states, normal, tangential, flags)):
         raise MeasurementError("some of its numbers are not finite.")

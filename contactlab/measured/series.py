@@ -19,7 +19,7 @@ import yaml
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.table import MeasurementError, Table
-from contactlab.suggestion import suggestion
+from contactlab.suggestion import excerpt, suggestion
 
 FEWEST: Final = 8
 """Smallest number of times."""
@@ -99,7 +99,8 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     present = [name for name in MEASURABLE if name in table.names]
     if "time" not in table.names or not present:
         raise MeasurementError(
-            f"it has {', '.join(table.names)}; it must have time and at least one of {', '.join(MEASURABLE)}."
+            f"it has {excerpt(', '.join(table.names))}; it must have time and at least one of "
+            f"{', '.join(MEASURABLE)}."
         )
     # A run has other variables; an error of nothing is a misspelt one.
     runs = table.dimension == "time"
@@ -123,7 +124,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         configuration = yaml.safe_load(str(table.data.attrs.get("configuration", "{}")))
     # YAML raises ValueErrors for impossible dates.
     except (yaml.YAMLError, ValueError) as error:
-        raise MeasurementError(f"its configuration is not YAML: {' '.join(str(error).split())}.") from error
+        raise MeasurementError(f"its configuration is not YAML: {excerpt(error)}.") from error
     if not isinstance(configuration, dict):
         raise MeasurementError("its configuration must be a mapping of groups of keys, as that of a run.")
     return MeasuredSeries(

@@ -10,6 +10,7 @@ import numpy as np
 
 from contactlab import variables
 from contactlab.results.files import damage
+from contactlab.suggestion import excerpt
 from contactlab.variables import Variable
 
 if TYPE_CHECKING:
@@ -77,8 +78,8 @@ def _faults(tree: xarray.DataTree) -> Iterator[str]:
     text = tree.attrs.get("complete", 1)
     if np.size(text) != 1 or text not in (0, 1):
         yield (
-            f"the attribute complete = {text!r}; it must be 1 for a run that reached its end and 0 for "
-            "another."
+            f"the attribute complete = {excerpt(repr(text))}; it must be 1 for a run that reached its "
+            "end and 0 for another."
         )
     if group := tree.children.get("contacts"):
         yield from _misread(group.to_dataset(inherit=False), variables.CONTACTS)
@@ -94,4 +95,4 @@ def _misread(data: xarray.Dataset, known: Iterable[Variable]) -> Iterator[str]:
         if values.dtype.kind not in "fiu":
             yield f"'{must.name}' as {values.dtype}; it must be real numbers in {must.units}."
         if units != must.units:
-            yield f"'{must.name}' in {units!r}; it must be in {must.units!r}."
+            yield f"'{must.name}' in {excerpt(repr(units))}; it must be in {must.units!r}."

@@ -2,16 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, final
+from typing import Annotated, Final, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import Checked, check_shape
+from contactlab.checks import Checked, check_number, check_shape
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry, contact_frame
 from contactlab.parameter import Parameter, not_negative, positive
+
+ROUND_OFF: Final = 1e-9
+"""Share of the largest capacitance by which others may miss symmetry or a positive energy."""
 
 
 @final
@@ -58,6 +61,8 @@ class NormalModes:
 
     def __post_init__(self) -> None:
         check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
+        if not self.stiffness.size:
+            raise ValueError("There are no modes; there must be one at least.")
         count = self.stiffness.size
         for name in ("damping", "tip_displacement", "tip_slope", "rotor_displacement"):
             if getattr(self, name) is not None:
@@ -74,6 +79,15 @@ class NormalModes:
         if self.capacitance is not None:
             meaning = "a row and a column an electrode"
             check_shape("capacitance", self.capacitance, (electrodes, electrodes), meaning)
+            _check_capacitance(self.capacitance)
+        check_number("loss_tangent", self.loss_tangent)
+        if not 0.0 <= self.loss_tangent < np.inf:
+            raise ValueError(f"loss_tangent is {self.loss_tangent}; it must be at least 0 and finite.")
+        if not self.approach.any():
+            raise ValueError(
+                "The modes do not move the tip towards the rotor: uy, the tip_displacement, is zero in each "
+                "mode; it must be another number in one at least."
+            )
 
     @property
     def approach(self) -> Array:
@@ -91,6 +105,23 @@ class NormalModes:
     def damping_ratio(self) -> Array:
         """zeta_j [1], shape (mode,); 1 is critical, more is overdamped."""
         return 0.5 * self.damping / np.sqrt(self.stiffness)
+
+
+def _check_capacitance(matrix: Array) -> None:
+    """Refuse a capacitance that is not symmetric, or that stores a negative energy, but for round-off."""
+    scale = float(np.abs(matrix).max(initial=0.0))
+    odd = np.abs(matrix - matrix.T)
+    if odd.max(initial=0.0) > ROUND_OFF * scale:
+        i, j = np.unravel_index(odd.argmax(), odd.shape)
+        raise ValueError(
+            f"capacitance_{i + 1}_{j + 1} is {matrix[i, j]:g} F and capacitance_{j + 1}_{i + 1} is "
+            f"{matrix[j, i]:g} F; both must be the same number: the capacitance is symmetric."
+        )
+    if (least := float(np.linalg.eigvalsh(matrix).min(initial=0.0))) < -ROUND_OFF * scale:
+        raise ValueError(
+            f"The capacitance has the eigenvalue {least:g} F; none may be negative: voltages would store a "
+            "negative energy."
+        )
 
 
 _LOAD = Parameter("tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative")

@@ -277,6 +277,8 @@ def cf_attributes(variable: Variable) -> dict[str, object]:
     }
     if variable.cell_methods:
         attributes["cell_methods"] = variable.cell_methods
+    if variable.standard_name:
+        attributes["standard_name"] = variable.standard_name
     if variable.comment:
         attributes["comment"] = variable.comment
     if variable.flags:

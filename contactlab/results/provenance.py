@@ -65,6 +65,8 @@ def code_attributes() -> dict[str, str | int]:
     return {
         "Conventions": "CF-1.11",
         "source": f"contactlab {versions()['contactlab_version']}, numerical simulation",
+        # Without a date: the same run leaves the same bytes.
+        "history": f"made by contactlab {versions()['contactlab_version']}",
         **versions(),
         "code_digest": code_digest(),
         "git_revision": revision,

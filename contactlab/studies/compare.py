@@ -212,7 +212,16 @@ class Compare(Study):
         """Return what is drawn."""
         runs = [run_of_setup(law, setup) for (law, _), setup in grid.setups.items()]
         factors = factors_of(runs, self.priors)
-        return (*factors, Factor(POSTERIOR)) if self.posteriors else factors
+        if not self.posteriors:
+            return factors
+        if not any(self.posteriors.values(setup, 0.0) for setup in grid.setups.values()):
+            raise ComparisonError(
+                [
+                    f"posterior is '{self.posterior}', a fit of {', '.join(self.posteriors.samples)}; it "
+                    "must be one of a number of the laws that are compared."
+                ]
+            )
+        return (*factors, Factor(POSTERIOR))
 
     def _design(self, grid: Grid) -> "_Design | None":
         """Return the motors that are compared in pairs; None without any."""

@@ -264,6 +264,8 @@ class Posteriors:
         try:
             with xarray.open_datatree(file) as tree:
                 groups = {label: fit["posterior"].to_dataset().load() for label, fit in tree.children.items()}
+                if not any(data.data_vars for data in groups.values()):
+                    raise ValueError("it has no posterior of a law")
         except (OSError, KeyError, ValueError) as error:
             raise ComparisonError([f"'{path}' is no file of the study fit: {error}"]) from None
         return cls(

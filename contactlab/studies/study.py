@@ -14,10 +14,12 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cache, cached_property
+from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
 
+from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
 from contactlab.parameter import Parameter
 from contactlab.studies.tables import as_text
@@ -100,6 +102,10 @@ class Study(ABC):
     delay: ClassVar[float] = 0.0
     """Processor time after which other processes are started, which takes seconds itself [s]."""
 
+    def __post_init__(self) -> None:
+        _check_attributes(type(self))
+        check_fields(self, self.name)
+
     workers: Annotated[int, option("processes at work", at_least=1)] = 1
     scheduler: Annotated[str | None, option("address of a Dask scheduler whose workers do the tasks")] = None
 
@@ -153,6 +159,21 @@ class Study(ABC):
         """The options on which the result depends, by name."""
         every = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value for name, value in every.items() if name not in WITHOUT_EFFECT}
+
+
+@cache
+def _check_attributes(study: type[Study]) -> None:
+    """Refuse a class attribute that no study has, which would be ignored, by a TypeError."""
+    own = get_annotations(Study)
+    known = {*dir(Study), *own, *(field.name for field in fields(study))}
+    for name, value in vars(study).items():
+        described = callable(value) or hasattr(value, "__get__")
+        if not (name in known or name.startswith("_") or described):
+            attributes = [n for n in own if n not in WITHOUT_EFFECT]
+            raise TypeError(
+                f"{study.__name__}.{name} is no attribute of a study; it must be one of "
+                f"{', '.join(attributes)}, an annotated option, or begin with an underscore."
+            )
 
 
 def estimates(data: xarray.Dataset, quantities: Iterable[Variable]) -> dict[str, Estimate]:

@@ -62,6 +62,8 @@ def test_the_recorded_configuration_has_the_changes() -> None:
         "1 ms; contact.preload=1",
         "1 ms; drive.signal=chirp",
         "1 ms; drive.phase=1 m",
+        "1 ms",
+        "1 ms; drive.phase=0; drive.phase=1",
     ],
 )
 def test_an_impossible_change_is_refused(change: str) -> None:

@@ -1,10 +1,14 @@
 """Claims on resonators of files: they are what was written, whatever the form, and faults have a name."""
 
 from dataclasses import replace
+from difflib import SequenceMatcher
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from hypothesis import given, settings, strategies as st
+from hypothesis.extra.numpy import arrays
 
 import contactlab as cl
 from contactlab.config.modal import read_modes, write_modes
@@ -95,7 +99,7 @@ def test_capacitances_are_those_of_the_comments(tmp_path: Path) -> None:
     lines = f"{HEAD},coupling_2 [N/V]", f"{ROW},0.2"
     made = read_modes(written(tmp_path / "modes.csv", *comments, *lines), 0.02)
     assert made.capacitance is not None
-    assert made.capacitance == pytest.approx(np.array([[2e-9, -1e-10], [0.0, 3e-9]]))
+    assert made.capacitance == pytest.approx(np.array([[2e-9, -1e-10], [-1e-10, 3e-9]]))
 
 
 def test_an_impact_meets_the_tips_mass_where_the_residual_is_known(tmp_path: Path) -> None:
@@ -195,3 +199,59 @@ def test_a_motor_of_three_electrodes_closes_its_ledger(tmp_path: Path) -> None:
     two, three = (cl.simulate(motor, cl.HertzPenalty(), duration=3e-3) for motor in motors)
     assert three["rotor_velocity"].values == pytest.approx(two["rotor_velocity"].values, abs=1e-9)
     assert abs(float(three["energy_residual"][-1])) < 1e-9 * float(three["drive_work"][-1])
+
+
+CAPACITOR = f"{HEAD},coupling_2 [N/V]", f"{ROW},0.2"
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ("# capacitance_1_1: 2 nF", "# capacitance_2_2: 2 nF", "# capacitance_1_2: 3 nF", *CAPACITOR),
+        (
+            *("# capacitance_1_1: 2 nF", "# capacitance_2_2: 2 nF", "# capacitance_1_2: 1 nF"),
+            *("# capacitance_2_1: -1 nF", *CAPACITOR),
+        ),
+        ("# capacitance_1_1: -2 nF", "# capacitance_2_2: 2 nF", *CAPACITOR),
+        ("# loss_tangent: -2", HEAD, ROW),
+        (HEAD,),
+        (HEAD, "1000,0.01,0,2,0.1"),
+    ],
+)
+def test_a_file_without_the_motion_or_with_a_negative_energy_is_refused(
+    tmp_path: Path, lines: tuple[str, ...]
+) -> None:
+    path = written(tmp_path / "modes.csv", *lines)
+    with pytest.raises(cl.ConfigurationError, match=r"^resonator\.file is"):
+        cl.build(["resonator=modal", f"resonator.file={path}"])
+
+
+@settings(max_examples=30)
+@given(arrays(np.float64, (2, 2), elements=st.floats(-1e-8, 1e-8)))
+def test_a_capacitance_is_symmetric_and_stores_no_negative_energy(matrix: np.ndarray) -> None:
+    modes = cl.RitzResonator().modes
+    sound = matrix @ matrix.T
+    assert replace(modes, capacitance=sound).capacitance is not None
+    least = float(np.linalg.eigvalsh(0.5 * (matrix + matrix.T)).min())
+    if abs(matrix[0, 1] - matrix[1, 0]) > 1e-15 or least < -1e-15:
+        with pytest.raises(ValueError, match="capacitance"):
+            replace(modes, capacitance=matrix)
+
+
+def test_a_table_of_tones_without_a_row_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path / "tones.csv", "frequency [Hz],voltage_1 [V],voltage_2 [V],phase_1,phase_2")
+    with pytest.raises(cl.ConfigurationError, match=r"^drive\.file is"):
+        cl.build(["drive=tones", f"drive.file={path}"])
+
+
+@given(st.text(min_size=61, max_size=400))
+def test_the_refusal_of_a_file_shows_60_of_its_characters_and_no_control(content: str) -> None:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "modes.csv"
+        path.write_text("SECRET=" + content, encoding="utf-8")
+        with pytest.raises(cl.ConfigurationError) as refused:
+            cl.build(["resonator=modal", f"resonator.file={path}"])
+    shown = str(refused.value).replace(str(path), "")
+    assert shown.isprintable()
+    longest = SequenceMatcher(None, shown, "SECRET=" + content, autojunk=False).find_longest_match()
+    assert longest.size <= 60

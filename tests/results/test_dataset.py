@@ -126,6 +126,7 @@ def test_attributes_record_what_ran(path: Path, trajectory: Trajectory) -> None:
     with xarray.open_dataset(path) as root:
         attributes = root.attrs
     assert attributes["Conventions"] == "CF-1.11"
+    assert attributes["history"]
     assert yaml.safe_load(attributes["configuration"]) == CONFIGURATION
     assert json.loads(attributes["law_parameters"]) == trajectory.law.describe()
     assert json.loads(attributes["solver_statistics"]) == trajectory.statistics

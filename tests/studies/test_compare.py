@@ -258,6 +258,19 @@ def test_the_posterior_of_a_fit_is_drawn_for_its_law(tmp_path: Path) -> None:
         Posteriors.read(str(tmp_path / "nothing"))
 
 
+def test_a_file_that_is_no_fit_of_the_laws_is_no_posterior(tmp_path: Path) -> None:
+    xarray.Dataset({"stiffness": ("draw", np.ones(3))}).to_netcdf(tmp_path / "plain.nc")
+    xarray.DataTree.from_dict({"newton/posterior": xarray.Dataset()}).to_netcdf(tmp_path / "fit.nc")
+    for name in ("plain.nc", "fit.nc"):
+        with pytest.raises(cl.ComparisonError, match=name):
+            Posteriors.read(str(tmp_path / name))
+    data = xarray.Dataset({"restitution": (("chain", "draw"), np.ones((1, 3)))})
+    xarray.DataTree.from_dict({"newton/posterior": data}).to_netcdf(tmp_path / "other.nc")
+    study = cl.Compare(posterior=str(tmp_path / "other.nc"), samples=4)
+    with pytest.raises(cl.ComparisonError, match="posterior"):
+        list(study.tasks({f"law={law}": setup_of(law) for law in ("hertz_penalty", "lagrange_stick")}))
+
+
 def test_what_a_law_of_ones_own_declares_is_varied_and_the_rest_is_left_fixed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
