@@ -69,9 +69,22 @@ def _remove_old(parent: Path, name: str) -> None:
             shutil.rmtree(folder, ignore_errors=True)
 
 
+@cache
+def units() -> Any:
+    """Return the module that compiles kernels as units; none where this Numba cannot, with the same bits."""
+    try:
+        from contactlab import units
+
+        _keep_in(code_folder(), units.around)
+        return units if units.around(6.0) == 5.0 else None
+    # Units go beyond the compiler's documented interface: another version may fail in any way.
+    except Exception:
+        return None
+
+
 @final
 class Kernel:
-    """A function that is compiled when it is first called, from Python or by another kernel.
+    """A function that is compiled when it is first called, by another kernel or, if not inner, from Python.
 
     Any other attribute is that of the compiler's own object, by whose type kernels call each other.
     """
@@ -83,19 +96,19 @@ class Kernel:
     @cached_property
     def compiled(self) -> Any:
         """The compiler's own object."""
-        from contactlab import units
-
-        pipeline = units.PartCompiler if self._inner else units.WholeCompiler
-        made: Any = fleeting_kernel(self.py_func, pipeline_class=pipeline, **self.targetoptions)
-        if self._inner:
-            units.inner[self.py_func] = made
-        elif is_own(self.py_func):
+        pipeline: dict[str, Any] = {}
+        if whole := units():
+            pipeline["pipeline_class"] = whole.PartCompiler if self._inner else whole.WholeCompiler
+        made: Any = fleeting_kernel(self.py_func, **pipeline, **self.targetoptions)
+        if self._inner and whole:
+            whole.inner[self.py_func] = made
+        elif not self._inner and is_own(self.py_func):
             _keep_in(code_folder(), made)
         return made
 
     def __call__(self, *arguments: Any) -> Any:
-        """Evaluate the function."""
-        return self.compiled(*arguments)
+        """Evaluate the function; an inner kernel, which has no entry from Python, as the Python function."""
+        return self.py_func(*arguments) if self._inner else self.compiled(*arguments)
 
     def __getattr__(self, name: str) -> Any:
         # Whoever looks for a method of Python's own needs no compiler.
@@ -115,9 +128,9 @@ def kernel(function: Function, **options: Any) -> Function:
 
 
 def inner_kernel(function: Function, **options: Any) -> Function:
-    """Make a kernel that only kernels call, never Python.
+    """Make a kernel whose machine code only kernels call, with whose code it is kept.
 
-    It has no way in from Python, and its code is kept with that of the kernels that call it.
+    It has no entry from Python: a call from there evaluates the Python function.
     """
     options |= {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     return function if INTERPRETED else cast(Function, Kernel(function, options, inner=True))

@@ -5,13 +5,14 @@ it: four times as much as the engine's loop has. Here inner kernels add theirs t
 that is being compiled, and are compiled again for another one.
 
 It is written with Numba's interface for compilers of one's own (`pipeline_class` of `numba.jit`, passes) and,
-beyond what that documents, with the libraries of code that passes write into; `pyproject.toml` therefore
-admits the versions of Numba alone that it has been tested with.
+beyond what that documents, with the libraries of code that passes write into. `contactlab.compiled.units`
+therefore tries it with `around`, and does without where it fails.
 """
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
+from numba import njit
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
 from numba.core.typed_passes import NativeLowering
@@ -115,3 +116,27 @@ class _CloseUnit(LoweringPass):
         state.targetctx.insert_user_function(way_in, made, [library])
         state.cr = state.cr._replace(cfunc=way_in)
         return True
+
+
+def _by(compiler: type[CompilerBase], **options: Any) -> Callable[[Callable[[float], float]], Any]:
+    jit: Any = njit
+    return cast(Callable[..., Any], jit(pipeline_class=compiler, **options))
+
+
+@_by(PartCompiler, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+def _third(x: float) -> float:
+    return x / 3.0
+
+
+@_by(WholeCompiler)
+def _within(x: float) -> Any:
+    return _third(x) + 1.0
+
+
+@_by(WholeCompiler)
+def around(x: float) -> Any:
+    """Compute 2 x/3 + 1 by a kernel that calls an inner kernel and another kernel, which shares it."""
+    return _third(x) + _within(x)
+
+
+inner[_third.py_func] = _third

@@ -1,11 +1,13 @@
 """The compiled code is kept where it belongs to these sources, and found again."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray
 from numba.core.errors import TypingError
 
 from contactlab import compiled
@@ -81,6 +83,7 @@ def _around(x: float) -> float:
 @pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
 def test_kernels_that_call_each_other_share_an_inner_kernel() -> None:
     inner: Any = _third
+    assert compiled.units()
     with telling() as made:
         assert _around(6.0) == 5.0
     # Once for each of the two units, and the kernel that is called from the other.
@@ -104,3 +107,86 @@ def test_a_kernel_that_does_not_compile_leaves_no_inner_code_behind() -> None:
     inner: Any = _third
     assert not inner.overloads
     assert _within(9.0) == 4.0
+
+
+EVERY = """
+import importlib, inspect, pkgutil
+import contactlab
+from contactlab.compiled import Kernel
+
+def outcome(function):
+    try:
+        return repr(function(*[0.5] * len(inspect.signature(function).parameters)))
+    except Exception as error:
+        return type(error)
+
+kernels = {}
+for module in pkgutil.walk_packages(contactlab.__path__, "contactlab."):
+    if "__main__" not in module.name:
+        made = importlib.import_module(module.name)
+        for owner in (made, *filter(inspect.isclass, vars(made).values())):
+            found = (getattr(each, "__func__", each) for each in vars(owner).values())
+            kernels |= {id(each): each for each in found if isinstance(each, Kernel)}
+for kernel in kernels.values():
+    inner = "no_cpython_wrapper" in kernel.targetoptions
+    print(inner and outcome(kernel) == outcome(kernel.py_func), outcome(kernel.py_func), sep="\\t")
+"""
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_every_inner_kernel_is_its_python_function_to_python() -> None:
+    result = subprocess.run([sys.executable, "-c", EVERY], capture_output=True, text=True, check=True)
+    same, outcomes = zip(*(line.split("\t") for line in result.stdout.splitlines()), strict=True)
+    # Inner ones, and those of laws, which call them by their Python functions.
+    assert same.count("True") > 100
+    assert sum(not each.startswith("<class") for each in outcomes) > 50
+
+
+WITHOUT_UNITS = {
+    "no module": "import sys; sys.modules['contactlab.units'] = None",
+    "an error": "from contactlab import units; units._JoinUnit.run_pass = lambda *_: 1 / 0",
+    "a wrong result": "from contactlab import units; units.around = units._within",
+}
+PULLED = """
+from contactlab.compiled import units
+from contactlab.laws.normal.jkr import Jkr
+print(units() is not None, *(Jkr.elastic(0.3 * depth, 0.1, 0.7) for depth in range(-3, 3)), sep="\\n")
+"""
+
+
+@pytest.fixture(scope="module")
+def with_units(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    return pulled("", tmp_path_factory.mktemp("units"))
+
+
+def pulled(first: str, folder: Path) -> list[str]:
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder)}
+    line = [sys.executable, "-c", first + PULLED]
+    return subprocess.run(line, capture_output=True, text=True, check=True, env=environment).stdout.split(
+        "\n"
+    )
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+@pytest.mark.parametrize("first", WITHOUT_UNITS.values(), ids=WITHOUT_UNITS)
+def test_without_units_a_kernel_gives_the_same_bits(
+    first: str, with_units: list[str], tmp_path: Path
+) -> None:
+    without = pulled(first, tmp_path)
+    assert (with_units[0], without[0]) == ("True", "False")
+    assert with_units[1:] == without[1:]
+
+
+@pytest.mark.long
+def test_without_units_a_run_has_the_same_bits(tmp_path: Path) -> None:
+    run = "import sys\nfrom contactlab.cli.main import main\nsys.argv[1:] = {}\nsys.exit(main())"
+    runs = []
+    for name in ("units", "no module"):
+        folder = tmp_path / name
+        line = ["record.picture=false", f"hydra.run.dir={folder}"]
+        text = f"{WITHOUT_UNITS.get(name, '')}\n{run.format(line)}"
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / f"code of {name}")}
+        subprocess.run([sys.executable, "-c", text], check=True, env=environment)
+        with xarray.open_dataset(folder / "run.nc") as dataset:
+            runs.append(dataset.load())
+    assert runs[0].equals(runs[1])
