@@ -2,7 +2,7 @@
 
 import nox
 
-PYTHONS = ("3.11", "3.12", "3.13")
+PYTHONS = ("3.11", "3.12", "3.13", "3.14", "3.15")
 
 nox.options.sessions = ("lint", "tests")
 nox.options.reuse_existing_virtualenvs = True

@@ -22,8 +22,10 @@ from contactlab.config.composition import (
     CONFIG_NAME,
     EXPERIMENT,
     VERSION_BASE,
+    allowing,
     faults_of,
     refuse_lines,
+    register_resolver,
     started,
 )
 from contactlab.config.options import conf_directory, groups
@@ -46,7 +48,10 @@ def main(arguments: list[str]) -> int:
     sys.argv[1:] = lines = for_hydra(arguments)
     try:
         refuse_lines(line for line in arguments if not line.startswith("-"))
-        with warnings.catch_warnings():
+        with (
+            warnings.catch_warnings(),
+            allowing("contactlab.cli.app.Check", "hydra.experimental.callbacks.*"),
+        ):
             # Hydra warns of a folder of options that does not exist, and goes on without.
             warnings.filterwarnings("error", ".* is not available", UserWarning)
             _perform(lines)
@@ -65,7 +70,7 @@ def _perform(lines: list[str]) -> None:
         print(_help(lines[:-1]))
         return
     if any(line.startswith(("-", "hydra.mode", f"{EXPERIMENT}=")) for line in lines):
-        hydra.main(str(conf_directory()), CONFIG_NAME, VERSION_BASE)(task)()
+        hydra.main(str(conf_directory()), CONFIG_NAME, **VERSION_BASE)(task)()
         return
     # Hydra composes once more to see whether the configuration asks for a sweep, which none of these can.
     with started() as application:
@@ -114,4 +119,4 @@ def folder_name(overrides: str) -> str:
 
 
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
-OmegaConf.register_new_resolver("folder_name", folder_name, replace=True)
+register_resolver("folder_name", folder_name)

@@ -1,12 +1,12 @@
 """Configurations from overrides, by Hydra: files of `conf/`, and behind them what the classes declare."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any, Final, final
 
 import hydra
-from hydra import errors
+from hydra import errors, utils
 from hydra.conf import HydraConf
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.global_hydra import GlobalHydra
@@ -30,10 +30,15 @@ from contactlab.config.options import (
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
-VERSION_BASE: Final = "1.3"
 SCHEME: Final = "contactlab"
 EXPERIMENT: Final = "experiment"
 """The group whose options are files alone: named sets of changes to the default run."""
+
+_ALLOW: Final = getattr(utils, "execution_whitelist", None)
+"""Restriction of what a configuration may import; Hydra has it since 1.4, and with it other names."""
+
+VERSION_BASE: Final[dict[str, Any]] = {} if _ALLOW else {"version_base": "1.3"}
+"""Option of Hydra before 1.4, which behaves like its first versions without."""
 
 ENVIRONMENT: Final = "${oc.env"
 """A reference to a variable of the environment."""
@@ -148,11 +153,22 @@ def started() -> Iterator[Any]:
     GlobalHydra.instance().clear()
     conf = str(conf_directory())
     try:
-        with hydra.initialize_config_dir(conf, job_name=SCHEME, version_base=VERSION_BASE):
+        with hydra.initialize_config_dir(conf, job_name=SCHEME, **VERSION_BASE):
             yield GlobalHydra.instance().hydra
     finally:
         if running is not None:
             GlobalHydra.instance().initialize(running)
+
+
+def allowing(*targets: str) -> AbstractContextManager[Any]:
+    """Return a context in which a configuration may import no other callbacks and handlers than these."""
+    return _ALLOW([*targets]) if _ALLOW else nullcontext()
+
+
+def register_resolver(name: str, function: Callable[..., str]) -> None:
+    """Let configurations refer to a function of this package by a name."""
+    old = "" if _ALLOW else "_new"
+    getattr(OmegaConf, f"register{old}_resolver")(name, function, replace=True)
 
 
 @final
@@ -205,4 +221,4 @@ def _split(path: str) -> tuple[str, str]:
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
 for plugin in (_DeclaredSource, _DeclaredSearchPath):
     Plugins.instance().register(plugin)
-OmegaConf.register_new_resolver("help_on_keys", help_on_keys, replace=True)
+register_resolver("help_on_keys", help_on_keys)

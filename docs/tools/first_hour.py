@@ -1,6 +1,6 @@
 """From nothing to the first figure, and to green tests: what a new user waits for, step by step.
 
-python docs/tools/first_hour.py [python=3.11,3.12,3.13] [commit=HEAD] [before=COMMIT] [tests=true]
+python docs/tools/first_hour.py [python=3.11,3.12,3.13,3.14,3.15] [commit=HEAD] [before=COMMIT] [tests=true]
                                  [output=DIR]
 
 A commit is cloned into an empty folder and README's two commands are read out of the clone and run, each
@@ -30,7 +30,7 @@ from time import perf_counter
 from readme_commands import FIGURE, GREEN, steps_of
 
 ROOT = Path(__file__).resolve().parents[2]
-VERSIONS = ("3.11", "3.12", "3.13")
+VERSIONS = ("3.11", "3.12", "3.13", "3.14", "3.15")
 GIVEN = {
     "python": ",".join(VERSIONS),
     "commit": "HEAD",

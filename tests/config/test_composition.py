@@ -11,7 +11,7 @@ from support.command_line import Command
 from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
-from contactlab.config.composition import started
+from contactlab.config.composition import VERSION_BASE, started
 from contactlab.config.options import conf_directory
 from contactlab.laws import law_class
 
@@ -56,7 +56,7 @@ def test_a_fault_of_composition_names_its_key(override: str, key: str) -> None:
 
 
 def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
-    with hydra.initialize_config_dir(str(conf_directory()), version_base="1.3"):
+    with hydra.initialize_config_dir(str(conf_directory()), **VERSION_BASE):
         outer = GlobalHydra.instance().hydra
         assert compose(["law=newton"]) == composed(law="newton")
         assert GlobalHydra.instance().hydra is outer
