@@ -20,6 +20,9 @@ MOST_RECORDS = 10_000_000
 RECORD_SIZE = 380.0
 """Memory that a record takes until its run is in a file [bytes], measured with 1e7 of them."""
 
+MOST_MEMORY = MOST_RECORDS * RECORD_SIZE
+"""Memory of the numbers of a run or of a file [bytes]."""
+
 MEMORY_INFO = Path("/proc/meminfo")
 """Where Linux tells the memory that processes can have."""
 
@@ -106,6 +109,15 @@ def check_records(duration: float, interval: float, name: str) -> None:
             f"{size_of(count * RECORD_SIZE)}, and {most:.4g} are the most, {size_of(most * RECORD_SIZE)}: it "
             f"must be at least {duration / most:.3g} s. Records do not change the motion."
         )
+
+
+def check_size(name: str, size: float, count: float = 0.0) -> None:
+    """Refuse what is larger [bytes] than there is memory for, or has too many rows, by a ValueError."""
+    most = min(MOST_MEMORY, available_memory())
+    if size > most:
+        raise ValueError(f"{name} takes {size_of(size)}; {size_of(most)} are the most.")
+    if count > MOST_RECORDS:
+        raise ValueError(f"{name} has {count:.4g} rows; {MOST_RECORDS:.0e} are the most.")
 
 
 def available_memory() -> float:

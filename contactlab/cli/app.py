@@ -24,7 +24,7 @@ from contactlab.cli.jobs import perform, refusals
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
 from contactlab.config import ConfigurationError, Setup, build, validate
-from contactlab.config.composition import resolved
+from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.schema import FRICTION
 from contactlab.config.studies import RUN, study_of
@@ -100,8 +100,8 @@ class Check(Callback):
             if config.sweep.over:
                 setups_of(lines, list(config.sweep.over))
             faults = faults or list(_folder_faults(config))
-        except ConfigurationError as error:
-            faults += error.faults
+        except Exception as error:
+            faults += faults_of(error, lines)
         if faults:
             sys.exit(refuse(faults))
         announce([setup.configuration])

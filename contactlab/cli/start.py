@@ -7,7 +7,9 @@ import os
 import re
 import sys
 import warnings
+from collections.abc import Iterator
 from hashlib import sha256
+from itertools import pairwise
 from string import Template
 from typing import Final
 
@@ -24,6 +26,7 @@ from contactlab.config.composition import (
     VERSION_BASE,
     allowing,
     faults_of,
+    refuse_expansions,
     refuse_lines,
     register_resolver,
     started,
@@ -48,6 +51,7 @@ def main(arguments: list[str]) -> int:
     sys.argv[1:] = lines = for_hydra(arguments)
     try:
         refuse_lines(line for line in arguments if not line.startswith("-"))
+        refuse_expansions(_folders(lines))
         with (
             warnings.catch_warnings(),
             allowing("contactlab.cli.app.Check", "hydra.experimental.callbacks.*"),
@@ -61,6 +65,16 @@ def main(arguments: list[str]) -> int:
     except Exception as error:
         return refuse(faults_of(error, sys.argv[1:]))
     return COMPLETE
+
+
+def _folders(lines: list[str]) -> Iterator[str]:
+    """Yield the folders of configurations that the arguments name."""
+    for flag, follower in pairwise([*lines, ""]):
+        name, sign, value = flag.partition("=")
+        if name in ("--config-dir", "-cd", "--config-path", "-cp"):
+            yield value if sign else follower
+        elif name == "hydra.searchpath":
+            yield from re.findall(r"file://([^,'\"\]]+)", value)
 
 
 def _perform(lines: list[str]) -> None:

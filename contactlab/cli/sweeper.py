@@ -38,7 +38,8 @@ from contactlab.config.groups import Sweep
 from contactlab.config.nesting import Value
 from contactlab.config.studies import RUN
 from contactlab.processes import WorkerError, processors
-from contactlab.results.files import LOG, STATE, error_text
+from contactlab.results.files import LOG, STATE, check_file, error_text
+from contactlab.results.netcdf import check_declared
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
 from contactlab.studies.sweep import Sweep as SweepStudy, begin, continued, runs_of
 from contactlab.studies.sweep_dataset import summary
@@ -193,6 +194,7 @@ def table(path: str) -> dict[str, list[Value]]:
         ConfigurationError: it cannot be read, or lacks a value.
     """
     try:
+        check_file(Path(path))
         if path.endswith(".csv"):
             # Without header: pandas would rename a column that is there twice, and shift too long a row.
             cells = pandas.read_csv(path, header=None, skipinitialspace=True, dtype=str, encoding="utf-8-sig")
@@ -201,6 +203,7 @@ def table(path: str) -> dict[str, list[Value]]:
                 raise ValueError("two columns have one name")
             rows = pandas.read_csv(path, skipinitialspace=True, index_col=False, names=names, header=0)
         else:
+            check_declared(Path(path))
             with xarray.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
                 # The dataset of a sweep says which of its variables are keys.
                 keys = {name: v.attrs["key"] for name, v in dataset.variables.items() if "key" in v.attrs}

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from pathlib import Path
 from typing import Any, Final, final
 
 import hydra
@@ -16,6 +17,7 @@ from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.plugins.search_path_plugin import SearchPathPlugin
 from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
+from yaml import YAMLError
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.nesting import flat
@@ -27,6 +29,7 @@ from contactlab.config.options import (
     help_on_keys,
     known_keys,
 )
+from contactlab.results.yaml_text import check_expansion
 from contactlab.suggestion import suggestion
 
 CONFIG_NAME: Final = "config"
@@ -108,6 +111,21 @@ def refuse_lines(lines: Iterable[str]) -> None:
         below = re.findall(r"(\w+)\s*:", value) if value.startswith("{") else []
         for group in filter(None, map(group_selected_by, [key, *(f"{key}.{leaf}" for leaf in below)])):
             faults.append(f"{line} would rename a {group} and keep its parameters; choose by {group}=NAME.")
+    if faults:
+        raise ConfigurationError(faults)
+
+
+def refuse_expansions(folders: Iterable[str]) -> None:
+    """Refuse folders of configurations with a file whose aliases multiply: Hydra would expand them all."""
+    faults = []
+    for path in (path for folder in folders for path in sorted(Path(folder).rglob("*.yaml"))):
+        try:
+            check_expansion(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            faults.append(f"'{path}' is no configuration: {one_line(error)}")
+        # What is no YAML, or cannot be read, Hydra refuses if it is chosen.
+        except (OSError, YAMLError):
+            continue
     if faults:
         raise ConfigurationError(faults)
 

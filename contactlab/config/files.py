@@ -1,10 +1,10 @@
 """Files that a configuration names, recorded by path and digest: another content is another motor."""
 
-from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from contactlab.config.faults import ConfigurationError
+from contactlab.results.files import check_file, digest_of_file
 
 
 def named_file(group: str, section: dict[str, Any]) -> Path:
@@ -15,9 +15,11 @@ def named_file(group: str, section: dict[str, Any]) -> Path:
     """
     path, expected = Path(section["file"]).absolute(), section["digest"]
     try:
-        digest = sha256(path.read_bytes()).hexdigest()[:16]
-    except OSError as error:
-        fault = f"{group}.file is '{path}', which cannot be read ({error.strerror}); it must be a file."
+        check_file(path)
+        digest = digest_of_file(path)[:16]
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        fault = f"{group}.file is '{path}', which cannot be read ({reason}); it must be a file."
         raise ConfigurationError([fault]) from error
     if expected not in (None, digest):
         fault = f"{group}.digest is '{expected}'; it must be '{digest}', that of '{path}'."

@@ -102,7 +102,7 @@ class Sweep(Checked):
     samples: Annotated[str | None, _SAMPLES] = None
     over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
     chunk: Annotated[int | None, _CHUNK] = None
-    workers: Annotated[int | None, _declared("processes at work", at_least=1)] = None
+    workers: Annotated[int | None, _declared("processes at work", at_least=1, at_most=1000)] = None
 
 
 @final

@@ -4,6 +4,7 @@ Angles are no pure numbers: taken as 2 Hz, '2 rad/s' would silently be wrong by 
 """
 
 import re
+import reprlib
 from contextlib import suppress
 from decimal import Decimal
 from functools import cache
@@ -85,7 +86,8 @@ def example_in(unit: str) -> str:
 def describe(value: object) -> str:
     """Return a value of a configuration as messages show it."""
     if isinstance(value, list | tuple):
-        return f"the list {list(value)}"
+        # A list of lists may be as large as aliases in YAML make it.
+        return f"the list {reprlib.repr(list(value))}"
     if isinstance(value, dict):
         return "a mapping"
     if isinstance(value, str):

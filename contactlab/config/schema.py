@@ -13,6 +13,8 @@ from contactlab.config.quantity import MISSING, UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
+from contactlab.motor.drive import samples_of_chirp
+from contactlab.motor.waveform import MOST_SAMPLES
 from contactlab.parameter import DeclaredField, Parameter
 from contactlab.settling.criterion import PRECISION, STEADY
 
@@ -53,6 +55,13 @@ RULES: Final = (
         ("resonator.rod_length", "contact.tip_length"),
         lambda rod, tip: rod is None or rod == tip,
         "resonator.rod_length is {0:.12g} m; it must be contact.tip_length, {1:.12g} m, that of the tip.",
+    ),
+    Rule(
+        ("drive.first_frequency", "drive.last_frequency", "drive.duration"),
+        lambda *chirp: samples_of_chirp(*chirp) <= MOST_SAMPLES,
+        "drive.duration is {2:.12g} s; it must be shorter, or drive.first_frequency, {0:.12g} Hz, and "
+        "drive.last_frequency, {1:.12g} Hz, lower: a chirp takes 21 samples a turn, and at most "
+        f"{MOST_SAMPLES}.",
     ),
     Rule(
         ("solver.contact_step", "solver.duration"),

@@ -147,7 +147,7 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
     if resolved["contact"]["preload"] is not None:
         try:
             motor = at_rest(motor, law)
-        except ValueError as error:
+        except (ValueError, LawError) as error:
             preload = resolved["contact"]["preload"]
             raise ConfigurationError([f"contact.preload is {preload:g} N. {error}"]) from error
     later = changed(resolved, solver["changes"] or (), solver["duration"])

@@ -162,14 +162,17 @@ def read_table(path: Path) -> Table:
     # Imported here, as below: a run without files needs none.
     import xarray
 
+    from contactlab.results.netcdf import check_declared
+
     with path.open("rb") as stream:
         start = stream.read(8)
     if not start.startswith(_NETCDF):
         return _from_text(path)
     try:
+        check_declared(path)
         data = xarray.load_dataset(path, engine="netcdf4", decode_times=False)
     except (OSError, ValueError, RuntimeError) as error:
-        raise MeasurementError(f"it cannot be read as netCDF: {error}.") from error
+        raise MeasurementError(f"it cannot be read as netCDF: {f'{error}'.rstrip('.')}.") from error
     first = next((variable.dims[0] for variable in data.variables.values() if variable.dims), "impact")
     dimension = "time" if "time" in data.dims else str(first)
     count = data.sizes.get(dimension, 1)

@@ -50,11 +50,9 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
             return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
 
         with errors():
-            if not missing(DEEPEST) > 0.0:
-                raise ValueError(
-                    f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest."
-                )
-            return float(scipy.optimize.brentq(missing, 0.0, DEEPEST, xtol=1e-20, rtol=1e-14))
+            if missing(DEEPEST) > 0.0:
+                return float(scipy.optimize.brentq(missing, 0.0, DEEPEST, xtol=1e-20, rtol=1e-14))
+        raise ValueError(f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest.")
 
     force = 0.0
     if free.size:

@@ -13,7 +13,7 @@ from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
 from contactlab.measured.points import VELOCITY, MeasuredPoints, points_of_table
 from contactlab.measured.series import MEASURABLE, MeasuredSeries, series_of_table
-from contactlab.results.files import damage, digest_of_file, whole_file, whole_netcdf
+from contactlab.results.files import check_file, damage, digest_of_file, whole_file, whole_netcdf
 
 _COMPRESSED: Final = {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None}
 
@@ -29,6 +29,10 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | Measured
     """
     path = Path(path)
     try:
+        try:
+            check_file(path)
+        except ValueError as error:
+            raise MeasurementError(str(error)) from error
         with path.open("rb") as stream:
             if stream.read(6) == b"MATLAB":
                 return read_ellipses(path)

@@ -19,6 +19,7 @@ import yaml
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.config.table import MeasurementError, Table
+from contactlab.results.yaml_text import read_yaml
 from contactlab.suggestion import excerpt, suggestion
 
 FEWEST: Final = 8
@@ -121,7 +122,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
             if not deviations[name].min() > 0.0:
                 raise MeasurementError(f"{key} is {deviations[name].min():g}; it must be greater than 0.")
     try:
-        configuration = yaml.safe_load(str(table.data.attrs.get("configuration", "{}")))
+        configuration = read_yaml(str(table.data.attrs.get("configuration", "{}")))
     # YAML raises ValueErrors for impossible dates.
     except (yaml.YAMLError, ValueError) as error:
         raise MeasurementError(f"its configuration is not YAML: {excerpt(error)}.") from error

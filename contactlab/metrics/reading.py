@@ -10,6 +10,7 @@ import numpy as np
 
 from contactlab import variables
 from contactlab.results.files import damage
+from contactlab.results.netcdf import check_declared
 from contactlab.suggestion import excerpt
 from contactlab.variables import Variable
 
@@ -50,6 +51,7 @@ def _opened(path: Path) -> xarray.DataTree:
         raise ValueError(f"'{path}' is not there; it must be a netCDF-4 file in the layout of a run.nc.")
     try:
         if not (damaged := damage(path)):
+            check_declared(path)
             # Seconds are numbers here, not dates.
             with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
                 return opened.load()

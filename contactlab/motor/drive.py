@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
-from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform
+from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform, check_samples
 from contactlab.parameter import Parameter, positive
 
 # Over patches of a millimetre; ceramics break down at some 1e3 V.
@@ -81,11 +81,17 @@ class Chirp(Checked):
     def drive(self) -> "Drive":
         """Return the drive, whose samples lie at most `SAMPLED_TURN` of the tone apart."""
         first, last, duration = self.first_frequency, self.last_frequency, self.duration
-        count = ceil(2.0 * pi * max(first, last) * duration / SAMPLED_TURN) + MOST_DEGREE + 1
+        check_samples(turns := samples_of_chirp(first, last, duration))
+        count = ceil(turns) + MOST_DEGREE + 1
         time = np.linspace(0.0, duration, count)
         phi = 2.0 * pi * (first + 0.5 * (last - first) * time / duration) * time
         voltage = np.stack([self.voltage_1 * np.sin(phi), self.voltage_2 * np.sin(phi + self.phase)])
         return Drive(waveform=Waveform.sampled(time, voltage, MOST_DEGREE))
+
+
+def samples_of_chirp(first: float, last: float, duration: float) -> float:
+    """Return the number of samples of a chirp between two frequencies [Hz] over a duration [s]."""
+    return 2.0 * pi * max(first, last) * duration / SAMPLED_TURN
 
 
 @final

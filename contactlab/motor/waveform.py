@@ -13,6 +13,9 @@ from contactlab.checks import check_kind, check_shape
 MOST_DEGREE: Final = 7
 """Highest degree of a piece; the engine has room for so many powers of time."""
 
+MOST_SAMPLES: Final = 2_000_000
+"""Samples of a waveform; each takes some 700 bytes with the polynomials through it."""
+
 SAMPLED_TURN: Final = 0.3
 """Angle between samples of a formula [rad]: a spline of degree 7 misses a sine by 1e-10 of its amplitude."""
 
@@ -72,6 +75,7 @@ class Waveform:
         check_shape("voltage", voltage, (-1, time.size), "a row an electrode and a column a sample")
         if degree not in (1, 3, 5, MOST_DEGREE):
             raise ValueError(f"degree is {degree}; it must be 1, 3, 5 or {MOST_DEGREE}.")
+        check_samples(time.size)
         if time.size <= degree:
             raise ValueError(
                 f"There are {time.size} samples; a degree of {degree} takes {degree + 1} at least."
@@ -124,3 +128,9 @@ class Waveform:
             rows = np.vstack([silent, rows, silent])
             rows[0, 0], rows[-1, 0] = -np.inf, x[-1]
         return rows
+
+
+def check_samples(count: float) -> None:
+    """Refuse more samples than a waveform may have by a ValueError."""
+    if count > MOST_SAMPLES:
+        raise ValueError(f"There are {count:.4g} samples; a waveform has at most {MOST_SAMPLES:.0e}.")

@@ -16,7 +16,10 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from hashlib import file_digest, sha256
 from pathlib import Path
+from stat import S_ISREG
 from typing import Final
+
+from contactlab.checks import check_size
 
 DATASET: Final = "run.nc"
 STATE: Final = "state.json"
@@ -104,6 +107,18 @@ def error_text(error: OSError) -> str:
     """Return an error of the system as a sentence."""
     where = f" The place is '{error.filename}'." if error.filename else ""
     return f"{error.strerror or error}.{where}"
+
+
+def check_file(path: Path) -> None:
+    """Refuse what cannot be read as a whole: a device, which may have no end, or more than memory.
+
+    Raises:
+        OSError: it is missing, or no file.
+        ValueError: it is too large; a sentence.
+    """
+    if not S_ISREG((status := path.stat()).st_mode):
+        raise OSError(errno.EINVAL, "it is a folder or a device", str(path))
+    check_size("The file", status.st_size)
 
 
 def digest_of_file(path: Path) -> str:

@@ -10,8 +10,10 @@ summed up and drawn without.
 """
 
 import json
+from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
@@ -19,6 +21,7 @@ import numpy as np
 import yaml
 
 from contactlab import variables
+from contactlab.checks import check_size
 from contactlab.laws import ContactLaw, InternalVariable
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
@@ -27,6 +30,7 @@ from contactlab.motor.motor import free_reach
 from contactlab.motor.outputs import output_variables
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
+from contactlab.results.yaml_text import read_yaml
 from contactlab.settling.verdict import Settling, configured_period, drive_period, settling_of
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import INTERNAL, Variable
@@ -192,9 +196,7 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
 def configuration_of(attributes: Mapping[Any, Any]) -> dict[str, Any]:
     """Return the configuration that the attributes of a dataset contain; empty without one."""
     try:
-        # libyaml, where PyYAML has it, reads the same eight times as fast.
-        loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-        configuration = yaml.load(str(attributes.get("configuration", "")), loader)
+        configuration = read_yaml(str(attributes.get("configuration", "")))
     # Besides its own errors YAML raises those of impossible dates.
     except (yaml.YAMLError, ValueError):
         return {}
@@ -249,6 +251,29 @@ def write_groups(groups: Groups, path: Path) -> str:
                     made.setncatts(column.attrs)
                     made[...] = values
         return digest_of_file(partial)
+
+
+def check_declared(path: Path) -> None:
+    """Refuse a file whose variables would not fit into memory; a small one may declare many unwritten rows.
+
+    Raises:
+        OSError: it cannot be opened.
+        ValueError: too many bytes or rows; a sentence.
+    """
+    import netCDF4
+
+    with netCDF4.Dataset(path) as file:
+        groups = deque([file])
+        size = longest = 0.0
+        while groups:
+            group = groups.popleft()
+            groups += group.groups.values()
+            for variable in group.variables.values():
+                # Texts have no size of their own.
+                each = getattr(variable.dtype, "itemsize", 8)
+                size += float(prod(map(float, variable.shape))) * each
+                longest = max(longest, *map(float, variable.shape), 0.0)
+    check_size("Its content", size, longest)
 
 
 def _stored(shape: tuple[int, ...]) -> dict[str, Any]:

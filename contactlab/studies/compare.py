@@ -100,8 +100,10 @@ class Compare(Study):
     transient: Annotated[
         bool, option("whether runs are compared from their start on, not settled motors")
     ] = False
-    samples: Annotated[int, option("draws at most, a power of two; 0 draws nothing", at_least=0)] = SAMPLES
-    starts: Annotated[int, option("initial conditions of each law", at_least=1)] = STARTS
+    samples: Annotated[
+        int, option("draws at most, a power of two; 0 draws nothing", at_least=0, at_most=100_000)
+    ] = SAMPLES
+    starts: Annotated[int, option("initial conditions of each law", at_least=1, at_most=1000)] = STARTS
     vary: Annotated[
         list[str] | None,
         option("what is uncertain: KEY=LOW..HIGH, KEY=MEAN+-DEVIATION, KEY=+-SHARE; +-0 is exact"),

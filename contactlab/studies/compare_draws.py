@@ -26,6 +26,7 @@ from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.parameter import Parameter
+from contactlab.results.netcdf import check_declared
 from contactlab.steady_state.basins import reach
 from contactlab.studies.compare_runs import ComparisonError
 
@@ -262,6 +263,7 @@ class Posteriors:
         """
         file = Path(path) / "fit.nc" if Path(path).is_dir() else Path(path)
         try:
+            check_declared(file)
             with xarray.open_datatree(file) as tree:
                 groups = {label: fit["posterior"].to_dataset().load() for label, fit in tree.children.items()}
                 if not any(data.data_vars for data in groups.values()):

@@ -66,8 +66,8 @@ class Fit(Study):
     discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
     student: Annotated[str | None, option("degrees of freedom of Student-t noise, or free")] = None
     series: Annotated[list[str] | None, option("series of the data; all")] = None
-    points: Annotated[int, option("live points", at_least=25)] = POINTS
-    starts: Annotated[int, option("starts of least squares", at_least=1)] = STARTS
+    points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
+    starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
 
     @cached_property

@@ -60,7 +60,12 @@ class Steady(Study):
         float | None, Parameter("tau_b", "N m", "load torque against the rotation of either sense", above=0.0)
     ] = None
     longest: Annotated[
-        int, option("periods of the drive after which a motion without an orbit has its means", at_least=1)
+        int,
+        option(
+            "periods of the drive after which a motion without an orbit has its means",
+            at_least=1,
+            at_most=10_000_000,
+        ),
     ] = LONGEST
     refine: Annotated[bool, option("whether finer steps give the numerical error")] = True
 

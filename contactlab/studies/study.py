@@ -106,7 +106,7 @@ class Study(ABC):
         _check_attributes(type(self))
         check_fields(self, self.name)
 
-    workers: Annotated[int, option("processes at work", at_least=1)] = 1
+    workers: Annotated[int, option("processes at work", at_least=1, at_most=1000)] = 1
     scheduler: Annotated[str | None, option("address of a Dask scheduler whose workers do the tasks")] = None
 
     def put_to(self, setups: Setups) -> Setups:

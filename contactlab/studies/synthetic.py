@@ -25,7 +25,9 @@ class Synthetic(Study):
     name: ClassVar[str] = "synthetic"
     ignored: ClassVar[tuple[str, ...]] = ("uncertainty", "sweep", "record.picture", "solver.changes")
 
-    impacts: Annotated[int | None, option("number of impacts, instead of series", at_least=1)] = None
+    impacts: Annotated[
+        int | None, option("number of impacts, instead of series", at_least=1, at_most=1_000_000)
+    ] = None
     series: Annotated[list[str] | None, option("series of the motor; rotor_velocity")] = None
     noise: Annotated[
         float, option("standard deviation over the size of the data", above=0.0, at_most=1.0)

@@ -68,7 +68,7 @@ class Validate(Study):
     ] = None
     folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
     seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
-    repeats: Annotated[int, option("number of seeds, from the first on", at_least=1)] = 1
+    repeats: Annotated[int, option("number of seeds, from the first on", at_least=1, at_most=1000)] = 1
     block: Annotated[int, option("impacts in a row that are resampled together", at_least=1)] = 1
 
     @cached_property
