@@ -178,7 +178,7 @@ def simulate(
         precision: share by which the motor may be off its steady state where `until='steady'` ends the run
             [1]; 1e-3, at most 0.01.
         start: a run whose end is this one's start: in two parts or in one, a motor does the same to the last
-            bit, as long as motor, law and numbers are the same.
+            bit, as long as motor, law and numbers are the same. Others act from that end on.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
 
     Returns:

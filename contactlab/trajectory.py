@@ -50,7 +50,7 @@ class Ending(IntEnum):
     DIVERGED = 1
     """Its state is no motor's any more, or its law answered with no number."""
     CHATTERED = 2
-    """It has too many touch-downs and friction switches within a period of what drives it."""
+    """Its touch-downs and friction switches follow each other ever faster and come to no end."""
     INTERRUPTED = 3
     """Somebody stopped it; what there was is kept."""
     UNBALANCED = 4

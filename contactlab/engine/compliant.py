@@ -318,7 +318,7 @@ def step_compliant(run: Run, law: Law) -> int:
     known = _start_forces(run, law, gap, rate, slip)
     open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
     first_moments(run, law, law.memory, gap, known[0])
-    if state.contact.duration == 0.0:
+    if state.contact.duration == 0.0 or state.momentum == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         state.momentum = impulse_scale(run, law, rate, known[0], mobility)
     if known[1] == 0.0 and state.mode == SLIP and slip != 0.0:
@@ -489,6 +489,8 @@ def impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: floa
 @inner_kernel
 def count_event(state: Any) -> None:
     """Count a touch-down or friction switch; too many in one window is chattering."""
+    state.calm = max(state.calm, state.time - state.last_event)
+    state.last_event = state.time
     state.events += 1
     if state.events > EVENT_LIMIT:
         state.ending = CHATTERED

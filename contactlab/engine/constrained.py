@@ -16,7 +16,8 @@ acceleration a the flight takes 2 w/|a|, and with the restitution e = w/|w_befor
 follow it T = 2 w/(|a| (1 - e)) in all. Where T is shorter than sqrt(tolerance) times the longest step,
 they are taken as one impulse that leaves no rebound: what they change beyond that is of second order in T.
 Nearly elastic rebounds, e > 0.99, never end; they count as none where a single flight is as short as that,
-which takes the velocity w from the motion.
+which takes the velocity w from the motion. In plants so slow that all flights are shorter than a step, T is
+compared with the longest of them so far, whatever e is. A flight that is no digit of the gap high is none.
 
 Where slip presses the bodies together more than the normal force parts them, D_nn + r D_nt <= 0 (Painleve),
 a contact that opens by itself is released, and one that does not is stopped by an impact without approach.
@@ -28,6 +29,7 @@ import numpy as np
 
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.compliant import AGREEMENT, MOST_ITERATIONS, impulse_scale, lengthen, pushed_tip
+from contactlab.engine.flight import CLEAR, coarseness
 from contactlab.engine.friction import FIRST, push_node
 from contactlab.engine.kinematics import (
     Contact,
@@ -89,8 +91,8 @@ MOST_RATIO = 1e8
 POLISHES = 2
 """Newton steps to the instant of an event; each leaves the relative error of the polynomial's slope."""
 
-NEARLY_ELASTIC = 0.99
-"""Restitution from which on rebounds never end."""
+NEARLY_ELASTIC = 0.01
+"""Share of the speed, 1 - e, that impacts lose whose rebounds never end."""
 
 HALVINGS = 60
 """Of the bracket around the largest ratio that sticks."""
@@ -123,7 +125,7 @@ def step_constrained(run: Run, law: Law) -> int:
         return _at_once(run, NOTHING)
     if normal <= 0.0:
         return _at_once(run, RELEASE)
-    if contact.duration == 0.0:
+    if contact.duration == 0.0 or state.momentum == 0.0:
         _, rate, _, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         state.momentum = impulse_scale(run, law, state.impact_speed, normal, mobility)
@@ -287,6 +289,18 @@ def _become(run: Run, law: Law, mode: int, slip: float) -> None:
 
 
 @inner_kernel
+def _ends(run: Run, rebound: float, lost: float) -> bool:
+    """Return whether the flights after a rebound [m/s], which lost a share of the speed, count as none."""
+    state, longest = run.state, run.propagator.rule.longest
+    pressing = -free_accelerations(run, START, 0.0)[0]
+    if lost < NEARLY_ELASTIC and longest <= state.calm:
+        lost = 1.0
+    high = coarseness(run, tip_motion(run.plant, START)[1]) * CLEAR * pressing
+    long = sqrt(state.tolerance) * min(longest, state.calm) * pressing * lost
+    return bool(pressing > 0.0 and (2.0 * rebound <= long or 0.5 * rebound * rebound <= high))
+
+
+@inner_kernel
 def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     """Let the law answer an approach [m/s], and return whether the tip flies off; sets mode and sign.
 
@@ -313,12 +327,7 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     _become(run, law, mode, left)
     if rebound <= ROUND_OFF * abs(rate):
         return False
-    pressing, restitution = -free_accelerations(run, START, 0.0)[0], rebound / abs(rate)
-    lasting = inf
-    if pressing > 0.0:
-        lasting = 2.0 * rebound / pressing
-        lasting /= 1.0 - restitution if restitution <= NEARLY_ELASTIC else 1.0
-    if lasting > sqrt(state.tolerance) * run.propagator.rule.longest:
+    if not _ends(run, rebound, 1.0 - rebound / abs(rate)):
         return True
     if left == 0.0:
         p_n, p_t = stick_impulse(rebound, 0.0, d_nn, d_nt, d_tt)

@@ -53,11 +53,16 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     shorter = f"a shorter contact step than {contact_step:.3g} s"
     if state.constrained:
         shorter = f"a smaller tolerance than {state.tolerance:.3g}"
+    way_out = "A larger tolerance takes shorter flights as none; give the law damping or restitution below 1."
+    if state.stepped:
+        way_out = "Leave out the contact step: without one the law is solved in its limit, without chatter."
+    elif state.compliant:
+        way_out = "Give the law damping, or friction without a jump; a larger tolerance takes longer steps."
     endings = {
         CHATTERED: (
             Ending.CHATTERED,
             f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction switches "
-            f"{pace}, or no progress. The run stops there; {shorter} or another law may pass it.",
+            f"{pace}, or no progress. The run stops there. {way_out}",
         ),
         DIVERGED: (
             Ending.DIVERGED,

@@ -82,6 +82,7 @@ def step_flight(run: Run, law: Law) -> int:
     h = step_length(run.propagator, level)
     bound = curvature_bound(run, tip, h)
     opening = _certain_opening(before, widens, bound, h, coarse)
+    follows = state.phase != OPEN
     if state.phase == RELEASED:
         state.phase = SEPARATING
         if opening == 0.0 and widens < bound * h:
@@ -124,9 +125,18 @@ def step_flight(run: Run, law: Law) -> int:
     state.level = max(level - 1, coarsest) if level > coarsest else level
     # The end cuts a flight that was searched as if it went on: a run that goes on finds the same touch-down.
     s = h if touch == NO_TOUCH else max(touch, 0.0)
+    state.taken = _until_end(run, s, follows, coarse * CLEAR + limit)
+    return TOUCH if touch >= 0.0 and state.taken == s else NOTHING
+
+
+@inner_kernel
+def _until_end(run: Run, s: float, follows: bool, clear: float) -> float:
+    """Return the time up to s that is left of run and piece [s]; a gap not clear then is followed further."""
+    state = run.state
     remaining = min(state.end, state.piece_end) - state.time
-    state.taken = min(s, remaining)
-    return TOUCH if touch >= 0.0 and s <= remaining else NOTHING
+    if follows and remaining < s and contact_after(run, remaining)[0] <= clear:
+        state.phase = SEPARATING
+    return float(min(s, remaining))
 
 
 @part_kernel

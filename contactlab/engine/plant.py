@@ -96,6 +96,11 @@ def modes_of(plant: Plant) -> Any:
     return plant["modes"][: plant["mode_count"]]
 
 
+def root_inertia(plant: Plant) -> float:
+    """Return the root of the rotor's moment of inertia [kg^1/2 m]."""
+    return float(-plant["geometry"]["radius"] / modes_of(plant)["row_r"][-1])
+
+
 def plant_of(motor: Motor) -> Plant:
     """Assemble the plant of a motor, at rest.
 
@@ -163,23 +168,21 @@ def persisting_rates(stiffness: Array, damping: Array) -> Array:
     return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
 
 
-def pace_of(plant: Plant, end: float, contact_step: float, compliant: bool) -> tuple[float, int]:
+def pace_of(plant: Plant, contact_step: float, stepped: bool) -> tuple[float, int]:
     """Return the window of the stall watchdog [s], and the number of steps in contact that it allows.
 
-    The window is a period of the fastest tone or the slowest mode, whichever is faster, and at most the run.
-    Of a rigid law it is long enough for an event every fifth step to be chatter, up to five periods; where
-    nothing vibrates it follows the contact step.
+    Of a compliant law it is a period of the fastest tone or the slowest mode, whichever is faster, and at
+    most that of an event every second step. Of a rigid law that is stepped in time it is that of an event
+    every fifth step, and at most five periods.
     """
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
     fastest = plant["tones"]["omega"][loud].max(initial=0.0)
     rate = float(max(fastest, slowest if slowest < np.inf else 0.0))
-    window = (2.0 if compliant else 5.0) * EVENT_LIMIT * contact_step
-    if rate > 0.0:
-        period = 2.0 * pi / rate
-        window = period if compliant else max(period, min(window, 5.0 * period))
-    window = min(window, end)
+    period = 2.0 * pi / rate if rate > 0.0 else np.inf
+    steps, periods = (5.0, 5.0) if stepped else (2.0, 1.0)
+    window = min(steps * EVENT_LIMIT * contact_step, periods * period)
     return window, STEP_LIMIT + 2 * ceil(window / contact_step)
 
 

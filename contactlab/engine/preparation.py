@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
+from hashlib import blake2b
 from math import inf
 from typing import Any, Final, NamedTuple, final
 from zlib import crc32
@@ -22,6 +23,7 @@ from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
 from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
+    BEFORE,
     HEAD,
     LEAVES,
     NO_OUTPUTS,
@@ -44,6 +46,7 @@ from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyL
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
 from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
+from contactlab.laws.registry import classes_of
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 from contactlab.motor.outputs import output_rows
@@ -178,7 +181,8 @@ def memory_mark(law: ContactLaw) -> int:
 
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
     """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
-    if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
+    names = {"q", "v", *(LEAVES.names or ())}
+    if not isinstance(start, dict) or not names | {BEFORE + name for name in names} <= set(start):
         raise TypeError(
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )
@@ -320,6 +324,8 @@ class Prepared(NamedTuple):
     """The waveform's table."""
     read: Read = NO_OUTPUTS
     """What is recorded beside tip and rotor, see `contactlab.motor.outputs`."""
+    signature: int = 0
+    """Digest of motor, law, steps and tolerance: runs that share them go on from each other bit for bit."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state."""
@@ -396,12 +402,24 @@ class Prepared(NamedTuple):
         for i, value in zip(lasting, memory, strict=True):
             state["memory"][i] = value
         self._recall(state)
-        if lasting and self.bound.kernels[LIMITS] is not None:
+        if lasting:
+            self._part(state, True)
+
+    def _part(self, state: Any, stores: bool) -> None:
+        """Set where the next contact begins and, unless nothing is, what the law stores until then."""
+        state["begins"] = state["apart"] = 0.0
+        if self.bound.kernels[LIMITS] is not None:
             with self.errors():
-                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
-                if isinstance(self.law, PenaltyLaw):
-                    gap = float(state["begins"])
+                gap = state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
+                if stores and isinstance(self.law, PenaltyLaw):
                     state["apart"] = float(self.bound.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
+
+    def end_at(self, rate: float) -> float:
+        """Return the gap at which a contact ends at a gap rate [m/s], of what is recalled [m]."""
+        if self.bound.kernels[LIMITS] is None:
+            return 0.0
+        with self.errors():
+            return float(self.bound.kernels[LIMITS](rate, self.parameters)[1])
 
     def _recall(self, state: Any) -> None:
         count = len(self.law.internal_variables)
@@ -419,22 +437,24 @@ class Prepared(NamedTuple):
             state["origin"], state["first"] = begins, 0
         state["end"], state["interval"] = begins + self.duration, interval
         state["recorded"] = state["stored"] = 0
-        if (state["longest"], state["contact_level"]) != (rule.longest, rule.contact_level):
-            touching = state["phase"] == TOUCHING
-            refinement = TOUCH_REFINEMENT if state["compliant"] else 0
-            state["level"] = rule.contact_level + refinement if touching else rule.fresh_level
-            state["level_before"] = state["level"] + 1
-            state["longest"], state["contact_level"] = rule.longest, rule.contact_level
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
+        anew = state["signature"] != self.signature
+        if anew:
+            touching = state["phase"] == TOUCHING
+            state["level"] = (
+                rule.contact_level + compliant * TOUCH_REFINEMENT if touching else rule.fresh_level
+            )
+            state["level_before"] = state["level"] + 1
+            state["signature"], state["momentum"] = self.signature, 0.0
+            state["initial_energy"], state["least_open"], state["most_open"] = np.nan, np.inf, -np.inf
         state["variables"], state["guards"] = len(law.internal_variables), law.guards
         # Internal variables continue under the same law, and are initialised under another.
         if state["memory_of"] != (whose := memory_mark(law)):
             state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
             state["memory"][: len(law.internal_variables)] = [each.initial for each in law.internal_variables]
         self._recall(state)
-        if not state["kept"] and self.bound.kernels[LIMITS] is not None:
-            with self.errors():
-                state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
+        if anew and not state["kept"]:
+            self._part(state, state["touchdowns"] > 0)
         state["coupled"] = state["moments"] = 0
         if isinstance(law, PenaltyLaw):
             state["friction_kind"], state["coupled"] = law.friction_kind, law.coupled
@@ -445,10 +465,12 @@ class Prepared(NamedTuple):
         state["told"] = not self.bound.seen.isdisjoint(("step", "impact"))
         state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
         state["limited"] = law.limits is not None
+        state["stepped"] = self.stepped
         # Of a compliant law the step in contact is a bound that a healthy run may never reach.
         watched = min(self.contact_step, law.default_contact_step) if compliant else self.contact_step
-        pace = pace_of(self.plant, float(state["end"]), watched, not self.stepped)
-        state["window"], state["most_steps"] = pace
+        pace = pace_of(self.plant, watched, self.stepped)
+        # Rebounds without an end are taken as none by a rigid law itself.
+        state["window"], state["most_steps"] = (0.0, pace[1]) if self.constrained else pace
         state["tolerance"] = self.tolerance
 
 
@@ -482,7 +504,20 @@ def prepared(
     made = stepped, plant, propagator, bound, parameters, row, errors
     waveform = motor.drive.waveform
     waves = NO_WAVES if waveform is None else waveform.table()
-    return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor))
+    steps = np.array(
+        [*propagator.rule[["longest", "contact_level"]].item(), contact_step, tolerance, stepped]
+    )
+    signature = signature_of(law, plant, parameters, waves, steps)
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor), signature)
+
+
+def signature_of(law: ContactLaw, *contents: Any) -> int:
+    """Return a number that identifies the classes of a law and its parts, and arrays."""
+    names = ",".join(f"{each.__module__}.{each.__qualname__}" for each in classes_of(law))
+    digest = blake2b(names.encode(), digest_size=8)
+    for content in contents:
+        digest.update(content.tobytes())
+    return int.from_bytes(digest.digest(), "little", signed=True)
 
 
 def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:

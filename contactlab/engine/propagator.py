@@ -32,9 +32,6 @@ ROOM = 24
 BY_RECORD = MOST_LEVELS
 """Level beside the ladder whose step is the record interval."""
 
-LONGEST_STEP = 1.0
-"""Longest step in flight [s]: what counts as a short flight of a rigid contact is a share of it."""
-
 OUTLASTING = 2.0**20
 """Longest step over the duration of the run."""
 
@@ -106,11 +103,8 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
 
 
 def resolving_step(rate: float, duration: float) -> float:
-    """Return the longest step [s] that resolves a rate [rad/s]: the duration, where there is none.
-
-    It is at most `LONGEST_STEP`.
-    """
-    return min(RESOLUTION / rate if rate > 0.0 else duration, OUTLASTING * duration, LONGEST_STEP)
+    """Return the longest step [s] that resolves a rate [rad/s]: the duration, where there is none."""
+    return min(RESOLUTION / rate, OUTLASTING * duration) if rate > 0.0 else duration
 
 
 @final

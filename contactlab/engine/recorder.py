@@ -35,6 +35,7 @@ from contactlab.engine.state import (
     BETWEEN,
     BY_FLOW,
     BY_INTERVAL,
+    CALMS,
     CHATTERED,
     COLLOCATED,
     DIVERGED,
@@ -312,12 +313,13 @@ def _weigh(run: Run) -> None:
 def _watch(run: Run, s: float) -> None:
     """End a run that hardly moves the clock, by a step of s, or is not finite, or deep inside the rotor."""
     state = run.state
-    crawls = s < CRAWL * step_length(run.propagator, run.propagator.rule.contact_level)
+    scale = step_length(run.propagator, run.propagator.rule.contact_level)
+    crawls = s <= CRAWL * min(scale, _calm(state))
     state.idle = state.idle + 1 if crawls else 0
     steps = state.contact_steps + state.rejected_steps
     if state.idle > IDLE_LIMIT:
         state.ending = CHATTERED if state.events > IDLE_EVENTS else STALLED
-    elif state.time - state.window_start > state.window:
+    elif state.time - state.window_start > _window(state):
         state.window_start, state.events, state.steps_before = state.time, 0, steps
     elif steps - state.steps_before > state.most_steps:
         state.ending = STALLED
@@ -326,6 +328,18 @@ def _watch(run: Run, s: float) -> None:
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
         state.ending = DIVERGED
+
+
+@inner_kernel
+def _window(state: Any) -> float:
+    """Return the present window of the stall watchdog [s]: of time stepping it hangs on the step alone."""
+    return float(state.window if state.stepped != 0 else min(state.window, CALMS * _calm(state)))
+
+
+@inner_kernel
+def _calm(state: Any) -> float:
+    """Return the longest time without an event so far [s]."""
+    return float(max(state.calm, state.time - state.last_event))
 
 
 def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:
@@ -345,8 +359,10 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
         impulse[1:] = np.diff(impulse) / np.diff(time)
         impulse[:1] = state[name]
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
-    if np.isnan(state["initial_energy"]) and energy.size:
-        state["initial_energy"] = energy[0]
     losses = sum(series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work"))
-    series["energy_residual"][:] = energy - state["initial_energy"] - (series["drive_work"] - losses)
+    received = series["drive_work"] - losses
+    if np.isnan(state["initial_energy"]) and energy.size:
+        # What another motor or law stores where it takes over was there from the start.
+        state["initial_energy"] = energy[0] - received[0] - state["energy_residual"]
+    series["energy_residual"][:] = energy - state["initial_energy"] - received
     return time, series, table["contact_mode"]

@@ -69,8 +69,10 @@ def step_rigid(run: Run, law: Law) -> int:
     elif p_n <= 0.0:
         # The gap is closed still and opens by itself.
         normal, friction, mode = 0.0, 0.0, SLIP
-    _hold_forces(run, normal, friction)
     state.taken, before = min(taken, state.end - state.time), state.mode
+    # An impact that the end of the run cuts is over there.
+    stretch = taken / state.taken if impact and 0.0 < state.taken < taken else 1.0
+    _hold_forces(run, normal * stretch, friction * stretch)
     state.switched = 0
     if mode != before and count != NONE and event == NOTHING:
         state.switched = AT_STICK if mode == STICK else AT_SLIP

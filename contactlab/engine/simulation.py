@@ -9,8 +9,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.explanation import balanced
+from contactlab.engine.flight import CLEAR
 from contactlab.engine.kinematics import contact_from, contacts_from
-from contactlab.engine.plant import modes_of
+from contactlab.engine.plant import modes_of, root_inertia
 from contactlab.engine.preparation import (
     ON_GRID,
     Prepared,
@@ -22,6 +23,7 @@ from contactlab.engine.preparation import (
 )
 from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
+    BEFORE,
     COUNTS,
     RUNNING,
     START,
@@ -32,7 +34,7 @@ from contactlab.engine.state import (
     state_as_value,
     state_from_value,
 )
-from contactlab.laws.base import ContactLaw
+from contactlab.laws.base import FREE, ContactLaw
 from contactlab.motor.motor import ModalState, Motor
 from contactlab.motor.outputs import output_series
 from contactlab.trajectory import Ending, Trajectory
@@ -61,10 +63,11 @@ def simulate(
     where it is given a contact step is it stepped in time, at order 1. The trajectory does not depend on the
     record interval.
 
-    A run that continues another's `Trajectory.state` is the uncut run, bit for bit: a step that the cut
-    shortened is repeated whole, and clock, contact, ledger and statistics count since t = 0. Its first record
-    is the state that it starts from. Only where nothing vibrates does the step length follow the duration.
-    Motor, law, steps and tolerance may change at a cut.
+    A run that continues another's `Trajectory.state` is the uncut run, bit for bit, where motor, law, steps
+    and tolerance are the same: a step that the cut shortened is repeated whole. Where any of them is another,
+    it begins at the end of the run before, in contact or in flight as that ended. Clock, contact, ledger and
+    statistics count since t = 0, and the first record is the state that it starts from. Only where nothing
+    vibrates does the step length follow the duration.
 
     Args:
         duration: [s], positive; after the start that is continued.
@@ -87,15 +90,13 @@ def simulate(
     contact_step = 0.0 if ready.constrained else ready.contact_step
     q, v = (modes_of(plant)[name][:, START] for name in ("q", "v"))
     states = np.zeros(1, STATE)
-    state = states[0]
+    state, parted = states[0], states["contact"][:0]
     if start is None:
         states[0] = fresh_state()
         _begin(state, ready, motor, record_interval, memory)
     else:
         check_start(start, plant, law)
-        q[:], v[:] = start["q"], start["v"]
-        states[0] = state_from_value(start)
-        ready.set_up(state, record_interval)
+        parted = _go_on(states, ready, start, record_interval)
     run = ready.run_of(state)
     motions = np.stack([q, v])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
@@ -105,8 +106,8 @@ def simulate(
 
     if progress is not None:
         progress(0.0)
-    finished: list[Any] = []
-    ends: list[Array] = []
+    finished: list[Any] = [parted]
+    ends: list[Array] = [np.tile(memory_of(state, law), (parted.size, 1))]
 
     def collect(kept: int) -> None:
         """Move all but the last finished contacts out of the run's storage."""
@@ -178,23 +179,59 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
     state["phase"] = phase_at(gap - float(state["begins"]), rate)
 
 
+def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
+    """Set plant and state to the end of a run; under all the same to before the step that the end cut.
+
+    Another rotor has the same angle and velocity, and what touches depends on gap and law. Returns the
+    contact that is parted by that, if any.
+    """
+    modes = modes_of(ready.plant)
+    q, v = modes["q"][:, START], modes["v"][:, START]
+    same = start["signature"] == ready.signature
+    states[0], q[:], v[:] = state_from_value(start, BEFORE if same else "")
+    state, none = states[0], states["contact"][:0]
+    ready.set_up(state, interval)
+    if same:
+        return none
+    inertia = root_inertia(ready.plant) / start["root_inertia"]
+    q[-1], v[-1] = inertia * q[-1], inertia * v[-1]
+    gap, rate, _ = contact_from(ready.plant, q, v)
+    moved, compliant = gap != state["gap"], state["compliant"] != 0
+    if moved and (fault := overlap_at(gap, ready.law)):
+        raise ValueError(fault)
+    if state["phase"] == TOUCHING:
+        if gap < ready.end_at(rate) if compliant else not moved:
+            return none
+        state["mode"], state["contact"]["separation_velocity"] = FREE, rate
+        state["phase"] = phase_at(gap - float(state["begins"]), rate)
+        return states["contact"].copy()
+    gap -= float(state["begins"])
+    if moved or (compliant and abs(gap) > CLEAR):
+        state["phase"] = phase_at(gap, rate)
+    return none
+
+
 def memory_of(state: Any, law: ContactLaw) -> Array:
     """Return the law's internal variables in a state, shape (variable,)."""
     return np.array(state["memory"][: len(law.internal_variables)])
 
 
 def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:
-    """Return the state as a value: before the step that the end cut, else where the run stopped."""
+    """Return the state as a value: where the run stopped, and before the step that its end cut."""
     state, modes = run.state, modes_of(run.plant)
-    initial_energy, end = state["initial_energy"], state["end" if ending.reached_end else "time"]
     q, v = modes["q"][:, START], modes["v"][:, START]
-    if ending.reached_end:
-        state, q, v = run.step["saved"][0], modes["saved_q"], modes["saved_v"]
-    for name in ("normal_force", "friction_force"):
+    if not ending.reached_end:
+        state["end"] = state["time"]
+        run.step["saved"][0], modes["saved_q"], modes["saved_v"] = state, q, v
+    state["gap"], state["root_inertia"] = contact_from(run.plant, q, v)[0], root_inertia(run.plant)
+    for name in ("normal_force", "friction_force", "energy_residual"):
         if series[name].size:
             state[name] = series[name][-1]
-    state["initial_energy"], state["end"] = initial_energy, end
-    return state_as_value(state, q, v)
+    before = run.step["saved"][0]
+    for name in ("normal_force", "friction_force", "initial_energy", "end"):
+        before[name] = state[name]
+    cut = state_as_value(before, modes["saved_q"], modes["saved_v"])
+    return state_as_value(state, q, v) | {BEFORE + name: value for name, value in cut.items()}
 
 
 @final

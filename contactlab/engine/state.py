@@ -54,6 +54,9 @@ that has no impulse for a contact that closes."""
 EVENT_LIMIT = 1000
 """Touch-downs and friction switches within one window that count as chattering."""
 
+CALMS = 10.0
+"""Longest window over the longest time without an event so far: intervals shrink where a contact chatters."""
+
 COUNTS: Final = "flight_steps contact_steps rejected_steps sweeps touchdowns friction_switches wedged_steps"
 """Statistics of the solver's work."""
 
@@ -106,7 +109,9 @@ STATE: Final = record(
     ("memory", float, MOST_VARIABLES),  # internal variables of the law, see `contactlab.laws.memory`
     real="time end piece_end interval origin "  # [s], of run and piece of a waveform; records lie at origin
     # + (first + i) interval
-    "window window_start tolerance "  # of the pace [s]; of a compliant step [1]
+    "window window_start last_event calm "  # of the stall watchdog; of the last event; longest time without
+    # one [s]
+    "tolerance "  # of a collocated step [1]
     "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
     "impact_speed begins left apart "  # with which the contact began [m/s]; gap at which the next contact
     # begins, and at which the last one ended if below that [m]; what the law stores while apart [J]
@@ -116,14 +121,16 @@ STATE: Final = record(
     "turned_over "  # largest work of drive or load [J]
     "friction_limit critical_friction "  # largest |F|/N that the law allows; d_nn/|d_nt| of the last step,
     # from which on a rigid contact may have several solutions or none [1]
-    "normal_force friction_force longest",  # mean over the last record interval [N]; longest step [s]
+    "normal_force friction_force "  # mean over the last record interval [N]
+    "energy_residual gap root_inertia",  # at the end [J], [m]; root of the rotor's moment of inertia
     whole="first phase mode sign "  # record of this run; ...; of the slip
-    "level level_before contact_level "  # of the next step, of the one before and of the contact step
+    "level level_before "  # of the next step, of the one before
     "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
     "most_steps steps_before "  # in contact in a window, and those taken before it
     "projects constrained compliant friction_kind parity variables coupled guards "  # of the law; whether a
     # rigid one has no step; whether the first variable is solved together with the friction
     "told turns limited moments "  # whether it reads step or impact, tilt or spin; has limits, moments
+    "stepped signature "  # whether it is stepped in time; see `contactlab.engine.preparation.Prepared`
     "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
     # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
 )
@@ -213,7 +220,12 @@ def largest(values: Array) -> float:
 
 
 State = dict[str, Any]
-"""A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name."""
+"""A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name.
+
+That of a trajectory holds its end, and by names that begin with BEFORE the start of the step that the end
+cut."""
+
+BEFORE: Final = "before."
 
 
 def _leaves(kind: np.dtype[Any], name: str, start: int) -> Iterator[tuple[str, Any, int]]:
@@ -238,12 +250,12 @@ def state_as_value(state: Any, q: Array, v: Array) -> State:
     return {"q": q.copy(), "v": v.copy(), **dict(zip(_names, values, strict=True))}
 
 
-def state_from_value(value: State) -> Any:
-    """Return the state record of a value."""
+def state_from_value(value: State, prefix: str = "") -> tuple[Any, Array, Array]:
+    """Return the state record, displacements and rates of a value, by names with a prefix."""
     leaves = np.zeros(1, LEAVES)
     for name in _names:
-        leaves[name] = value[name]
-    return leaves.view(STATE)[0]
+        leaves[name] = value[prefix + name]
+    return leaves.view(STATE)[0], value[prefix + "q"], value[prefix + "v"]
 
 
 STEP_LENGTH, IMPACT, TILT, SPIN, SPEED = range(HEAD)

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from support.faulty_laws import RateAndState, Rebound, SignOfSlip
-from support.motors import case_a, default_motor, hertz
+from support.motors import case_a, default_motor, final, hertz
 
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw
+from contactlab.laws import ContactLaw, HertzPenalty, Newton
+from contactlab.motor import ball
 from contactlab.motor.motor import Motor
 from contactlab.testing.plants import block
 from contactlab.trajectory import Ending, Trajectory
@@ -41,6 +42,44 @@ def test_a_contact_that_never_comes_to_rest_chatters(
     assert trajectory.ending is Ending.CHATTERED
     assert trajectory.time[-1] < 1e-3
     assert trajectory.statistics["touchdowns"] < 20 * EVENT_LIMIT
+
+
+def bounces(restitution: float, height: float, count: float, law: ContactLaw | None = None) -> Trajectory:
+    """A ball that is dropped, until it has fallen so often."""
+    duration = np.sqrt(2.0 * height / 9.81) * 2.0 * count
+    return ran(ball(0.1, height=height), law or Newton(restitution=restitution), duration)
+
+
+@pytest.mark.parametrize(("height", "count"), [(0.01, 1_100), (3.0, 1_100), (1e-9, 1_100), (0.01, 20_000)])
+def test_an_elastic_ball_bounces_for_ever(height: float, count: int) -> None:
+    trajectory = bounces(1.0, height, count)
+    assert trajectory.complete, trajectory.message
+    speeds = trajectory.contacts["separation_velocity"]
+    assert speeds.size == count
+    assert speeds == pytest.approx(np.sqrt(2.0 * 9.81 * height), rel=1e-12)
+
+
+def test_a_ball_on_a_spring_bounces_for_ever() -> None:
+    """Neither a weak spring nor a slow, weak push makes its bounces few for their period."""
+    hertzian = HertzPenalty(friction_coefficient=0.0)
+    for law in (Newton(restitution=1.0), hertzian):
+        motor = block(0.1, height=1e-4, weight=0.981, normal_stiffness=1e-9, push_amplitude=1e-9)
+        trajectory = ran(motor, law, 1_300.5 * np.sqrt(8.0 * 1e-4 / 9.81))
+        assert trajectory.complete, trajectory.message
+        assert trajectory.contacts["start_time"].size >= 1_290
+        assert trajectory.contacts["separation_velocity"][-2] == pytest.approx(np.sqrt(2e-4 * 9.81), rel=1e-6)
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.9, 0.99, 0.999])
+def test_a_ball_comes_to_rest_after_infinitely_many_bounces(restitution: float) -> None:
+    """At sqrt(2 h / g) (1 + e)/(1 - e), but for the last ones."""
+    whole = (1.0 + restitution) / (1.0 - restitution)
+    trajectory = bounces(restitution, 1.0, 0.55 * whole)
+    assert trajectory.complete, trajectory.message
+    rests = trajectory.contacts["start_time"][-1]
+    assert rests == pytest.approx(whole * np.sqrt(2.0 / 9.81), rel=1e-3 / whole + 2e-4 * (restitution < 0.5))
+    assert trajectory.contact_mode[-1] != 0
+    assert final(trajectory, "gap") == pytest.approx(0.0, abs=1e-15)
 
 
 def test_friction_that_jumps_with_the_slip_stalls() -> None:

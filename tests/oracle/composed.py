@@ -10,9 +10,9 @@ W = -int (N gdot + F v) dt is what the contact has taken from the motor: its los
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -48,19 +48,49 @@ class JudgedRun:
     normal_impulses: list[float] = field(default_factory=list)
     friction_impulses: list[float] = field(default_factory=list)
 
+    def note(self, begun: float, ended: float, before: np.ndarray, after: np.ndarray) -> None:
+        """Add a contact, with the impulses before and after it [N s]."""
+        p_n, p_t = after - before
+        self.starts.append(begun)
+        self.durations.append(ended - begun)
+        self.normal_impulses.append(float(p_n))
+        self.friction_impulses.append(float(p_t))
+
+
+class Cut(NamedTuple):
+    """A contact that goes on: when it began, the impulses until then, its impact speed and its modes."""
+
+    begun: float
+    impulses: np.ndarray
+    speed: float
+    modes: tuple[int, int]
+
+
+def pieces(
+    changes: Sequence[tuple[float, OracleMotor]], duration: float
+) -> Iterator[tuple[OracleMotor | None, float]]:
+    """The motor that a piece begins with, None for the first one, and the end of the piece [s]."""
+    motors = [None, *(motor for _, motor in changes)]
+    yield from zip(motors, [*(time for time, _ in changes), duration], strict=True)
+
 
 class Judge:
     """One motor with one law."""
 
     def __init__(self, motor: OracleMotor, parts: Parts, rtol: float) -> None:
-        self.mechanics, self.parts, self.rtol = Mechanics(motor), parts, rtol
-        self.flight = Flight(self.mechanics)
+        self.parts, self.rtol = parts, rtol
+        self.take(motor)
         self.n = n = self.mechanics.shapes
         self.first = 2 * n + 4
         self.second = self.first + len(parts.friction.sizes)
         self.third = self.second + len(parts.normal.sizes)
         own = [*parts.friction.sizes, *parts.normal.sizes, 1e-9]
         self.atol = rtol * np.concatenate([self.mechanics.tolerances(1.0), 0.1 * np.array(own)])
+
+    def take(self, motor: OracleMotor) -> None:
+        """Go on with another motor."""
+        self.mechanics = Mechanics(motor)
+        self.flight = Flight(self.mechanics)
 
     def split(self, y: np.ndarray) -> tuple[list[float], list[float], float]:
         """z of friction and normal force, and the wear [m]."""
@@ -138,15 +168,26 @@ class Judge:
             add("friction", k, of)
         return result
 
-    def dwell(self, run: JudgedRun, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
-        """One contact from its touch-down to its release or `end` [s]."""
+    def begin(self, t: float, y: np.ndarray, cut: Cut | None) -> tuple[np.ndarray, Cut]:
+        """A contact that begins or goes on; one that sticks holds what it can under the forces there."""
         parts, n = self.parts, self.n
-        c = self.mechanics.contact(t, y)
-        speed = max(-c.gap_rate, 0.0)
-        begun, impulses = t, y[2 * n + 1 : 2 * n + 3].copy()
-        mode_n = parts.normal.touch(self.split(y)[1])
-        at, z_f, _, _ = self.instant(c, y, mode_n, speed)
-        modes = mode_n, parts.friction.touch(at, z_f)
+        if cut is None:
+            speed = max(-self.mechanics.contact(t, y).gap_rate, 0.0)
+            mode = parts.normal.touch(self.split(y)[1])
+            cut = Cut(t, y[2 * n + 1 : 2 * n + 3].copy(), speed, (mode, 0))
+        elif not parts.friction.set_valued or cut.modes[1] != 0:
+            return y, cut
+        else:
+            y = self.without_slip(t, y)
+        at, z_f, _, _ = self.instant(self.mechanics.contact(t, y), y, cut.modes[0], cut.speed)
+        return y, cut._replace(modes=(cut.modes[0], parts.friction.touch(at, z_f)))
+
+    def dwell(
+        self, run: JudgedRun, t: float, y: np.ndarray, end: float, cut: Cut | None = None
+    ) -> tuple[float, np.ndarray, Cut | None]:
+        """One contact from its touch-down, or from where a change cut it, to its release or `end` [s]."""
+        parts, n = self.parts, self.n
+        y, (begun, impulses, speed, modes) = self.begin(t, y, cut)
         for _ in range(MOST):
             watched = self.events(t, y, modes, speed)
             functions = []
@@ -166,7 +207,9 @@ class Judge:
                 raise RuntimeError(f"The contact at {t} s: {done.message}")
             t, y = float(done.t[-1]), done.y[:, -1].copy()
             fired = [i for i, hits in enumerate(done.t_events) if len(hits) and hits[-1] == t]
-            if not fired or watched[fired[0]][0] == "release":
+            if not fired:
+                return t, y, Cut(begun, impulses, speed, modes)
+            if watched[fired[0]][0] == "release":
                 break
             kind, k, _ = watched[fired[0]]
             c = self.mechanics.contact(t, y)
@@ -185,12 +228,8 @@ class Judge:
             y[self.first : self.second] = z_f
         else:
             raise RuntimeError(f"More than {MOST} phases in the contact at {begun} s.")
-        run.starts.append(begun)
-        run.durations.append(t - begun)
-        p_n, p_t = y[2 * n + 1 : 2 * n + 3] - impulses
-        run.normal_impulses.append(float(p_n))
-        run.friction_impulses.append(float(p_t))
-        return t, y
+        run.note(begun, t, impulses, y[2 * n + 1 : 2 * n + 3])
+        return t, y, None
 
     def fly(self, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
         """From a release, or the start, to the next touch-down or `end` [s]."""
@@ -222,20 +261,26 @@ class Judge:
             return self.fly(t_up, y_up, end)
         return t_down, y_down
 
-    def run(self, duration: float) -> JudgedRun:
-        """From rest, the gap open, for a duration [s]."""
+    def run(self, duration: float, changes: Sequence[tuple[float, OracleMotor]] = ()) -> JudgedRun:
+        """From rest, the gap open, for a duration [s]; from times on other motors, of the same resonator."""
         n, run = self.n, JudgedRun()
         y = np.zeros(self.third + 1)
         y[2 * n] = self.mechanics.motor.initial_velocity
         y[self.first : self.second] = self.parts.friction.fresh()
         y[self.second : self.third] = self.parts.normal.fresh()
-        t = 0.0
-        while t < duration:
-            t, y = self.fly(t, y, duration)
-            if t < duration:
-                t, y = self.dwell(run, t, y, duration)
-            if len(run.starts) > MOST:
-                raise RuntimeError(f"More than {MOST} contacts.")
+        t, cut = 0.0, None
+        for motor, end in pieces(changes, duration):
+            if motor is not None:
+                self.take(motor)
+            while t < end:
+                if cut is None:
+                    t, y = self.fly(t, y, end)
+                if t < end:
+                    t, y, cut = self.dwell(run, t, y, end, cut)
+                if len(run.starts) > MOST:
+                    raise RuntimeError(f"More than {MOST} contacts.")
+        if cut is not None:
+            run.note(cut.begun, t, cut.impulses, y[2 * n + 1 : 2 * n + 3])
         run.rotor_velocity = float(y[2 * n])
         run.u = float(self.mechanics.tip_state(y)[0])
         run.contact_work = float(y[2 * n + 3])

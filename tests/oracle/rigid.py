@@ -19,7 +19,7 @@ Slip is refused where D_nn <= mu |D_nt|: there it has no or two solutions (Painl
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import copysign, hypot, inf, log1p, pi, sqrt
 from typing import NamedTuple
 
@@ -27,7 +27,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from oracle.composed import JudgedRun
+from oracle.composed import JudgedRun, pieces
 from oracle.flight import Flight
 from oracle.motor import Contact, Law, Mechanics, OracleMotor
 
@@ -241,9 +241,14 @@ class RigidJudge:
     """One motor with one rigid law."""
 
     def __init__(self, motor: OracleMotor, impact: Impact, rough: Rough, rtol: float) -> None:
-        self.mechanics, self.impact, self.rough = Mechanics(motor), impact, rough
-        self.flight = Flight(self.mechanics)
+        self.impact, self.rough = impact, rough
+        self.take(motor)
         self.rtol, self.atol = rtol, self.mechanics.tolerances(rtol)[:-1]
+
+    def take(self, motor: OracleMotor) -> None:
+        """Go on with another motor."""
+        self.mechanics = Mechanics(motor)
+        self.flight = Flight(self.mechanics)
 
     def at_rest(self, c: Contact, age: float) -> int:
         """Mode at zero slip: the forces decide."""
@@ -317,31 +322,42 @@ class RigidJudge:
                 mode = -1 if fired == 1 else 1
         raise RuntimeError(f"More than {MOST} phases at {t} s.")
 
-    def run(self, duration: float) -> JudgedRun:
-        """From rest, the gap open, for a duration [s]."""
-        mechanics, run, n = self.mechanics, JudgedRun(), self.mechanics.shapes
-        t, y = 0.0, mechanics.initial_state()
-        while t < duration:
-            t, y, down = self.flight.until(t, y, duration, lambda _: 0.0)
-            if not down:
-                break
-            before, begun = y[2 * n + 1 : 2 * n + 3].copy(), t
-            c = mechanics.contact(t, y)
-            if c.gap_rate < 0.0:
-                y = mechanics.push(y, c, *self.impact(c, c.gap_rate, c.slip))
-            c = mechanics.contact(t, y)
-            if c.gap_rate < SLOW:
-                if abs(c.slip) > SLOW:
-                    y = mechanics.push(y, c, *sliding(c, c.gap_rate, self.rough.mu, int(copysign(1, c.slip))))
-                t, y = self.last(t, settle(mechanics, t, y, 1), duration)
-            p_n, p_t = y[2 * n + 1 : 2 * n + 3] - before
-            run.starts.append(begun)
-            run.durations.append(t - begun)
-            run.normal_impulses.append(float(p_n))
-            run.friction_impulses.append(float(p_t))
-            if len(run.starts) > MOST:
-                raise RuntimeError(f"More than {MOST} contacts.")
+    def meet(self, t: float, y: np.ndarray) -> tuple[np.ndarray, bool]:
+        """The state after an impact, and whether the contact lasts."""
+        mechanics = self.mechanics
+        c = mechanics.contact(t, y)
+        if c.gap_rate < 0.0:
+            y = mechanics.push(y, c, *self.impact(c, c.gap_rate, c.slip))
+        c = mechanics.contact(t, y)
+        if c.gap_rate >= SLOW:
+            return y, False
+        if abs(c.slip) > SLOW:
+            y = mechanics.push(y, c, *sliding(c, c.gap_rate, self.rough.mu, int(copysign(1, c.slip))))
+        return settle(mechanics, t, y, 1), True
+
+    def run(self, duration: float, changes: Sequence[tuple[float, OracleMotor]] = ()) -> JudgedRun:
+        """From rest, the gap open, for a duration [s]; from times on other motors, of the same resonator."""
+        run, n = JudgedRun(), self.mechanics.shapes
+        t, y, lasts = 0.0, self.mechanics.initial_state(), False
+        before, begun = y[2 * n + 1 : 2 * n + 3].copy(), t
+        for motor, end in pieces(changes, duration):
+            if motor is not None:
+                self.take(motor)
+            while t < end:
+                if not lasts:
+                    t, y, down = self.flight.until(t, y, end, lambda _: 0.0)
+                    if not down:
+                        break
+                    before, begun = y[2 * n + 1 : 2 * n + 3].copy(), t
+                    y, lasts = self.meet(t, y)
+                if lasts:
+                    t, y = self.last(t, y, end)
+                    lasts = t == end
+                if not lasts or t == duration:
+                    run.note(begun, t, before, y[2 * n + 1 : 2 * n + 3])
+                if len(run.starts) > MOST:
+                    raise RuntimeError(f"More than {MOST} contacts.")
         run.rotor_velocity = float(y[2 * n])
-        run.u = float(mechanics.tip_state(y)[0])
+        run.u = float(self.mechanics.tip_state(y)[0])
         run.contact_work = float("nan")
         return run
