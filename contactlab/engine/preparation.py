@@ -23,7 +23,6 @@ from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
 from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
-    BEFORE,
     HEAD,
     LEAVES,
     NO_OUTPUTS,
@@ -181,8 +180,7 @@ def memory_mark(law: ContactLaw) -> int:
 
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
     """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
-    names = {"q", "v", *(LEAVES.names or ())}
-    if not isinstance(start, dict) or not names | {BEFORE + name for name in names} <= set(start):
+    if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
         raise TypeError(
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )

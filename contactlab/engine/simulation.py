@@ -230,8 +230,9 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State
     before = run.step["saved"][0]
     for name in ("normal_force", "friction_force", "initial_energy", "end"):
         before[name] = state[name]
-    cut = state_as_value(before, modes["saved_q"], modes["saved_v"])
-    return state_as_value(state, q, v) | {BEFORE + name: value for name, value in cut.items()}
+    end, cut = state_as_value(state, q, v), state_as_value(before, modes["saved_q"], modes["saved_v"])
+    other = [name for name in end if np.asarray(cut[name]).tobytes() != np.asarray(end[name]).tobytes()]
+    return end | {BEFORE + name: cut[name] for name in other}
 
 
 @final
