@@ -222,8 +222,8 @@ def largest(values: Array) -> float:
 State = dict[str, Any]
 """A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name.
 
-That of a trajectory holds its end, and by names that begin with BEFORE what is another at the start of the step
-that the end cut."""
+That of a trajectory holds its end, and by names that begin with BEFORE what is another at the start of the
+step that the end cut."""
 
 BEFORE: Final = "before."
 
@@ -252,7 +252,7 @@ def state_as_value(state: Any, q: Array, v: Array) -> State:
 
 def state_from_value(value: State, prefix: str = "") -> tuple[Any, Array, Array]:
     """Return the state record, displacements and rates of a value, by names with a prefix where there are."""
-    values = {name: value.get(prefix + name, value[name]) for name in ("q", "v", *_names)}
+    values: State = {name: value.get(prefix + name, value[name]) for name in ("q", "v", *_names)}
     leaves = np.zeros(1, LEAVES)
     for name in _names:
         leaves[name] = values[name]
