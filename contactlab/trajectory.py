@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.laws.base import ContactLaw
+from contactlab.laws.base import ContactLaw, MultiplierLaw
 from contactlab.motor.motor import ModalState, Motor
-from contactlab.variables import INTERNAL, of_electrode
+from contactlab.variables import CONTACTS, IMPACTS, INTERNAL, Variable, of_electrode
+from contactlab.window import cut_to_window, joined
 
 LEDGER_LIMIT: Final = 1e-2
 """Residual of a ledger over the energy turned over, beyond which its run is not balanced [1]."""
@@ -33,6 +34,11 @@ def openness(residual: float, drive_work: float, load_work: float, start: float)
     if turned_over > 0.0:
         return residual / turned_over
     return 0.0 if residual == 0.0 else float("inf")
+
+
+def contact_variables(law: ContactLaw) -> tuple[Variable, ...]:
+    """Return the variables of contacts under a law, without its internal ones."""
+    return (*CONTACTS, *IMPACTS) if isinstance(law, MultiplierLaw) else CONTACTS
 
 
 class Ending(IntEnum):
@@ -78,10 +84,13 @@ class Trajectory:
             rigid law in its limit of no step.
         series, contact_mode: every name of `variables.SERIES`, `variables.BEARING` and of the outputs of
             `motor.outputs`; 0 free, 1 slip and 2 stick; at every record.
-        contacts: every name of `variables.CONTACTS`, a row each.
+        contacts: every name of `variables.CONTACTS`, of a rigid law those of `variables.IMPACTS`, a row
+            each.
         ending, message: how the run ended; a run that is not complete holds what it had until then.
         final: normal coordinates of the resonator at the end.
         state: everything from which another run goes on; see `contactlab.engine.simulate`.
+        part: of the first contact, where that began before the run, what lies in it: variables of a contact
+            by name.
     """
 
     motor: Motor
@@ -98,6 +107,13 @@ class Trajectory:
     message: str
     final: ModalState
     state: dict[str, Any] = field(default_factory=dict)
+    part: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def contacts_within(self) -> dict[str, Array]:
+        """The contacts, cut to the run, see `cut_to_window`."""
+        columns = {**self.series, "time": self.time}
+        return cut_to_window(columns, self.contacts, self.part)
 
     @property
     def lasting(self) -> tuple[str, ...]:
@@ -130,6 +146,7 @@ class Trajectory:
                 name: np.concatenate((values[ended], other.contacts[name]))
                 for name, values in self.contacts.items()
             },
+            part=joined(self.part, other.part) if other.part and not ended.any() else self.part,
         )
 
     @property

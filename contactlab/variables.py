@@ -123,7 +123,7 @@ CONTACTS: Final = _along(
     ("stick_duration", "s", "t_st", "part of the duration that sticks"),
     ("normal_impulse", "N s", "p_n", "time integral of the normal force"),
     ("friction_impulse", "N s", "p_t", "time integral of the friction force"),
-    ("peak_normal_force", "N", "N_max", "largest normal force"),
+    ("peak_normal_force", "N", "N_max", "largest normal force; infinite with an impact"),
     ("max_penetration", "m", "d_max", "largest penetration"),
     ("approach_velocity", "m s-1", "g_dot_0", "gap rate at touch-down, negative"),
     (
@@ -134,3 +134,24 @@ CONTACTS: Final = _along(
     ),
     ("energy_loss", "J", "W", "friction and contact loss of the contact, until the next begins"),
 )
+
+IMPACTS: Final = _along(
+    "contact",
+    ("peak_lasting_force", "N", "N_l", "largest normal force while the contact lasts, impacts left out"),
+    ("largest_impact", "N s", "p_i", "largest normal impulse of an impact"),
+    ("impact_energy_gain", "J", "W_g", "kinetic energy that impacts created"),
+)
+"""Further variables of contacts under rigid laws."""
+
+SUMS: Final = {
+    "duration",
+    "stick_duration",
+    "normal_impulse",
+    "friction_impulse",
+    "energy_loss",
+    "impact_energy_gain",
+}
+"""Variables of a contact that add up while it lasts."""
+
+EXTREMES: Final = {"peak_normal_force", "max_penetration", "peak_lasting_force", "largest_impact"}
+"""Variables of a contact that are the largest of it."""

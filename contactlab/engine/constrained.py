@@ -24,6 +24,7 @@ a contact that opens by itself is released, and one that does not is stopped by 
 """
 
 from math import cos, inf, sin, sqrt
+from typing import Any
 
 import numpy as np
 
@@ -137,7 +138,7 @@ def step_constrained(run: Run, law: Law) -> int:
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
-    _note_peak(run, normal)
+    _note_peaks(run, normal)
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
@@ -146,14 +147,29 @@ def step_constrained(run: Run, law: Law) -> int:
 
 
 @inner_kernel
-def _note_peak(run: Run, first: float) -> None:
-    """Note the largest normal force of the contact so far, at the nodes and both ends of what was taken."""
+def _note_peaks(run: Run, normal: float) -> None:
+    """Note the largest normal force of the contact, and of its part in a run that goes on."""
     state = run.state
-    peak = max(first, value_at(state.normal, state.taken / state.length))
+    _note_peak(run, state.contact, 0.0, normal)
+    if state.contact.start_time < state.run_start:
+        # The first step of a run that goes on is that of the run before.
+        first = max(state.run_start - state.time, 0.0)
+        _note_peak(run, state.part, first, value_at(state.normal, first / state.length))
+
+
+@inner_kernel
+def _note_peak(run: Run, contact: Any, first: float, normal: float) -> None:
+    """Note the largest normal force in a row of contacts, at the nodes and both ends of what was taken.
+
+    That is from a time in the step on [s], with the normal force there [N].
+    """
+    state = run.state
+    peak = max(normal, value_at(state.normal, state.taken / state.length))
     for i in range(NODES):
-        if run.propagator.rule.nodes[i] * state.length < state.taken:
+        if first < run.propagator.rule.nodes[i] * state.length < state.taken:
             peak = max(peak, state.normal.node[i])
-    state.contact.peak_normal_force = max(state.contact.peak_normal_force, peak)
+    contact.peak_lasting_force = max(contact.peak_lasting_force, peak)
+    contact.peak_normal_force = max(contact.peak_normal_force, peak)
 
 
 @part_kernel
@@ -274,7 +290,16 @@ def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
     contact.energy_loss += lost + rubbed
     contact.normal_impulse += p_n
     contact.friction_impulse += p_t
-    # The limit of impulse over step.
+    contact.impact_energy_gain += max(-lost - rubbed, 0.0)
+    _note_impact(contact, p_n)
+    if contact.start_time < state.run_start <= state.time:
+        _note_impact(state.part, p_n)
+
+
+@inner_kernel
+def _note_impact(contact: Any, p_n: float) -> None:
+    """Note an impulse [N s] in a row of contacts; its force is the limit of impulse over step."""
+    contact.largest_impact = max(contact.largest_impact, p_n)
     contact.peak_normal_force = inf
 
 

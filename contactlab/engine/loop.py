@@ -187,6 +187,7 @@ def _open_contact(run: Run, law: Law) -> None:
     contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
     contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
     contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
+    contact.peak_lasting_force, contact.largest_impact, contact.impact_energy_gain = 0.0, 0.0, 0.0
     state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     law.row[SPEED] = state.impact_speed

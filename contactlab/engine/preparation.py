@@ -433,7 +433,7 @@ class Prepared(NamedTuple):
         state["first"] = round((begins - state["origin"]) / interval)
         if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
             state["origin"], state["first"] = begins, 0
-        state["end"], state["interval"] = begins + self.duration, interval
+        state["run_start"], state["end"], state["interval"] = begins, begins + self.duration, interval
         state["recorded"] = state["stored"] = 0
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
         anew = state["signature"] != self.signature

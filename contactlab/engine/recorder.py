@@ -105,7 +105,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
             _write_record(run, law, records, at, terms)
         last = at
         index += 1
-    total, row = state.total, state.contact
+    total = state.total
     total.drive_work += drive
     total.damping_loss += damping
     total.friction_loss += friction
@@ -114,11 +114,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
     total.normal_impulse += p_n
     total.friction_impulse += p_t
     if state.mode != FREE:
-        row.duration += s
-        row.stick_duration += s if state.mode == STICK else 0.0
-        row.normal_impulse += p_n
-        row.friction_impulse += p_t
-        row.energy_loss += friction + contact
+        _add_to_contact(run, s, p_n, p_t, friction + contact)
     state.time = now
     take_memory(run, law, law.memory, s)
     for j in range(plant.mode_count):
@@ -126,6 +122,19 @@ def commit(run: Run, law: Law, records: Records) -> None:
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
     _watch(run, s)
     _weigh(run)
+
+
+@part_kernel
+def _add_to_contact(run: Run, s: float, p_n: float, p_t: float, lost: float) -> None:
+    """Add a time [s], impulses [N s] and a loss [J] to the contact; time stepping begins with an impact."""
+    state, row = run.state, run.state.contact
+    if run.step.kind == HELD and row.duration == 0.0:
+        row.largest_impact, row.impact_energy_gain = p_n, max(-lost, 0.0)
+    row.duration += s
+    row.stick_duration += s if state.mode == STICK else 0.0
+    row.normal_impulse += p_n
+    row.friction_impulse += p_t
+    row.energy_loss += lost
 
 
 @inner_kernel

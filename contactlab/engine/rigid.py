@@ -47,6 +47,8 @@ def step_rigid(run: Run, law: Law) -> int:
     run.step.kind = HELD
     gap, gap_rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.max_penetration = max(contact.max_penetration, -gap)
+    if contact.start_time < state.run_start <= state.time:
+        state.part.max_penetration = max(state.part.max_penetration, -gap)
     impact = contact.duration == 0.0
     while True:
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
@@ -80,7 +82,14 @@ def step_rigid(run: Run, law: Law) -> int:
     state.wedged_steps += 1 if count == SEVERAL else 0
     if count != NONE and event == NOTHING:
         add_constant(run, level, not projects, True)
+        lasting = 0.0 if impact else normal
         contact.peak_normal_force = max(contact.peak_normal_force, normal)
+        contact.peak_lasting_force = max(contact.peak_lasting_force, lasting)
+        if contact.start_time < state.run_start:
+            # A force that is held over a step acts in all of its parts.
+            part = state.part
+            part.peak_normal_force = max(part.peak_normal_force, normal)
+            part.peak_lasting_force = max(part.peak_lasting_force, lasting)
         # An impact's force says nothing about the one at which the contact will open. A release that finds
         # the gap open is not looked for at all: no force before means at once.
         lasts = projects and not impact

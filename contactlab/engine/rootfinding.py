@@ -1,5 +1,7 @@
 """Where in a step something happens: a function of time for every event, one finder of its zero, extremes."""
 
+from typing import Any
+
 from contactlab.compiled import inner_kernel
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
@@ -171,12 +173,28 @@ def track_extremes(run: Run, law: Law, gap: float, rate: float, normal: float) -
 
     Gap [m], its rate [m/s] and normal force [N] are those at the step's start.
     """
-    state, step, contact = run.state, run.step, run.state.contact
+    state = run.state
+    _track(run, law, state.contact, 0.0, gap, rate, normal)
+    if state.contact.start_time < state.run_start:
+        # The first step of a run that goes on is that of the run before.
+        first = max(state.run_start - state.time, 0.0)
+        if first > 0.0:
+            gap, rate, _, _, _, _, _ = contact_after(run, first)
+            normal = value_at(state.normal, first / state.length)
+        _track(run, law, state.part, first, gap, rate, normal)
+
+
+@inner_kernel
+def _track(run: Run, law: Law, contact: Any, first: float, gap: float, rate: float, normal: float) -> None:
+    """Note the extremes in a row of contacts, from a time in the step on [s]."""
+    state, step = run.state, run.step
     s, h = state.taken, state.length
     peak, deepest = max(contact.peak_normal_force, normal), max(contact.max_penetration, -gap)
-    left, before = 0.0, rate
+    left, before = first, rate
     for i in range(NODES):
         right, gap, now = run.propagator.rule.nodes[i] * h, step.gap[i], step.gap_rate[i]
+        if right <= first:
+            continue
         if right > s:
             # An event or the end of the run cuts the step here.
             right = s
@@ -191,7 +209,7 @@ def track_extremes(run: Run, law: Law, gap: float, rate: float, normal: float) -
         if right == s:
             break
         left, before = right, now
-    if slope_at(state.normal, 0.0) > 0.0 > slope_at(state.normal, s / h):
-        at = locate(run, law, PEAK, 0.0, s, 0.0)
+    if slope_at(state.normal, first / h) > 0.0 > slope_at(state.normal, s / h):
+        at = locate(run, law, PEAK, first, s, 0.0)
         peak = max(peak, value_at(state.normal, at / h))
     contact.peak_normal_force, contact.max_penetration = peak, deepest

@@ -37,8 +37,8 @@ from contactlab.engine.state import (
 from contactlab.laws.base import FREE, ContactLaw
 from contactlab.motor.motor import ModalState, Motor
 from contactlab.motor.outputs import output_series
-from contactlab.trajectory import Ending, Trajectory
-from contactlab.variables import CONTACTS
+from contactlab.trajectory import Ending, Trajectory, contact_variables
+from contactlab.variables import EXTREMES, SUMS
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
@@ -97,6 +97,9 @@ def simulate(
     else:
         check_start(start, plant, law)
         parted = _go_on(states, ready, start, record_interval)
+    earlier = state["part"].copy()
+    for name in EXTREMES:
+        state["part"][name] = 0.0
     run = ready.run_of(state)
     motions = np.stack([q, v])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
@@ -131,13 +134,9 @@ def simulate(
     if state.ending != RUNNING:
         ending, message = ready.explain(run)
     collect(0)
-    if state.phase == TOUCHING:
-        # The end of the run cut it: it has no separation.
-        cut = state.contact.copy().reshape(1)
-        cut["separation_velocity"] = np.nan
-        cut["energy_loss"] -= state.held_energy
-        finished.append(cut)
-        ends.append(memory_of(state, law)[None])
+    cut = _cut_contact(state)
+    finished.append(cut)
+    ends.append(memory_of(state, law)[None][: cut.size])
     time, series, contact_modes = take_series(run, records.series)
     series |= output_series(motor, time, records.outputs[: time.size])
     names = [f"internal_{variable.name}" for variable in law.internal_variables]
@@ -145,7 +144,8 @@ def simulate(
     if ending is Ending.COMPLETE:
         ending, message = balanced(state, series, contact_modes, contact_step)
     rows, memory = np.concatenate(finished), np.concatenate(ends).T
-    contacts = {variable.name: rows[variable.name].copy() for variable in CONTACTS}
+    contacts = {variable.name: rows[variable.name].copy() for variable in contact_variables(law)}
+    part = _first_part(state, earlier, contacts)
     return Trajectory(
         motor=motor,
         law=law,
@@ -160,7 +160,8 @@ def simulate(
         ending=ending,
         message=message,
         final=ModalState(q[:-1].copy(), v[:-1].copy()),
-        state=_state_to_go_on(run, series, ending),
+        state=_state_to_go_on(run, series, ending, cut),
+        part=part,
     )
 
 
@@ -211,13 +212,34 @@ def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
     return none
 
 
+def _cut_contact(state: Any) -> Any:
+    """Return the contact that the end of a run cuts, which has no separation; none, shape (0,), in flight."""
+    cut = state.contact.copy().reshape(1)
+    cut["separation_velocity"] = np.nan
+    cut["energy_loss"] -= state.held_energy
+    return cut[: int(state.phase == TOUCHING)]
+
+
+def _first_part(state: Any, earlier: Any, contacts: dict[str, Array]) -> dict[str, float]:
+    """Return what lies in the run of a first contact that began before; of it `earlier` is known."""
+    begun = contacts["start_time"][:1]
+    if not begun.size or not begun[0] == earlier["start_time"] < state["run_start"]:
+        return {}
+    sums = {name: float(contacts[name][0] - earlier[name]) for name in contacts.keys() & SUMS}
+    extremes = {name: float(state["part"][name]) for name in contacts.keys() & EXTREMES}
+    return {"start_time": float(state["run_start"]), "approach_velocity": np.nan, **sums, **extremes}
+
+
 def memory_of(state: Any, law: ContactLaw) -> Array:
     """Return the law's internal variables in a state, shape (variable,)."""
     return np.array(state["memory"][: len(law.internal_variables)])
 
 
-def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State:
-    """Return the state as a value: where the run stopped, and before the step that its end cut."""
+def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any) -> State:
+    """Return the state as a value: where the run stopped, and before the step that its end cut.
+
+    The contact that the end cut, if it cut one, is kept as it is there.
+    """
     state, modes = run.state, modes_of(run.plant)
     q, v = modes["q"][:, START], modes["v"][:, START]
     if not ending.reached_end:
@@ -227,12 +249,15 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending) -> State
     for name in ("normal_force", "friction_force", "energy_residual"):
         if series[name].size:
             state[name] = series[name][-1]
+    state["part"]["start_time"] = np.nan
+    if cut.size:
+        state["part"] = cut[0]
     before = run.step["saved"][0]
-    for name in ("normal_force", "friction_force", "initial_energy", "end"):
+    for name in ("normal_force", "friction_force", "initial_energy", "end", "part"):
         before[name] = state[name]
-    end, cut = state_as_value(state, q, v), state_as_value(before, modes["saved_q"], modes["saved_v"])
-    other = [name for name in end if np.asarray(cut[name]).tobytes() != np.asarray(end[name]).tobytes()]
-    return end | {BEFORE + name: cut[name] for name in other}
+    end, start = state_as_value(state, q, v), state_as_value(before, modes["saved_q"], modes["saved_v"])
+    other = [name for name in end if np.asarray(start[name]).tobytes() != np.asarray(end[name]).tobytes()]
+    return end | {BEFORE + name: start[name] for name in other}
 
 
 @final

@@ -16,7 +16,7 @@ from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
-from contactlab.variables import BEARING, CONTACTS, SERIES
+from contactlab.variables import BEARING, CONTACTS, IMPACTS, SERIES
 
 
 def _number(value: int) -> int:
@@ -96,7 +96,7 @@ LEDGER: Final = record(
 )
 """Terms of the energy ledger [J], and impulses [N s]."""
 
-CONTACT: Final = record(real=" ".join(variable.name for variable in CONTACTS))
+CONTACT: Final = record(real=" ".join(variable.name for variable in (*CONTACTS, *IMPACTS)))
 SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for each in (*SERIES, BEARING)))
 """A record of the series; the forces are impulses since the start until the run is read."""
 
@@ -105,10 +105,12 @@ STATE: Final = record(
     # the rate of the coupled internal variable; the contact that goes on; the ledger since t = 0.
     *((name, FORCE) for name in ("normal", "friction", "bound", "bias", "internal_rate")),
     ("contact", CONTACT),
+    # That contact as the run before left it; in the run that goes on, the extremes since then.
+    ("part", CONTACT),
     ("total", LEDGER),
     ("memory", float, MOST_VARIABLES),  # internal variables of the law, see `contactlab.laws.memory`
-    real="time end piece_end interval origin "  # [s], of run and piece of a waveform; records lie at origin
-    # + (first + i) interval
+    real="time run_start end piece_end interval origin "  # [s], of run and piece of a waveform; records lie
+    # at origin + (first + i) interval
     "window window_start last_event calm "  # of the stall watchdog; of the last event; longest time without
     # one [s]
     "tolerance "  # of a collocated step [1]

@@ -9,9 +9,9 @@ from contactlab.metrics.catalogue import ROUND_OFF, invariant
 from contactlab.metrics.run import Run, declares, needed, positive
 from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
+from contactlab.window import CLOCK
 
 RESOLVED: Final = 1e-12  # share of the motor's energy below which round-off decides a graze
-CLOCK: Final = 8.0  # units in the last place of the time, within which two instants are one
 
 STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
 SPENT: Final = ("damping_loss", "friction_loss", "contact_loss", "load_work")
@@ -78,15 +78,15 @@ def impulse_balance(run: Run) -> float:
 @invariant(
     f"|sum W - (W_f + W_n)| / max(sum|W|, {RESOLVED / ROUND_OFF:g} E)",
     "energy loss of the contacts against the recorded losses of friction and contact; not applicable to a "
-    "run that starts in a contact, or with energy stored in it",
+    "run that starts in flight with energy that a contact before has stored",
     bound=ROUND_OFF,
     reason="every loss is that of one contact: both sides add up the same numbers but for round-off",
     source="first law of thermodynamics",
 )
 def loss_balance(run: Run) -> float:
     losses, start = run.contacts("energy_loss"), run.time[0]
-    stored = float(run.series("contact_energy")[0])
-    needed(start == 0.0 or (stored == 0.0 and float(run.contacts("start_time")[0]) >= start))
+    stored, begins = float(run.series("contact_energy")[0]), float(run.contacts("start_time")[0])
+    needed(start == 0.0 or stored == 0.0 or begins <= start + CLOCK * np.spacing(run.time[-1]))
     missing = float(losses.sum()) - run.gain("friction_loss") - run.gain("contact_loss")
     energy = run.series("kinetic_energy") + run.series("strain_energy")
     scale = max(float(np.abs(losses).sum()), RESOLVED / ROUND_OFF * float(energy.max()))
@@ -124,10 +124,11 @@ def closing_release(run: Run) -> float:
     closing = float(np.nanmax(np.append(-separation, 0.0)))
     # A start in contact may be opening; any other contact begins by closing.
     later = (run.contacts("start_time") > 0.0) & (not _has_limits(run))
-    opening = float(np.max(np.append(approach[later], 0.0)))
+    opening = float(np.nanmax(np.append(approach[later], 0.0)))
     # The whole motion counts: the rates of a tip that only grazes are round-off.
     rates = np.abs(np.diff(run.series("gap")) / run.intervals)
-    return max(closing, opening) / positive(max(float(np.abs(approach).max()), float(rates.max())))
+    fastest = float(np.nanmax(np.append(np.abs(approach), 0.0)))
+    return max(closing, opening) / positive(max(fastest, float(rates.max())))
 
 
 @invariant(

@@ -9,7 +9,7 @@ from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 from contactlab.settling.verdict import SHARE
 
 
-@without_records("n_c", "number of contacts, one that the end cuts included", usual=True)
+@without_records("n_c", "number of contacts, those that the run's start or end cuts included", usual=True)
 def contact_count(run: Run) -> float:
     needed("start_time" in run.rows)
     return float(run.rows["start_time"].size)
@@ -20,9 +20,9 @@ def peak_force(run: Run) -> float:
     return float(run.contacts("peak_normal_force").max())
 
 
-@without_records("mean p_n", "mean normal impulse of a contact", "N s")
+@without_records("mean p_n", "mean normal impulse of a whole contact", "N s")
 def mean_impulse(run: Run) -> float:
-    return float(run.contacts("normal_impulse").mean())
+    return float(run.whole_contacts("normal_impulse").mean())
 
 
 @without_records("sum p_n", "normal impulse of all contacts", "N s", usual=True)
@@ -40,9 +40,9 @@ def contact_time(run: Run) -> float:
     return float(run.contacts("duration").sum())
 
 
-@without_records("median t_c", "median duration of a contact", "s")
+@without_records("median t_c", "median duration of a whole contact", "s")
 def contact_duration(run: Run) -> float:
-    return float(np.median(run.contacts("duration")))
+    return float(np.median(run.whole_contacts("duration")))
 
 
 @without_records("sum t_st / sum t_c", "share of the time in contact that sticks", usual=True)
@@ -57,7 +57,7 @@ def stick_share(run: Run) -> float:
 )
 def restitution(run: Run) -> float:
     approach, separation = run.contacts("approach_velocity"), run.contacts("separation_velocity")
-    # A contact truncated by the end of the run has no separation.
+    # A contact that the start or the end of the run cuts has no approach or no separation.
     whole = np.isfinite(separation) & (approach < 0.0)
     needed(whole.any())
     return float(np.median(-separation[whole] / approach[whole]))
@@ -85,7 +85,7 @@ def effective_mass(run: Run) -> float:
     source="Johnson (1985), Contact Mechanics, sec. 11.4, eq. 11.24",
 )
 def hertz_duration_ratio(run: Run) -> float:
-    duration, approach = run.contacts("duration"), run.contacts("approach_velocity")
+    duration, approach = run.whole_contacts("duration"), run.whole_contacts("approach_velocity")
     falling = approach < 0.0
     needed(falling.any())
     velocity = -approach[falling]

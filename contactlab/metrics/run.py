@@ -19,7 +19,7 @@ from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
-from contactlab.results.netcdf import EMPTY, configuration_of, groups_of, lasting_in, period_in
+from contactlab.results.netcdf import configuration_of, contacts_in, groups_of, lasting_in, period_in
 from contactlab.settling.verdict import Settling, drive_period, settling_of
 from contactlab.trajectory import Trajectory
 
@@ -82,7 +82,7 @@ class Run:
             parameters = dict(json.loads(str(text.get("law_parameters", ""))))
         return cls(
             columns=groups["/"].values,
-            rows=groups.get("/contacts", EMPTY).values,
+            rows=contacts_in(groups),
             configuration=configuration_of(source.attrs),
             law=str(text.get("law", "")),
             law_parameters={k: x for k, x in parameters.items() if isinstance(x, int | float)},
@@ -97,7 +97,7 @@ class Run:
         records: dict[str, NDArray[Any]] = {"contact_mode": trajectory.contact_mode}
         return cls(
             columns={**records, **trajectory.series, "time": trajectory.time},
-            rows=trajectory.contacts,
+            rows=trajectory.contacts_within,
             configuration=configuration,
             law=trajectory.law.name,
             law_parameters=trajectory.law.describe(),
@@ -155,9 +155,18 @@ class Run:
         return float(values[-1] - values[0])
 
     def contacts(self, name: str) -> Array:
-        """Return a column of the contacts, at least one; only a separation may be missing."""
+        """Return a column of the contacts, at least one; only gap rates may be missing, of those cut."""
         needed(self.touches(name))
-        return self._numbers(self.rows[name], may_miss=name == "separation_velocity")
+        return self._numbers(self.rows[name], may_miss=name in ("approach_velocity", "separation_velocity"))
+
+    def whole_contacts(self, name: str) -> Array:
+        """Return a column of the contacts that begin and end within the run, at least one."""
+        values = self.contacts(name)
+        whole = np.ones(values.size, dtype=bool)
+        for rate in ("approach_velocity", "separation_velocity"):
+            whole &= np.isfinite(self.rows.get(rate, values))
+        needed(whole.any())
+        return values[whole]
 
     def _numbers(self, values: NDArray[Any], *, may_miss: bool = False) -> Array:
         numbers = np.asarray(values, dtype=np.float64)

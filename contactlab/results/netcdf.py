@@ -32,8 +32,9 @@ from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml
 from contactlab.settling.verdict import Settling, configured_period, drive_period, settling_of
-from contactlab.trajectory import Ending, Trajectory
+from contactlab.trajectory import Ending, Trajectory, contact_variables
 from contactlab.variables import INTERNAL, Variable
+from contactlab.window import cut_to_window
 
 if TYPE_CHECKING:
     import xarray
@@ -90,6 +91,9 @@ class Group(NamedTuple):
 
 Groups = dict[str, Group]
 """Groups of a run by path: "/", "/contacts", and "/state" where it is known."""
+
+PART: Final = "/first_contact"
+"""Group of a run that starts in a contact which began before."""
 
 EMPTY: Final = Group({}, {})
 
@@ -149,14 +153,29 @@ def to_groups(trajectory: Trajectory, configuration: Mapping[str, object] | None
     if not trajectory.contacts["start_time"].size:
         # What no contact disturbs is known beforehand.
         attributes["free_reach"] = free_reach(trajectory.motor)
-    of_contacts = (*variables.CONTACTS, *internal_contacts(trajectory.law))
+    of_contacts = (*contact_variables(trajectory.law), *internal_contacts(trajectory.law))
     groups = {
         "/": Group(_columns((*kept, variables.TIME), values), attributes),
         "/contacts": Group(_columns(of_contacts, trajectory.contacts), {}),
     }
+    if trajectory.part:
+        groups[PART] = Group(
+            {
+                e.name: Recorded((), np.array(trajectory.part[e.name]), cf_attributes(e))
+                for e in of_contacts
+                if e.name in trajectory.part
+            },
+            {"title": "What of the first contact, which began before the run, lies in the run"},
+        )
     if trajectory.state:
         groups["/state"] = Group({name: _of_state(name, x) for name, x in trajectory.state.items()}, {})
     return groups
+
+
+def contacts_in(groups: Groups) -> dict[str, np.ndarray]:
+    """Return the contacts of a run, cut to its records, see `contactlab.window.cut_to_window`."""
+    part = {name: float(x) for name, x in groups.get(PART, EMPTY).values.items()}
+    return cut_to_window(groups["/"].values, groups.get("/contacts", EMPTY).values, part)
 
 
 def _of_state(name: str, value: object) -> Recorded:
@@ -206,9 +225,9 @@ def configuration_of(attributes: Mapping[Any, Any]) -> dict[str, Any]:
 def settling_in(run: "xarray.DataTree | Groups") -> Settling:
     """Judge whether the motor of a dataset has settled, from its numbers; they may be those of anybody."""
     groups = groups_of(run)
-    root, contacts = groups["/"], groups.get("/contacts", EMPTY)
+    root = groups["/"]
     period = period_in(root.attrs, configuration_of(root.attrs))
-    return settling_of(root.values, contacts.values, period, lasting_in(root.variables))
+    return settling_of(root.values, contacts_in(groups), period, lasting_in(root.variables))
 
 
 def period_in(attributes: Mapping[Any, Any], configuration: Mapping[str, Any]) -> float:
@@ -331,7 +350,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
         "drive_period": period,
         **({} if trajectory.motor.preload is None else {"preloaded": 1}),
-        **settling_of(columns, trajectory.contacts, period, trajectory.lasting).attributes,
+        **settling_of(columns, trajectory.contacts_within, period, trajectory.lasting).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "ending": Ending(trajectory.ending).name.lower(),
         "message": trajectory.message,
