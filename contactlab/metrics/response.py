@@ -20,9 +20,9 @@ def peak_force(run: Run) -> float:
     return float(run.contacts("peak_normal_force").max())
 
 
-@without_records("mean p_n", "mean normal impulse of a whole contact", "N s")
+@without_records("mean p_n", "mean normal impulse of a contact, of those cut what lies in the run", "N s")
 def mean_impulse(run: Run) -> float:
-    return float(run.whole_contacts("normal_impulse").mean())
+    return float(run.contacts("normal_impulse").mean())
 
 
 @without_records("sum p_n", "normal impulse of all contacts", "N s", usual=True)
