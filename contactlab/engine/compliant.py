@@ -320,7 +320,10 @@ def step_compliant(run: Run, law: Law) -> int:
     first_moments(run, law, law.memory, gap, known[0])
     if state.contact.duration == 0.0 or state.momentum == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
-        state.momentum = impulse_scale(run, law, rate, known[0], mobility)
+        # Where adhesion balances the elastic force there is friction, and a normal force on the way in.
+        inward = law.force(0.5 * gap, rate, slip, state.impact_speed, law.parameters)[0]
+        load = max(abs(known[0]), abs(inward), known[1] + abs(known[2]), abs(known[3]))
+        state.momentum = impulse_scale(run, law, rate, load, mobility)
     if known[1] == 0.0 and state.mode == SLIP and slip != 0.0:
         # What has no say in the slip cannot have followed its sign.
         state.sign = 1 if slip > 0.0 else -1
@@ -453,12 +456,12 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
 
 
 @inner_kernel
-def impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: float) -> float:
-    """Return the impulse [N s] that scales errors in a contact which begins now.
+def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float) -> float:
+    """Return the impulse [N s] that scales errors in a contact which begins now, under a load [N].
 
     It is the speed of the tip over its mobility D_nn [1/kg]: gap rate, vibration of its modes, and what drive
     and weight add in one step. For a soft contact it is the impulse of half a swing to the end of the tip's
-    reach, down to round-off of the tip's motion; for a start under load at least that of one step.
+    reach, down to round-off of the tip's motion; and at least that of the load in one step.
     """
     state, plant = run.state, run.plant
     h = step_length(run.propagator, run.propagator.rule.contact_level)
@@ -483,7 +486,7 @@ def impulse_scale(run: Run, law: Law, rate: float, normal: float, mobility: floa
         # A law that has no force so deep has no say.
         if deep != 0.0 and taken < scale:
             scale = taken
-    return max(scale, abs(normal) * h)
+    return max(scale, load * h)
 
 
 @inner_kernel
@@ -498,9 +501,10 @@ def count_event(state: Any) -> None:
 
 @inner_kernel
 def switch_friction(state: Any, event: int) -> None:
-    """Set the friction mode after a step that ended in REVERSAL or CONE."""
+    """Set the friction mode after a step that ended in REVERSAL or CONE; a rigid one has noted its sign."""
     x = state.taken / state.length
-    _switch(state, event, value_at(state.friction, x) - value_at(state.bias, x))
+    friction = value_at(state.friction, x) - value_at(state.bias, x)
+    _switch(state, event, friction if state.constrained == 0 else -state.sign)
 
 
 @inner_kernel

@@ -29,7 +29,14 @@ from typing import Any
 import numpy as np
 
 from contactlab.compiled import inner_kernel, part_kernel
-from contactlab.engine.compliant import AGREEMENT, MOST_ITERATIONS, impulse_scale, lengthen, pushed_tip
+from contactlab.engine.compliant import (
+    AGREEMENT,
+    MOST_ITERATIONS,
+    ROUND_OFF as IMPULSE_ROUND_OFF,
+    impulse_scale,
+    lengthen,
+    pushed_tip,
+)
 from contactlab.engine.flight import CLEAR, coarseness
 from contactlab.engine.friction import FIRST, push_node
 from contactlab.engine.kinematics import (
@@ -57,7 +64,7 @@ from contactlab.engine.memory import (
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rigid import ROUND_OFF
-from contactlab.engine.rootfinding import CONE_ROUND_OFF, locate
+from contactlab.engine.rootfinding import CONE_ROUND_OFF, TIME_DIGIT, locate
 from contactlab.engine.state import (
     BETWEEN,
     COLLOCATED,
@@ -89,11 +96,17 @@ LASTING = 1e-6
 MOST_RATIO = 1e8
 """Ratio |F|/N from which on friction holds whatever there is."""
 
-POLISHES = 2
-"""Newton steps to the instant of an event; each leaves the relative error of the polynomial's slope."""
+POLISHES = 3
+"""Secants to the least margin between two nodes: what is left of the way to it is negligible squared."""
+
+MOST_HALVINGS = 100
+"""Of the bracket around the instant of an event."""
 
 NEARLY_ELASTIC = 0.01
 """Share of the speed, 1 - e, that impacts lose whose rebounds never end."""
+
+LEAST_HEIGHT = 10.0 * CLEAR
+"""Height [m] of a rebound whose flight the digits of the gap still resolve."""
 
 HALVINGS = 60
 """Of the bracket around the largest ratio that sticks."""
@@ -127,14 +140,13 @@ def step_constrained(run: Run, law: Law) -> int:
     if normal <= 0.0:
         return _at_once(run, RELEASE)
     if contact.duration == 0.0 or state.momentum == 0.0:
-        _, rate, _, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
-        mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
-        state.momentum = impulse_scale(run, law, state.impact_speed, normal, mobility)
+        state.momentum = _momentum(run, law, normal)
     level, error = _solve(run, law, (normal, friction))
     if state.ending != RUNNING:
         return _at_once(run, NOTHING)
     remaining = min(state.end, state.piece_end) - state.time
     event, s = _first_event(run, law)
+    _note_sign(run, event, s)
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
@@ -144,6 +156,19 @@ def step_constrained(run: Run, law: Law) -> int:
     state.contact_steps += 1
     lengthen(run, level, error)
     return checked(run, event)
+
+
+@inner_kernel
+def _momentum(run: Run, law: Law, normal: float) -> float:
+    """Return the impulse [N s] that scales errors in a contact that begins with a normal force [N].
+
+    It is at least what round-off of the rates does to the forces of a stick.
+    """
+    state = run.state
+    d_nn, d_nt, d_tt = _matrix_of(run, contact_at(run.plant, START))
+    magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
+    scale = impulse_scale(run, law, state.impact_speed, normal, d_nn)
+    return scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified)
 
 
 @inner_kernel
@@ -255,6 +280,16 @@ def _holding_ratio(law: Law, side: float, d: Matrix) -> float:
     return least
 
 
+@inner_kernel
+def _jumps(law: Law, side: float, d: Matrix) -> bool:
+    """Return whether the forces jump where a stick leaves its cone with friction of the sign `side`.
+
+    They do unless it slides on with the ratio that held it: where static friction is larger than kinetic, and
+    where the contact cannot slide that way and opens (Painleve).
+    """
+    return bool(side * _sliding_ratio(law, -side * SLIP_ROUND_OFF, d) != _holding_ratio(law, side, d))
+
+
 @part_kernel
 def _matrix_of(run: Run, frame: Contact) -> Matrix:
     """Return the Delassus matrix of a contact."""
@@ -320,7 +355,7 @@ def _ends(run: Run, rebound: float, lost: float) -> bool:
     pressing = -free_accelerations(run, START, 0.0)[0]
     if lost < NEARLY_ELASTIC and longest <= state.calm:
         lost = 1.0
-    high = coarseness(run, tip_motion(run.plant, START)[1]) * CLEAR * pressing
+    high = coarseness(run, tip_motion(run.plant, START)[1]) * LEAST_HEIGHT * pressing
     long = sqrt(state.tolerance) * min(longest, state.calm) * pressing * lost
     return bool(pressing > 0.0 and (2.0 * rebound <= long or 0.5 * rebound * rebound <= high))
 
@@ -371,18 +406,21 @@ def settle(run: Run) -> Contact:
 
     It is along the gradient, by the masses, as the paper's corrector (eq. 57); returns the contact.
     """
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
-    d_nn, d_nt, d_tt = delassus(run.plant, n_u, n_th, t_u, t_th)
-    shift = gap / d_nn
+    frame = contact_at(run.plant, START)
+    _, _, _, n_u, n_th, _, _ = frame
+    shift = frame[0] / _matrix_of(run, frame)[0]
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         change = shift * (n_u * mode.row_u + n_th * mode.row_th)
         mode.q[START] -= change
         mode.free_q -= change
-    p_n, p_t = -rate / d_nn, 0.0
+    # The displacement has turned the directions.
+    frame = contact_at(run.plant, START)
+    d_nn, d_nt, d_tt = _matrix_of(run, frame)
+    p_n, p_t = -frame[1] / d_nn, 0.0
     if run.state.mode == STICK:
-        p_n, p_t = stick_impulse(rate, slip, d_nn, d_nt, d_tt)
-    _move(run, (gap, rate, slip, n_u, n_th, t_u, t_th), p_n, p_t)
+        p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
+    _move(run, frame, p_n, p_t)
     return contact_at(run.plant, START)
 
 
@@ -390,10 +428,14 @@ def settle(run: Run) -> Contact:
 def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bool:
     """Return whether the law holds the slip at zero with these forces [N].
 
-    An excess over the cone counts by its impulse over the step: friction may be on its way back inside.
+    An excess over the cone counts by its impulse over the step: friction may be on its way back inside. Where
+    the forces jump at the edge, it counts at once.
     """
     state, side = run.state, 1.0 if friction > 0.0 else -1.0
-    excess = abs(friction) - _holding_ratio(law, side, d) * normal * (1.0 + CONE_ROUND_OFF)
+    held = _holding_ratio(law, side, d) * normal
+    if _jumps(law, side, d):
+        return bool(normal > 0.0 and abs(friction) <= held * (1.0 + ROUND_OFF))
+    excess = abs(friction) - held * (1.0 + CONE_ROUND_OFF)
     return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.momentum)
 
 
@@ -596,45 +638,84 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
 
 
 @inner_kernel
+def _multipliers(run: Run, s: float) -> tuple[float, float, Matrix]:
+    """Return the forces that hold gap and slip at time s of the step [N], and the Delassus matrix there."""
+    d = _matrix_of(run, contact_after(run, s))
+    a_n, a_t = free_accelerations(run, BETWEEN, s)
+    normal, friction = stick_impulse(a_n, a_t, d[0], d[1], d[2])
+    return normal, friction, d
+
+
+@inner_kernel
 def _margin(run: Run, law: Law, event: int, s: float) -> float:
     """Return the normal force at time s of the step, or what friction may still grow by in stick [N].
 
     They are the multipliers of the accelerations at that time.
     """
     state = run.state
-    frame = contact_after(run, s)
-    d = _matrix_of(run, frame)
-    a_n, a_t = free_accelerations(run, BETWEEN, s)
+    normal, friction, d = _multipliers(run, s)
     memory_at(run, law, law.memory, s)
     if state.mode != STICK:
-        ratio = _sliding_ratio(law, state.sign * max(abs(frame[2]), SLIP_ROUND_OFF), d)
-        return -a_n / (d[0] + ratio * d[1])
-    normal, friction = stick_impulse(a_n, a_t, d[0], d[1], d[2])
+        slip = contact_at(run.plant, BETWEEN)[2]
+        ratio = _sliding_ratio(law, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
+        return -free_accelerations(run, BETWEEN, s)[0] / (d[0] + ratio * d[1])
     if event == RELEASE:
         return float(normal)
     return float(_holding_ratio(law, 1.0 if friction > 0.0 else -1.0, d) * normal - abs(friction))
 
 
 @inner_kernel
-def _polished(run: Run, law: Law, event: int, s: float) -> float:
-    """Return the time of a release or of the end of a stick from that of the polynomials [s].
+def _edge(run: Run, law: Law, event: int, left: float, right: float) -> float:
+    """Locate where the margin of a release or of the end of a stick falls through zero, left ... right [s].
 
-    Newton's method with the slope of the polynomials, as long as it comes closer.
+    Regula falsi by the Illinois rule; without a change of sign it is the end with the smaller margin.
     """
-    state = run.state
-    margin = _margin(run, law, event, s)
-    for _ in range(POLISHES):
-        x = s / state.length
-        slope = slope_at(state.normal, x)
-        if event == CONE:
-            side = 1.0 if value_at(state.friction, x) > 0.0 else -1.0
-            slope = slope_at(state.bound, x) - side * slope_at(state.friction, x)
-        tried = min(max(s - margin * state.length / slope, 0.0), state.length) if slope < 0.0 else s
-        there = _margin(run, law, event, tried)
-        if not abs(there) < abs(margin):
+    at_left, at_right, s = _margin(run, law, event, left), _margin(run, law, event, right), right
+    if not at_left > 0.0 > at_right:
+        return left if abs(at_left) <= abs(at_right) else right
+    stayed = 0
+    for _ in range(MOST_HALVINGS):
+        before, s = s, (at_left * right - at_right * left) / (at_left - at_right)
+        margin = _margin(run, law, event, s)
+        if margin == 0.0 or abs(s - before) <= TIME_DIGIT * run.state.length:
             break
-        s, margin = tried, there
+        if margin < 0.0:
+            at_left, stayed = at_left * (0.5 if stayed < 0 else 1.0), -1
+            right, at_right = s, margin
+        else:
+            at_right, stayed = at_right * (0.5 if stayed > 0 else 1.0), 1
+            left, at_left = s, margin
     return s
+
+
+@inner_kernel
+def _least_margin(run: Run, left: float, right: float) -> float:
+    """Return where a margin of stick that falls at left and grows at right is least, else right [s]."""
+    state, side = run.state, 1.0 if value_at(run.state.friction, right / run.state.length) > 0.0 else -1.0
+    low, high = left / state.length, right / state.length
+    before = slope_at(state.bound, low) - side * slope_at(state.friction, low)
+    after = slope_at(state.bound, high) - side * slope_at(state.friction, high)
+    if not before < 0.0 < after:
+        return right
+    x = high
+    for _ in range(POLISHES):
+        x = (after * low - before * high) / (after - before)
+        slope = slope_at(state.bound, x) - side * slope_at(state.friction, x)
+        if slope < 0.0:
+            low, before = x, slope
+        else:
+            high, after = x, slope
+    return x * state.length
+
+
+@inner_kernel
+def _note_sign(run: Run, event: int, s: float) -> None:
+    """Note the sign of the slip that begins where a stick leaves its cone at time s of the step.
+
+    The polynomials may have another one where the normal force is about to vanish.
+    """
+    if event == CONE:
+        run.state.sign = 1 if _multipliers(run, s)[1] < 0.0 else -1
 
 
 @inner_kernel
@@ -642,14 +723,25 @@ def _first_event(run: Run, law: Law) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length."""
     state, step = run.state, run.step
     sticks, left = state.mode == STICK, 0.0
+    exact = False
+    if sticks:
+        recall_start(run, law)
+        d = _matrix_of(run, contact_at(run.plant, START))
+        exact = _jumps(law, 1.0, d) or _jumps(law, -1.0, d)
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         first, s = NOTHING, right
         if state.normal.node[i] < 0.0:
-            first, s = RELEASE, _polished(run, law, RELEASE, locate(run, law, RELEASE, left, right, 0.0))
-        excess = abs(state.friction.node[i]) - state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
-        if sticks and excess > 0.0:
-            at = _polished(run, law, CONE, locate(run, law, CONE, left, right, 0.0))
+            first, s = RELEASE, _edge(run, law, RELEASE, left, right)
+        until, leaves = right, abs(state.friction.node[i]) > state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
+        if exact:
+            # An excess between the nodes counts as well.
+            until = _least_margin(run, left, right)
+            if until < right and _margin(run, law, CONE, until) >= 0.0:
+                until = right
+            leaves = _margin(run, law, CONE, until) < -ROUND_OFF * state.bound.node[i]
+        if sticks and leaves:
+            at = _edge(run, law, CONE, left, until)
             first, s = (CONE, at) if first == NOTHING or at < s else (first, s)
         elif not sticks and state.sign * step.slip[i] < -SLIP_ROUND_OFF:
             at = locate(run, law, REVERSAL, left, right, 0.0)

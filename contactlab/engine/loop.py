@@ -128,6 +128,9 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         leave(run, law, law.memory)
         _open_contact(run, law)
     elif event in (REVERSAL, CONE):
+        if state.constrained != 0:
+            # What collocation left of the slip within the step must not choose the way that the slip begins.
+            settle(run)
         switch_friction(state, event)
         jump(run, law, law.memory, AT_STICK if event == REVERSAL else AT_SLIP)
     elif event == GUARD:

@@ -1,16 +1,18 @@
 """Coulomb's cone with cohesion: what it holds and how it slides, pressed and pulled."""
 
 from dataclasses import dataclass
+from math import pi
 from typing import Annotated, Any
 
 import pytest
 from numpy.testing import assert_allclose
+from scipy.optimize import brentq
 
 from contactlab.compiled import kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Cohesive
-from contactlab.laws.normal import Linear
+from contactlab.laws.normal import Dmt, Jkr, Linear
 from contactlab.parameter import positive
 from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import block, last, run
@@ -76,3 +78,24 @@ def test_a_block_that_hangs_from_its_attraction_still_rubs() -> None:
     slowing = MU * (2.0 * normal.attraction - pull)
     assert_allclose(made.series["slip_velocity"], start - slowing * made.time, atol=1e-9)
     assert_allclose(made.series["normal_force"][1:], -pull, rtol=1e-9)
+
+
+@pytest.mark.parametrize("velocity", [0.01, 0.0])
+@pytest.mark.parametrize("kind", [Jkr, Dmt])
+def test_adhesion_without_load_leaves_the_friction_of_the_cohesion(kind: type, velocity: float) -> None:
+    """What slides at N = 0, or under next to no load, is dragged by mu C (Thornton 1991)."""
+    part = kind(radius=1e-3, effective_modulus=10e9, work_of_adhesion=0.05)
+    pull_off = (1.5 if kind is Jkr else 2.0) * pi * 0.05 * 1e-3
+    law = Composed(part, friction=Cohesive(MU, cohesion=2.0 * pull_off))
+    for share in (0.0, 1e-12, -1e-9, 0.5, -0.5):
+
+        def excess(depth: float, load: float = share * pull_off) -> float:
+            return float(part.evaluate("elastic", depth=depth)[0]) - load
+
+        depth = brentq(excess, 0.0 if kind is Dmt else -2e-9, 1e-6, xtol=1e-30)
+        for tolerance in (1e-7, 1e-9):
+            motor = block(1e-3, height=-depth, velocity=velocity, weight=share * pull_off)
+            result = run(motor, law, 1e-4, tolerance=tolerance)
+            expected = -MU * (2.0 + share) * pull_off if velocity else 0.0
+            assert last(result, "friction_force") == pytest.approx(expected, rel=1e-9, abs=1e-15)
+            assert result.statistics["contact_steps"] < 100
