@@ -432,10 +432,10 @@ def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bo
     the forces jump at the edge, it counts at once.
     """
     state, side = run.state, 1.0 if friction > 0.0 else -1.0
-    held = _holding_ratio(law, side, d) * normal
+    bound = _holding_ratio(law, side, d) * normal
     if _jumps(law, side, d):
-        return bool(normal > 0.0 and abs(friction) <= held * (1.0 + ROUND_OFF))
-    excess = abs(friction) - held * (1.0 + CONE_ROUND_OFF)
+        return bool(normal > 0.0 and abs(friction) <= bound * (1.0 + ROUND_OFF))
+    excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
     return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.momentum)
 
 

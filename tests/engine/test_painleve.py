@@ -163,17 +163,17 @@ def test_a_stick_that_cannot_slide_opens_where_it_leaves_its_cone(seed: int) -> 
     def free(t: float, y: Array) -> Array:
         return -stiffness * y[:3] - damping * y[3:] + force * np.cos(tone * t) + weight
 
-    def held(t: float, y: Array) -> Array:
+    def sticking_forces(t: float, y: Array) -> Array:
         return -np.linalg.solve(d, rows @ free(t, y))
 
     def room(t: float, y: Array) -> float:
-        normal, friction = held(t, y)
+        normal, friction = sticking_forces(t, y)
         return float(mu * normal - abs(friction))
 
     room.terminal, room.direction = True, -1.0  # type: ignore[attr-defined]
     accurate = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-18}
     sticking = solve_ivp(
-        lambda t, y: np.concatenate([y[3:], free(t, y) + rows.T @ held(t, y)]),
+        lambda t, y: np.concatenate([y[3:], free(t, y) + rows.T @ sticking_forces(t, y)]),
         (0.0, 1e-3),
         np.zeros(6),
         events=room,
@@ -181,7 +181,7 @@ def test_a_stick_that_cannot_slide_opens_where_it_leaves_its_cone(seed: int) -> 
         **accurate,
     )
     leaves, y = sticking.t[-1], sticking.y[:, -1]
-    normal, friction = held(leaves, y)
+    normal, friction = sticking_forces(leaves, y)
     assert normal > 0.1
     assert d[0, 0] + friction / normal * d[0, 1] < 0.0
     end = leaves + 3e-5
