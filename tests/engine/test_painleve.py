@@ -1,6 +1,7 @@
 """Rigid contacts beyond the critical friction, where a step has several answers or, for slip alone, none."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -171,7 +172,7 @@ def test_a_stick_that_cannot_slide_opens_where_it_leaves_its_cone(seed: int) -> 
         return float(mu * normal - abs(friction))
 
     room.terminal, room.direction = True, -1.0  # type: ignore[attr-defined]
-    accurate = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-18}
+    accurate: dict[str, Any] = {"method": "DOP853", "rtol": 1e-13, "atol": 1e-18}
     sticking = solve_ivp(
         lambda t, y: np.concatenate([y[3:], free(t, y) + rows.T @ sticking_forces(t, y)]),
         (0.0, 1e-3),
