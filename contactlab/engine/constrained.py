@@ -168,7 +168,7 @@ def _momentum(run: Run, law: Law, normal: float) -> float:
     d_nn, d_nt, d_tt = _matrix_of(run, contact_at(run.plant, START))
     magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     scale = impulse_scale(run, law, state.impact_speed, normal, d_nn)
-    return scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified)
+    return float(scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified))
 
 
 @inner_kernel
@@ -705,7 +705,7 @@ def _least_margin(run: Run, left: float, right: float) -> float:
             low, before = x, slope
         else:
             high, after = x, slope
-    return x * state.length
+    return float(x * state.length)
 
 
 @inner_kernel
