@@ -126,9 +126,8 @@ class Periods:
         if (orbit := state.orbit) is not None:
             records = RECORDS[True]
             return cls(orbit.map, orbit.map.run(orbit.state, 1, records), records, state.closure)
-        phase, modal, velocity, memory = state.end
-        section, records = PeriodMap(state.setup, phase, belt=state.belt), RECORDS[False]
-        run = section.run(section.state_of(modal, velocity, memory), AVERAGED, records)
+        section, records = state.once, RECORDS[False]
+        run = section.run(state.final, AVERAGED, records)
         return cls(section, run, records, None)
 
     def numbers(self) -> dict[str, Estimate]:

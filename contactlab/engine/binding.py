@@ -143,7 +143,7 @@ SIGNATURES: Final = {
 }
 """Signatures of the bound kernels by name, in the order in which the loop takes them."""
 
-LIMITS, FORCE, SOLVE = map(list(SIGNATURES).index, ("limits", "force", "solve"))
+LIMITS, FORCE, FRICTION, SOLVE = map(list(SIGNATURES).index, ("limits", "force", "friction_force", "solve"))
 
 _STATE: Final = "gap, gap_rate, slip, normal"
 _ARGUMENTS: Final = {

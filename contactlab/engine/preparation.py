@@ -16,7 +16,17 @@ from contactlab.arrays import Array
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number, check_records, shown
 from contactlab.compilation import telling
 from contactlab.compiled import INTERPRETED, inner_kernel, kernel
-from contactlab.engine.binding import FORCE, LIMITS, SIGNATURES, SOLVE, Bound, bind, law_errors, row_of
+from contactlab.engine.binding import (
+    FORCE,
+    FRICTION,
+    LIMITS,
+    SIGNATURES,
+    SOLVE,
+    Bound,
+    bind,
+    law_errors,
+    row_of,
+)
 from contactlab.engine.explanation import explain
 from contactlab.engine.impact import evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
@@ -39,7 +49,10 @@ from contactlab.engine.state import (
     Read,
     Records,
     Run,
+    State,
     new_record,
+    state_as_value,
+    state_from_value,
 )
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, has_limit, is_stepped
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
@@ -50,6 +63,15 @@ from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 from contactlab.motor.outputs import output_rows
 from contactlab.trajectory import Ending
+
+SMALLEST: Final = float(np.finfo(np.float64).tiny)
+"""Duration of a contact that goes on, of which nothing is counted yet [s]."""
+
+GOES_ON: Final = (
+    *("phase", "mode", "sign", "impact_speed", "memory", "memory_of"),
+    *("left", "kept", "normal_before", "friction_before"),
+)
+"""What a contact, or the residual indentation that the last one has left, is continued from."""
 
 LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""
@@ -393,14 +415,18 @@ class Prepared(NamedTuple):
             return explain(run, self.bound.kernels, self.parameters, self.contact_step)
 
     def begin_with(self, state: Any, memory: Array | None) -> None:
-        """Set the internal variables of the run, unless None, in a state in free flight from `set_up`."""
+        """Set the internal variables of the run, unless None, in a state from `set_up`.
+
+        In a state from `state_in_contact` they are all of the law's.
+        """
         if memory is None:
             return
-        lasting = [i for i, each in enumerate(self.law.internal_variables) if each.life == "run"]
-        for i, value in zip(lasting, memory, strict=True):
+        on = state["phase"] == TOUCHING or state["kept"] != 0
+        begun = [i for i, each in enumerate(self.law.internal_variables) if on or each.life == "run"]
+        for i, value in zip(begun, memory, strict=True):
             state["memory"][i] = value
         self._recall(state)
-        if lasting:
+        if begun and state["phase"] != TOUCHING:
             self._part(state, True)
 
     def _part(self, state: Any, stores: bool) -> None:
@@ -418,6 +444,21 @@ class Prepared(NamedTuple):
             return 0.0
         with self.errors():
             return float(self.bound.kernels[LIMITS](rate, self.parameters)[1])
+
+    def touch(self, state: Any, contact: tuple[float, float, float]) -> None:
+        """Let the contact of a state from `state_in_contact` go on, at a gap [m], gap rate and slip [m/s].
+
+        Its row begins at the start, and what its friction has stored by then is no loss of this run.
+        """
+        state["sign"] = 1 if contact[2] > 0.0 else -1
+        # It has begun: there is no impact.
+        state["contact"]["duration"] = SMALLEST
+        if isinstance(self.law, PenaltyLaw) and self.law.friction_kind != SET_VALUED:
+            kernels: Any = self.bound.kernels
+            with self.errors():
+                normal = kernels[FORCE](*contact, float(state["impact_speed"]), self.parameters)[0]
+                recovered = float(kernels[FRICTION](*contact, float(normal), self.parameters)[2])
+            state["total"]["friction_loss"] = state["contact"]["energy_loss"] = recovered
 
     def _recall(self, state: Any) -> None:
         count = len(self.law.internal_variables)
@@ -567,3 +608,13 @@ def fresh_state() -> Any:
     # A first step continues a polynomial of zeros, of some length.
     unknown = {"left": np.inf, "least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
     return new_record(STATE, length=1.0, **unknown)
+
+
+def state_in_contact(contact: State) -> Any:
+    """Return the state of a run at t = 0 that goes on in the contact of another's `Trajectory.state`.
+
+    Its motion is free, and so are its internal variables, see `Prepared.begin_with`.
+    """
+    nothing = np.zeros(0)
+    value = state_as_value(fresh_state(), nothing, nothing)
+    return state_from_value(value | {name: contact[name] for name in GOES_ON})[0]

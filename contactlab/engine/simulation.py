@@ -20,6 +20,7 @@ from contactlab.engine.preparation import (
     overlap_at,
     phase_at,
     prepared,
+    state_in_contact,
 )
 from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
@@ -55,6 +56,7 @@ def simulate(
     progress: Callable[[float], None] | None = None,
     start: State | None = None,
     memory: Array | None = None,
+    contact: State | None = None,
 ) -> Trajectory:
     """Simulate a motor from its start, by default at rest; the drive is switched on at t = 0.
 
@@ -78,6 +80,8 @@ def simulate(
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
         memory: values at t = 0 of the law's internal variables whose life is the run, in the order of
             `law.lasting`; None takes their initial ones. A run that goes on has those of its state.
+        contact: state of a run under the same law whose contact goes on at t = 0, or whose last contact is
+            not forgotten yet; the motion is the motor's. The memory then has all internal variables.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -92,7 +96,7 @@ def simulate(
     states = np.zeros(1, STATE)
     state, parted = states[0], states["contact"][:0]
     if start is None:
-        states[0] = fresh_state()
+        states[0] = fresh_state() if contact is None else state_in_contact(contact)
         _begin(state, ready, motor, record_interval, memory)
     else:
         check_start(start, plant, law)
@@ -172,12 +176,16 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
     v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
     if motor.start is not None:
         q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
-    gap, rate, _ = contact_from(ready.plant, q, v)
-    if fault := overlap_at(gap, ready.law):
+    contact = contact_from(ready.plant, q, v)
+    touches = state["phase"] == TOUCHING
+    if not touches and (fault := overlap_at(contact[0], ready.law)):
         raise ValueError(fault)
     ready.set_up(state, interval)
     ready.begin_with(state, memory)
-    state["phase"] = phase_at(gap - float(state["begins"]), rate)
+    if touches:
+        ready.touch(state, contact)
+    else:
+        state["phase"] = phase_at(contact[0] - float(state["begins"]), contact[1])
 
 
 def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
@@ -268,7 +276,7 @@ class Ends:
     Args:
         displacement, velocity: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (start, mode).
         rotor_velocity: [rad/s], shape (start,).
-        memory: internal variables whose life is the run, shape (start, variable).
+        memory: internal variables whose life is the run, or all of them, shape (start, variable).
         messages: why a run did not reach its end, whose numbers are NaN then; empty for one that did.
     """
 
@@ -289,6 +297,7 @@ class Flow:
         law: what acts between tip and rotor.
         duration: [s].
         contact_step, tolerance: as of `contactlab.engine.simulate`, and so are the errors.
+        contact: as of `simulate`; starts and ends then have the same contact, and all internal variables.
     """
 
     motor: Motor
@@ -296,6 +305,7 @@ class Flow:
     duration: float
     contact_step: float | None = None
     tolerance: float | None = None
+    contact: State | None = None
 
     def __call__(
         self, displacement: Array, velocity: Array, rotor_velocity: Array, memory: Array | None = None
@@ -303,7 +313,8 @@ class Flow:
         """Run the motor from starts in the form of `Ends`.
 
         A start that overlaps the rotor of a rigid law breaks off; so does a run that ends over the residual
-        indentation of its last contact, whose internal variables are not among those of the run.
+        indentation of its last contact, whose internal variables are not among those of the run, or in
+        another contact than its start's.
 
         Raises:
             LawError: the law's own code raised an exception, which is the cause.
@@ -318,11 +329,16 @@ class Flow:
         contacts = contacts_from(ready.plant, motions[:, 0], motions[:, 1])
         for state, values in zip(states, memory if memory is not None else (), strict=False):
             ready.begin_with(state, values)
-        begins = states["begins"].tolist()
-        states["phase"] = [
-            phase_at(gap - begin, rate) for (gap, rate, _), begin in zip(contacts, begins, strict=True)
-        ]
-        messages = [overlap_at(gap, ready.law) for gap, _, _ in contacts]
+        if self._touches:
+            messages = [""] * len(motions)
+            for state, contact in zip(states, contacts, strict=True):
+                ready.touch(state, contact)
+        else:
+            begins = states["begins"].tolist()
+            states["phase"] = [
+                phase_at(gap - begin, rate) for (gap, rate, _), begin in zip(contacts, begins, strict=True)
+            ]
+            messages = [overlap_at(gap, ready.law) for gap, _, _ in contacts]
         going = np.flatnonzero([not message for message in messages])
         run = ready.run_of(self._fresh[0])
         records = ready.records(0, run)
@@ -336,15 +352,32 @@ class Flow:
         for i in np.flatnonzero(states["ending"] != RUNNING):
             made["q"][:, START], made["v"][:, START] = motions[i]
             messages[i] = ready.explain(ready.run_of(states[i]))[1]
-        for i in np.flatnonzero((states["kept"] != 0) & (states["phase"] != TOUCHING)):
-            messages[i] = messages[i] or "The run ends over what its last contact has left of a dent."
-        lasting = [each.life == "run" for each in self.law.internal_variables]
+        messages = [text or self._elsewhere(state) for text, state in zip(messages, states, strict=True)]
+        lasting = [self.contact is not None or each.life == "run" for each in self.law.internal_variables]
         remembered = np.array([memory_of(state, ready.law)[lasting] for state in states])
         remembered = remembered.reshape(len(motions), sum(lasting))
         broken = [bool(message) for message in messages]
         motions[broken], remembered[broken] = np.nan, np.nan
         rotor = -(row * motions[:, 1, -1]) / radius
         return Ends(motions[:, 0, :-1], motions[:, 1, :-1], rotor, remembered, tuple(messages))
+
+    @property
+    def _touches(self) -> bool:
+        """Whether the starts are in contact."""
+        return self.contact is not None and bool(self.contact["phase"] == TOUCHING)
+
+    def _elsewhere(self, state: Any) -> str:
+        """Return why an end has not the contact of the starts; nothing where it has."""
+        touches, kept = bool(state["phase"] == TOUCHING), bool(state["kept"])
+        if self.contact is None:
+            return "The run ends over what its last contact has left of a dent." if kept > touches else ""
+        if self._touches:
+            count = [i for i, each in enumerate(self.law.internal_variables) if each.discrete]
+            same = touches and bool(state["mode"] == self.contact["mode"])
+            same = same and np.array_equal(state["memory"][count], self.contact["memory"][count])
+        else:
+            same = kept and not touches
+        return "" if same else "The run ends in another contact than that of its start."
 
     @cached_property
     def _ready(self) -> Prepared:
@@ -355,6 +388,6 @@ class Flow:
     def _fresh(self) -> Any:
         """The state of every start but for its phase, shape (1,)."""
         states = np.zeros(1, STATE)
-        states[0] = fresh_state()
+        states[0] = fresh_state() if self.contact is None else state_in_contact(self.contact)
         self._ready.set_up(states[0], self.duration)
         return states

@@ -47,6 +47,7 @@ class InternalVariable:
         initial: its value where its life begins.
         life: "contact", until the gap exceeds the one at which a first contact begins, or "run".
         parity: ODD as of a stretch, EVEN as of an age.
+        discrete: whether it only jumps, as a count, a flag or a grid: a state of the contact, as stick is.
     """
 
     name: str
@@ -56,6 +57,7 @@ class InternalVariable:
     initial: float = 0.0
     life: Literal["contact", "run"] = "contact"
     parity: int = EVEN
+    discrete: bool = False
 
     def __str__(self) -> str:
         return f"{self.meaning} [{self.units}]" if self.units != "1" else self.meaning

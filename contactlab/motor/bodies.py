@@ -16,11 +16,8 @@ from contactlab.arrays import Array
 from contactlab.checks import check_kind, check_number
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
+from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import Steel
-
-FLAT: Final = 1e9
-"""Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
 
 HEAVY: Final = 1e18
 """Mass of a belt that nothing brakes [kg]."""
@@ -205,7 +202,7 @@ def belt(
         mass, stiffness: m [kg] and k [N/m] of the spring along the belt.
         weight: force that presses the mass on the belt [N].
         belt_velocity: at the start [m/s].
-        belt_mass: [kg]; None is 1e9 m, which friction hardly brakes.
+        belt_mass: [kg]; None is `BELT` m, which friction hardly brakes.
         penetration: at the start [m]: under a compliant law that of its balance with the weight, else the
             mass bounces; 0 under a rigid one.
         displacement, velocity: x [m] and xd [m/s] at the start.
@@ -225,7 +222,7 @@ def belt(
         velocity=velocity,
         weight=weight,
         stiffness=stiffness,
-        belt_mass=1e9 * mass if belt_mass is None else belt_mass,
+        belt_mass=BELT * mass if belt_mass is None else belt_mass,
         belt_velocity=belt_velocity,
     )
 

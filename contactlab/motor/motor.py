@@ -16,6 +16,12 @@ from contactlab.parameter import Parameter, not_negative, positive
 ROUND_OFF: Final = 1e-9
 """Share of the largest capacitance by which others may miss symmetry or a positive energy."""
 
+FLAT: Final = 1e9
+"""Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
+
+BELT: Final = 1e9
+"""Mass of a belt over that of the body on it [1]: friction hardly brakes it."""
+
 
 @final
 @dataclass(frozen=True)
@@ -209,6 +215,28 @@ class Motor(Checked):
         for name, values in arrays.items():
             if values is not None:
                 check_shape(name, values, self.modes.stiffness.shape, "one number a mode")
+
+    @property
+    def belt_velocity(self) -> float | None:
+        """Velocity of a rotor that is a belt [rad/s]; None of one that contacts, damping or load change.
+
+        A belt has neither damping nor load, and `BELT` times the mass that the tip has along it.
+        """
+        rotor, geometry = self.rotor, self.geometry
+        mobility = float(np.sum((geometry.tip_length * self.modes.tip_slope) ** 2))
+        light = rotor.inertia * mobility < BELT * (1.0 - 1e-9) * geometry.rotor_radius**2
+        return None if light or rotor.damping or rotor.load_torque else rotor.initial_velocity
+
+    @property
+    def slides_freely(self) -> NDArray[np.bool_]:
+        """Coordinates whose displacement no force depends on, shape (mode,).
+
+        They have no stiffness, and move the tip along a flat contact alone, or not at all.
+        """
+        flat = min(self.geometry.tip_length, self.geometry.rotor_radius) >= FLAT
+        modes = self.modes
+        free = (modes.stiffness == 0.0) & (modes.approach == 0.0) & (flat | (modes.tip_slope == 0.0))
+        return np.asarray(free)
 
     @property
     def force_phasors(self) -> NDArray[np.complex128]:

@@ -9,13 +9,15 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
-from contactlab.laws.base import is_stepped
+from contactlab.engine.state import State
+from contactlab.laws.base import ELASTOPLASTIC, FREE, RATE_DEPENDENT, SLIP, STICK, is_stepped
 from contactlab.motor import ModalState
 from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
-from contactlab.steady_state.period_map import BELT, BrokenOffError, PeriodMap, period_of
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap, continues, period_of
 from contactlab.steady_state.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.steady_state.state import Steady
 from contactlab.trajectory import Ending, Trajectory
+from contactlab.variables import INTERNAL
 
 FORGOTTEN: Final = 1e-3
 """Remaining share of the resonator's free vibration at the first search for an orbit."""
@@ -25,7 +27,10 @@ MOST_WARM_UP: Final = 200
 """Bounds of the transient before the first search for an orbit [periods of the drive]."""
 
 SHORTEST_FLIGHT: Final = 0.02
-"""Shortest free flight that contains a Poincare section [periods]."""
+"""Shortest free flight that contains a Poincare section [periods]; without one it lies in the contact."""
+
+RECORDS: Final = 256
+"""Records of the period in which a section in contact is chosen."""
 
 TEST_RUN: Final = 0.125
 """Duration of a test run towards an orbit, in settling times of the orbit."""
@@ -35,6 +40,10 @@ DEVIATION: Final = 0.2
 
 ARRIVED: Final = 1e-8
 """Distance from an orbit, relative to its state, at which a motor has reached it."""
+
+CLOSE: Final = 1e-4
+"""Distance from a stable orbit, relative to its state, within which a motor that stays has reached it: under
+a law with kinks the errors of its steps are more than `ARRIVED`."""
 
 SETTLED: Final = 1e-9
 """Relative difference of the states of a periodic motion without an orbit, over `TAIL` periods."""
@@ -48,8 +57,9 @@ DRIFT: Final = 3.0
 """Largest trend of a stationary run, in its statistical errors."""
 
 
-Start = tuple[float, ModalState | None, float, Array | None]
-"""Phase of the drive [periods], modal state, rotor velocity [rad/s], and internal variables of the run."""
+Start = tuple[float, ModalState | None, float, Array | None, State | None]
+"""Phase of the drive [periods], modal state, rotor velocity [rad/s], internal variables and contact of a
+`PeriodMap`."""
 
 
 class NotSettledError(RuntimeError):
@@ -68,8 +78,8 @@ def settled(
     Args:
         setup: what moves.
         belt: velocity at which the rotor is held [rad/s]; None for one that is free.
-        begins: phase of the drive [periods], modal state (None is at rest), rotor velocity [rad/s] and the
-            internal variables whose life is the run (None are their initial values).
+        begins: phase of the drive [periods], modal state (None is at rest), rotor velocity [rad/s], internal
+            variables (None are their initial values) and the contact that goes on (None is none).
         longest: run without an orbit [periods].
         sense: of a rotation that must not be reversed; 0 for one that may.
 
@@ -80,12 +90,17 @@ def settled(
         UnboundedError: an internal variable of the law still grows or falls after the longest run.
         NotSettledError: the rotor does.
     """
-    phase, modal, velocity, memory = begins
-    clock, modes = PeriodMap(setup, phase, belt=belt), setup.motor.modes
+    phase, modal, velocity, memory, contact = begins
+    clock, modes = (
+        PeriodMap(setup, phase, belt=belt, contact=continues(contact, setup.law)),
+        setup.motor.modes,
+    )
+    memory = None if clock.contact is None and contact is not None else memory
     nothing = np.zeros(modes.stiffness.size)
     z = clock.state_of(modal or ModalState(nothing, nothing), velocity, memory)
-    half = 0.5 * modes.damping
-    slowest = float((half - np.sqrt(np.maximum(half**2 - modes.stiffness, 0.0))).min())
+    # What no spring holds does not swing.
+    half, stiffness = 0.5 * modes.damping[modes.stiffness > 0.0], modes.stiffness[modes.stiffness > 0.0]
+    slowest = float((half - np.sqrt(np.maximum(half**2 - stiffness, 0.0))).min(initial=inf))
     decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
     run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
     orbit, far, done = None, inf, 0
@@ -97,38 +112,38 @@ def settled(
         touches = run.contacts["start_time"] + run.contacts["duration"]
         if touches.max(initial=-inf) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run, done)
-        if orbit is None and (part := _section_of(run, clock.period)) is not None:
-            run = _on(run, part) if part else run
-            clock = clock.at(clock.phase + part).weighing(run)
+        if orbit is None:
+            clock, run = _at_section(clock, run)
             count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
-            times = ceil(min(TEST_RUN * orbit.settling_time, longest * clock.period) / orbit.map.period)
+            times = ceil(min(TEST_RUN * orbit.settling_time, longest * clock.period) / orbit.map.period) or 1
             z, run = clock.end_of(run), _on(run, times * orbit.map.periods)
             done = round(run.state["end"] / clock.period)
-            if _goes_to(orbit, z, clock.end_of(run), times):
-                motion, count = orbit.map.run(orbit.state), orbit.map.periods
-                return Steady(setup, "periodic", count, motion, orbit, done, belt, phase=clock.phase)
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
+            stays = max(distance, far) <= CLOSE * np.linalg.norm(orbit.state)
+            if stays or _goes_to(orbit, z, clock.end_of(run), times):
+                motion, count = orbit.map.run(orbit.state), orbit.map.periods
+                return Steady(setup, "periodic", count, motion, orbit, done, clock.belt, phase=clock.phase)
             orbit, far = (orbit, distance) if distance < far else (None, inf)
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
             run = _on(run, TAIL // count * count)
-            return Steady(setup, "periodic", count, run, None, done, belt, phase=clock.phase)
+            return Steady(setup, "periodic", count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         if done < longest:
             run = _on(run, min(2 * done, longest - done))
     return _long_run(setup, clock, run, longest // 2)
 
 
-def _on(run: Trajectory, periods: float) -> Trajectory:
-    """Continue a run for some periods, recorded once in each."""
+def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:
+    """Continue a run for some periods, with some records in each."""
     # The phase of the drive goes on with the clock, which began at that of the run.
     period = period_of(run.motor.drive)
     later = simulate(
         run.motor,
         run.law,
         duration=periods * period,
-        record_interval=min(1.0, periods) * period,
+        record_interval=min(1.0 / records, periods) * period,
         contact_step=(step := run.contact_step or None),
         tolerance=None if is_stepped(run.law, step) else run.state["tolerance"],
         start=run.state,
@@ -224,6 +239,7 @@ def _drifts(values: Array) -> bool:
 
 def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
     """Return the free vibration, with the rotor velocity at which load and damping balance."""
+    clock = clock.at_end_of(run, clock.phase)
     rotor, z = clock.setup.motor.rotor, clock.end_of(run)
     if clock.belt is None and rotor.damping > 0.0:
         z[-1] = -np.sqrt(rotor.inertia) * rotor.load_torque / rotor.damping
@@ -237,8 +253,19 @@ def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
     return Steady(clock.setup, "without contact", 1, motion, None, done, clock.belt, phase=clock.phase)
 
 
-def _section_of(run: Trajectory, period: float) -> float | None:
-    """Choose the middle of the longest free flight of a run's last period; None where there is none."""
+def _at_section(clock: PeriodMap, run: Trajectory) -> tuple[PeriodMap, Trajectory]:
+    """Continue a run to a section: the middle of its longest flight, or of its longest stretch in contact."""
+    part, seen = flight_of(run, clock.period), run
+    if part is None:
+        seen = run = _on(run, 1.0, RECORDS)
+        part = stretch_of(run)
+    if part:
+        run = _on(run, part)
+    return clock.at_end_of(run, clock.phase + part).weighing(seen), run
+
+
+def flight_of(run: Trajectory, period: float) -> float | None:
+    """Return the middle of the longest free flight of a run's last period; None where there is none."""
     begin, rows = float(run.time[-1]) - period, run.contacts
     touched = np.clip((rows["start_time"] - begin) / period, 0.0, 1.0)
     released = np.clip((rows["start_time"] + rows["duration"] - begin) / period, 0.0, 1.0)
@@ -255,6 +282,27 @@ def _section_of(run: Trajectory, period: float) -> float | None:
     return round(float(released[longest] + 0.5 * flights[longest]), 6) % 1.0
 
 
+def stretch_of(run: Trajectory) -> float:
+    """Return the middle of the longest stretch in contact of a run over a period, finely recorded.
+
+    In a stretch the contact sticks, or slips one way. Where friction has a spring it sticks: in slip the
+    bound holds the spring's stretch.
+    """
+    mode, kind = run.contact_mode[1:].astype(int), getattr(run.law, "friction_kind", None)
+    slips = (mode == SLIP) if kind != RATE_DEPENDENT else np.zeros(mode.size, bool)
+    state = np.where(slips & (run.series["slip_velocity"][1:] < 0.0), -1, mode)
+    discrete = [run.series[INTERNAL + each.name][1:] for each in run.law.internal_variables if each.discrete]
+    changes = np.flatnonzero(np.any([each != np.roll(each, 1) for each in (state, *discrete)], axis=0))
+    if not changes.size:
+        return 0.0
+    lengths = np.diff(np.append(changes, changes[0] + state.size))
+    if kind == ELASTOPLASTIC and (state == STICK).any():
+        lengths[state[changes] != STICK] = 0
+    lengths[state[changes] == FREE] = 0
+    longest = int(lengths.argmax())
+    return round(float(changes[longest] + 0.5 * lengths[longest]) / state.size, 6) % 1.0
+
+
 def _remembered(run: Trajectory) -> Array:
     """Return the internal variables of the run once a period over their largest, (period, variable)."""
     values = [run.series[name][1:] for name in run.lasting]
@@ -267,7 +315,8 @@ def _stroboscopic_samples(run: Trajectory) -> Array:
     series = {name: values[1:] for name, values in run.series.items()}
     energy = series["kinetic_energy"] + series["strain_energy"]
     inertia, most = run.motor.rotor.inertia, float(energy.max())
-    moving = series["rotor_velocity"] * (np.sqrt(0.5 * inertia / most) if inertia < BELT and most else 0.0)
+    moves = most > 0.0 and run.motor.belt_velocity is None
+    moving = series["rotor_velocity"] * (np.sqrt(0.5 * inertia / most) if moves else 0.0)
     tip = np.array([series["tip_normal_displacement"], series["tip_tangential_displacement"]])
     # One of them may be held by the contact and be no more than round-off.
     tip /= np.abs(tip).max() or 1.0

@@ -141,26 +141,18 @@ def same(first: Steady, second: Steady) -> bool:
     if first.orbit is None or second.orbit is None:
         (a, error_a), (b, error_b) = first.velocity, second.velocity
         return bool(abs(a - b) <= SIGMA * np.hypot(error_a, error_b))
-    target = second.orbit
-    weighed = replace(first.orbit.map, weights=target.map.weights)
-    z = at_phase(weighed, weighed.state_of(*first.orbit.map.parts_of(first.orbit.state)), target.map.phase)
-    once = replace(target.map, periods=1)
-    for _ in range(first.periods):
-        if np.linalg.norm(z - target.state) <= SAME * np.linalg.norm(target.state):
+    section, target = first.orbit.map, second.orbit
+    part = (target.map.phase - section.phase) % 1.0 or 1.0
+    for passed in range(first.periods):
+        run = section.run(first.orbit.state, (passed + part) / section.periods)
+        if target.map.ends_at(run) and target.is_near(target.map.end_of(run), SAME):
             return True
-        z = once(z)
     return False
 
 
 def touches(state: Steady) -> bool:
     """Return whether tip and rotor meet in a steady state."""
     return bool(state.motion.contacts["start_time"].size)
-
-
-def at_phase(section: PeriodMap, z: Array, phase: float) -> Array:
-    """Return the state that follows one of a section when the drive next has another phase."""
-    part = (phase - section.phase) % 1.0
-    return section.end_of(section.run(z, part / section.periods)) if part else z
 
 
 def amplitudes(setup: Setup) -> Array:
@@ -241,11 +233,13 @@ class Ball:
     def _comes_nearer(self, x: Array, times: float) -> bool:
         z = self.orbit.state + x
         try:
-            later = self.orbit.map.end_of(self.orbit.map.run(z, times))
+            run = self.orbit.map.run(z, times)
         # A rigid law refuses a start inside the rotor.
         except (BrokenOffError, ValueError):
             return False
-        return self.distance(later) <= CONTRACTED * self.distance(z)
+        if not self.orbit.map.ends_at(run):
+            return False
+        return self.distance(self.orbit.map.end_of(run)) <= CONTRACTED * self.distance(z)
 
 
 @final
@@ -358,11 +352,7 @@ def basins(
             section, z = started(setup, start)
             label = _ball_reached(balls, section, z)
             if label is None:
-                modal, velocity, memory = section.parts_of(at_phase(section, z, 0.0))
-                moved = section.setup.motor
-                rotor = replace(moved.rotor, initial_velocity=velocity)
-                there = replace(section.setup, motor=replace(moved, start=modal, rotor=rotor))
-                reached = settled(there, None, (0.0, modal, velocity, memory), longest)
+                reached = settled(setup, None, (section.phase, *section.parts_of(z), None), longest)
                 assert reached is not None
                 # Neutral states of one family are one attractor.
                 equal = (
@@ -418,6 +408,7 @@ def _ball_reached(balls: list[Ball | None], section: PeriodMap, z: Array) -> int
         for i, ball in known:
             target = ball.orbit.map
             # From the start each time: a run continued within a contact is another one.
-            if ball.holds(target.end_of(section.run(z, periods + (target.phase - section.phase) % 1.0))):
+            run = section.run(z, periods + (target.phase - section.phase) % 1.0)
+            if target.ends_at(run) and ball.holds(target.end_of(run)):
                 return i
     return None

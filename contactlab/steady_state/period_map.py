@@ -1,21 +1,33 @@
 """The period map: where the state of a motor is one period of its drive later."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import log2
 from typing import Final, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import Flow, simulate
+from contactlab.engine.preparation import memory_mark
+from contactlab.engine.state import TOUCHING, State
+from contactlab.laws.base import SET_VALUED, STICK, ContactLaw, MultiplierLaw
+from contactlab.laws.memory import InternalVariable
 from contactlab.motor import ModalState, Motor
 from contactlab.motor.drive import NoPeriodError as NoPeriodError, period_of as period_of
+from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import Ending, Trajectory
+from contactlab.variables import INTERNAL
 
 BELT: Final = 1e9
-"""Inertia of a rotor that nothing turns [kg m2]; a second of 1 N m changes its velocity by 1 nrad/s."""
+"""Inertia of a rotor whose velocity is prescribed [kg m2] at a radius of up to a metre; a second of 1 N m
+changes it by 1 nrad/s."""
+
+PROJECTIONS: Final = 2
+"""Newton steps onto a closed gap; each squares the distance, over the radius."""
 
 
 class BrokenOffError(RuntimeError):
@@ -25,20 +37,29 @@ class BrokenOffError(RuntimeError):
 @final
 @dataclass(frozen=True)
 class PeriodMap:
-    """Takes a state in free flight to the state some periods of the drive later.
+    """Takes a state at a phase of the drive to the state some periods later, in flight or in contact.
 
     The state is z = (omega_j q_j, qdot_j, w_k m_k, sqrt(J) Omega). Its mechanical parts have the unit of a
     velocity in mass-orthonormal coordinates, so that half of their square is an energy; a rigid body's mode
-    keeps q_j itself. m_k are the law's internal variables whose life is the run, with weights w_k that make
-    them about as large as the motion. The rotor's angle changes nothing and is left out, and so is the
-    velocity of a belt, which nothing changes.
+    has omega_j of the drive's period. m_k are the law's internal variables with weights w_k that make them
+    about as large as the motion: in flight those whose life is the run, in contact all that are not discrete.
+
+    What no force depends on is no part of the state: the rotor's angle, the displacement of a coordinate that
+    slides freely, and the velocity of a belt.
+
+    In contact the section is the manifold that the contact holds: the gap and its rate are zero under a rigid
+    law, and the slip is where it sticks. Every state is projected onto it first, along the masses, so that a
+    derivative of the map is that along the manifold, and zero across it.
 
     Args:
         setup: motor, law, steps and tolerance; its duration means nothing here.
         phase: of the section, in periods of the drive: z is the state at t = phase T.
         periods: how many the map takes.
-        belt: velocity at which the rotor is held [rad/s]; None for one that is free.
+        belt: velocity at which the rotor is held [rad/s]; None for one that is free. That of a motor whose
+            rotor is a belt is its own.
         weights: w_k, see `weighing`; 1 in the unit of each where there are none.
+        contact: state of a run that is in contact at the section, or over the residual indentation of the
+            last contact: friction mode and impact speed are its. None in flight.
     """
 
     setup: Setup
@@ -46,10 +67,13 @@ class PeriodMap:
     periods: int = 1
     belt: float | None = None
     weights: tuple[float, ...] = ()
+    contact: State | None = None
 
     def __post_init__(self) -> None:
         if self.setup.changes:
             raise ValueError("The setup has solver.changes; a steady state is that of one motor.")
+        if self.belt is None:
+            object.__setattr__(self, "belt", self.setup.motor.belt_velocity)
 
     @cached_property
     def period(self) -> float:
@@ -58,63 +82,137 @@ class PeriodMap:
 
     @cached_property
     def scale(self) -> Array:
-        """omega_j, or 1 for a rigid body [rad/s], shape (mode,)."""
+        """omega_j, or that of the drive's period for a rigid body [rad/s], shape (mode,)."""
         rates = np.sqrt(self.setup.motor.modes.stiffness)
-        return np.where(rates > 0.0, rates, 1.0)
+        return np.where(rates > 0.0, rates, 2.0 * np.pi / period_of(self.setup.motor.drive))
+
+    @cached_property
+    def _kept(self) -> NDArray[np.bool_]:
+        """Which displacements are part of the state, shape (mode,)."""
+        return ~self.setup.motor.slides_freely
+
+    @cached_property
+    def variables(self) -> tuple[InternalVariable, ...]:
+        """The internal variables that are part of the state."""
+        return variables_in(self.setup.law, self.contact)
+
+    @cached_property
+    def _continuous(self) -> NDArray[np.bool_]:
+        """Which internal variables of the law are not discrete, shape (variable,)."""
+        return np.array([not each.discrete for each in self.setup.law.internal_variables], dtype=bool)
+
+    @property
+    def touches(self) -> bool:
+        """Whether tip and rotor are in contact at the section."""
+        return self.contact is not None and bool(self.contact["phase"] == TOUCHING)
 
     @cached_property
     def _motor(self) -> Motor:
         """The motor whose clock starts at the section."""
         motor, drive = self.setup.motor, self.setup.motor.drive
-        if self.belt is not None:
-            rotor = replace(motor.rotor, inertia=BELT, damping=0.0, load_torque=0.0)
-            motor = replace(motor, rotor=rotor)
+        if self.belt is not None and motor.belt_velocity is None:
+            inertia = BELT * max(motor.geometry.rotor_radius, 1.0) ** 2
+            motor = replace(motor, rotor=replace(motor.rotor, inertia=inertia, damping=0.0, load_torque=0.0))
         return replace(motor, drive=drive.delayed(self.phase * period_of(drive)))
 
     @cached_property
     def _flow(self) -> Flow:
         """The motor, ready to run from many starts."""
         setup = self.setup
-        return Flow(self._motor, setup.law, self.period, setup.contact_step, setup.tolerance)
+        return Flow(self._motor, setup.law, self.period, setup.contact_step, setup.tolerance, self.contact)
 
     @cached_property
     def _weights(self) -> Array:
-        return np.array(self.weights or [1.0] * len(self.setup.law.lasting))
+        return np.array(self.weights or [1.0] * len(self.variables))
 
     def weighing(self, run: Trajectory) -> "PeriodMap":
         """Return the map whose weights make the internal variables as large as the motion at a run's end.
 
         They are powers of two, so that weighing loses no digit.
         """
-        if not self.setup.law.lasting:
-            return self
+        if not self.variables:
+            return replace(self, weights=())
         size = float(np.linalg.norm(self.mechanical(self.end_of(run))))
-        largest = [float(np.abs(run.series[name]).max()) for name in run.lasting]
+        largest = [float(np.abs(run.series[INTERNAL + each.name]).max()) for each in self.variables]
         weights = (2.0 ** round(log2(size / most)) if size and most else 1.0 for most in largest)
         return replace(self, weights=tuple(weights))
 
+    def at_end_of(self, run: Trajectory, phase: float) -> "PeriodMap":
+        """Return the map whose section lies where a run ended, at a phase of the drive."""
+        return replace(self, phase=phase % 1.0, weights=(), contact=contact_at_end(run))
+
     def state_of(self, modal: ModalState, velocity: float, memory: Array | None = None) -> Array:
-        """Return the state z of normal coordinates, a rotor velocity [rad/s] and the internal variables.
+        """Return the state z of normal coordinates, a rotor velocity [rad/s] and its `variables`.
 
         Without the latter they have their initial values.
         """
         if memory is None:
-            memory = np.array([each.initial for each in self.setup.law.lasting])
-        parts = [self.scale * modal.displacement, modal.velocity, self._weights * memory]
+            memory = np.array([each.initial for each in self.variables])
+        placed = (self.scale * modal.displacement)[self._kept]
+        parts = [placed, modal.velocity, self._weights * memory]
         if self.belt is None:
             parts.append(np.array([np.sqrt(self.setup.motor.rotor.inertia) * velocity]))
         return np.concatenate(parts)
 
     def parts_of(self, z: Array) -> tuple[ModalState, float, Array]:
-        """Return normal coordinates, rotor velocity [rad/s] and internal variables of a state z."""
-        count = self.scale.size
-        modal = ModalState(z[:count] / self.scale, z[count : 2 * count].copy())
-        memory = z[2 * count : 2 * count + self._weights.size] / self._weights
-        return modal, self.velocity_of(z), memory
+        """Return normal coordinates, rotor velocity [rad/s] and internal variables of a state z.
+
+        In contact the latter are all of the law's, those that are discrete as at the section.
+        """
+        (modal,), (velocity,), (memory,) = self._parts_of(z[None])
+        return modal, float(velocity), memory
+
+    def _parts_of(self, starts: Array) -> tuple[list[ModalState], Array, Array]:
+        """Return those of many states, shape (start, state), projected onto the section."""
+        count, placed, weights = self.scale.size, int(self._kept.sum()), self._weights
+        q = np.zeros((len(starts), count))
+        q[:, self._kept] = starts[:, :placed] / self.scale[self._kept]
+        v, memory, rotor = np.split(starts[:, placed:], [count, count + weights.size], axis=1)
+        motions = [ModalState(*pair) for pair in zip(q, v.copy(), strict=True)]
+        velocities = np.full(len(starts), self.belt or 0.0)
+        if self.belt is None:
+            velocities = rotor[:, 0] / np.sqrt(self.setup.motor.rotor.inertia)
+        if self.touches:
+            pairs = [self._projected(*pair) for pair in zip(motions, velocities.tolist(), strict=True)]
+            motions = [each for each, _ in pairs]
+            velocities = velocities if self.belt is not None else np.array([each for _, each in pairs])
+        memory = memory / weights
+        if self.contact is not None:
+            every = np.repeat(self.contact["memory"][None, : self._continuous.size], len(starts), axis=0)
+            every[:, self._continuous] = memory
+            memory = every
+        return motions, velocities, memory
+
+    def _projected(self, modal: ModalState, velocity: float) -> tuple[ModalState, float]:
+        """Project a motion in contact onto what its contact holds."""
+        law, modes, geometry, rotor = (
+            self.setup.law,
+            self._motor.modes,
+            self._motor.geometry,
+            self._motor.rotor,
+        )
+        rigid, q, v = isinstance(law, MultiplierLaw), modal.displacement, modal.velocity
+        sticks = self.contact is not None and self.contact["mode"] == STICK
+        sticks = sticks and (rigid or getattr(law, "friction_kind", None) == SET_VALUED)
+        if not (rigid or sticks):
+            return modal, velocity
+        lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
+        for _ in range(PROJECTIONS if rigid else 1):
+            frame = contact_frame(float(modes.approach @ q), float(modes.tip_slope @ q), *lengths)
+            gap, n_u, n_th, t_u, t_th = frame
+            normal = n_u * modes.approach + n_th * modes.tip_slope
+            if rigid:
+                q = q - normal * (gap / (normal @ normal))
+        turning = -geometry.rotor_radius / np.sqrt(rotor.inertia)
+        rows = [np.append(normal, 0.0), np.append(t_u * modes.approach + t_th * modes.tip_slope, turning)]
+        constraints = np.array(rows[0 if rigid else 1 : 2 if sticks else 1])
+        rates = np.append(v, np.sqrt(rotor.inertia) * velocity)
+        rates = rates - constraints.T @ np.linalg.solve(constraints @ constraints.T, constraints @ rates)
+        return ModalState(q, rates[:-1]), float(rates[-1] / np.sqrt(rotor.inertia))
 
     def mechanical(self, z: Array) -> Array:
         """Return a state z without internal variables."""
-        after = 2 * self.scale.size
+        after = int(self._kept.sum()) + self.scale.size
         return np.concatenate([z[:after], z[after + self._weights.size :]])
 
     def velocity_of(self, z: Array) -> float:
@@ -141,6 +239,7 @@ class PeriodMap:
             contact_step=self.setup.contact_step,
             tolerance=self.setup.tolerance,
             memory=memory,
+            contact=self.contact,
         )
         if trajectory.ending is Ending.INTERRUPTED:
             raise KeyboardInterrupt(trajectory.message)
@@ -150,7 +249,17 @@ class PeriodMap:
 
     def end_of(self, run: Trajectory) -> Array:
         """Return the state in which a run ended."""
-        return self.state_of(run.final, float(run.series["rotor_velocity"][-1]), memory_at_end(run))
+        memory = memory_at_end(run, self.variables)
+        return self.state_of(run.final, float(run.series["rotor_velocity"][-1]), memory)
+
+    def ends_at(self, run: Trajectory) -> bool:
+        """Return whether a run has ended in the contact that there is at the section, or in flight as it."""
+        end = contact_at_end(run)
+        if end is None or self.contact is None:
+            return end is self.contact
+        count = np.flatnonzero(~self._continuous)
+        same = all(end[name] == self.contact[name] for name in ("phase", "mode"))
+        return same and np.array_equal(end["memory"][count], self.contact["memory"][count])
 
     def __call__(self, z: Array) -> Array:
         """Return the state one period of the map later.
@@ -173,22 +282,39 @@ class PeriodMap:
 
     def _sent(self, starts: Array) -> tuple[Array, tuple[str, ...]]:
         """Return the states after others, and why one is no number."""
-        count, weights = self.scale.size, self._weights
-        q, v = starts[:, :count] / self.scale, starts[:, count : 2 * count]
-        memory, rotor = np.split(starts[:, 2 * count :], [weights.size], axis=1)
-        root = np.sqrt(self.setup.motor.rotor.inertia)
-        belts = np.full(len(starts), self.belt, np.float64)
-        ends = self._flow(q, v, rotor[:, 0] / root if self.belt is None else belts, memory / weights)
-        parts = [self.scale * ends.displacement, ends.velocity, weights * ends.memory]
+        motions, velocities, memory = self._parts_of(starts)
+        q, v = (np.array([getattr(each, of) for each in motions]) for of in ("displacement", "velocity"))
+        ends = self._flow(q, v, velocities, memory)
+        placed = (self.scale * ends.displacement)[:, self._kept]
+        memory = ends.memory if self.contact is None else ends.memory[:, self._continuous]
+        parts = [placed, ends.velocity, self._weights * memory]
         if self.belt is None:
-            parts.append(root * ends.rotor_velocity[:, None])
+            parts.append(np.sqrt(self.setup.motor.rotor.inertia) * ends.rotor_velocity[:, None])
         return np.hstack(parts), ends.messages
 
-    def at(self, phase: float) -> "PeriodMap":
-        """Return the map with another section."""
-        return replace(self, phase=phase % 1.0)
+
+def variables_in(law: ContactLaw, contact: State | None) -> tuple[InternalVariable, ...]:
+    """Return the internal variables of a state: in flight those of the run, in contact all not discrete."""
+    if contact is None:
+        return law.lasting
+    return tuple(each for each in law.internal_variables if not each.discrete)
 
 
-def memory_at_end(run: Trajectory) -> Array:
-    """Return the internal variables whose life is the run as a run leaves them, shape (variable,)."""
-    return np.array([float(run.series[name][-1]) for name in run.lasting])
+def memory_at_end(run: Trajectory, variables: Sequence[InternalVariable] | None = None) -> Array:
+    """Return internal variables as a run leaves them, by default those whose life is the run."""
+    each = run.law.lasting if variables is None else variables
+    return np.array([float(run.series[INTERNAL + variable.name][-1]) for variable in each])
+
+
+def contact_at_end(run: Trajectory) -> State | None:
+    """Return the contact in which a run ended, or whose indentation is still there; None in free flight."""
+    state = run.state
+    return state if state["phase"] == TOUCHING or (state["kept"] and state["left"] == np.inf) else None
+
+
+def continues(contact: State | None, law: ContactLaw) -> State | None:
+    """Return a contact that goes on under a law, or None where it is another law's."""
+    if contact is None:
+        return None
+    kind = not isinstance(law, MultiplierLaw), getattr(law, "friction_kind", SET_VALUED), memory_mark(law)
+    return contact if kind == tuple(contact[n] for n in ("compliant", "friction_kind", "memory_of")) else None

@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
+from contactlab.engine.preparation import memory_mark
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
@@ -55,13 +56,15 @@ def steady(
     setup = steady_setup(motor, law, contact_step, tolerance)
     _check(belt, load, brake, longest)
     rotor = setup.motor.rotor
-    begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None
+    begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None, None
     if isinstance(start, Steady):
         begins = start.end
+        if memory_mark(start.setup.law) != memory_mark(setup.law):
+            begins = *begins[:3], None, None
     elif start is not None:
         check_kind("The modal state of the start", start[0], ModalState)
         check_number("The rotor velocity of the start", start[1])
-        begins = 0.0, start[0], float(start[1]), None
+        begins = 0.0, start[0], float(start[1]), None, None
     if brake is not None:
         return _braked(setup, float(brake), begins, longest)
     if load is not None:

@@ -25,6 +25,9 @@ ROUGH: Final = 100.0
 CLOSED: Final = 1e-10
 """|P(z) - z| over |z| at which an orbit counts as closed."""
 
+NEUTRAL: Final = 1e-6
+"""Distance of a multiplier from 1 that differences do not resolve."""
+
 MOST_ITERATIONS: Final = 40
 
 FARTHEST: Final = 100.0
@@ -74,16 +77,34 @@ class Orbit:
         result = np.linalg.eigvals(self.jacobian).astype(complex)
         return result[np.argsort(-np.abs(result), kind="stable")]
 
+    def is_near(self, z: Array, share: float) -> bool:
+        """Return whether a state lies within a share of |z| of that of the orbit."""
+        return bool(np.linalg.norm(z - self.state) <= share * np.linalg.norm(self.state))
+
+    @property
+    def neutral(self) -> NDArray[np.bool_]:
+        """Which multipliers are one: along their directions every motion repeats itself."""
+        return np.abs(self.multipliers - 1.0) <= NEUTRAL
+
+    @property
+    def largest(self) -> float:
+        """Largest modulus of a multiplier, neutral ones left out [1]."""
+        return float(np.abs(self.multipliers[~self.neutral]).max(initial=0.0))
+
     @property
     def stable(self) -> bool:
-        """Whether every multiplier lies inside the unit circle."""
-        return bool(abs(self.multipliers[0]) < 1.0)
+        """Whether every multiplier lies inside the unit circle, neutral ones left out."""
+        return self.largest < 1.0
 
     @property
     def settling_time(self) -> float:
-        """Time in which a small deviation falls by e [s]; infinite for an orbit that is not stable."""
-        largest = float(abs(self.multipliers[0]))
-        return float(-self.map.period / np.log(largest)) if 0.0 < largest < 1.0 else np.inf
+        """Time in which a small deviation falls by e [s]; infinite for an orbit that is not stable.
+
+        Along neutral directions it never falls, and they are left out.
+        """
+        if not self.stable:
+            return np.inf
+        return float(-self.map.period / np.log(max(self.largest, np.finfo(float).tiny)))
 
 
 def orbit_from(section: PeriodMap, z: Array) -> Orbit:
@@ -99,10 +120,7 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     for _ in range(MOST_ITERATIONS):
         if np.linalg.norm(left) <= CLOSED * _size(z):
             return Orbit.at(section, z)
-        try:
-            move: Array = np.asarray(np.linalg.solve(np.eye(z.size) - jacobian, left), np.float64)
-        except np.linalg.LinAlgError:
-            raise NoOrbitError("a coordinate that nothing brings back has no place of its own") from None
+        move = _newton_step(jacobian, left)
         length = float(np.linalg.norm(move))
         move *= min(1.0, radius / length)
         after = _gap(section, z + move)
@@ -119,6 +137,15 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
                 raise NoOrbitError(f"steps shrink to {radius:.1e} and lead no further")
     remains = np.linalg.norm(left) / _size(z)
     raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {remains:.1e} of the state")
+
+
+def _newton_step(jacobian: Array, left: Array) -> Array:
+    """Return the step that closes a gap, the shortest where nothing brings a coordinate back."""
+    system = np.eye(left.size) - jacobian
+    try:
+        return np.asarray(np.linalg.solve(system, left), np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(system, left)[0], np.float64)
 
 
 def derivative_of(function: Callable[[Array], Array], at: Array, along: Array, step: float = STEP) -> Array:

@@ -1,7 +1,8 @@
 """A steady state and what it does on average: velocity, torque, forces, work, each with its error."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Final, final
 
 import numpy as np
@@ -10,12 +11,19 @@ import yaml
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
+from contactlab.engine.state import State
 from contactlab.estimate import Estimate
 from contactlab.motor import ModalState
 from contactlab.results.netcdf import REFERENCES
 from contactlab.results.provenance import code_attributes
 from contactlab.settling.statistics import mean_with_error
-from contactlab.steady_state.period_map import PeriodMap, memory_at_end, period_of
+from contactlab.steady_state.period_map import (
+    PeriodMap,
+    contact_at_end,
+    memory_at_end,
+    period_of,
+    variables_in,
+)
 from contactlab.steady_state.shooting import CLOSED, Orbit
 from contactlab.trajectory import Trajectory
 
@@ -54,9 +62,7 @@ class Steady:
             'without contact', or 'standing' where a brake holds the rotor.
         periods: of the drive, after which a periodic motion repeats itself; 0 for another.
         motion: one orbit, or a long run recorded once a period.
-        orbit: the closed orbit with its multipliers; None where there is none, where the contact never
-            opens or its residual indentation is never cleared, so that what lives for a contact is part of
-            the state, or where a multiplier is one.
+        orbit: the closed orbit with its multipliers; None where there is none.
         warm_up: periods of the drive from the start until it was found.
         belt: velocity at which the rotor was held [rad/s]; None for one that is free.
         brake: torque of a load against whatever motion there is [N m]; None for another load.
@@ -90,8 +96,7 @@ class Steady:
         if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
             return 0.0
         gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
-        slow = 1.0 - float(abs(self.orbit.multipliers[0]))
-        return max(gap / size, CLOSED) / max(slow, float(np.finfo(float).eps))
+        return max(gap / size, CLOSED) / (1.0 - self.orbit.largest)
 
     def mean(self, rates: Array) -> Estimate:
         """Return the mean of rates over the record intervals of the motion, and its error.
@@ -183,22 +188,29 @@ class Steady:
         return self.mean(np.diff(np.interp(self.motion.time, edges, until)) / np.diff(self.motion.time))
 
     @property
-    def end(self) -> tuple[float, ModalState, float, Array]:
-        """Where another motion may go on: phase of the drive [periods], modal state, rotor velocity, memory.
-
-        The memory is that of the law's internal variables whose life is the run.
-        """
+    def end(self) -> tuple[float, ModalState, float, Array, State | None]:
+        """Where another motion may go on, as `contactlab.steady_state.arrival.Start`."""
         passed = (self.motion.time[-1] - self.motion.time[0]) / self.period
-        velocity = float(self.motion.series["rotor_velocity"][-1])
-        return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity, memory_at_end(self.motion)
+        velocity, contact = float(self.motion.series["rotor_velocity"][-1]), contact_at_end(self.motion)
+        memory = memory_at_end(self.motion, variables_in(self.motion.law, contact))
+        return (self.phase + round(passed, 9)) % 1.0, self.motion.final, velocity, memory, contact
+
+    @cached_property
+    def once(self) -> PeriodMap:
+        """The map of one period of the drive, whose section lies at the end of the motion."""
+        phase, _, _, _, contact = self.end
+        return PeriodMap(self.setup, phase, 1, self.belt, contact=contact)
+
+    @property
+    def final(self) -> Array:
+        """The state of `once` at the end of the motion."""
+        return self.once.state_of(*self.end[1:4])
 
     def curves(self, records: int = 1000) -> Trajectory:
         """Return one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""
         if self.orbit is not None:
             return self.orbit.map.run(self.orbit.state, 1.0, records)
-        phase, modal, velocity, memory = self.end
-        clock = PeriodMap(self.setup, phase, max(self.periods, 1), self.belt)
-        return clock.run(clock.state_of(modal, velocity, memory), 1.0, records)
+        return replace(self.once, periods=max(self.periods, 1)).run(self.final, 1.0, records)
 
 
 def attributes_of(setup: Setup) -> dict[str, object]:

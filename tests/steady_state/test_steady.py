@@ -155,13 +155,14 @@ def test_a_drive_of_one_tone_or_of_a_broken_ratio_has_its_period(overrides: tupl
 
 
 @pytest.mark.parametrize("law", [cl.HertzPenalty(1e10, 0.3), cl.LagrangeStick(0.3)])
-def test_a_motor_pressed_together_has_means_and_no_multipliers(law: cl.ContactLaw) -> None:
+def test_a_motor_pressed_together_has_an_orbit(law: cl.ContactLaw) -> None:
     motor = setup_of("rotor.damping=0.05").motor
     # Far more than what the drive lifts.
     pressed = replace(motor, preload=60.0 * motor.modes.tip_displacement)
     pressed = replace(pressed, geometry=replace(motor.geometry, clearance=0.0))
-    result = cl.steady(pressed, law, contact_step=5e-7, longest=200)
-    assert (result.kind, result.orbit) == ("periodic", None)
+    result = cl.steady(pressed, law, contact_step=5e-7 if isinstance(law, cl.PenaltyLaw) else None)
+    assert result.kind == "periodic"
+    assert result.orbit.stable
     assert result.contact_share.value == pytest.approx(1.0, abs=1e-9)
     assert result.average("normal_force")[0] > 0.0
     # What turns the rotor is what its damping takes.

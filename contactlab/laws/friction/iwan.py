@@ -68,7 +68,7 @@ class Iwan(Friction):
             InternalVariable(f"stretch_{j}", f"z_{j}", "m", f"stretch {j}", parity=ODD) for j in count
         ]
         sliding = InternalVariable(
-            "sliding", "J", "1", "elements that slide, with the sign of slip", parity=ODD
+            "sliding", "J", "1", "elements that slide, with the sign of slip", parity=ODD, discrete=True
         )
         return *stretches, sliding
 

@@ -88,7 +88,8 @@ class Microslip(Friction):
             InternalVariable(f"stretch_{j}", f"z_{j}", "m", f"stretch of ring {j}", parity=ODD)
             for j in range(1, self.rings + 1)
         ]
-        full = InternalVariable("ring", "r", "N m-1", "normal stiffness of a full ring", self.first_ring)
+        about = "normal stiffness of a full ring"
+        full = InternalVariable("ring", "r", "N m-1", about, self.first_ring, discrete=True)
         return *stretches, full
 
     @staticmethod

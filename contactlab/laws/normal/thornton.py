@@ -64,7 +64,7 @@ class Thornton(NormalForce):
     def internal_variables(self) -> tuple[InternalVariable, ...]:
         """Whether it yields, and how deep it has been."""
         return (
-            InternalVariable("yields", "", "1", "whether the contact yields"),
+            InternalVariable("yields", "", "1", "whether the contact yields", discrete=True),
             InternalVariable("largest_depth", "d*", "m", "depth to which it is elastic", self.yield_depth),
         )
 

@@ -42,7 +42,7 @@ class WaltonBraun(NormalForce):
     hardening: Annotated[float, not_negative("S", "m-1", "growth of k_2 with the largest force")] = 0.0
 
     internal_variables = (
-        InternalVariable("loads", "", "1", "whether the contact loads along k_1", 1.0),
+        InternalVariable("loads", "", "1", "whether the contact loads along k_1", 1.0, discrete=True),
         InternalVariable("largest_depth", "d*", "m", "largest depth before"),
     )
     guards = 2
