@@ -322,13 +322,14 @@ def _weigh(run: Run) -> None:
 def _watch(run: Run, s: float) -> None:
     """End a run that hardly moves the clock, by a step of s, or is not finite, or deep inside the rotor."""
     state = run.state
-    scale = step_length(run.propagator, run.propagator.rule.contact_level)
-    crawls = s <= CRAWL * min(scale, _calm(state))
+    step = step_length(run.propagator, run.propagator.rule.contact_level)
+    # Where nothing vibrates the step of a rigid law is the whole run.
+    crawls = s <= CRAWL * (min(step, state.calm) if state.compliant == 0 and state.calm > 0.0 else step)
     state.idle = state.idle + 1 if crawls else 0
     steps = state.contact_steps + state.rejected_steps
     if state.idle > IDLE_LIMIT:
         state.ending = CHATTERED if state.events > IDLE_EVENTS else STALLED
-    elif state.time - state.window_start > _window(state):
+    elif state.time - state.window_start > _window(state, step):
         state.window_start, state.events, state.steps_before = state.time, 0, steps
     elif steps - state.steps_before > state.most_steps:
         state.ending = STALLED
@@ -340,15 +341,10 @@ def _watch(run: Run, s: float) -> None:
 
 
 @inner_kernel
-def _window(state: Any) -> float:
+def _window(state: Any, step: float) -> float:
     """Return the present window of the stall watchdog [s]: of time stepping it hangs on the step alone."""
-    return float(state.window if state.stepped != 0 else min(state.window, CALMS * _calm(state)))
-
-
-@inner_kernel
-def _calm(state: Any) -> float:
-    """Return the longest time without an event so far [s]."""
-    return float(max(state.calm, state.time - state.last_event))
+    calm = max(state.calm, state.time - state.last_event, step)
+    return float(state.window if state.stepped != 0 else min(state.window, CALMS * calm))
 
 
 def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:

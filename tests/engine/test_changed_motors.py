@@ -98,6 +98,8 @@ def test_the_end_is_smooth_in_the_time_of_a_change(law: ContactLaw) -> None:
         loaded = default_motor(load_torque=5e-3)
         ends = [final(sequence(law, (case_a(), at), (loaded, end)), "rotor_velocity") for at in grid]
         differences = np.diff(ends)
+        # What the torque takes from the rotor in the time between two of them.
+        assert differences == pytest.approx(5e-3 / case_a().rotor.inertia * 2e-8, rel=0.5)
         assert np.ptp(differences) <= 1e-3 * np.abs(differences).max()
 
 
@@ -226,6 +228,7 @@ def test_a_waveform_goes_on_from_a_change() -> None:
     ]
     whole = final(sequence(hertz(), (driven(1.0), 1.4e-3), (driven(1.0), 1.7e-3)), "rotor_velocity")
     assert abs(ends[0] - whole) > 10.0 * np.abs(np.diff(ends)).max()
+    assert np.abs(np.diff(ends)).min() > 1e-8
     assert np.ptp(np.diff(ends, 2)) <= 1e-3 * np.abs(np.diff(ends)).max()
 
 

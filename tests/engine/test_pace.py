@@ -63,7 +63,8 @@ def test_a_ball_on_a_spring_bounces_for_ever() -> None:
     """Neither a weak spring nor a slow, weak push makes its bounces few for their period."""
     hertzian = HertzPenalty(friction_coefficient=0.0)
     for law in (Newton(restitution=1.0), hertzian):
-        motor = block(0.1, height=1e-4, weight=0.981, normal_stiffness=1e-9, push_amplitude=1e-9)
+        weak = {"normal_stiffness": 1e-9, "push_amplitude": 1e-9, "push_frequency": 1e-3}
+        motor = block(0.1, height=1e-4, weight=0.981, **weak)
         trajectory = ran(motor, law, 1_300.5 * np.sqrt(8.0 * 1e-4 / 9.81))
         assert trajectory.complete, trajectory.message
         assert trajectory.contacts["start_time"].size > 1_200
