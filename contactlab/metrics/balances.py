@@ -47,13 +47,13 @@ def energy_residual(run: Run) -> float:
 def rotor_momentum(run: Run) -> float:
     needed(not any(declares(owner, "moment") for owner in run.law_classes.values()))
     inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
-    damping, torque = run.setting("rotor.damping"), run.setting("rotor.load_torque")
     fastest, push = np.abs(run.series("rotor_velocity")).max(), run.contacts("friction_impulse")
     values = positive(radius * float(np.abs(push).sum()))
-    load, damped = torque * run.gain("time"), damping * run.gain("rotor_angle")
+    load = run.integral("rotor.load_torque", "N m", "time")
+    damped = run.integral("rotor.damping", "N m s rad-1", "rotor_angle")
     missing = inertia * run.gain("rotor_velocity") + radius * float(push.sum()) + load + damped
     projects = getattr(run.law_classes.get(""), "projects", False)
-    corrected = damping * run.contact_step / inertia if projects else 0.0
+    corrected = run.setting("rotor.damping") * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
     scale = max(values, inertia * float(fastest), abs(load), abs(damped))
     return abs(missing) / max(scale, corrected * values / ROUND_OFF)
@@ -128,7 +128,7 @@ def closing_release(run: Run) -> float:
     # The whole motion counts: the rates of a tip that only grazes are round-off.
     rates = np.abs(np.diff(run.series("gap")) / run.intervals)
     fastest = float(np.nanmax(np.append(np.abs(approach), 0.0)))
-    return max(closing, opening) / positive(max(fastest, float(rates.max())))
+    return max(closing, opening) / positive(max(fastest, float(rates.max(initial=0.0))))
 
 
 @invariant(

@@ -14,7 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
+from contactlab.config.changes import KEY as CHANGES, changed
+from contactlab.config.faults import ConfigurationError
 from contactlab.config.nesting import flat
+from contactlab.config.quantity import UnitError, to_si
 from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
@@ -179,6 +182,20 @@ class Run:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise NotApplicableError
         return float(value)
+
+    def integral(self, key: str, unit: str, name: str) -> float:
+        """Return the integral of a setting, which changes may change, over the increase of a series."""
+        value, first, total = self.setting(key), 0, 0.0
+        changes = self.settings.get(CHANGES) or ()
+        duration = self.setting("solver.duration") if changes else 0.0
+        try:
+            for time, later in changed(self.configuration, changes, duration):
+                last = int(np.argmin(np.abs(self.time - time)))
+                total += value * self.gain(name, slice(first, last + 1))
+                value, first = to_si(str(flat(later)[key]), unit), last
+        except (ConfigurationError, UnitError) as fault:
+            raise NotApplicableError from fault
+        return total + value * self.gain(name, slice(first, None))
 
     @cached_property
     def law_classes(self) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """A run that agrees with itself keeps every invariant; each way of disagreeing breaks its own."""
 
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -7,8 +8,9 @@ import pytest
 import xarray
 from support.configurations import case_a_tree
 
+import contactlab as cl
 from contactlab.laws import LAWS, MultiplierLaw
-from contactlab.metrics import INVARIANTS
+from contactlab.metrics import INVARIANTS, assess
 from contactlab.testing import invariants_of
 
 INTERVAL = 1e-6
@@ -93,3 +95,25 @@ def test_a_contact_of_no_length_is_a_phantom() -> None:
         empty[name] *= 0.0
     run["contacts"] = xarray.DataTree(xarray.concat([rows, empty], "contact"))
     assert broken(run) == {"phantom_contacts"}
+
+
+def test_a_rotor_whose_load_and_damping_change_keeps_its_momentum() -> None:
+    changes = "1 ms; rotor.load_torque=2 mN*m", "1.5 ms; rotor.damping=1e-4"
+    text = ", ".join(map(repr, changes))
+    run = cl.simulate(
+        cl.build(["experiment=case_a", "solver.duration=2 ms", f"solver.changes=[{text}]"])
+    ).tree
+    assert assess(run, {"rotor_momentum"})["rotor_momentum"] < 1e-9
+    # Without the changes its configuration is another motor's.
+    other = run.copy()
+    text = other.attrs["configuration"]
+    other.attrs["configuration"] = re.sub(r"changes:\n(  - .*\n)+", "changes: null\n", text)
+    assert assess(other, {"rotor_momentum"})["rotor_momentum"] > 1e-3
+
+
+def test_a_run_of_one_record_is_judged() -> None:
+    run = run_of()
+    groups = {"/": run.to_dataset().isel(time=[0]), "/contacts": run["contacts"].to_dataset(inherit=False)}
+    first = xarray.DataTree.from_dict(groups)
+    figures = assess(first, set(INVARIANTS))
+    assert not [key for key, value in figures.items() if value > INVARIANTS[key].bound]

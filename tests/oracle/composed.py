@@ -265,7 +265,7 @@ class Judge:
         """From rest, the gap open, for a duration [s]; from times on other motors, of the same resonator."""
         n, run = self.n, JudgedRun()
         y = np.zeros(self.third + 1)
-        y[2 * n] = self.mechanics.motor.initial_velocity
+        y[: 2 * n + 1] = self.mechanics.initial_state()[: 2 * n + 1]
         y[self.first : self.second] = self.parts.friction.fresh()
         y[self.second : self.third] = self.parts.normal.fresh()
         t, cut = 0.0, None

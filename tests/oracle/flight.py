@@ -26,24 +26,25 @@ class Flight:
     """The flow of one motor without contact."""
 
     def __init__(self, mechanics: Mechanics) -> None:
-        """Set up the matrix of amplitudes, rates and tones, in units in which it is balanced."""
+        """Set up the matrix of amplitudes, rates, tones and preload, in units in which it is balanced."""
         self.mechanics, m, n = mechanics, mechanics.motor, mechanics.shapes
         w = 2.0 * pi * mechanics.frequency
         self.tones = w, m.frequency_ratio * w
-        a = np.zeros((2 * n + 4, 2 * n + 4))
+        a = np.zeros((2 * n + 5, 2 * n + 5))
         a[:n, n : 2 * n] = np.eye(n)
         a[n : 2 * n, : 2 * n] = mechanics.free_map
         both, opposite = mechanics.drive_map @ [1.0, 1.0], mechanics.drive_map @ [1.0, -1.0]
         a[n : 2 * n, 2 * n] = m.voltage_1 * both
         a[n : 2 * n, 2 * n + 2] = m.voltage_2 * opposite
+        a[n : 2 * n, 2 * n + 4] = mechanics.pressed
         for k, tone in enumerate(self.tones):
             i = 2 * n + 2 * k
             a[i, i + 1], a[i + 1, i] = tone, -tone
-        scale = np.ones(2 * n + 4)
+        scale = np.ones(2 * n + 5)
         scale[:n], scale[n : 2 * n] = 1e6, 1e6 / w
         self.matrix, self.scale = scale[:, None] * a / scale, scale
         each = expm(self.matrix * STEP)
-        powers = [np.eye(2 * n + 4)]
+        powers = [np.eye(2 * n + 5)]
         for _ in range(BLOCK):
             powers.append(each @ powers[-1])
         self.powers = np.array(powers)
@@ -53,7 +54,7 @@ class Flight:
         n, (first, second) = self.mechanics.shapes, self.tones
         phase = first * t + self.mechanics.motor.phase
         tones = np.sin(phase), np.cos(phase), np.sin(second * t), np.cos(second * t)
-        return self.scale * np.concatenate([y[: 2 * n], tones])
+        return self.scale * np.concatenate([y[: 2 * n], tones, [1.0]])
 
     def after(self, x: np.ndarray, s: float) -> np.ndarray:
         """The scaled state a time s later, of less than a step or so."""

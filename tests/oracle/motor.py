@@ -7,6 +7,13 @@ State vector, n shapes (SI units):
 Signs: the gap g is positive when open; N >= 0 and F act on the tip along n (rotor centre to tip)
 and t (n turned by +90 degrees: at rest n = (0, -1), t = (1, 0)); slip = v_T - R Omega;
 J Omega' = -R F - C_r Omega - tau.  P_n and P_t are the impulses of N and F [N s].
+
+A rotor on a bearing has its displacement w away from the tip for a last amplitude,
+
+    m w'' + c w' + k w = N_u - P,   N_u = -(N n + F t) . y
+
+so that with the row (psi(L/2), -1) in place of psi(L/2) the tip's u is that relative to the rotor: the gap
+and its rates have it, and the contact's force acts on both.
 """
 
 from __future__ import annotations
@@ -17,6 +24,7 @@ from math import cos, hypot, pi, sin
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from oracle.resonator import Resonator, Section, build_resonator, natural_frequencies
 
@@ -25,7 +33,8 @@ from oracle.resonator import Resonator, Section, build_resonator, natural_freque
 class OracleMotor:
     """All inputs of one run, SI units; by default placement 2 of Table 1, identified inputs.
 
-    frequency None means the first natural frequency; the second tone has frequency_ratio times it.
+    frequency None means the first natural frequency; the second tone has frequency_ratio times it. A
+    rotor_mass of zero is a fixed axle; else the rotor begins at rest at the displacement rotor_start.
     """
 
     length: float = 57e-3
@@ -42,6 +51,11 @@ class OracleMotor:
     rotor_damping: float = 0.0
     load_torque: float = 0.0
     initial_velocity: float = 0.0
+    rotor_mass: float = 0.0
+    bearing_stiffness: float = 0.0
+    bearing_damping: float = 0.0
+    preload: float = 0.0
+    rotor_start: float = 0.0
     clearance: float = 1e-6
     friction_coefficient: float = 0.3
     voltage_1: float = 100.0
@@ -64,6 +78,19 @@ class OracleMotor:
         section = Section(*(getattr(self, name) for name in Section._fields))
         return build_resonator(
             section, self.shapes, self.tip_mass, self.tip_inertia, self.mass_damping, self.stiffness_damping
+        )
+
+    def with_bearing(self) -> Resonator:
+        """Matrices of the resonator, and of the rotor on its bearing where it has one."""
+        res, one = self.resonator(), np.ones((1, 1))
+        if not self.rotor_mass:
+            return res
+        return Resonator(
+            block_diag(res.mass, self.rotor_mass * one),
+            block_diag(res.damping, self.bearing_damping * one),
+            block_diag(res.stiffness, self.bearing_stiffness * one),
+            np.vstack([res.coupling, np.zeros((1, 2))]),
+            np.hstack([res.tip, [[-1.0], [0.0]]]),
         )
 
 
@@ -92,8 +119,8 @@ class Mechanics:
     def __init__(self, motor: OracleMotor) -> None:
         """Assemble the matrices of the motor."""
         self.motor = motor
-        self.resonator = res = motor.resonator()
-        self.shapes = n = motor.shapes
+        self.resonator = res = motor.with_bearing()
+        self.shapes = n = len(res.mass)
         inverse = np.linalg.inv(res.mass)
         self.free_map = -inverse @ np.hstack([res.stiffness, res.damping])
         self.drive_map = inverse @ res.coupling
@@ -103,11 +130,16 @@ class Mechanics:
         self.tip_map = np.zeros((4, 2 * n))
         self.tip_map[:2, :n] = self.tip_map[2:, n:] = res.tip
         values = motor.frequency
-        self.frequency = float(natural_frequencies(res)[0] if values is None else values)
+        self.frequency = float(natural_frequencies(motor.resonator())[0] if values is None else values)
+        self.pressed = np.zeros(n)
+        if motor.rotor_mass:
+            self.pressed[-1] = -motor.preload / motor.rotor_mass
 
     def initial_state(self) -> np.ndarray:
         """At rest, undeformed, the rotor at its initial velocity."""
         y = np.zeros(2 * self.shapes + 3)
+        if self.motor.rotor_mass:
+            y[self.shapes - 1] = self.motor.rotor_start
         y[2 * self.shapes] = self.motor.initial_velocity
         return y
 
@@ -121,7 +153,8 @@ class Mechanics:
 
     def free_acceleration(self, t: float, y: np.ndarray) -> np.ndarray:
         """r'' without contact [m/s^2]."""
-        return np.asarray(self.free_map @ y[: 2 * self.shapes] + self.drive_map @ self.voltages(t))
+        free = self.free_map @ y[: 2 * self.shapes] + self.drive_map @ self.voltages(t)
+        return np.asarray(free + self.pressed)
 
     def contact_under(self, y: np.ndarray, acceleration: np.ndarray) -> Contact:
         """Gap, rates, biases and Delassus matrix (eqs. 35-46 with the true tangent).
@@ -196,13 +229,13 @@ class Mechanics:
         return out
 
     def tip_state(self, y: np.ndarray) -> tuple[float, float, float, float]:
-        """Displacement u [m], slope [rad] and their rates."""
+        """Displacement u [m], of a rotor on a bearing that relative to it, slope [rad] and their rates."""
         u, slope, u_rate, slope_rate = (self.tip_map @ y[: 2 * self.shapes]).tolist()
         return u, slope, u_rate, slope_rate
 
     def tolerances(self, rtol: float) -> np.ndarray:
         """Absolute tolerance of every state of y, and of a work: rtol times a tenth of the static size."""
-        m, res = self.motor, self.resonator
+        m, res = self.motor, self.motor.resonator()
         peak = abs(m.voltage_1) + abs(m.voltage_2)
         r = np.linalg.solve(res.stiffness, np.abs(res.coupling) @ [peak, peak])
         size = max(float(np.abs(r).max()), 1e-9)

@@ -8,6 +8,7 @@ An impact answers gap rate and slip with impulses, from the Delassus matrix D. W
 rate `SLOW` what is left of the rebounds goes in one impulse, with the friction of its slip, and the contact
 lasts.
 
+    lagrange_slip         gdot+ = 0, p_t = -mu p_n sign(slip), whatever it does to the slip
     newton, moreau_jean   gdot+ = -e gdot-, stick or slip at the end
     johnson               the same, e from m V^2/2 = pi a^4 p_d/(4 R) and 3 P^2/(10 a E*), P = pi a^2 p_d
     poisson, stronge      Routh's process, piece by piece
@@ -101,6 +102,11 @@ def force_law(mode: int, mu: float) -> Law:
 def newton(mu: float, e: float) -> Impact:
     """Restitution of the gap rate."""
     return lambda c, rate, slip: stick_or_slip(c, (1.0 + e) * rate, slip, mu)[1:]
+
+
+def slip_only(mu: float) -> Impact:
+    """Friction against the slip that is brought, even where it reverses it."""
+    return lambda c, rate, slip: sliding(c, rate, mu, int(copysign(1, slip)))
 
 
 def johnson(mu: float, modulus: float, strength: float, radius: float) -> Impact:
