@@ -1,6 +1,7 @@
 """Random motors over every law and part, each for the engine and for the independent judge.
 
 Number i is of row i modulo the number of rows; its motor and its law's numbers are those of the seed (i, 26).
+Round by round through the rows the motor is plain, on a bearing, changes while it runs, or both.
 """
 
 # ruff: noqa: ARG005 - the makers of one family have one signature
@@ -41,13 +42,24 @@ from oracle.normal_parts import (
     hysteretic,
     loss_number,
 )
-from oracle.rigid import RigidJudge, Rough, brach, chatterjee_ruina, johnson, newton, plastic_ageing, process
-from oracle.slip_only import solve_rigid_slip
+from oracle.rigid import (
+    Impact,
+    RigidJudge,
+    Rough,
+    brach,
+    chatterjee_ruina,
+    johnson,
+    newton,
+    plastic_ageing,
+    process,
+    slip_only,
+)
 from support.motors import default_motor, oracle_motor
 
 from contactlab.engine import simulate
 from contactlab.laws import LAWS, PARTS, ContactLaw
 from contactlab.motor.motor import Motor
+from contactlab.trajectory import Trajectory
 
 STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
 DURATION = 2e-3
@@ -56,7 +68,10 @@ LOOSE, TIGHT = 1e-9, 1e-11
 """Relative tolerances of the judge: its change from the first to the second is its own error, and more."""
 
 DEFAULT, FINE = "default", "fine"
-"""Engine at its default tolerance and at 1e-10; a rigid law at its default step and at a tenth of it."""
+"""Engine at its default tolerance and at 1e-10."""
+
+PLAIN, BEARING, CHANGES, BOTH = KINDS = ("plain", "bearing", "changes", "bearing and changes")
+"""What a motor has beside its law."""
 
 CARRYING = 1e-3
 """A contact counts from this share of the largest impulse on: bounces that die out have no last one,
@@ -71,8 +86,8 @@ Draw = dict[str, Any]
 class Dice:
     """Random numbers of one case."""
 
-    def __init__(self, number: int) -> None:
-        self.rng = np.random.default_rng([number, 26])
+    def __init__(self, number: int, stream: int = 26) -> None:
+        self.rng = np.random.default_rng([number, stream])
 
     def between(self, low: float, high: float) -> float:
         """Uniform."""
@@ -121,6 +136,37 @@ def any_motor(dice: Dice) -> Draw:
         "mass_damping": dice.log(2.0, 200.0),
         "stiffness_damping": dice.log(4e-6, 4e-5),
     }
+
+
+def kind_of(number: int) -> str:
+    """What the motor with a number has beside its law."""
+    return KINDS[number // len(rows()) % len(KINDS)] if number < DENTED else PLAIN
+
+
+def bearing_of(dice: Dice, changes: Draw) -> Draw:
+    """A bearing whose rotor begins above the tip."""
+    return {
+        "rotor_mass": dice.log(5e-3, 0.2),
+        "bearing_stiffness": dice.choice(0.0, dice.log(1e3, 1e6)),
+        "bearing_damping": dice.choice(0.0, dice.log(1.0, 100.0)),
+        "preload": dice.log(0.3, 10.0),
+        "rotor_start": -dice.between(0.2, 0.8) * changes["clearance"],
+    }
+
+
+def later_of(dice: Dice, changes: Draw) -> list[tuple[float, Draw]]:
+    """One or two times [s], and all numbers of the motor from each on."""
+    later, now = [], dict(changes)
+    for time in sorted(dice.between(0.3, 0.9) for _ in range(int(dice.choice(1, 2)))):
+        now |= {
+            "voltage_1": dice.between(60.0, 300.0),
+            "load_torque": dice.between(-5e-3, 5e-3),
+            "rotor_damping": dice.log(1e-6, 1e-3),
+        }
+        if "preload" in now:
+            now["preload"] = dice.log(0.3, 10.0)
+        later.append((time * DURATION, dict(now)))
+    return later
 
 
 def sphere(dice: Dice) -> Draw:
@@ -309,14 +355,33 @@ class Case:
     number: int
     row: str
     changes: Draw
+    later: list[tuple[float, Draw]]
     law: ContactLaw
     judge: Callable[[float], Any]
     """Gives the judge's run at a relative tolerance."""
 
     @property
     def motor(self) -> Motor:
-        """The engine's motor."""
+        """The engine's motor at the start."""
         return default_motor(**self.changes)
+
+    def run(self, **accuracy: float) -> Trajectory:
+        """The engine's run."""
+        run, done = None, 0.0
+        ends = [*(time for time, _ in self.later), DURATION]
+        for (_, changes), end in zip([(0.0, self.changes), *self.later], ends, strict=True):
+            piece = simulate(
+                default_motor(**changes),
+                self.law,
+                duration=end - done,
+                record_interval=1e-6,
+                start=run and run.state,
+                **accuracy,
+            )
+            run, done = run.followed_by(piece) if run else piece, end
+            if not run.complete:
+                raise RuntimeError(run.message)
+        return run
 
 
 def composed(changes: Draw, dice: Dice, normal: str, damping: str, friction: str) -> tuple[ContactLaw, Parts]:
@@ -350,21 +415,15 @@ RIGID = (
     *("lagrange_stick", "lagrange_slip", "lagrange_ageing", "newton", "moreau_jean"),
     *("poisson", "stronge", "brach", "johnson", "chatterjee_ruina"),
 )
-SLIP_STEP = 5e-8
-"""Step of the law that has no limit without one [s]: there the judge steps too, as the authors say."""
 
 
-def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[float], Any]]:
-    """A rigid law and the judge of it."""
-    changes["friction_coefficient"] = mu = min(changes["friction_coefficient"], 0.4)
-    motor = oracle_motor(**changes)
+def rigid(row: str, mu: float, dice: Dice) -> tuple[ContactLaw, Impact, Rough]:
+    """A rigid law, and its impact and friction for the judge."""
     e = dice.between(0.1, 0.8)
-    if row == "lagrange_slip":
-        return LAWS[row](mu), lambda rtol: solve_rigid_slip(
-            motor, DURATION, SLIP_STEP * (1.0 if rtol < LOOSE else 2.0)
-        )
     rough, numbers = Rough(mu), {}
-    if row == "lagrange_stick":
+    if row == "lagrange_slip":
+        impact = slip_only(mu)
+    elif row == "lagrange_stick":
         impact = newton(mu, 0.0)
     elif row == "lagrange_ageing":
         numbers = {
@@ -388,8 +447,7 @@ def rigid(row: str, changes: Draw, dice: Dice) -> tuple[ContactLaw, Callable[[fl
         numbers = {"restitution": e}
         made = {"poisson": process(mu, e, False), "stronge": process(mu, e, True), "brach": brach(mu, e)}
         impact = made.get(row, newton(mu, e))
-    law = LAWS[row](friction_coefficient=mu, **numbers)
-    return law, lambda rtol: RigidJudge(motor, impact, rough, max(rtol, 1e-11)).run(DURATION)
+    return LAWS[row](friction_coefficient=mu, **numbers), impact, rough
 
 
 def case_of(number: int) -> Case:
@@ -397,10 +455,20 @@ def case_of(number: int) -> Case:
     names, dice = rows(), Dice(number)
     row = names[number % len(names)] if number < DENTED else MIXED
     changes = motor_of(dice)
-    mu = changes["friction_coefficient"]
     if row in RIGID:
-        law, judge = rigid(row, changes, dice)
-        return Case(number, row, changes, law, judge)
+        changes["friction_coefficient"] = min(changes["friction_coefficient"], 0.4)
+    mu, other, kind = changes["friction_coefficient"], Dice(number, 27), kind_of(number)
+    if kind in (BEARING, BOTH):
+        changes |= bearing_of(other, changes)
+    later = later_of(other, changes) if kind in (CHANGES, BOTH) else []
+    if row in RIGID:
+        law, impact, rough = rigid(row, mu, dice)
+
+        def judge(rtol: float) -> JudgedRun:
+            pieces = [(time, oracle_motor(**now)) for time, now in later]
+            return RigidJudge(oracle_motor(**changes), impact, rough, rtol).run(DURATION, pieces)
+
+        return Case(number, row, changes, later, law, judge)
     if row == "hertz_penalty":
         k = dice.log(3e8, 5e10)
         law, parts = LAWS["hertz_penalty"](k, mu), Parts(Power(k, 1.5), SetValued(mu))
@@ -423,9 +491,12 @@ def case_of(number: int) -> Case:
         family, name = row.split()
         chosen = {"normal": "hertz_point", "damping": "none", "friction": "coulomb", family: name}
         law, parts = composed(changes, dice, **chosen)
-    return Case(
-        number, row, changes, law, lambda rtol: Judge(oracle_motor(**changes), parts, rtol).run(DURATION)
-    )
+
+    def judged_by(rtol: float) -> JudgedRun:
+        pieces = [(time, oracle_motor(**now)) for time, now in later]
+        return Judge(oracle_motor(**changes), parts, rtol).run(DURATION, pieces)
+
+    return Case(number, row, changes, later, law, judged_by)
 
 
 def of_judge(run: JudgedRun) -> dict[str, float]:
@@ -447,22 +518,15 @@ def carrying(impulses: np.ndarray) -> int:
 
 def of_engine(case: Case, effort: str) -> tuple[dict[str, float], dict[str, float]]:
     """The quantities of the engine's run, and their scales."""
-    accuracy: Draw = {}
-    if effort == FINE:
-        step = getattr(case.law, "default_contact_step", 0.0)
-        accuracy = {"contact_step": 0.1 * step} if case.row in RIGID else {"tolerance": 1e-10}
-    if case.row == "lagrange_slip":
-        accuracy = {"contact_step": SLIP_STEP}
-    run = simulate(case.motor, case.law, duration=DURATION, record_interval=1e-6, **accuracy)
-    if not run.complete:
-        raise RuntimeError(run.message)
+    run = case.run(**({"tolerance": 1e-10} if effort == FINE else {}))
     series, contacts = run.series, run.contacts
     taken = series["friction_loss"] + series["contact_loss"] + series["contact_energy"]
+    relative = series["tip_normal_displacement"] - series.get("rotor_normal_displacement", 0.0)
     values = {
         "rotor_velocity": series["rotor_velocity"][-1],
         "normal_impulse": contacts["normal_impulse"].sum(),
         "contact_time": contacts["duration"].sum(),
-        "displacement": series["tip_normal_displacement"][-1],
+        "displacement": relative[-1],
         "contact_work": taken[-1],
         "contacts": carrying(contacts["normal_impulse"]),
     }
@@ -470,22 +534,37 @@ def of_engine(case: Case, effort: str) -> tuple[dict[str, float], dict[str, floa
         "rotor_velocity": np.abs(series["rotor_velocity"]).max(),
         "normal_impulse": contacts["normal_impulse"].sum(),
         "contact_time": DURATION if case.row in RIGID else contacts["duration"].sum(),
-        "displacement": np.abs(series["tip_normal_displacement"]).max(),
+        "displacement": np.abs(relative).max(),
         "contact_work": np.abs(taken).max(),
     }
     return values, scales
 
 
-def judged(number: int, efforts: tuple[str, ...] = (DEFAULT, FINE)) -> dict[str, Any]:
-    """One motor against its judge: errors over scales, by effort, and the judge's own change."""
+def judgement(number: int) -> dict[str, float]:
+    """The quantities of the judge at both of its tolerances, the tight one for the result."""
     case = case_of(number)
-    right, rough = of_judge(case.judge(TIGHT)), of_judge(case.judge(LOOSE))
-    out: dict[str, Any] = {"number": number, "row": case.row, "contacts": right["contacts"]}
+    return {
+        f"{effort} {name}": value
+        for effort, rtol in (("tight", TIGHT), ("loose", LOOSE))
+        for name, value in of_judge(case.judge(rtol)).items()
+    }
+
+
+def judged(
+    number: int, efforts: tuple[str, ...] = (DEFAULT, FINE), known: dict[str, float] | None = None
+) -> dict[str, Any]:
+    """One motor against its judge: errors over scales, by effort, and the judge's own change.
+
+    known: what `judgement` has said of it.
+    """
+    case, judge = case_of(number), known or judgement(number)
+    out: dict[str, Any] = {"number": number, "row": case.row, "kind": kind_of(number)}
+    out["contacts"] = int(judge["tight contacts"])
     for effort in efforts:
         values, scales = of_engine(case, effort)
         out[f"{effort} contacts"] = values["contacts"]
         for name in QUANTITIES:
-            size = max(scales[name], 1e-300)
-            out[f"{effort} {name}"] = abs(values[name] - right[name]) / size
-            out[f"judge {name}"] = abs(rough[name] - right[name]) / size
+            size, right = max(scales[name], 1e-300), judge[f"tight {name}"]
+            out[f"{effort} {name}"] = abs(values[name] - right) / size
+            out[f"judge {name}"] = abs(judge[f"loose {name}"] - right) / size
     return out

@@ -3,7 +3,7 @@
 The parameters are the oracle's words, SI units; by default the paper's motor, placement 2 of Table 1.
 """
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 import numpy as np
 from oracle.motor import OracleMotor
@@ -11,10 +11,10 @@ from oracle.stepped_beam import SteppedBeam
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
-from contactlab.motor import FiniteElementResonator, RitzResonator
+from contactlab.motor import Bearing, FiniteElementResonator, RitzResonator, on_bearing
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.motor import Motor, Rotor
+from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.motor.patched_beam import Piezoceramic, Steel
 from contactlab.testing.plants import last
 from contactlab.testing.references import PLACEMENTS
@@ -65,12 +65,19 @@ def default_motor(**changes: float) -> Motor:
     """The package's motor with some parameters changed."""
     p = parameters_with(**changes)
     drive = Drive.two_mode(p["voltage_1"], p["voltage_2"], p["frequency"], p["frequency_ratio"], p["phase"])
-    return Motor(
+    motor = Motor(
         modes=default_resonator(**changes).modes,
         drive=drive,
         geometry=ContactGeometry(p["tip_length"], p["rotor_radius"], p["clearance"]),
         rotor=Rotor(p["rotor_inertia"], p["rotor_damping"], p["load_torque"], p["initial_velocity"]),
     )
+    if not p["rotor_mass"]:
+        return motor
+    bearing = Bearing(p["rotor_mass"], p["preload"], p["bearing_stiffness"], p["bearing_damping"])
+    motor = on_bearing(motor, bearing)
+    start = np.zeros(motor.modes.stiffness.size)
+    start[-1] = p["rotor_start"] / motor.modes.rotor_displacement[-1]
+    return replace(motor, start=ModalState(start, np.zeros_like(start)))
 
 
 def oracle_motor(**changes: float) -> OracleMotor:
