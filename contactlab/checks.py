@@ -1,15 +1,18 @@
 """Checks of arguments from Python against the annotations of a class."""
 
-from functools import cache, partial
+from collections.abc import Callable
+from functools import cache, partial, wraps
+from inspect import signature
 from math import inf, isfinite
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType
-from typing import Any, Literal, get_args, get_origin
+from typing import Any, Literal, TypeVar, cast, get_args, get_origin
 
 import numpy as np
 
 from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.quantity import in_si
 
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
@@ -26,11 +29,43 @@ MOST_MEMORY = MOST_RECORDS * RECORD_SIZE
 MEMORY_INFO = Path("/proc/meminfo")
 """Where Linux tells the memory that processes can have."""
 
+Function = TypeVar("Function", bound=Callable[..., Any])
+
 _NUMBERS = {float: "a number", int: "a whole number", bool: "True or False", NoneType: "None"}
+
+
+def accepts_units(**units: str) -> Callable[[Function], Function]:
+    """Return a decorator of a function that takes texts with units, '1 um', for numbers in SI, as declared.
+
+    >>> @accepts_units(height="m")
+    ... def fall(height: float) -> float:
+    ...     return (2.0 * height / 9.81) ** 0.5
+    >>> fall("10 mm") == fall(0.01)
+    True
+    """
+
+    def decorated(function: Function) -> Function:
+        declared = signature(function)
+
+        @wraps(function)
+        def converting(*arguments: Any, **named: Any) -> Any:
+            if any(isinstance(value, str) for value in (*arguments, *named.values())):
+                bound = declared.bind(*arguments, **named)
+                for name, unit in units.items():
+                    if name in bound.arguments:
+                        bound.arguments[name] = in_si(name, bound.arguments[name], unit)
+                arguments, named = bound.args, bound.kwargs
+            return function(*arguments, **named)
+
+        return cast(Function, converting)
+
+    return decorated
 
 
 def check_fields(owner: Any, title: str = "") -> None:
     """Refuse an object of a dataclass by the fields of numbers and of classes that are not as declared.
+
+    Texts with units, '1 um', are converted.
 
     Sentences begin with the title, or the name of the class.
 
@@ -42,8 +77,12 @@ def check_fields(owner: Any, title: str = "") -> None:
     title = title or owner_class.__name__
     kinds, ranges = [], []
     for name, field in _checked(owner_class).items():
-        value = getattr(owner, name)
-        parameter, is_number = field.parameter, isinstance(value, Real)
+        value, parameter = getattr(owner, name), field.parameter
+        if field.is_number and isinstance(value, str) and str not in field.kinds:
+            assert parameter is not None
+            value = in_si(f"{title}: {name}", value, parameter.unit)
+            object.__setattr__(owner, name, value)
+        is_number = isinstance(value, Real)
         if not any(is_kind(value, kind) for kind in field.kinds):
             kinds.append(_other_kind(f"{title}: {name}", value, field.kinds))
         elif is_number and not isfinite(value):
@@ -155,7 +194,7 @@ def is_kind(value: object, kind: Any) -> bool:
     if get_origin(kind) is Literal:
         return value in get_args(kind)
     if get_origin(kind) is list:
-        return isinstance(value, list) and all(is_kind(each, *get_args(kind)) for each in value)
+        return isinstance(value, list | tuple) and all(is_kind(each, *get_args(kind)) for each in value)
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)

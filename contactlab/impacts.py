@@ -18,7 +18,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import check_kind, check_shape, shown
+from contactlab.checks import accepts_units, check_kind, check_shape, shown
 from contactlab.engine.impact import MOMENT, OUTCOME, WAY
 from contactlab.engine.plant import MODES, TONES, Plant, plant_record
 from contactlab.engine.preparation import (
@@ -32,6 +32,7 @@ from contactlab.engine.preparation import (
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
 from contactlab.laws.base import ContactLaw, MultiplierLaw
+from contactlab.quantity import UnitError, in_si
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import code_attributes
 from contactlab.trajectory import Ending
@@ -179,8 +180,8 @@ class Impacts:
     """
 
     def __init__(self, delassus: ArrayLike, velocity_before: ArrayLike) -> None:
-        matrices = _numbers("The Delassus matrix", delassus, (2, 2), "in 1/kg")
-        rates = _numbers("The velocity before", velocity_before, (2,), "gap rate and slip in m/s")
+        matrices = _numbers("The Delassus matrix", delassus, (2, 2), "1/kg")
+        rates = _numbers("The velocity before", velocity_before, (2,), "m/s")
         counts = {len(matrices), len(rates)} - {1}
         if len(counts) > 1:
             raise ValueError(
@@ -261,6 +262,7 @@ class Impacts:
         return dataset
 
 
+@accepts_units(tolerance="1")
 def impact(
     law: ContactLaw,
     delassus: ArrayLike,
@@ -321,14 +323,19 @@ def velocities_after(
     return Impacts(delassus, velocity_before).velocities_after(law, tolerance)
 
 
-def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], meaning: str) -> Array:
+def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], unit: str) -> Array:
     """Return the numbers of one or many impacts with the impact as first axis."""
     try:
         array = np.asarray(values)
+        if array.dtype.kind == "U":
+            numbers = [in_si(name, x, unit) for x in np.asarray(values, object).flat]
+            array = np.array(numbers).reshape(array.shape)
+    except UnitError:
+        raise
     except ValueError:
         raise ValueError(f"{name} is {shown(values)}; its rows must be of one length.") from None
     array = array[None] if array.ndim <= len(shape) else array
-    check_shape(name, array, (-1, *shape), f"(impact, ...), {meaning}")
+    check_shape(name, array, (-1, *shape), f"(impact, ...), in {unit}")
     return array.astype(np.float64)
 
 

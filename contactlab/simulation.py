@@ -1,15 +1,14 @@
 """One run and its result: `simulate` gives a `Solution`, and `load` gives the one that a file holds."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, is_dataclass, replace
-from functools import reduce
+from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, final, get_args
+from typing import TYPE_CHECKING, Any, final, get_args
 
-from contactlab.checks import check_kind, check_number
-from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.quantity import UnitError, number_of
+from contactlab.checks import accepts_units, check_kind, check_number
+from contactlab.config import ConfigurationError, Setup, rebuild
+from contactlab.config.made_in_python import KEYS
 from contactlab.engine.preparation import (
     DEFAULT_TOLERANCE,
     check_kinds,
@@ -19,8 +18,7 @@ from contactlab.engine.preparation import (
 from contactlab.laws.base import ContactLaw, is_stepped
 from contactlab.metrics import read_run
 from contactlab.motor import Motor
-from contactlab.parameter import DeclaredField, declared_fields
-from contactlab.results.netcdf import configuration_of, settings_of, state_of, to_datatree, write_tree
+from contactlab.results.netcdf import configuration_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
 from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
@@ -30,17 +28,6 @@ from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
-
-KEYS: Final = {
-    "duration": ("solver", "duration"),
-    "record_interval": ("record", "interval"),
-    "contact_step": ("solver", "contact_step"),
-    "tolerance": ("solver", "tolerance"),
-}
-"""Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
-
-PLACES: Final = KEYS | {"until": ("solver", "until"), "precision": ("solver", "precision")}
-"""Configuration keys of all arguments of `simulate` that say how a run is made."""
 
 
 @final
@@ -136,6 +123,7 @@ class Solution:
         return f"<table>{''.join(rows)}</table>"
 
 
+@accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1", precision="1")
 def simulate(
     motor: Motor | Setup | None = None,
     law: ContactLaw | None = None,
@@ -257,7 +245,7 @@ def load(path: str | Path) -> Solution:
             "datasets are judged by contactlab.metrics.assess."
         )
     try:
-        return Solution(tree, build(configuration_of(tree.attrs)))
+        return Solution(tree, rebuild(configuration_of(tree.attrs)))
     # A motor made in Python, or a law that is not installed here.
     except ConfigurationError:
         return Solution(tree)
@@ -291,72 +279,12 @@ def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
         record_interval=default_record_interval(motor, duration),
         contact_step=step,
         tolerance=None if is_stepped(law, step) else DEFAULT_TOLERANCE,
-        configuration=settings_of(motor, law),
     )
-    return changed(usual, {name: getattr(usual, name) for name in KEYS} | settings)
+    return changed(usual, settings)
 
 
 def changed(setup: Setup, settings: dict[str, Any]) -> Setup:
-    """Return a setup with other numbers, which its configuration tells too."""
-    configuration = {name: dict(section) for name, section in setup.configuration.items()}
+    """Return a setup with other numbers of `KEYS`."""
     if is_stepped(setup.law, settings.get("contact_step")):
         settings = {"tolerance": None} | settings
-    for name, value in settings.items():
-        section, key = PLACES[name]
-        configuration.setdefault(section, {})[key] = value
-    return replace(setup, **settings, configuration=configuration)
-
-
-def variable_numbers(setup: Setup) -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
-    """Return paths and declarations of the numbers of a motor and a law made in Python, by keys.
-
-    Beam and voltages are not among them: such a motor has modes and phasors alone.
-    """
-    owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
-    numbers = {}
-    while owners:
-        group, path = owners.pop(0)
-        owner: Any = reduce(getattr, path, setup)
-        kind: type = type(owner)
-        for name, field in declared_fields(kind).items():
-            if is_dataclass(getattr(owner, name)):
-                owners.append((f"{group}.{name}", (*path, name)))
-            elif field.is_number:
-                numbers[f"{group}.{name}"] = (*path, name), field
-    numbers["rotor.radius"] = numbers.pop("contact.rotor_radius")
-    # The coefficient that laws share, of a composed law that of its friction.
-    for key in ("law.friction.friction_coefficient", "law.friction_coefficient"):
-        if key in numbers:
-            numbers["contact.friction_coefficient"] = numbers[key]
-    return numbers
-
-
-def with_number(setup: Setup, key: str, value: object) -> Setup:
-    """Return the setup of a motor and a law made in Python with another of its `variable_numbers`.
-
-    Raises:
-        ConfigurationError: the key is none of them, or does not admit the value.
-    """
-    numbers = variable_numbers(setup)
-    if key not in numbers:
-        raise ConfigurationError(
-            [
-                f"{key} is no number of a motor made in Python; it must be one of {', '.join(numbers)}. Vary "
-                "anything else by a function that makes the motor."
-            ]
-        )
-    path, field = numbers[key]
-    try:
-        setup = _replaced(setup, path, number_of(field, value))
-    # What binds several numbers of one class is checked by the class.
-    except ValueError as fault:
-        message = f"{key} {fault}" if isinstance(fault, UnitError) else str(fault)
-        raise ConfigurationError([message]) from None
-    settings = {name: getattr(setup, name) for name in KEYS}
-    return changed(replace(setup, configuration=settings_of(setup.motor, setup.law)), settings)
-
-
-def _replaced(owner: Any, path: tuple[str, ...], value: object) -> Any:
-    """Return a dataclass with another value at a path of attributes."""
-    name, *rest = path
-    return replace(owner, **{name: _replaced(getattr(owner, name), tuple(rest), value) if rest else value})
+    return replace(setup, **settings)

@@ -11,8 +11,8 @@ from tqdm import tqdm
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.metrics import read_run
+from contactlab.quantity import UnitError, to_si
 from contactlab.results.files import error_text
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 from contactlab.config.faults import ConfigurationError
 from contactlab.config.nesting import flat, nested
-from contactlab.config.quantity import UnitError, to_si
+from contactlab.quantity import UnitError, to_si
 
 CHANGEABLE: Final = ("drive.", "rotor.load_torque", "rotor.damping", "contact.preload")
 """Keys that may change, by what they begin with: the coordinates and the law remain."""

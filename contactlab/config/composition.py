@@ -1,8 +1,9 @@
 """Configurations from overrides, by Hydra: files of `conf/`, and behind them what the classes declare."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -12,6 +13,7 @@ from hydra.conf import HydraConf
 from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
+from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.plugins import Plugins
 from hydra.plugins.config_source import ConfigResult, ConfigSource
 from hydra.plugins.search_path_plugin import SearchPathPlugin
@@ -20,6 +22,7 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
+from contactlab.config.groups import FAMILIES, GROUPS, LAW, NOT_OF_A_RUN, Section
 from contactlab.config.nesting import flat
 from contactlab.config.options import (
     conf_directory,
@@ -43,6 +46,9 @@ _ALLOW: Final = getattr(utils, "execution_whitelist", None)
 VERSION_BASE: Final[dict[str, Any]] = {} if _ALLOW else {"version_base": "1.3"}
 """Option of Hydra before 1.4, which behaves like its first versions without."""
 
+OF_COMMANDS: Final = frozenset({"hydra", EXPERIMENT, *NOT_OF_A_RUN})
+"""Groups that no setup has: those of the command, and sets of changes to the default run."""
+
 ENVIRONMENT: Final = "${oc.env"
 """A reference to a variable of the environment."""
 
@@ -63,6 +69,109 @@ def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
     except Exception as error:
         raise ConfigurationError(faults_of(error, overrides)) from None
     return resolved(composed)
+
+
+def completed(configuration: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a configuration with the defaults of what is absent, its groups chosen by name.
+
+    Raises:
+        ConfigurationError: an option does not exist.
+    """
+    options: dict[str, str] = {}
+    for group, value in configuration.items():
+        if group == "law" or group in GROUPS:
+            options |= _options_in(group, LAW if group == "law" else GROUPS[group], value)
+        elif group == EXPERIMENT and value is not None:
+            options[group] = str(value)
+    law = options.get("law", "")
+    parts = {
+        next(iter(entry)) for entry in content("law", law).get("defaults", ()) if isinstance(entry, dict)
+    }
+    keys: Any = configuration.get("law")
+    for part in parts & {*FAMILIES} & {*(keys if isinstance(keys, Mapping) else ())}:
+        options |= _options_in(f"law/{part}", FAMILIES[part], keys[part])
+    values = {group: value for group, value in configuration.items() if group != EXPERIMENT}
+    return _merged(_composed(*(f"{group}={option}" for group, option in options.items())), values)
+
+
+def _options_in(group: str, section: Section, value: object) -> dict[str, str]:
+    """Return the option that the value of a group names; none where it names none."""
+    if isinstance(value, str):
+        return {group: value}
+    label = value.get(section.selector) if isinstance(value, Mapping) else None
+    return {group: section.labelled[label]} if isinstance(label, str) and label in section.labelled else {}
+
+
+def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return nested values with others in their place; a text in place of a group has chosen its option."""
+    merged = _thawed(below)
+    for key, value in above.items():
+        under = below.get(key)
+        if isinstance(value, Mapping) and isinstance(under, Mapping):
+            merged[key] = _merged(under, value)
+        elif not (isinstance(value, str) and isinstance(under, Mapping)):
+            merged[key] = value
+    return merged
+
+
+@lru_cache(maxsize=256)
+def _composed(*overrides: str) -> dict[str, Any]:
+    """Compose options of groups, once each; the mapping is shared."""
+    return compose(overrides)
+
+
+def parsed(overrides: Sequence[str]) -> tuple[dict[str, str], dict[str, Any]]:
+    """Return the options of groups and the values by full key that overrides set.
+
+    Raises:
+        ConfigurationError: one is none, or sets what no run has.
+    """
+    refuse_lines(overrides)
+    lines = [*map(readable, overrides)]
+    try:
+        read = OverridesParser.create().parse_overrides(lines)
+    # The parser lets the errors of what it calls through.
+    except Exception as error:
+        raise ConfigurationError(faults_of(error, overrides)) from None
+    options: dict[str, str] = {}
+    values: dict[str, Any] = {}
+    for override in read:
+        key, value = override.key_or_group, override.value()
+        if override.is_delete() or override.is_sweep_override() or key.split(".")[0] in OF_COMMANDS:
+            raise ConfigurationError([f"{override.input_line} is no KEY=VALUE of a run; it must be one."])
+        if key in groups() and not isinstance(value, dict):
+            options[key] = str(value)
+        else:
+            values |= flat({key: value})
+    return options, values
+
+
+def overridden(source: Mapping[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
+    """Return a whole configuration with other options of groups and other values of keys, not yet checked.
+
+    Raises:
+        ConfigurationError: an override is none, an option does not exist, or a key has another below it.
+    """
+    options, values = parsed(overrides)
+    whole = completed(
+        _thawed(source) | {group: option for group, option in options.items() if "/" not in group}
+    )
+    for group, option in options.items():
+        if "/" in group:
+            whole = completed({**whole, "law": {**whole["law"], group.partition("/")[2]: option}})
+    for key, value in values.items():
+        *path, last = key.split(".")
+        below = whole
+        for name in path:
+            below = below.setdefault(name, {})
+            if not isinstance(below, dict):
+                raise ConfigurationError([unknown_override(key)])
+        below[last] = value
+    return whole
+
+
+def _thawed(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {key: _thawed(x) if isinstance(x, Mapping) else x for key, x in values.items()}
 
 
 def readable(override: str) -> str:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import lru_cache
-from pathlib import Path
 from typing import Any, Final, cast
 
 import numpy as np
@@ -33,11 +32,11 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
     numbers = {key: value for key, value in values.items() if key != "signal"}
     signal, electrodes = values["signal"], modes.coupling.shape[1]
     if "file" in numbers:
-        path = named_file("drive", values)
+        path, content = named_file("drive", values)
         numbers = {**numbers, "digest": values["digest"]}
         del numbers["file"]
         try:
-            drive = _read(signal, path, electrodes, tuple(numbers.items()))
+            drive = _read(signal, content, electrodes, tuple(numbers.items()))
         except (MeasurementError, ValueError, OSError) as error:
             raise ConfigurationError([f"drive.file is '{path}': {error}"]) from error
         keys = [f"drive.file, '{path}', has a tone of"] * drive.frequency.size
@@ -64,8 +63,8 @@ def _made(signal: str, numbers: Numbers) -> Drive:
 
 
 @lru_cache(maxsize=16)
-def _read(signal: str, path: Path, electrodes: int, numbers: Numbers) -> Drive:
-    table, options = read_table(path), dict(numbers)
+def _read(signal: str, content: bytes, electrodes: int, numbers: Numbers) -> Drive:
+    table, options = read_table(content), dict(numbers)
     volts, phases = ([f"{name}_{e + 1}" for e in range(electrodes)] for name in ("voltage", "phase"))
     if signal == "sampled":
         time, *voltages = _columns(table, ["time", *volts])

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import Checked
+from contactlab.checks import Checked, accepts_units
 from contactlab.config.table import MeasurementError, Table, read_table, write_csv
 from contactlab.motor import NormalModes, add_residual_modes
 from contactlab.parameter import Parameter
@@ -68,6 +68,7 @@ class ModalFile(Checked):
     modes: Annotated[int | None, _MODES] = None
 
 
+@accepts_units(tip_length="m")
 def read_modes(path: Path, tip_length: float, most: int | None = None) -> NormalModes:
     """Return the modes of a file, by rising frequency.
 
@@ -80,7 +81,11 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
         OSError: the file cannot be read.
         MeasurementError: a column is missing, unknown, beside another form of it, or has an impossible value.
     """
-    table = read_table(path)
+    return modes_of(read_table(path), tip_length, most)
+
+
+def modes_of(table: Table, tip_length: float, most: int | None = None) -> NormalModes:
+    """Return the modes of a table, see `read_modes`."""
     electrodes = _electrodes(table)
     couplings = [f"coupling_{e}" for e in range(1, electrodes + 1)]
     capacitances = [f"capacitance_{i + 1}_{j + 1}" for i, j in np.ndindex(electrodes, electrodes)]

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any
 
-from contactlab.config import quantity
+from contactlab import quantity
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, Keys
 from contactlab.config.nesting import nested
 from contactlab.laws.declaration import family_of, members_of

@@ -9,13 +9,13 @@ from contactlab.config.faults import unknown_key
 from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, duration_for
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
-from contactlab.config.quantity import MISSING, UnitError, describe, number_of
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
 from contactlab.motor.drive import samples_of_chirp
 from contactlab.motor.waveform import MOST_SAMPLES
 from contactlab.parameter import DeclaredField, Parameter
+from contactlab.quantity import MISSING, UnitError, describe, number_of
 from contactlab.settling.criterion import PRECISION, STEADY
 
 FRICTION = f"contact.{SHARED}"

@@ -4,23 +4,25 @@ See `contactlab.config.groups` for keys, units and ranges, `contactlab.config.sc
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import lru_cache
-from pathlib import Path
+from dataclasses import asdict, dataclass, field
+from functools import lru_cache, reduce
 from typing import Any, final
+
+import yaml
 
 from contactlab.checks import check_kind, check_records
 from contactlab.config.changes import changed
-from contactlab.config.composition import compose
+from contactlab.config.composition import completed, compose, overridden, parsed
 from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.files import named_file
 from contactlab.config.groups import GROUPS, NOT_OF_A_RUN
-from contactlab.config.modal import read_modes
+from contactlab.config.made_in_python import PLACES, with_number
+from contactlab.config.modal import modes_of
 from contactlab.config.nesting import flat, nested
 from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
-from contactlab.config.table import MeasurementError
+from contactlab.config.table import MeasurementError, read_table
 from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import (
     DEFAULT_TOLERANCE,
@@ -30,6 +32,7 @@ from contactlab.engine.preparation import (
 )
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
+from contactlab.immutable import Frozen, frozen
 from contactlab.laws import ContactLaw, LawError
 from contactlab.laws.base import is_stepped
 from contactlab.laws.registry import build_law, classes_of, law_class
@@ -46,11 +49,16 @@ from contactlab.motor import (
     on_bearing,
 )
 from contactlab.parameter import DeclaredField
+from contactlab.results.contents import contents_of, keep
+from contactlab.results.netcdf import settings_of
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]
+
+for _dumper in (yaml.SafeDumper, yaml.Dumper):
+    _dumper.add_representer(Frozen, _dumper.represent_dict)
 
 
 @final
@@ -69,10 +77,15 @@ class Setup:
         contact_step: largest step in contact of a compliant law, or the step of a rigid law's time stepping
             [s]; None of a rigid law in its limit of no step.
         tolerance: relative tolerance in contact [1]; None for time stepping, which has none.
-        configuration: the numbers that run, in SI, all resolved; building it again gives the same setup.
         until: 'duration', or 'steady' to end once the motor has settled, at the latest after the duration.
         precision: share by which a motor may be off its steady state where a run until then ends [1].
         changes: times after the start [s], and the motor from each on.
+        origin: the configuration from which motor, law and changes were built, None if they were made in
+            Python.
+
+    Attributes:
+        configuration: the numbers that run, in SI, all resolved, read-only; building it again gives the same
+            setup. That of a motor made in Python has the numbers that are keys.
     """
 
     motor: Motor
@@ -81,10 +94,57 @@ class Setup:
     record_interval: float
     contact_step: float | None
     tolerance: float | None
-    configuration: dict[str, Any]
     until: Until = "duration"
     precision: float = PRECISION
     changes: tuple[tuple[float, Motor], ...] = ()
+    origin: "Origin | None" = field(default=None, repr=False, compare=False)
+    configuration: Frozen = field(init=False)
+
+    def __post_init__(self) -> None:
+        origin, rotor = self.origin, asdict(self.motor.rotor)
+        if origin is not None and origin.is_of(self):
+            configuration = {name: dict(section) for name, section in origin.configuration.items()}
+            configuration["rotor"] |= rotor
+        else:
+            configuration = settings_of(self.motor, self.law)
+            if self.changes:
+                changes = [f"{time!r}; another motor" for time, _ in self.changes]
+                configuration["solver"] = {"changes": changes}
+        for name, (section, key) in PLACES.items():
+            configuration.setdefault(section, {})[key] = getattr(self, name)
+        object.__setattr__(self, "configuration", frozen(configuration))
+
+    def with_(self, *overrides: str) -> "Setup":
+        """Return the setup with other values of keys, or other options of groups, composed and checked anew.
+
+            >>> import contactlab as cl
+            >>> setup = cl.build().with_("contact.clearance=0.5 um", "law=newton")
+            >>> setup.motor.geometry.clearance, setup.law.name
+            (5e-07, 'newton')
+
+        What follows from other keys, such as a drive at the first natural frequency, follows from the new
+        values. A motor made in Python has the numbers of contact, rotor, law and solver.
+
+        Args:
+            overrides: as of `contactlab.build`.
+
+        Raises:
+            ConfigurationError: with every fault.
+        """
+        origin = self.origin
+        if origin is None or not origin.is_of(self):
+            options, values = parsed(overrides)
+            if options:
+                fault = f"{next(iter(options))} is an option; a motor made in Python must have KEY=VALUE."
+                raise ConfigurationError([fault])
+            return reduce(lambda setup, item: with_number(setup, *item), values.items(), self)
+        source = {name: dict(section) for name, section in origin.source.items()}
+        for name, (section, key) in PLACES.items():
+            if getattr(self, name) != origin.configuration[section][key]:
+                source[section][key] = getattr(self, name)
+        rotor = self.configuration["rotor"]
+        source["rotor"] |= {k: x for k, x in rotor.items() if x != origin.configuration["rotor"][k]}
+        return build(overridden(source, overrides))
 
     def run(self, *, keep_interrupted: bool = False, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own.
@@ -117,6 +177,30 @@ class Setup:
         return run
 
 
+@final
+@dataclass(frozen=True, eq=False)
+class Origin:
+    """A configuration, as given and with all that follows from it, and what was built from it."""
+
+    source: Mapping[str, Any]
+    configuration: Mapping[str, Any]
+    motor: Motor
+    law: ContactLaw
+    changes: tuple[tuple[float, Motor], ...]
+    files: tuple[bytes, ...]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        for content in self.files:
+            keep(content, recorded=True)
+
+    def is_of(self, setup: Setup) -> bool:
+        """Return whether a setup runs what was built, the rotor's numbers and those of the run apart."""
+        parts = ("modes", "drive", "geometry", "preload", "start")
+        same = all(getattr(setup.motor, name) is getattr(self.motor, name) for name in parts)
+        return same and setup.changes is self.changes and setup.law == self.law
+
+
 def build(configuration: Values | Sequence[str] = ()) -> Setup:
     """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
@@ -124,17 +208,22 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         5e-07
 
     Args:
-        configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a whole
-            configuration: a mapping of groups of keys, with numbers in SI or texts with units.
+        configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a mapping of
+            groups, each the name of an option or a mapping of keys, with numbers in SI or texts with units:
+            {"law": "newton", "contact": {"clearance": "0.5 um"}}. What is absent has its default.
 
     Raises:
         ConfigurationError: with every fault.
     """
     if isinstance(configuration, str):
         raise TypeError(f"configuration is {configuration!r}; it must be a list of overrides or a mapping.")
-    if not isinstance(configuration, Mapping):
-        configuration = compose(configuration)
+    return rebuild(completed(configuration) if isinstance(configuration, Mapping) else compose(configuration))
+
+
+def rebuild(configuration: Values) -> Setup:
+    """Check a whole configuration, such as a recorded one, and build from it; nothing may be absent."""
     values, law = _checked(configuration)
+    source = frozen({group: keys for group, keys in configuration.items() if group not in NOT_OF_A_RUN})
     resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
     solver, record = resolved["solver"], resolved["record"]
     motor = _motor(resolved)
@@ -164,7 +253,9 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         solver["tolerance"] = DEFAULT_TOLERANCE
     numbers = {key: value for key, value in solver.items() if key != "changes"}
     interval = record["interval"]
-    return Setup(motor, law, record_interval=interval, **numbers, configuration=resolved, changes=changes)
+    files = tuple(contents_of(resolved).values())
+    origin = Origin(source, frozen(resolved), motor, law, changes, files)
+    return Setup(motor, law, record_interval=interval, **numbers, changes=changes, origin=origin)
 
 
 def _motor(values: dict[str, Any]) -> Motor:
@@ -247,17 +338,17 @@ def _other_modes(values: Values) -> NormalModes:
             fault = f"resonator={basis} cannot be made from its numbers: {one_line(error)}"
             raise ConfigurationError([fault]) from error
         return modes
-    path = named_file("resonator", section)
+    path, content = named_file("resonator", section)
     try:
-        return _read_modes(path, section["digest"], values["contact"]["tip_length"], section["modes"])
+        return _read_modes(content, values["contact"]["tip_length"], section["modes"])
     except (MeasurementError, ValueError, OSError) as error:
         raise ConfigurationError([f"resonator.file is '{path}': {error}"]) from error
 
 
 @lru_cache(maxsize=16)
-def _read_modes(path: Path, digest: str, tip_length: float, most: int | None) -> NormalModes:  # noqa: ARG001
-    """Read a file again only where it has changed."""
-    return read_modes(path, tip_length, most)
+def _read_modes(content: bytes, tip_length: float, most: int | None) -> NormalModes:
+    """Read a content once."""
+    return modes_of(read_table(content), tip_length, most)
 
 
 def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:

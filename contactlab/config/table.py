@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.config.quantity import UnitError, factor
 from contactlab.parameter import from_cf
+from contactlab.quantity import UnitError, factor
 from contactlab.suggestion import excerpt, suggestion
 
 if TYPE_CHECKING:
@@ -152,25 +152,28 @@ class Table:
             raise MeasurementError(f"'{unknown[0]}' is not the name of a column. {hint}")
 
 
-def read_table(path: Path) -> Table:
-    """Read a table from a file, whose format is detected from the content.
+def read_table(source: Path | bytes) -> Table:
+    """Read a table from a file, or from the content of one, whose format is detected from the content.
 
     Raises:
         OSError: the file cannot be read.
         MeasurementError: it contains no table.
     """
     # Imported here, as below: a run without files needs none.
+    import netCDF4
     import xarray
 
     from contactlab.results.netcdf import check_declared
 
-    with path.open("rb") as stream:
-        start = stream.read(8)
-    if not start.startswith(_NETCDF):
-        return _from_text(path)
+    content = source if isinstance(source, bytes) else source.read_bytes()
+    if not content.startswith(_NETCDF):
+        return _from_text(content)
     try:
-        check_declared(path)
-        data = xarray.load_dataset(path, engine="netcdf4", decode_times=False)
+        check_declared(content)
+        # Closed once it is loaded.
+        store: Any = xarray.backends.NetCDF4DataStore  # untyped
+        store = store(netCDF4.Dataset("content", memory=content))
+        data = xarray.load_dataset(store, decode_times=False)
     except (OSError, ValueError, RuntimeError) as error:
         raise MeasurementError(f"it cannot be read as netCDF: {f'{error}'.rstrip('.')}.") from error
     first = next((variable.dims[0] for variable in data.variables.values() if variable.dims), "impact")
@@ -179,13 +182,15 @@ def read_table(path: Path) -> Table:
     return Table(data, dimension, [f"row {number} of {count}" for number in range(1, count + 1)])
 
 
-def _from_text(path: Path) -> Table:
+def _from_text(content: bytes) -> Table:
     """Read a table from CSV."""
     try:
-        content = path.read_text(encoding="utf-8-sig")
+        text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise MeasurementError("it must be CSV in UTF-8 or netCDF; save a spreadsheet as CSV.") from error
-    lines = [(at, line.strip(" ")) for at, line in enumerate(content.split("\n"), 1) if line.strip(" \t,;")]
+    lines = [
+        (at, line.strip(" ")) for at, line in enumerate(re.split("\r\n?|\n", text), 1) if line.strip(" \t,;")
+    ]
     # A spreadsheet may put comments in quotes.
     comments = [line for _, line in lines if line.startswith(("#", '"#'))]
     rows = [(f"line {at}", line) for at, line in lines if not line.startswith(("#", '"#'))]

@@ -14,7 +14,6 @@ from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.composition import options_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.schema import FRICTION, declared_in
 from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters, label_of
 from contactlab.inference.impact_problem import LawPredictor, Ranges
@@ -36,6 +35,7 @@ from contactlab.laws import (
 )
 from contactlab.laws.declaration import SHARED
 from contactlab.measured.bodies import CORRECTIONS
+from contactlab.quantity import UnitError, to_si
 from contactlab.suggestion import suggestion
 
 LAW: Final = "law."

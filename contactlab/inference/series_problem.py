@@ -24,7 +24,7 @@ import xarray
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.compiled import kernel
-from contactlab.config import ConfigurationError, build
+from contactlab.config import ConfigurationError, build, rebuild
 from contactlab.config.nesting import flat, nested
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
@@ -205,7 +205,7 @@ def series_problem(
                 "since forces are means over intervals. Leave it out by --series, or put it on a grid."
             ]
         )
-    computed = {*variables.SERIES, *output_variables(build(configuration).motor.modes)}
+    computed = {*variables.SERIES, *output_variables(rebuild(configuration).motor.modes)}
     if unknown := set(measured.values) - {each.name for each in computed}:
         raise ConfigurationError(
             [

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Annotated, final
 
+from contactlab.checks import accepts_units
 from contactlab.compiled import kernel
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
@@ -58,6 +59,7 @@ class HertzPenalty(PenaltyLaw):
         return normal, friction_coefficient * normal, stored, 0.0
 
 
+@accepts_units(tip_radius="m", rotor_radius="m", youngs_modulus="Pa", poisson_ratio="1")
 def hertz_stiffness(
     tip_radius: float, rotor_radius: float, youngs_modulus: float = 210e9, poisson_ratio: float = 0.3
 ) -> float:

@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.config.quantity import UnitError, factor
 from contactlab.config.table import MeasurementError, Table, refuse
 from contactlab.measured.bodies import BodyImpacts, sign_note
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies, squared_norm
 from contactlab.measured.series import MEASURABLE
 from contactlab.parameter import from_cf
+from contactlab.quantity import UnitError, factor
 from contactlab.suggestion import excerpt
 
 CONTACT: Final = ("gap_rate", "slip")

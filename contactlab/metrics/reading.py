@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contactlab import variables
+from contactlab.results.contents import keep_contents
 from contactlab.results.files import damage
 from contactlab.results.netcdf import check_declared
 from contactlab.suggestion import excerpt
@@ -54,7 +55,9 @@ def _opened(path: Path) -> xarray.DataTree:
             check_declared(path)
             # Seconds are numbers here, not dates.
             with xarray.open_datatree(path, engine="netcdf4", decode_times=False) as opened:
-                return opened.load()
+                tree = opened.load()
+                keep_contents(tree)
+                return tree
     except (OSError, ValueError, LookupError, RuntimeError, AttributeError, TypeError) as fault:
         raise ValueError(
             f"'{path}' cannot be read as netCDF-4 ({getattr(fault, 'strerror', None) or fault}); it must be "

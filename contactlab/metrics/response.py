@@ -71,7 +71,7 @@ def effective_mass(run: Run) -> float:
         raise NotApplicableError
     changes = {"law": {"name": "lagrange_stick"}, "solver": {**solver, "tolerance": None}}
     try:
-        modes = config.build({**run.configuration, **changes}).motor.modes
+        modes = config.rebuild({**run.configuration, **changes}).motor.modes
     except config.ConfigurationError as fault:
         raise NotApplicableError from fault
     # At rest the normal is (0, -1) and the slope moves the tip end along the tangent alone.

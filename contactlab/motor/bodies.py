@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import check_kind, check_number
+from contactlab.checks import accepts_units, check_kind, check_number
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
@@ -43,6 +43,21 @@ def _tone(amplitude: float, frequency: float) -> Drive:
     return Drive(np.array([frequency]), np.array([[amplitude], [0.0]], dtype=complex))
 
 
+@accepts_units(
+    mass="kg",
+    height="m",
+    gap_rate="m/s",
+    way="m",
+    velocity="m/s",
+    weight="N",
+    push="N",
+    normal_stiffness="N/m",
+    stiffness="N/m",
+    push_amplitude="N",
+    push_frequency="Hz",
+    belt_mass="kg",
+    belt_velocity="m/s",
+)
 def block(
     mass: float = 1.0,
     *,
@@ -90,6 +105,7 @@ def block(
     )
 
 
+@accepts_units(mass="kg", height="m", speed="m/s", velocity="m/s", spin="rad/s", gravity="m/s^2")
 def ball(
     mass: float = 1.0,
     *,
@@ -138,6 +154,16 @@ def ball(
     )
 
 
+@accepts_units(
+    mass="kg",
+    stiffness="N/m",
+    damping="N s/m",
+    gap="m",
+    force="N",
+    frequency="Hz",
+    displacement="m",
+    velocity="m/s",
+)
 def oscillator(
     mass: float = 1.0,
     stiffness: float = 1.0,
@@ -185,6 +211,16 @@ def oscillator(
     )
 
 
+@accepts_units(
+    mass="kg",
+    stiffness="N/m",
+    weight="N",
+    belt_velocity="m/s",
+    belt_mass="kg",
+    penetration="m",
+    displacement="m",
+    velocity="m/s",
+)
 def belt(
     mass: float = 1.0,
     stiffness: float = 1.0,
@@ -227,6 +263,16 @@ def belt(
     )
 
 
+@accepts_units(
+    length="m",
+    width="m",
+    thickness="m",
+    damping_ratio="1",
+    gap="m",
+    acceleration="m/s^2",
+    frequency="Hz",
+    deflection="m",
+)
 def cantilever(
     length: float = 0.1,
     width: float = 0.01,

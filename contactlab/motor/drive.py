@@ -11,7 +11,8 @@ import scipy
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import Checked, check_shape
+from contactlab.checks import Checked, accepts_units, check_shape
+from contactlab.immutable import Immutable
 from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform, check_samples
 from contactlab.parameter import Parameter, positive
 
@@ -96,7 +97,7 @@ def samples_of_chirp(first: float, last: float, duration: float) -> float:
 
 @final
 @dataclass(frozen=True)
-class Drive:
+class Drive(Immutable):
     """Any number of tones on each electrode, and a waveform beside them; `Drive()` has none.
 
         >>> import contactlab as cl
@@ -116,6 +117,7 @@ class Drive:
     waveform: Waveform | None = None
 
     def __post_init__(self) -> None:
+        self.freeze()
         check_shape("frequency", self.frequency, (-1,), "one number a tone")
         meaning = "a row an electrode and a column a tone"
         check_shape("phasors", self.phasors, (-1, self.frequency.size), meaning, "iufc")
@@ -126,6 +128,7 @@ class Drive:
             raise ValueError(f"The waveform has {count} electrodes; it must have {electrodes}, as the tones.")
 
     @classmethod
+    @accepts_units(voltage_1="V", voltage_2="V", frequency="Hz", frequency_ratio="1", phase="rad")
     def two_mode(
         cls,
         voltage_1: float,

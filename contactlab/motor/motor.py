@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, check_number, check_shape
+from contactlab.immutable import Immutable
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry, contact_frame
 from contactlab.parameter import Parameter, not_negative, positive
@@ -25,7 +26,7 @@ BELT: Final = 1e9
 
 @final
 @dataclass(frozen=True)
-class NormalModes:
+class NormalModes(Immutable):
     """A resonator as everything after it sees it: mass-orthonormal, decoupled oscillators.
 
         qdd_j + c_j qd_j + k_j q_j = sum_e coupling[j, e] U_e(t) + tip force terms
@@ -66,6 +67,7 @@ class NormalModes:
     points: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        self.freeze()
         check_shape("stiffness", self.stiffness, (-1,), "one number a mode")
         if not self.stiffness.size:
             raise ValueError("There are no modes; there must be one at least.")
@@ -153,7 +155,7 @@ class Rotor(Checked):
 
 @final
 @dataclass(frozen=True)
-class ModalState:
+class ModalState(Immutable):
     """Normal coordinates at t = 0: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (mode,).
 
     >>> import contactlab as cl
@@ -168,10 +170,13 @@ class ModalState:
     displacement: Array
     velocity: Array
 
+    def __post_init__(self) -> None:
+        self.freeze()
+
 
 @final
 @dataclass(frozen=True)
-class Motor(Checked):
+class Motor(Checked, Immutable):
     """Everything that moves; which contact law acts between tip and rotor is not part of it.
 
     A mode may be a rigid body's (no stiffness), the drive may have no tone, and a rotor of huge inertia
@@ -200,6 +205,7 @@ class Motor(Checked):
     start: ModalState | None = None
 
     def __post_init__(self) -> None:
+        self.freeze()
         super().__post_init__()
         if not np.all(self.modes.stiffness >= 0.0):
             raise ValueError(

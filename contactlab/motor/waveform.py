@@ -8,7 +8,8 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import check_kind, check_shape
+from contactlab.checks import accepts_units, check_kind, check_shape
+from contactlab.immutable import Immutable, read_only
 
 MOST_DEGREE: Final = 7
 """Highest degree of a piece; the engine has room for so many powers of time."""
@@ -22,7 +23,7 @@ SAMPLED_TURN: Final = 0.3
 
 @final
 @dataclass(frozen=True, eq=False)
-class Waveform:
+class Waveform(Immutable):
     """Electrode voltages as polynomials in pieces.
 
         U_e(t) = sum_d c[d, i, e] (t' - x_i)^(D - d),  x_i <= t' < x_i+1,  t' = t + start
@@ -59,8 +60,16 @@ class Waveform:
             raise ValueError(f"The pieces have the degree {degree}; it must be at most {MOST_DEGREE}.")
         if not np.all(np.diff(self.pieces.x) > 0.0):
             raise ValueError("pieces.x does not increase; every piece must last longer than no time.")
+        self.freeze()
+
+    def freeze(self) -> None:
+        """Replace the pieces by some of their own, whose arrays are read-only."""
+        c, x = read_only(self.pieces.c), read_only(self.pieces.x)
+        pieces = scipy.interpolate.PPoly.construct_fast(c, x, extrapolate=self.pieces.extrapolate)
+        object.__setattr__(self, "pieces", pieces)
 
     @classmethod
+    @accepts_units(period="s")
     def sampled(cls, time: Array, voltage: Array, degree: int = 3, period: float | None = None) -> "Waveform":
         """Return the interpolating spline of samples.
 

@@ -28,6 +28,7 @@ from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.motor import free_reach
 from contactlab.motor.outputs import output_variables
+from contactlab.results.contents import GROUP, contents_of
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml
@@ -169,6 +170,16 @@ def to_groups(trajectory: Trajectory, configuration: Mapping[str, object] | None
         )
     if trajectory.state:
         groups["/state"] = Group({name: _of_state(name, x) for name, x in trajectory.state.items()}, {})
+    if contents := contents_of(configuration or {}):
+        about: dict[str, dict[str, object]]
+        about = {name: {"long_name": f"content of {name}.file"} for name in contents}
+        groups[f"/{GROUP}"] = Group(
+            {
+                name: Recorded((f"{name}_byte",), np.frombuffer(content, np.uint8), about[name])
+                for name, content in contents.items()
+            },
+            {},
+        )
     return groups
 
 
@@ -272,8 +283,8 @@ def write_groups(groups: Groups, path: Path) -> str:
         return digest_of_file(partial)
 
 
-def check_declared(path: Path) -> None:
-    """Refuse a file whose variables would not fit into memory; a small one may declare many unwritten rows.
+def check_declared(source: Path | bytes) -> None:
+    """Refuse a file, or its content, whose variables do not fit into memory; a small one may declare many.
 
     Raises:
         OSError: it cannot be opened.
@@ -281,7 +292,10 @@ def check_declared(path: Path) -> None:
     """
     import netCDF4
 
-    with netCDF4.Dataset(path) as file:
+    opened = (
+        netCDF4.Dataset("content", memory=source) if isinstance(source, bytes) else netCDF4.Dataset(source)
+    )
+    with opened as file:
         groups = deque([file])
         size = longest = 0.0
         while groups:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_lyapunov
 
 from contactlab.arrays import Array
+from contactlab.checks import accepts_units
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
@@ -72,6 +73,7 @@ class Attractor:
     share: float
 
 
+@accepts_units(velocity="rad/s", excitation="1")
 def attractors(
     motor: Motor | Setup,
     count: int = 8,

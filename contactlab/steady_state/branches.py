@@ -10,12 +10,12 @@ import xarray
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import unknown_key
+from contactlab.config.made_in_python import variable_numbers, with_number
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import from_cf
-from contactlab.simulation import variable_numbers, with_number
 from contactlab.steady_state.continuation import BranchPoint, MapAt, Mark, follow
 from contactlab.steady_state.period_map import PeriodMap
 from contactlab.steady_state.search import steady, steady_setup

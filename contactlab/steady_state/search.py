@@ -107,12 +107,9 @@ def _check(belt: float | None, load: float | None, brake: float | None, longest:
 
 
 def _loaded(setup: Setup, torque: float) -> Setup:
-    """Return a setup with another load torque, in its configuration too."""
+    """Return a setup with another load torque."""
     rotor = replace(setup.motor.rotor, load_torque=torque)
-    configuration = setup.configuration | {
-        "rotor": {**setup.configuration.get("rotor", {}), "load_torque": torque}
-    }
-    return replace(setup, motor=replace(setup.motor, rotor=rotor), configuration=configuration)
+    return replace(setup, motor=replace(setup.motor, rotor=rotor))
 
 
 def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:

@@ -11,11 +11,11 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import from_cf
+from contactlab.quantity import UnitError, to_si
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option

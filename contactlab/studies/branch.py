@@ -9,11 +9,11 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import Parameter
+from contactlab.quantity import UnitError, in_si, to_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
@@ -151,6 +151,8 @@ def branch(
         NoPeriodError, BrokenOffError: as of `contactlab.steady`.
     """
     setup = steady_setup(motor, law)
+    unit = unit_of(setup, parameter)
+    start, end = in_si("start", start, unit), in_si("end", end, unit)
     study = Branch(over=f"{parameter}={start!r}..{end!r}", belt=belt, step=step)
     part = _branch(setup, parameter, start, end, belt, step)
     return Result(study, {"": setup}, part.data, part.details)

@@ -15,7 +15,7 @@ import pandas
 import xarray
 
 from contactlab.arrays import Array
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError, Setup, build, rebuild
 from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
 from contactlab.inference.calibration import Datum, calibrated
@@ -466,7 +466,7 @@ class _Design:
 
 def _built(law: Run) -> Setup | None:
     try:
-        return build(law.configuration) if law.configuration else None
+        return rebuild(law.configuration) if law.configuration else None
     except ConfigurationError:
         return None
 

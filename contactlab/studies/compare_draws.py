@@ -19,13 +19,13 @@ from contactlab.arrays import Array
 from contactlab.config import Setup, build
 from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.config.resonators import MODAL
 from contactlab.config.schema import declared_in
 from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.parameter import Parameter
+from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import check_declared
 from contactlab.steady_state.basins import reach
 from contactlab.studies.compare_runs import ComparisonError

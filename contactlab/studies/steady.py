@@ -11,6 +11,7 @@ import numpy as np
 import pandas
 import xarray
 
+from contactlab.checks import accepts_units
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -176,6 +177,7 @@ def tree_of(converged: Converged, records: int = 2000) -> xarray.DataTree:
     return tree
 
 
+@accepts_units(contact_step="s", tolerance="1")
 def steady(
     motor: Motor | Setup,
     law: ContactLaw | None = None,

@@ -23,10 +23,11 @@ import pandas
 import xarray
 import yaml
 
-from contactlab.checks import check_kind
+from contactlab.checks import accepts_units, check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
 from contactlab.config.groups import NOT_OF_A_RUN
+from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
 from contactlab.config.nesting import Value
 from contactlab.engine.binding import is_of_a_signal
 from contactlab.estimate import Estimate
@@ -37,7 +38,7 @@ from contactlab.processes import processors
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
-from contactlab.simulation import KEYS, setup_of, variable_numbers, with_number
+from contactlab.simulation import setup_of
 from contactlab.studies.run_state import Status, status_of
 from contactlab.studies.runner import TASKS, Parts, Progress, done_parts, kept_parts
 from contactlab.studies.study import Part, Setups, Study, Task
@@ -346,6 +347,7 @@ def runs_of(plan: Plan, report: Callable[[int], object]) -> Progress:
     return lambda done, _: report(min(done * plan.chunk, plan.cells))
 
 
+@accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1")
 def sweep(
     study: Study | Over | None = None,
     over: Over | None = None,
@@ -535,7 +537,7 @@ def _values(values: Any) -> list[Value]:
 
 @final
 class ScriptComposer:
-    """Composes configurations over a base, with a law by its name and values by `contactlab.simulation.KEYS`.
+    """Composes configurations over a base, with a law by its name and values by `KEYS`.
 
     See `plan.Composer`.
     """

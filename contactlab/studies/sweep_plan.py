@@ -16,11 +16,11 @@ from pydantic import TypeAdapter
 
 from contactlab.config import ConfigurationError, Setup, build, validate
 from contactlab.config.nesting import Value, flat
-from contactlab.config.quantity import describe
 from contactlab.config.schema import declared_in
 from contactlab.config.studies import study_class, study_of
 from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
+from contactlab.quantity import describe
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_state import code_digest_of

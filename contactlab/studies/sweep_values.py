@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 
 from contactlab.config.nesting import Value
-from contactlab.config.quantity import UnitError, describe, to_si
 from contactlab.parameter import from_cf
+from contactlab.quantity import UnitError, describe, to_si
 
 FORMS: Final = (
     "values like 1e-6,2e-6 or '0.5 um,1 um', range(START,STOP,STEP) without STOP, linspace(FIRST,LAST,COUNT) "

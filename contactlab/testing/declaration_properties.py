@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.config.quantity import dimensions
 from contactlab.laws import ContactLaw
 from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.parameter import declared_fields, from_cf
+from contactlab.quantity import dimensions
 from contactlab.testing.claim import Claims, at_most
 from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.kernel_properties import TINY, Worst, drawn_steps, states_of

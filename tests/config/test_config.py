@@ -9,7 +9,7 @@ import pytest
 from support.configurations import CONF, altered, composed, options
 
 from contactlab.checks import MOST_RECORDS
-from contactlab.config import ConfigurationError, build, validate
+from contactlab.config import ConfigurationError, build, rebuild, validate
 from contactlab.config.groups import keys_of_law
 from contactlab.config.options import groups, known_keys
 from contactlab.config.resonators import BASES
@@ -170,11 +170,11 @@ def test_key_of_another_law_is_refused() -> None:
     assert fault.startswith("law.stiffness does not belong to lagrange_slip")
 
 
-def test_missing_keys_and_groups_are_told() -> None:
+def test_missing_keys_and_groups_of_a_recorded_configuration_are_told() -> None:
     configuration = composed()
     del configuration["drive"]["phase"], configuration["rotor"], configuration["law"]["name"]
     with pytest.raises(ConfigurationError) as caught:
-        build(configuration)
+        rebuild(configuration)
     assert [fault.partition(";")[0] for fault in caught.value.faults] == [
         "law.name is missing",
         "drive.phase is missing",

@@ -9,9 +9,9 @@ from hypothesis import given, strategies as st
 import contactlab
 from contactlab.cli.arguments import for_hydra
 from contactlab.config.nesting import flat
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.laws.registry import own
 from contactlab.parameter import from_cf, parameters_of
+from contactlab.quantity import UnitError, to_si
 from contactlab.studies.sweep_values import call_in
 
 

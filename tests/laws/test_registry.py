@@ -10,7 +10,6 @@ from support.command_line import Command
 
 from contactlab import laws
 from contactlab.cli.laws import declared_rows
-from contactlab.config.quantity import to_si
 from contactlab.laws import (
     Composed,
     HertzPenalty,
@@ -29,6 +28,7 @@ from contactlab.laws.declaration import FRICTION_COEFFICIENT, members_of
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import LAWS, PARTS, build_law
 from contactlab.parameter import Parameter, from_cf, parameters_of
+from contactlab.quantity import to_si
 
 
 def test_every_law_of_the_package_is_found_by_its_name() -> None:

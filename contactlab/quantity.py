@@ -35,7 +35,7 @@ _FORCE_TIMES = re.compile(r"(?<![^\W\d_])([npuµμmkM]?N)((?:[uµμmck]?m)?)(s?)
 
 
 class UnitError(ValueError):
-    """Fault of a value, without its subject."""
+    """Fault of a value, as a rule without its subject."""
 
 
 def number_of(field: DeclaredField, value: object) -> float | None:
@@ -113,6 +113,32 @@ def to_si(text: str, unit: str) -> float:
         return float(Decimal(parts["number"]) * factor(parts["unit"], unit))
     except ArithmeticError:
         raise UnitError("which is too large") from None
+
+
+def is_quantity(value: object) -> bool:
+    """Return whether a value is a text of a number with a unit, '1 um'."""
+    if not isinstance(value, str):
+        return False
+    try:
+        float(value)
+    except ValueError:
+        return _NUMBER_AND_UNIT.fullmatch(value) is not None
+    return False
+
+
+def in_si(name: str, value: Any, unit: str) -> Any:
+    """Return the number of a text with a unit in an SI unit, and anything else as it is.
+
+    Raises:
+        UnitError: the unit is unknown or has another dimension; the sentence begins with the name.
+    """
+    if not is_quantity(value):
+        return value
+    try:
+        return to_si(value, unit)
+    except UnitError as error:
+        expected = "a pure number" if unit == "1" else f"in {unit}"
+        raise UnitError(f"{name} is '{value}', {error}; it must be {expected}.") from error
 
 
 @cache

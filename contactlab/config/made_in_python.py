@@ -1,0 +1,81 @@
+"""The numbers of a motor and a law made in Python, by the keys of a configuration."""
+
+from dataclasses import is_dataclass, replace
+from functools import reduce
+from typing import TYPE_CHECKING, Any, Final
+
+from contactlab.config.faults import ConfigurationError
+from contactlab.config.groups import GROUPS
+from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.quantity import UnitError, number_of
+
+if TYPE_CHECKING:
+    from contactlab.config.setup import Setup
+
+KEYS: Final = {
+    "duration": ("solver", "duration"),
+    "record_interval": ("record", "interval"),
+    "contact_step": ("solver", "contact_step"),
+    "tolerance": ("solver", "tolerance"),
+}
+"""Where a configuration holds the numbers of a run, in the order of the arguments of `simulate`."""
+
+PLACES: Final = KEYS | {"until": ("solver", "until"), "precision": ("solver", "precision")}
+"""Configuration keys of all arguments of `simulate` that say how a run is made."""
+
+
+def variable_numbers(setup: "Setup") -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
+    """Return paths and declarations of the numbers of a motor and a law made in Python, by keys.
+
+    Beam and voltages are not among them: such a motor has modes and phasors alone.
+    """
+    owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
+    numbers = {}
+    while owners:
+        group, path = owners.pop(0)
+        owner: Any = reduce(getattr, path, setup)
+        kind: type = type(owner)
+        for name, field in declared_fields(kind).items():
+            if is_dataclass(getattr(owner, name)):
+                owners.append((f"{group}.{name}", (*path, name)))
+            elif field.is_number:
+                numbers[f"{group}.{name}"] = (*path, name), field
+    numbers["rotor.radius"] = numbers.pop("contact.rotor_radius")
+    # The coefficient that laws share, of a composed law that of its friction.
+    for key in ("law.friction.friction_coefficient", "law.friction_coefficient"):
+        if key in numbers:
+            numbers["contact.friction_coefficient"] = numbers[key]
+    return numbers
+
+
+def with_number(setup: "Setup", key: str, value: object) -> "Setup":
+    """Return the setup of a motor and a law made in Python with another number, of motor, law or solver.
+
+    Raises:
+        ConfigurationError: the key is none of them, or does not admit the value.
+    """
+    numbers = variable_numbers(setup)
+    for name, (group, leaf) in KEYS.items():
+        field = next(iter(GROUPS[group].options.values()))[leaf]
+        assert isinstance(field, DeclaredField)
+        numbers[f"{group}.{leaf}"] = (name,), field
+    if key not in numbers:
+        raise ConfigurationError(
+            [
+                f"{key} is no number of a motor made in Python; it must be one of {', '.join(numbers)}. Vary "
+                "anything else by a function that makes the motor."
+            ]
+        )
+    path, field = numbers[key]
+    try:
+        return _replaced(setup, path, number_of(field, value))  # type: ignore[no-any-return]
+    # What binds several numbers of one class is checked by the class.
+    except ValueError as fault:
+        message = f"{key} {fault}" if isinstance(fault, UnitError) else str(fault)
+        raise ConfigurationError([message]) from None
+
+
+def _replaced(owner: Any, path: tuple[str, ...], value: object) -> Any:
+    """Return a dataclass with another value at a path of attributes."""
+    name, *rest = path
+    return replace(owner, **{name: _replaced(getattr(owner, name), tuple(rest), value) if rest else value})

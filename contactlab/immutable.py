@@ -1,0 +1,59 @@
+"""Arrays and mappings whose content cannot be changed."""
+
+from collections.abc import Mapping
+from typing import Any, Literal, NoReturn, TypeVar, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+Kind = TypeVar("Kind", bound=np.generic)
+
+
+def read_only(values: NDArray[Kind]) -> NDArray[Kind]:
+    """Return an array that cannot be made writable: a copy, or the array itself if it is one."""
+    if isinstance(values.base, bytes) and not values.flags.writeable:
+        return values
+    order: Literal["C", "F"] = "C" if values.flags.c_contiguous else "F"
+    return np.ndarray(values.shape, values.dtype, values.tobytes(order), order=order)
+
+
+@final
+class Frozen(dict[str, Any]):
+    """A read-only mapping of read-only values, see `frozen`; it is written, compared and copied as a dict."""
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError(
+            "A configuration cannot be changed in place; setup.with_('KEY=VALUE') returns a setup with "
+            "another value."
+        )
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    update = pop = popitem = clear = setdefault = _refuse
+
+    def __reduce__(self) -> tuple[type, tuple[dict[str, Any]]]:
+        return Frozen, (dict(self),)
+
+
+def frozen(value: Any) -> Any:
+    """Return a value with all mappings in it as `Frozen`, and all lists as tuples."""
+    if isinstance(value, Mapping):
+        return Frozen({key: frozen(each) for key, each in value.items()})
+    return tuple(map(frozen, value)) if isinstance(value, list | tuple) else value
+
+
+class Immutable:
+    """Base class of frozen dataclasses whose copies from a file or another process are immutable too."""
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        for name, value in state.items():
+            object.__setattr__(self, name, value)
+        self.freeze()
+
+    def freeze(self) -> None:
+        """Make all arrays in the fields read-only, and all mappings."""
+        for name, value in vars(self).items():
+            if isinstance(value, np.ndarray):
+                object.__setattr__(self, name, read_only(value))
+            elif isinstance(value, Mapping):
+                rows = {key: read_only(x) if isinstance(x, np.ndarray) else x for key, x in value.items()}
+                object.__setattr__(self, name, frozen(rows))
