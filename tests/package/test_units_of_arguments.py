@@ -1,4 +1,4 @@
-"""Claims on texts with units: every function of the front door takes them, and refuses another dimension."""
+"""Claims on texts with units: every public function takes them, and refuses another dimension."""
 
 from collections.abc import Callable
 from typing import Any
