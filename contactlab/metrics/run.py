@@ -17,11 +17,11 @@ from contactlab.arrays import Array
 from contactlab.config.changes import KEY as CHANGES, changed
 from contactlab.config.faults import ConfigurationError
 from contactlab.config.nesting import flat
-from contactlab.config.quantity import UnitError, to_si
 from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
+from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of, contacts_in, groups_of, lasting_in, period_in
 from contactlab.settling.verdict import Settling, drive_period, settling_of
 from contactlab.trajectory import Trajectory

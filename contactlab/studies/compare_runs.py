@@ -186,7 +186,7 @@ def _unequal(key: str, values: Iterable[tuple[Run, Any]]) -> Iterator[str]:
 
 def shown(value: Any) -> str:
     """Return a value as a text of nine digits."""
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return " ".join(map(shown, value))
     return "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
 
