@@ -103,10 +103,10 @@ FLAT, LIGHT = 1e3, 0.1
 HEAVIER = 4.0
 """Inertia over that, and duration, with which the best draw is repeated."""
 
-DRAWS, ROUNDS = 24, 3
+DRAWS, ROUNDS = 16, 3
 """Draws of a round; each round but the first is drawn from half the range around the best draw so far."""
 
-CANDIDATES = 4
+CANDIDATES = 3
 """Best draws of the calibration, which are repeated, and run over towing force."""
 
 REPEATS: dict[str, tuple[float, float]] = {

@@ -82,13 +82,13 @@ class OracleMotor:
 
     def with_bearing(self) -> Resonator:
         """Matrices of the resonator, and of the rotor on its bearing where it has one."""
-        res, one = self.resonator(), np.ones((1, 1))
+        res = self.resonator()
         if not self.rotor_mass:
             return res
         return Resonator(
-            block_diag(res.mass, self.rotor_mass * one),
-            block_diag(res.damping, self.bearing_damping * one),
-            block_diag(res.stiffness, self.bearing_stiffness * one),
+            block_diag(res.mass, [[self.rotor_mass]]),
+            block_diag(res.damping, [[self.bearing_damping]]),
+            block_diag(res.stiffness, [[self.bearing_stiffness]]),
             np.vstack([res.coupling, np.zeros((1, 2))]),
             np.hstack([res.tip, [[-1.0], [0.0]]]),
         )
