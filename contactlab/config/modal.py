@@ -100,6 +100,11 @@ def modes_of(table: Table, tip_length: float, most: int | None = None) -> Normal
     values, losses = _column(table, rate), _column(table, loss)
     for name, column in ((rate, values), (loss, losses)):
         _refuse_not(table, name, column >= 0.0, "at least 0")
+    if loss == "damping_ratio" and losses.min() >= 1.0:
+        raise MeasurementError(
+            f"damping_ratio is {losses.min():g} or more in every mode, so that none vibrates; one must be "
+            "below 1, which is critical. 3 % is 0.03."
+        )
     if rate == "frequency":
         omega = 2.0 * np.pi * values
         stiffness, damping = omega**2, 2.0 * losses * omega

@@ -71,6 +71,11 @@ def reduced(
         check_shape(f"points[{name!r}]", row, (count,), "one number a degree of freedom")
     if not 1 <= modes < count:
         raise ValueError(f"modes is {modes}; it must be at least 1 and less than {count}, the size.")
+    if not 0.0 <= damping_ratio < 1.0:
+        raise ValueError(
+            f"damping_ratio is {damping_ratio}; it must be at least 0 and below 1, which is critical. 3 % is "
+            "0.03."
+        )
     m, k = scipy.sparse.csc_array(mass), scipy.sparse.csc_array(stiffness)
     loads = np.column_stack([uy, ux, coupling])
     try:

@@ -55,6 +55,13 @@ def test_a_fault_of_composition_names_its_key(override: str, key: str) -> None:
     assert len(caught.value.faults) == 1
 
 
+@pytest.mark.parametrize("override", ["um", "solver.duration=[1", "drive.phase={", "rotor.inertia='1"])
+def test_an_override_that_cannot_be_read_is_named_among_others(override: str) -> None:
+    with pytest.raises(ConfigurationError, match=re.escape(override)) as caught:
+        build(["law=newton", "contact.clearance=1e-6", override])
+    assert "contact.clearance" not in str(caught.value)
+
+
 def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
     with hydra.initialize_config_dir(str(conf_directory()), **VERSION_BASE):
         outer = GlobalHydra.instance().hydra

@@ -216,6 +216,7 @@ CAPACITOR = f"{HEAD},coupling_2 [N/V]", f"{ROW},0.2"
         ("# loss_tangent: -2", HEAD, ROW),
         (HEAD,),
         (HEAD, "1000,0.01,0,2,0.1"),
+        (HEAD, "1000,3,10,2,0.1"),
     ],
 )
 def test_a_file_without_the_motion_or_with_a_negative_energy_is_refused(
