@@ -4,6 +4,7 @@ import gc
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from shutil import get_terminal_size
 from time import perf_counter, process_time
 from typing import Never, final
 
@@ -40,7 +41,11 @@ class Compiled(event.Listener):
             return
         self._began = perf_counter(), process_time()
         _say(f"compiling {self._what}, once for an installation: about {self._usual:.0f} s.")
-        self._bar = tqdm(total=self._usual, bar_format=_BAR, leave=False, disable=None)
+        # tqdm shows nothing on a terminal that does not tell its size.
+        columns, lines = get_terminal_size()
+        self._bar = tqdm(
+            total=self._usual, bar_format=_BAR, leave=False, disable=None, ncols=columns, nrows=lines
+        )
 
     def on_end(self, made: event.Event) -> None:
         """Count a function, and show how far it is at the pace that there was so far."""

@@ -48,7 +48,7 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     from contactlab.studies.sweep_dataset import summary
 
     try:
-        with terminal.raising():
+        with terminal.progress(1.0, "folder"), terminal.raising():
             dataset = collect(folder, output, *kept)
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error

@@ -58,8 +58,9 @@ def _perform(*line: str) -> int:
         module = verb.replace("-", "_")
         return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
     if verb in studies() and verb != RUN:
-        # Imported here: it brings the engine.
-        from contactlab.cli.study import as_overrides, help_on
+        # Imported here: it brings the engine, which may take seconds.
+        with terminal.progress(1.0, "tasks"):
+            from contactlab.cli.study import as_overrides, help_on
 
         if {"--help", "-h"} & {*arguments}:
             print(help_on(verb))
@@ -71,9 +72,12 @@ def _perform(*line: str) -> int:
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
     elif verb != RUN:
         arguments = line
-    # Imported here: it brings Hydra, which other verbs do not need.
-    from contactlab.cli import start
+    # Imported here: it brings Hydra, which other verbs do not need, and where something runs all of it.
+    with terminal.progress(1.0, "tasks"):
+        from contactlab.cli import start
 
+        if not any(argument.startswith("-") for argument in arguments):
+            import_module("contactlab.cli.app")
     return start.main(list(arguments))
 
 

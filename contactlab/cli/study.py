@@ -178,8 +178,8 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
     from contactlab.studies.runner import finish, run
 
     try:
-        with terminal.progress(1.0, "of the study") as show, terminal.raising():
-            result = run(study, setups, folder, lambda done, total: show(done / max(total, 1)))
+        with terminal.progress(1.0, "tasks") as show, terminal.raising():
+            result = run(study, setups, folder, show)
             files = finish(result, folder)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(

@@ -410,7 +410,8 @@ class Sweeping:
         raise_faults(faults)
         begin(folder, sweep.plan)
         try:
-            with terminal.raising(), terminal.progress(sweep.plan.cells, "runs") as show:
+            cells, chunk = sweep.plan.cells, sweep.plan.chunk
+            with terminal.raising(), terminal.progress(cells, "runs", min(chunk, cells)) as show:
                 dataset = continued(sweep, folder, runs_of(sweep.plan, show))
         except (WorkerError, OSError) as error:
             tell(

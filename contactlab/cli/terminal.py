@@ -6,25 +6,30 @@ cleans up, while files are written.
 """
 
 import os
+import shutil
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
+from math import inf, isfinite
 from pathlib import Path
+from time import perf_counter
 from types import FrameType
-from typing import Final, NoReturn, TextIO
+from typing import Final, NoReturn, TextIO, final
 
 from tqdm import tqdm
+
+from contactlab.progress import shown_by
 
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses of the command: complete, incomplete or failed, refused for a fault, ended by Ctrl-C."""
 
 MESSAGE: Final = "Interrupted before the end; no result was written."
 
-BAR_AFTER: Final = 1.5
-"""Time after which a progress bar appears [s]."""
+BAR_AFTER, BAR_EVERY = 0.7, 0.5
+"""Time after which progress is shown, and between two times [s]."""
 
 
 class RefusalError(ValueError):
@@ -121,9 +126,73 @@ def waiting() -> Iterator[Callable[[], None]]:
     check()
 
 
+@final
+class _Line:
+    """What is done of a total, in a line.
+
+    Args:
+        total, unit: what is to be done.
+        size: of the part that tells of itself, in that unit.
+    """
+
+    def __init__(self, total: float, unit: str, size: float) -> None:
+        self.done, self.total, self.unit, self.size = 0.0, total, unit, size
+        self.told, self.share, self.began = "", 0.0, perf_counter()
+        # What was done by an earlier start takes no time.
+        self.kept: float | None = None
+
+    def show(self, done: float, total: float | None = None) -> None:
+        """Take how much is done, and another total."""
+        self.done, self.total, self.told, self.share = done, total or self.total, "", 0.0
+        self.kept = done if self.kept is None else self.kept
+
+    def tell(self, what: str, share: float) -> None:
+        """Take what a part of it is at."""
+        self.told, self.share = what.rstrip(": "), share if isfinite(share) else 0.0
+
+    def __str__(self) -> str:
+        begun, all_of_it = self.kept or 0.0, self.total or 1.0
+        done, elapsed = min(self.done + self.share * self.size, all_of_it), perf_counter() - self.began
+        # Of a single task its parts tell.
+        words = [f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "", self.told]
+        words.append(f"{tqdm.format_interval(elapsed)} so far")
+        if done > begun:
+            left = elapsed * (all_of_it - done) / (done - begun)
+            words.append(f"about {tqdm.format_interval(left)} left")
+        return f"{done / all_of_it:4.0%} | {' | '.join(filter(None, words))}"
+
+
 @contextmanager
-def progress(total: float, unit: str) -> Iterator[Callable[[float], object]]:
-    """Show a progress bar on a terminal; yields the function that receives what is done of the total."""
-    left = "{percentage:3.0f} %|{bar}| {n:.6g} of {total:.6g} " + unit + ", {remaining} left"
-    with tqdm(total=total, delay=BAR_AFTER, leave=False, bar_format=left, disable=None) as bar:
-        yield lambda done: bar.update(done - bar.n)
+def progress(total: float, unit: str, size: float = 1.0) -> Iterator[Callable[..., None]]:
+    """Show on a terminal what is done, the time it has taken, and the time left where that can be estimated.
+
+    A thread draws, so that what takes long by itself is shown too. What a part of the work tells by
+    `contactlab.progress` is shown beside. Arguments are those of `_Line`.
+
+    Yields:
+        Function of how much is done, and of another total where that changes.
+    """
+    line, ended = _Line(total, unit, size), threading.Event()
+    # tqdm shows nothing on a terminal that does not tell its size.
+    screen = shutil.get_terminal_size()
+    bar = tqdm(total=total, leave=False, delay=inf, disable=None, nrows=screen.lines)
+
+    def draw() -> None:
+        pause = BAR_AFTER
+        while not ended.wait(pause):
+            bar.display(str(line)[: screen.columns - 1])
+            pause = BAR_EVERY
+
+    drawing = threading.Thread(target=draw, daemon=True)
+    if not bar.disable:
+        drawing.start()
+    try:
+        with shown_by(line.tell):
+            yield line.show
+    finally:
+        ended.set()
+        if not bar.disable:
+            drawing.join()
+            bar.display("")
+            print("\r", end="", file=sys.stderr, flush=True)
+            bar.close()

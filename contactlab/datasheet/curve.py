@@ -9,6 +9,7 @@ import numpy as np
 from contactlab.config import Setup
 from contactlab.datasheet.operation import UNKNOWN, Point, operate
 from contactlab.estimate import Estimate
+from contactlab.progress import part_of_progress
 
 FIRST: Final = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25)
 """Velocities over that without load on which a curve begins."""
@@ -59,7 +60,11 @@ class Curve:
         """Add the point at a share of the velocity unless one is close; return whether it was added."""
         if share is None or any(abs(share - other) < CLOSEST for other in self._points):
             return False
-        point = operate(self._setup, self._velocity * share)
+        count = len(self._points)
+        # How many there will be depends on the curve.
+        begin, end = (min(each / MOST, 1.0) for each in (count, count + 1))
+        with part_of_progress(begin, end, f"operating point {count + 1}: "):
+            point = operate(self._setup, self._velocity * share)
         self._points[share] = point.turned(float(np.sign(self._velocity)))
         return True
 

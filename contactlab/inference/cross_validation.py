@@ -44,6 +44,7 @@ from contactlab.inference.least_squares import Optimum, best_fit, starting_point
 from contactlab.inference.multiple import holm
 from contactlab.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab.measured.impacts import MeasuredImpacts, noise_from_outside
+from contactlab.progress import part_of_progress
 
 FOLDS: Final = 5
 
@@ -187,11 +188,14 @@ def cross_validated(
     fold = folds_of(impacts.measurements(), folds, seed)
     predicted, outside = np.full_like(impacts.velocity_before, np.nan), np.zeros(len(impacts))
     fits, sizes, lost = list[Optimum](), list[int](), 0
-    for number in range(int(fold.max()) + 1):
+    count = int(fold.max()) + 1
+    for number in range(count):
         fold_impacts, others = np.flatnonzero(fold == number), np.flatnonzero(fold != number)
         if predictor.integrated:
             others = np.random.default_rng([seed, number]).permutation(others)[:SUBSET]
-        fits.append(least_error_fit(problem.part(others), seed))
+        text = f"{predictor.label}, fold {number + 1} of {count}: "
+        with part_of_progress(number / count, (number + 1) / count, text):
+            fits.append(least_error_fit(problem.part(others), seed))
         sizes.append(others.size)
         after, outside[fold_impacts] = problem.part(fold_impacts).prediction(fits[-1].values)
         missing = np.asarray(np.isnan(after).any(axis=1))

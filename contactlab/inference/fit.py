@@ -44,12 +44,16 @@ from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MeasuredSeries
+from contactlab.progress import part_of_progress
 
 STARTS: Final = 16
 """Default number of starts of least squares."""
 
 FEWEST: Final = 3
 """Least number of impacts to which a law is fitted."""
+
+SEARCHED: Final = 0.2
+"""Share of the time of a fit that least squares take, roughly."""
 
 DRAWS: Final = 1000
 """Posterior samples of equal weight that are kept."""
@@ -244,10 +248,12 @@ def fitted(
     problem, best = candidate.problem, None
     if problem.parameters:
         try:
-            best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
+            with part_of_progress(0.0, SEARCHED, f"{candidate.label}: "):
+                best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
         except ValueError as error:
             raise ValueError(f"{candidate.label}: {error}") from error
-    posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
+    with part_of_progress(SEARCHED, 1.0, f"{candidate.label}: "):
+        posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
     drawn = posterior.draws(DRAWS)
     units = {item.name: item.parameter.units for item in problem.free}
     columns = zip(units.items(), posterior.samples[drawn].T, strict=True)

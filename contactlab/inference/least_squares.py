@@ -10,12 +10,16 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from contactlab.arrays import Array
 from contactlab.inference.free_parameters import FreeParameter, from_cube, to_cube
+from contactlab.progress import tell_progress, untold_progress
 
 HIT: Final = 1e-4
 """Relative difference below which two costs are one optimum."""
 
 LOOKS: Final = 8
 """Candidate points for each start: on a plateau, as where every contact sticks, a search cannot start."""
+
+LOOKED: Final = 0.3
+"""Share of the evaluations that candidate points take, roughly."""
 
 NO_SLOPE: Final = 1e-15
 """Gradient, relative to the cost, at which a search ends; a plateau has none."""
@@ -115,7 +119,20 @@ def best_fit(
         points = starting_points(len(free), starts * looks, seed)
     else:
         points = np.clip(to_cube(free, begin), 0.0, 1.0)[None]
-    seen = np.array([_cost(in_cube(point)) for point in points])
+    evaluations = 0
+    looked = LOOKED if begin is None else 0.0
+
+    def counted(shares: Array, share: float) -> Array:
+        """Return the residuals at a point, and tell of it."""
+        nonlocal evaluations
+        evaluations += 1
+        tell_progress(f"least squares: {evaluations} evaluations", share)
+        with untold_progress():
+            return in_cube(shares)
+
+    seen = np.array(
+        [_cost(counted(point, looked * number / len(points))) for number, point in enumerate(points)]
+    )
     if not np.isfinite(seen).any():
         names = ", ".join(map(str, free))
         raise ValueError(
@@ -129,7 +146,7 @@ def best_fit(
     for number, place in enumerate(np.argsort(seen, kind="stable")[:starts]):
         if np.isfinite(seen[place]):
             end = least_squares(
-                lambda shares: in_cube(shares) / unit,
+                lambda shares, share=looked + (1.0 - looked) * number / starts: counted(shares, share) / unit,
                 points[place],
                 bounds=(0.0, 1.0),
                 ftol=accuracy,

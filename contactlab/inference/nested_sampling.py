@@ -20,6 +20,7 @@ from functools import partial
 from hashlib import sha256
 from importlib.util import find_spec
 from io import BytesIO
+from math import log
 from pathlib import Path
 from time import perf_counter
 from types import SimpleNamespace
@@ -33,6 +34,7 @@ from contactlab.arrays import Array
 from contactlab.inference.free_parameters import FreeParameter, from_cube
 from contactlab.inference.problem import Problem
 from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.progress import tell_progress, untold_progress
 from contactlab.results.files import whole_file
 
 POINTS: Final = 150
@@ -180,7 +182,7 @@ def sample(
             enlarge=ENLARGED,
             first_update={"min_ncall": points, "min_eff": UNBOUNDED},
         )
-        sampler.run_nested(print_progress=False)
+        sampler.run_nested(print_func=_Left(points))
         outcome = sampler.results
     log_weight = np.asarray(outcome["logwt"] - outcome["logz"][-1])
     # They add up to one but for round-off.
@@ -199,6 +201,27 @@ def sample(
     )
 
 
+@final
+class _Left:
+    """Tells what is left to do after each iteration.
+
+    The volume shrinks by 1/points an iteration, in its logarithm, and the sampling ends where the logarithm
+    of the evidence would grow by the limit only: r iterations are left with exp(-r/points) of what it may
+    still grow, d, where that is small, and d points before.
+    """
+
+    def __init__(self, points: int) -> None:
+        self._points = points
+
+    def __call__(self, results: Any, iteration: int, calls: int, **others: Any) -> None:
+        grows, limit = float(results.delta_logz), float(others.get("dlogz") or 0.01)
+        if not grows > 0.0:
+            return
+        left = self._points * (max(grows - 1.0, 0.0) + max(log(min(grows, 1.0) / min(limit, 1.0)), 0.0))
+        what = f"nested sampling: {calls} evaluations, evidence left {grows:.3g} (ends at {limit:.2g})"
+        tell_progress(what, iteration / (iteration + left) if iteration + left > 0.0 else 0.0)
+
+
 def available() -> None:
     """Raise a NoSamplerError if dynesty is not installed."""
     if find_spec("dynesty") is None:
@@ -209,7 +232,8 @@ def _log_likelihood(values: Array) -> float:
     known = _RECORDED.get(values.tobytes())
     if known is not None:
         return known
-    outcome = _CURRENT[0].log_likelihood(values)
+    with untold_progress():
+        outcome = _CURRENT[0].log_likelihood(values)
     _EVALUATED.append((np.array(values), outcome))
     return outcome
 

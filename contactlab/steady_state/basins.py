@@ -15,6 +15,7 @@ from contactlab.checks import accepts_units
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
+from contactlab.progress import tell_progress
 from contactlab.steady_state.arrival import NotSettledError, UnboundedError, settled
 from contactlab.steady_state.continuation import SMOOTH
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
@@ -373,6 +374,7 @@ def basins(
         # A rigid law refuses a start inside the rotor.
         except (BrokenOffError, NotSettledError, ValueError):
             labels[place] = CANNOT_TELL
+        tell_progress(f"{done + 1} of {labels.size} starts", (done + 1) / labels.size)
         if report is not None:
             report(done + 1)
     return Basins(setup, coordinates, labels, tuple(states))

@@ -19,6 +19,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
+from contactlab.progress import tell_progress
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.shooting import CLOSED, ROUGH, STEP, Orbit, derivative_of, updated
 from contactlab.trajectory import Trajectory
@@ -259,6 +260,8 @@ def follow(
     while len(points) < most:
         try:
             points.append(next(walk))
+            at = points[-1].value
+            tell_progress(f"{len(points)} points, the last at {at:.6g}", abs(at - value) / abs(end - value))
         except StopIteration as stop:
             end_text = str(stop.value)
             # Where the map is not smooth, the last contact loses its speed.

@@ -14,6 +14,7 @@ from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.motor import ModalState, Motor
+from contactlab.progress import tell_progress
 from contactlab.simulation import setup_of
 from contactlab.steady_state.arrival import TAIL, NotSettledError, Start, settled
 from contactlab.steady_state.state import Steady as Steady
@@ -219,6 +220,7 @@ def converged(
     steps: list[Steady] = []
     for value in values:
         finer: dict[str, Any] = arguments | {control: value}
+        tell_progress(f"{control.replace('_', ' ')} {value:.3g}", len(steps) / len(values))
         steps.append(steady(setup, **finer))
         arguments["start"] = steps[-1]
     return Converged(control, values, tuple(steps))

@@ -26,6 +26,7 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.metrics import assess, is_complete, read_run
 from contactlab.parameter import Parameter
+from contactlab.progress import tell_progress
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_digest
@@ -154,7 +155,8 @@ def discovered(directory: Path) -> Iterator[Run]:
         parts = re.split(r"(\d+)", name)
         return [(int(part), "") if part.isdigit() else (-1, part) for part in parts]
 
-    for name in sorted(names, key=in_order):
+    for done, name in enumerate(sorted(names, key=in_order)):
+        tell_progress(f"{done} of {len(names)} runs", done / len(names))
         yield _read_run(name, directory / name)
 
 

@@ -35,6 +35,7 @@ from contactlab.laws import ContactLaw, LawError
 from contactlab.metrics import Run, assess
 from contactlab.motor import Motor
 from contactlab.processes import processors
+from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
@@ -138,7 +139,11 @@ class Outcome:
 def _done(work: Cells) -> Part:
     """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
     outputs = work.plan.outputs
-    runs = [_outcome(work, cell) for cell in work.cells]
+    runs = []
+    for done, cell in enumerate(work.cells):
+        with part_of_progress(done / len(work.cells), (done + 1) / len(work.cells), f"run {cell + 1}: "):
+            tell_progress("", 0.0)
+            runs.append(_outcome(work, cell))
     root = xarray.Dataset(
         {
             **{
