@@ -137,29 +137,32 @@ class _Line:
 
     def __init__(self, total: float, unit: str, size: float) -> None:
         self.done, self.total, self.unit, self.size = 0.0, total, unit, size
-        self.told, self.share, self.began = "", 0.0, perf_counter()
+        self.current, self.share, self.began = "", 0.0, perf_counter()
         # What was done by an earlier start takes no time.
         self.kept: float | None = None
 
     def show(self, done: float, total: float | None = None) -> None:
         """Take how much is done, and another total."""
-        self.done, self.total, self.told, self.share = done, total or self.total, "", 0.0
+        self.done, self.total, self.current, self.share = done, total or self.total, "", 0.0
         self.kept = done if self.kept is None else self.kept
 
     def tell(self, what: str, share: float) -> None:
         """Take what a part of it is at."""
-        self.told, self.share = what.rstrip(": "), share if isfinite(share) else 0.0
+        self.current, self.share = what.rstrip(": "), share if isfinite(share) else 0.0
 
     def __str__(self) -> str:
         begun, all_of_it = self.kept or 0.0, self.total or 1.0
         done, elapsed = min(self.done + self.share * self.size, all_of_it), perf_counter() - self.began
         # Of a single task its parts tell.
-        words = [f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "", self.told]
-        words.append(f"{tqdm.format_interval(elapsed)} so far")
+        pieces = [
+            f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "",
+            self.current,
+        ]
+        pieces.append(f"{tqdm.format_interval(elapsed)} so far")
         if done > begun:
             left = elapsed * (all_of_it - done) / (done - begun)
-            words.append(f"about {tqdm.format_interval(left)} left")
-        return f"{done / all_of_it:4.0%} | {' | '.join(filter(None, words))}"
+            pieces.append(f"about {tqdm.format_interval(left)} left")
+        return f"{done / all_of_it:4.0%} | {' | '.join(filter(None, pieces))}"
 
 
 @contextmanager

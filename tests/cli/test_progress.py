@@ -120,7 +120,7 @@ def test_a_line_counts_what_there_was_as_done_in_no_time(
     assert ("left" in text) == grown
 
 
-def told(work: Callable[[], object]) -> list[tuple[str, float]]:
+def reports_of(work: Callable[[], object]) -> list[tuple[str, float]]:
     reports: list[tuple[str, float]] = []
     with shown_by(lambda what, share: reports.append((what, share))):
         work()
@@ -136,25 +136,25 @@ def test_parts_are_shares_of_the_whole_and_evaluations_are_silent() -> None:
             with part_of_progress(0.5, 1.0):
                 tell_progress("end", 1.0)
 
-    assert told(work) == [("second: half", 0.75), ("second: end", 1.0)]
+    assert reports_of(work) == [("second: half", 0.75), ("second: end", 1.0)]
     work()
-    assert told(lambda: tell_progress("alone"))[0][0] == "alone"
+    assert reports_of(lambda: tell_progress("alone"))[0][0] == "alone"
 
 
 def test_least_squares_tell_every_evaluation_and_have_the_same_bits() -> None:
     free = [FreeParameter("x", 0.0, 1.0, False, Parameter("x", "1", "any number"))]
-    found: list[Optimum] = []
+    optima: list[Optimum] = []
 
     def search() -> None:
-        found.append(best_fit(lambda values: values**2 - 0.3, free, 3, 0))
+        optima.append(best_fit(lambda values: values**2 - 0.3, free, 3, 0))
 
-    reports = told(search)
+    reports = reports_of(search)
     shares = [share for _, share in reports]
     assert len(reports) > 3 * LOOKS
     assert shares == sorted(shares)
     assert 0.0 <= shares[0] <= shares[-1] <= 1.0
     search()
-    assert found[0].values == found[1].values
+    assert optima[0].values == optima[1].values
 
 
 @given(st.floats(1e-6, 1e9), st.integers(25, 1000))
@@ -164,7 +164,7 @@ def test_evidence_left_has_an_estimate_that_ends_with_it(grows: float, points: i
     class Results:
         delta_logz = grows
 
-    ((text, share),) = told(lambda: left(Results, 100, 500, dlogz=0.1))
+    ((text, share),) = reports_of(lambda: left(Results, 100, 500, dlogz=0.1))
     assert "500 evaluations" in text
     assert isfinite(share)
     assert 0.0 < share <= 1.0
@@ -173,5 +173,5 @@ def test_evidence_left_has_an_estimate_that_ends_with_it(grows: float, points: i
 
 def test_the_runs_of_a_sweep_are_told() -> None:
     over = {"contact.clearance": [1e-6, 2e-6]}
-    reports = told(lambda: cl.sweep(over, duration=1e-4, metrics=["contact_count"], workers=1))
+    reports = reports_of(lambda: cl.sweep(over, duration=1e-4, metrics=["contact_count"], workers=1))
     assert [what for what, _ in reports] == ["run 1: ", "run 2: "]
