@@ -32,6 +32,10 @@ BAR_AFTER, BAR_EVERY = 0.7, 0.5
 """Time after which progress is shown, and between two times [s]."""
 
 
+LONGEST_LEFT: Final = 1e7
+"""Estimate of the time left that is shown [s]; a longer one tells of a first step alone."""
+
+
 class RefusalError(ValueError):
     """A command that cannot be carried out.
 
@@ -159,8 +163,8 @@ class _Line:
             self.current,
         ]
         pieces.append(f"{tqdm.format_interval(elapsed)} so far")
-        if done > begun:
-            left = elapsed * (all_of_it - done) / (done - begun)
+        left = elapsed * (all_of_it - done) / (done - begun) if done > begun else inf
+        if left < LONGEST_LEFT:
             pieces.append(f"about {tqdm.format_interval(left)} left")
         return f"{done / all_of_it:4.0%} | {' | '.join(filter(None, pieces))}"
 
