@@ -1,6 +1,6 @@
 """One run and its result: `simulate` gives a `Solution`, and `load` gives the one that a file holds."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
@@ -26,6 +26,7 @@ from contactlab.trajectory import Ending
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
     from matplotlib.figure import Figure
 
@@ -66,6 +67,26 @@ class Solution:
             there = ", ".join(map(str, self.tree.variables))
             raise KeyError(f"There is no quantity {name!r}; it must be one of {there}.")
         return self.tree.to_dataset()[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.tree.variables
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> list[str]:
+        """Return the names of the quantities."""
+        return [str(name) for name in self.tree.variables]
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """What ran, with which code, and how it ended."""
+        return {str(name): value for name, value in self.tree.attrs.items()}
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """Return the series as a table over time."""
+        root = self.tree.to_dataset()
+        return root[[name for name in root.data_vars if root[name].dims == ("time",)]].to_dataframe()
 
     @property
     def contacts(self) -> "xarray.Dataset":

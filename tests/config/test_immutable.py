@@ -238,6 +238,11 @@ def test_a_run_goes_on_after_its_files_are_gone_or_changed(
     then(tones)
     again = cl.load(run)
     assert again.setup is not None
+    assert "gap" in again
+    assert "gasp" not in again
+    assert all(again[name].size for name in again)
+    assert again.attrs["complete"] == 1
+    assert again.to_dataframe()["gap"].size == again["time"].size
     assert again.setup.configuration == setup.configuration
     later = cl.simulate(start=again, duration=5e-4)
     assert np.array_equal(later["rotor_velocity"], whole["rotor_velocity"])
