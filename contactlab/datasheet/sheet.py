@@ -1,6 +1,7 @@
 """The data sheet of a motor as a dataset."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -13,6 +14,7 @@ from contactlab.datasheet.quantities import MOTOR, POINT
 from contactlab.datasheet.transients import holding_torque, start_time, stop_time
 from contactlab.estimate import Estimate
 from contactlab.results.netcdf import cf_attributes
+from contactlab.steady_state.period_map import contact_at_end, memory_at_end, variables_in
 from contactlab.variables import Variable
 
 ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
@@ -57,8 +59,11 @@ def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Estimate], float]:
         return [free], {}, 0.0
     sense = float(np.sign(velocity))
     points = Curve(setup, velocity).points
-    memory = np.array([free.run.series[name][0] for name in free.run.lasting])
-    stop, coasting = stop_time(setup, free.run.motor, velocity, memory)
+    run, contact = free.run, contact_at_end(free.run)
+    rotor = replace(run.motor.rotor, initial_velocity=float(run.series["rotor_velocity"][-1]))
+    settled = replace(run.motor, start=run.final, rotor=rotor)
+    memory = memory_at_end(run, variables_in(run.law, contact))
+    stop, coasting = stop_time(setup, settled, velocity, memory, contact)
     numbers = {
         "no_load_velocity": Estimate(abs(velocity), error),
         "curve_root": root(points),

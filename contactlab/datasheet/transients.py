@@ -8,6 +8,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
+from contactlab.engine.state import State
 from contactlab.estimate import Estimate
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.motor import ModalState, Motor
@@ -35,14 +36,15 @@ def start_time(setup: Setup, velocity: float) -> Estimate:
     """Return the time from the motor's start to `STARTED` of a velocity [rad/s], and its error [s]."""
 
     def once(setup: Setup) -> float:
-        time, reached, _ = _until(PeriodMap(setup), STARTED * velocity)
+        clock = PeriodMap(setup)
+        time, reached, _ = _until(clock, _start_of(clock), STARTED * velocity)
         return time if reached else np.inf
 
     return _at_two_steps(setup, once)
 
 
 def stop_time(
-    setup: Setup, settled: Motor, velocity: float, memory: Array | None = None
+    setup: Setup, settled: Motor, velocity: float, memory: Array | None = None, contact: State | None = None
 ) -> tuple[Estimate, Estimate]:
     """Return the time in which a rotor without drive falls to `STOPPED` of a velocity, and where it coasts.
 
@@ -50,7 +52,7 @@ def stop_time(
         setup: law and steps.
         settled: the free motor, whose start lies on its steady motion; its electrodes are made short there.
         velocity: without load [rad/s].
-        memory: the law's internal variables of the run there; None takes their initial values.
+        memory, contact: of a `PeriodMap` there; None are initial internal variables, and no contact.
 
     Returns:
         The time [s], infinite where nothing brakes the rotor any more, and the speed at which the tip leaves
@@ -59,8 +61,8 @@ def stop_time(
     result, rotor = [], settled.rotor
 
     def once(setup: Setup) -> float:
-        clock = PeriodMap(replace(setup, motor=_silent(settled)))
-        time, stopped, coasts = _until(clock, STOPPED * velocity, memory)
+        clock = PeriodMap(replace(setup, motor=_silent(settled)), contact=contact)
+        time, stopped, coasts = _until(clock, _start_of(clock, memory), STOPPED * velocity)
         result.append(0.0 if stopped else abs(coasts))
         if stopped:
             return time
@@ -101,15 +103,13 @@ def _start_of(clock: PeriodMap, memory: Array | None = None) -> Array:
     return clock.state_of(motor.start or ModalState(rest, rest), motor.rotor.initial_velocity, memory)
 
 
-def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tuple[float, bool, float]:
-    """Run a motor from its start until its mean velocity over a period passes a target, or the tip has left.
+def _until(clock: PeriodMap, z: Array, target: float) -> tuple[float, bool, float]:
+    """Run a motor from a state until its mean velocity over a period passes a target, or the tip has left.
 
     Returns the time [s], interpolated between the middles of two periods, whether the target is passed, and
     the last velocity [rad/s].
     """
-    z = _start_of(clock, memory)
-    modes = slice(0, 2 * clock.scale.size)
-    rests = RESTS * float(np.linalg.norm(z[modes]))
+    rests = RESTS * float(np.linalg.norm(clock.vibration(z)))
     before = clock.velocity_of(z) - target
     for piece in range(LONGEST // PIECE):
         run = clock.run(z, PIECE, 1)
@@ -120,8 +120,9 @@ def _until(clock: PeriodMap, target: float, memory: Array | None = None) -> tupl
             part = distance[i] / (distance[i] - distance[i - 1])
             return (piece * PIECE + i - 0.5 - float(part)) * clock.period, True, target
         before = float(distance[-1])
+        clock = clock.at_end_of(run, clock.phase)
         z = clock.end_of(run)
-        if not run.contacts["start_time"].size or np.linalg.norm(z[modes]) < rests:
+        if not run.contacts["start_time"].size or np.linalg.norm(clock.vibration(z)) < rests:
             break
     return ((piece + 1) * PIECE - 0.5) * clock.period, False, float(distance[-1] + target)
 

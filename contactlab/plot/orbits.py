@@ -111,8 +111,8 @@ def _label(attractor: xarray.Dataset) -> str:
     """Return share, kind and velocity of an attractor."""
     kind, share = str(attractor["kind"].values), 100.0 * float(attractor["share"])
     velocity = Estimate(float(attractor["velocity"]), float(attractor["velocity_error"]))
-    if kind in ("without contact", "neutral"):
-        return f"{share:.3g} %: {kind}, any velocity{' in a range' if kind == 'neutral' else ''}"
+    if int(attractor["neutral"]):
+        return f"{share:.3g} %: {kind}, any velocity{'' if kind == 'without contact' else ' in a range'}"
     return f"{share:.3g} %: {kind}, {velocity.text('±')} rad/s"
 
 

@@ -282,25 +282,34 @@ def flight_of(run: Trajectory, period: float) -> float | None:
     return round(float(released[longest] + 0.5 * flights[longest]), 6) % 1.0
 
 
-def stretch_of(run: Trajectory) -> float:
-    """Return the middle of the longest stretch in contact of a run over a period, finely recorded.
+def stretches_of(run: Trajectory) -> Array:
+    """Return the state of the contact at the records of a run but its first, shape (record, number).
 
-    In a stretch the contact sticks, or slips one way. Where friction has a spring it sticks: in slip the
+    It is free, sticks, slips one way or the other, and has the values of the discrete internal variables.
+    """
+    mode = run.contact_mode[1:].astype(float)
+    if getattr(run.law, "friction_kind", None) != RATE_DEPENDENT:
+        mode[(mode == SLIP) & (run.series["slip_velocity"][1:] < 0.0)] = -SLIP
+    discrete = [run.series[INTERNAL + each.name][1:] for each in run.law.internal_variables if each.discrete]
+    return np.column_stack([mode, *discrete])
+
+
+def stretch_of(run: Trajectory) -> float:
+    """Return the middle of the longest stretch in contact of a run that repeats itself, as a share of it.
+
+    In a stretch the state of the contact is the same. Where friction has a spring it sticks: in slip the
     bound holds the spring's stretch.
     """
-    mode, kind = run.contact_mode[1:].astype(int), getattr(run.law, "friction_kind", None)
-    slips = (mode == SLIP) if kind != RATE_DEPENDENT else np.zeros(mode.size, bool)
-    state = np.where(slips & (run.series["slip_velocity"][1:] < 0.0), -1, mode)
-    discrete = [run.series[INTERNAL + each.name][1:] for each in run.law.internal_variables if each.discrete]
-    changes = np.flatnonzero(np.any([each != np.roll(each, 1) for each in (state, *discrete)], axis=0))
+    state = stretches_of(run)
+    changes = np.flatnonzero((state != np.roll(state, 1, axis=0)).any(axis=1))
     if not changes.size:
         return 0.0
-    lengths = np.diff(np.append(changes, changes[0] + state.size))
-    if kind == ELASTOPLASTIC and (state == STICK).any():
-        lengths[state[changes] != STICK] = 0
-    lengths[state[changes] == FREE] = 0
+    lengths, mode = np.diff(np.append(changes, changes[0] + len(state))), state[changes, 0]
+    if getattr(run.law, "friction_kind", None) == ELASTOPLASTIC and (mode == STICK).any():
+        lengths[mode != STICK] = 0
+    lengths[mode == FREE] = 0
     longest = int(lengths.argmax())
-    return round(float(changes[longest] + 0.5 * lengths[longest]) / state.size, 6) % 1.0
+    return round(float(changes[longest] + 0.5 * lengths[longest]) / len(state), 6) % 1.0
 
 
 def _remembered(run: Trajectory) -> Array:

@@ -53,9 +53,6 @@ SMALLEST: Final = 1e-2
 CONTRACTED: Final = 0.8
 """Largest ratio of the distances from an orbit after and before one settling time in the ball."""
 
-NEUTRAL: Final = 1e-6
-"""Distance of a multiplier from 1 that differences do not resolve."""
-
 CANNOT_TELL: Final = -1
 
 
@@ -294,9 +291,11 @@ class Basins:
         data = xarray.Dataset(
             {n: ("attractor", v, {"units": u, "long_name": w}) for n, (v, u, w) in columns.items()}
         )
-        kinds = ["neutral" if is_neutral(each) and touches(each) else each.kind for each in self.attractors]
-        meaning = "kind of motion; the rotor of a neutral one keeps any velocity in a range"
-        data["kind"] = ("attractor", kinds, {"long_name": meaning})
+        kinds = [each.kind for each in self.attractors]
+        data["kind"] = ("attractor", kinds, {"long_name": "kind of motion"})
+        neutral = np.array([is_neutral(each) for each in self.attractors], dtype=np.int8)
+        meaning = "whether the motion repeats itself at any velocity, in a range at least"
+        data["neutral"] = ("attractor", neutral, flags(meaning, ("single", "neutral")))
         for name, values in self.axes.items():
             unit, meaning = COORDINATES[name]
             data[name] = (name, values, {"units": unit, "long_name": meaning})
@@ -397,12 +396,14 @@ def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]
 
 
 def is_neutral(state: Steady) -> bool:
-    """Return whether a rotor keeps whatever velocity it has, within a range at least.
+    """Return whether a motion repeats itself at any rotor velocity, within a range at least.
 
-    That is so where nothing touches it, and where contacts of opposite slip take and give the same impulse.
+    That is so where nothing touches the rotor, and where contacts of opposite slip take and give the same
+    impulse.
     """
-    largest = 1.0 if state.orbit is None else abs(state.orbit.multipliers[0])
-    return bool(state.periods and largest > 1.0 - NEUTRAL)
+    if state.orbit is None:
+        return bool(state.periods and not touches(state))
+    return bool(state.orbit.neutral.any())
 
 
 def _ball_reached(balls: list[Ball | None], section: PeriodMap, z: Array) -> int | None:

@@ -60,7 +60,10 @@ class Branch:
 
     def to_xarray(self) -> xarray.Dataset:
         """Return a dataset over `point`, the multipliers over `multiplier`, the largest first."""
-        multipliers = np.array([point.orbit.multipliers for point in self.points])
+        each = [point.orbit.multipliers for point in self.points]
+        # In contact the state has the internal variables of the contact, too.
+        most = max(values.size for values in each)
+        multipliers = np.array([np.append(v, np.full(most - v.size, np.nan)) for v in each])
         columns: dict[str, tuple[str, str, Callable[[BranchPoint], float]]] = {
             "value": (self.unit, f"{self.parameter}, {self.meaning}", lambda p: p.value),
             "rotor_velocity": ("rad s-1", "mean angular velocity of the rotor", lambda p: p.velocity),
@@ -126,8 +129,8 @@ def branch(
     first = steady(at(start).setup, belt=start if parameter == BELT else belt)
     if first.orbit is None:
         raise NoBranchError(
-            f"At {parameter}={start:g} the motor settles in no periodic orbit, its motion is {first.kind}; a "
-            "branch begins with one. Choose another start."
+            f"At {parameter}={start:g} the motion of the motor is {first.kind}, and no closed orbit was "
+            "found next to it; a branch begins with one. Choose another start."
         )
     followed = follow(at, first.orbit, start, end, step)
     return Branch(first.setup, parameter, unit, meaning, followed.points, followed.end)

@@ -19,7 +19,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
+from contactlab.engine.state import State
 from contactlab.progress import tell_progress
+from contactlab.steady_state.arrival import RECORDS, SHORTEST_FLIGHT, stretch_of, stretches_of
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.shooting import CLOSED, ROUGH, STEP, Orbit, derivative_of, updated
 from contactlab.trajectory import Trajectory
@@ -98,13 +100,19 @@ class BranchPoint:
 
     @property
     def contacts(self) -> int:
-        """How often tip and rotor touch in a period of the orbit."""
+        """How often tip and rotor touch in a period of the orbit; one that lasts for all of it counts."""
+        return self.stretches - (self.orbit.map.touches and self.stretches > 1)
+
+    @property
+    def stretches(self) -> int:
+        """Number of contacts between a section and the next: one that goes on at both counts twice."""
         return int(self.run.contacts["start_time"].size)
 
     @property
     def softest(self) -> float:
         """The smallest speed with which they meet [m/s]; 0 where they do not."""
-        speeds = np.abs(self.run.contacts["approach_velocity"])
+        begun = self.run.contacts["start_time"] > (self.run.time[0] if self.orbit.map.touches else -np.inf)
+        speeds = np.abs(self.run.contacts["approach_velocity"][begun])
         return float(speeds.min()) if speeds.size else 0.0
 
     @property
@@ -132,6 +140,7 @@ class Curve:
     start: float
     end: float
     weights: tuple[float, ...] = ()
+    contact: State | None = None
 
     def value(self, y: Array) -> float:
         """Return the parameter."""
@@ -139,9 +148,8 @@ class Curve:
 
     def map_at(self, y: Array) -> PeriodMap:
         """Return the period map of the parameter."""
-        return replace(
-            self.family(self.value(y)), phase=self.phase, periods=self.periods, weights=self.weights
-        )
+        section = {name: getattr(self, name) for name in ("phase", "periods", "weights", "contact")}
+        return replace(self.family(self.value(y)), **section)
 
     def gap(self, y: Array) -> Array:
         """Return (P(z) - z) / size; endless where the motor does not run from there."""
@@ -152,19 +160,17 @@ class Curve:
         except (BrokenOffError, ValueError):
             return np.full(z.size, np.inf)
 
-    def contacts(self, y: Array) -> int:
-        """Count how often tip and rotor touch in the period that follows; -1 where it breaks off."""
+    def stretches(self, y: Array) -> int:
+        """Count the contacts until the next section, see `BranchPoint`; -1 where the run breaks off."""
         try:
             return int(self.map_at(y).run(y[:-1] * self.size).contacts["start_time"].size)
         except (BrokenOffError, ValueError):
             return -1
 
-    def moved(self, y: Array, phase: float) -> Array:
-        """Return the point at another section."""
-        section = self.map_at(y)
-        part = (phase - self.phase) % 1.0
-        z = section.end_of(section.run(y[:-1] * self.size, part / self.periods))
-        return np.append(z / self.size, y[-1])
+    def moved(self, y: Array, other: "Curve", later: float) -> Array:
+        """Return the point at the section of another curve, some periods of the drive later."""
+        run = self.map_at(y).run(y[:-1] * self.size, later / self.periods)
+        return np.append(other.map_at(y).end_of(run) / self.size, y[-1])
 
 
 @final
@@ -190,7 +196,7 @@ class Place:
 
     def count_ahead(self, length: float) -> int:
         """Count how often tip and rotor touch in the period from a point ahead on the tangent."""
-        return self.curve.contacts(self.y + length * self.tangent)
+        return self.curve.stretches(self.y + length * self.tangent)
 
 
 def place_at(curve: Curve, y: Array, heading: Array) -> Place:
@@ -254,7 +260,7 @@ def follow(
         most: points after which it is left as it is.
     """
     section, size = first.map, float(np.linalg.norm(first.state))
-    start = Curve(map_at, section.phase, section.periods, size, value, end, section.weights)
+    start = Curve(map_at, section.phase, section.periods, size, value, end, section.weights, section.contact)
     walk = _walk(start, np.append(first.state / start.size, 0.0), step)
     points: list[BranchPoint] = []
     while len(points) < most:
@@ -307,11 +313,11 @@ def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
         if result is not None:
             place = place_at(last.curve, result[0], last.tangent)
             turns = last.tangent @ place.tangent <= LEAST_COSINE
-            if last.point.contacts == place.point.contacts and not turns:
+            if last.point.stretches == place.point.stretches and not turns:
                 return place, min(LONGER * step, 2.0 * first) if result[1] <= EASY else step
             if step < CLOSELY * first:
                 # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there.
-                same = last.point.contacts == place.point.contacts
+                same = last.point.stretches == place.point.stretches
                 return (place, step) if same or last.point.orbit.roughness <= SMOOTH else None
         step *= 0.5
     return None
@@ -332,23 +338,42 @@ def _why_it_ends(last: Place, place: Place) -> str:
 
 
 def _resectioned(place: Place) -> Place:
-    """Return the same point at a section in the middle of the longest flight, where a contact came near."""
-    run, curve = place.point.run, place.curve
-    begins = run.contacts["start_time"]
-    if not begins.size:
+    """Return the same point at another section, where a contact or a change of friction came near."""
+    curve, section = place.curve, place.point.orbit.map
+    later, seen = _another_section(place)
+    if not later:
         return place
-    ends = begins + run.contacts["duration"]
-    if min(begins[0], run.duration - ends[-1]) >= NEAREST * run.duration:
-        return place
-    flights = np.append(begins[1:], begins[0] + run.duration) - ends
-    longest = int(flights.argmax())
-    later = (ends[longest] + 0.5 * flights[longest]) / run.duration * curve.periods
-    other = replace(curve, phase=(curve.phase + later) % 1.0)
+    end = section.run(place.point.orbit.state, later / curve.periods)
+    moved = section.at_end_of(end, curve.phase + later).weighing(seen)
+    other = replace(curve, phase=moved.phase, weights=moved.weights, contact=moved.contact)
     # Where the tangent points, at the other section.
     reach = np.sqrt(CLOSED)
-    y, beyond = (curve.moved(at, other.phase) for at in (place.y, place.y + reach * place.tangent))
-    moved = place_at(other, y, beyond - y)
-    return replace(moved, point=replace(moved.point, mark=place.point.mark))
+    y, beyond = (curve.moved(at, other, later) for at in (place.y, place.y + reach * place.tangent))
+    there = place_at(other, y, beyond - y)
+    return replace(there, point=replace(there.point, mark=place.point.mark))
+
+
+def _another_section(place: Place) -> tuple[float, Trajectory]:
+    """Return after how many periods of the drive a better section lies, 0 for none, and the run until it."""
+    run, section = place.point.run, place.point.orbit.map
+    begins = run.contacts["start_time"]
+    if not begins.size:
+        return 0.0, run
+    if not section.touches:
+        ends = begins + run.contacts["duration"]
+        if min(begins[0], run.duration - ends[-1]) >= NEAREST * run.duration:
+            return 0.0, run
+        flights = np.append(begins[1:], begins[0] + run.duration) - ends
+        longest = int(flights.argmax())
+        if flights[longest] >= SHORTEST_FLIGHT * run.duration / section.periods:
+            later = (ends[longest] + 0.5 * flights[longest]) / run.duration * section.periods
+            return float(later % section.periods), run
+    run = section.run(place.point.orbit.state, 1.0, RECORDS)
+    state = stretches_of(run)
+    near = int(np.ceil(NEAREST * len(state)))
+    if section.touches and np.all(np.roll(state, near, axis=0)[: 2 * near] == state[-1]):
+        return 0.0, run
+    return stretch_of(run) * section.periods, run
 
 
 def _tests(place: Place) -> dict[Mark, float]:
@@ -366,7 +391,7 @@ def events_between(last: Place, place: Place) -> Iterator[BranchPoint]:
     """Locate what happens between two places of a curve."""
     length = float(last.tangent @ (place.y - last.y))
     result: list[tuple[float, BranchPoint]] = []
-    if last.point.contacts != place.point.contacts:
+    if last.point.stretches != place.point.stretches:
         result.append(_grazing(last, place, length))
     before, after = _tests(last), _tests(place)
     for mark in before:
@@ -417,7 +442,7 @@ def _grazing(last: Place, place: Place, length: float) -> tuple[float, BranchPoi
         reached = last.ahead(middle)
         if reached is None:
             break
-        if last.curve.contacts(reached[0]) == last.point.contacts:
+        if last.curve.stretches(reached[0]) == last.point.stretches:
             low = middle
         else:
             high, at = middle, reached[0]
@@ -437,12 +462,12 @@ def end_of(place: Place, least: float, reach: float) -> str:
     # The tangent at a rough orbit leads astray, but for one without contact.
     if point.orbit.roughness <= SMOOTH or not point.contacts:
         low, high = 0.0, least
-        while (beyond := place.count_ahead(high)) == point.contacts and high < reach:
+        while (beyond := place.count_ahead(high)) == point.stretches and high < reach:
             low, high = high, 2.0 * high
-        if beyond not in (point.contacts, -1):
+        if beyond not in (point.stretches, -1):
             while high - low > LOCATED * reach:
                 middle = 0.5 * (low + high)
-                low, high = (middle, high) if place.count_ahead(middle) == point.contacts else (low, middle)
+                low, high = (middle, high) if place.count_ahead(middle) == point.stretches else (low, middle)
             value, beyond = place.curve.value(place.y + high * place.tangent), place.count_ahead(high)
             return (
                 f"It ends at {value:.9g} in a grazing: it has {before} before and would have {beyond} "
@@ -458,7 +483,7 @@ def end_of(place: Place, least: float, reach: float) -> str:
     for move in length * np.vstack([np.eye(point.orbit.state.size), -np.eye(point.orbit.state.size)]):
         with suppress(BrokenOffError, ValueError):
             others.add(int(point.orbit.map.run(point.orbit.state + move).contacts["start_time"].size))
-    other = sorted(others - {point.contacts})
+    other = sorted(others - {point.stretches})
     nearby = f", {' or '.join(map(str, other))} within {NEARBY:g} of its state" if other else ""
     softest = f", and the softest begins at {point.softest:.3g} m/s" if point.contacts else ""
     return f"It ends at {point.value:.9g}, where the map is not smooth: it has {before}{nearby}{softest}."

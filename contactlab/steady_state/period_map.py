@@ -212,8 +212,12 @@ class PeriodMap:
 
     def mechanical(self, z: Array) -> Array:
         """Return a state z without internal variables."""
-        after = int(self._kept.sum()) + self.scale.size
-        return np.concatenate([z[:after], z[after + self._weights.size :]])
+        modes = self.vibration(z)
+        return np.concatenate([modes, z[modes.size + self._weights.size :]])
+
+    def vibration(self, z: Array) -> Array:
+        """Return the part of a state z that is the modes' motion."""
+        return z[: int(self._kept.sum()) + self.scale.size]
 
     def velocity_of(self, z: Array) -> float:
         """Return the rotor velocity of a state [rad/s]."""

@@ -27,9 +27,6 @@ from contactlab.variables import Variable
 ROUGH: Final = 1e-2
 """Roughness of the period map above which its multipliers are reported as rough."""
 
-NEUTRAL: Final = 1e7
-"""Settling time, in periods of the orbit, above which a multiplier is reported as one."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Steady(Study):
@@ -96,26 +93,29 @@ class Steady(Study):
             outcome = "holds the rotor" if about["kind"] == "standing" else "is overcome"
             sentences.append(f"A brake of {about['brake']:.6g} N m {outcome}.")
         if "multiplier_real" in group:
-            largest = abs(complex(group["multiplier_real"][0], group["multiplier_imag"][0]))
+            other = "largest other" if about["neutral"] else "largest"
+            if about["neutral"]:
+                sentences.append(
+                    f"{about['neutral']} of the Floquet multipliers is one: the motion repeats itself at any "
+                    "value along its direction, and has that of the initial conditions."
+                )
             sentences.append(
-                f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the largest "
-                f"Floquet multiplier has the modulus {largest:.6g}."
+                f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the {other} "
+                f"Floquet multiplier has the modulus {about['largest_multiplier']:.6g}."
             )
             if "belt" not in about:
                 left = 100.0 * np.exp(-about["run_duration"] / about["settling_time"])
                 sentences.append(
-                    f"A run of the configured {about['run_duration']:.6g} s lacks {left:.2g} % of the way "
+                    f"A run of the configured {about['run_duration']:.6g} s lacks {left:.3g} % of the way "
                     "from its start."
                 )
-            if about["settling_time"] > NEUTRAL * float(np.ptp(data.to_dataset()["time"].values)):
-                sentences.append("A multiplier is one: the velocity is that of the initial conditions.")
             if about["roughness"] > ROUGH:
                 sentences.append(
                     "The period map is not smooth here: its derivatives over steps of 1e-6 and 1e-4 differ "
                     f"by {about['roughness']:.2g}, as where a contact grazes; the multipliers are rough."
                 )
         elif about["kind"] == "periodic":
-            sentences.append("No Poincare section in free flight has a stable orbit: no multipliers.")
+            sentences.append("No closed orbit was found next to it: no multipliers.")
         return sentences
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
@@ -168,7 +168,9 @@ def tree_of(converged: Converged, records: int = 2000) -> xarray.DataTree:
         for part, values in (("real", every.real), ("imag", every.imag)):
             meaning = {"units": "1", "long_name": f"{part} part of the Floquet multipliers"}
             variables[f"multiplier_{part}"] = "multiplier", values, meaning
-        facts |= {"roughness": best.orbit.roughness, "settling_time": best.orbit.settling_time}
+        facts |= {name: getattr(best.orbit, name) for name in ("roughness", "settling_time")}
+        facts["largest_multiplier"] = best.orbit.largest
+        facts["neutral"] = int(best.orbit.neutral.sum())
     else:
         for name in ("slip_velocity", "rotor_velocity"):
             attributes = {**tree[name].attrs, "long_name": f"{tree[name].attrs['long_name']}, once a period"}

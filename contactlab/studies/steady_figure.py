@@ -1,5 +1,7 @@
 """A steady state in one picture: path of the tip, rotor velocity, gap and forces, and multipliers."""
 
+from typing import Final
+
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
@@ -11,6 +13,12 @@ from contactlab.plot.overview import explain_shades, shade
 from contactlab.plot.recording import recording_of, steps
 from contactlab.plot.style import COLOURS
 from contactlab.results.summary import prefixed_unit
+
+CLOSED: Final = 1e-15
+"""Gap that is none [m]."""
+
+ROUND_OFF: Final = 1e-9
+"""Relative change of a series that is round-off."""
 
 
 def draw(tree: xarray.DataTree) -> Figure:
@@ -35,19 +43,23 @@ def draw(tree: xarray.DataTree) -> Figure:
     else:
         _draw_stroboscopic_samples(panels["multipliers"], state)
     below = {name: panels[name] for name in ("velocity", "gap", "force")}
-    gap_unit, gap_scale = prefixed_unit(float(np.abs(series["gap"]).max()), "m", smallest=0.1)
+    # The gap of a rigid contact is zero but for round-off.
+    gap = np.where(np.abs(series["gap"]) < CLOSED, 0.0, series["gap"])
+    gap_unit, gap_scale = prefixed_unit(float(np.abs(gap).max()) or 1e-6, "m", smallest=0.1)
     below["velocity"].plot(time, series["rotor_velocity"], color="black")
+    _widen(below["velocity"], series["rotor_velocity"])
     if "belt" in about:
         # The contact changes a prescribed velocity by round-off only.
         below["velocity"].set_ylim(about["belt"] - 1.0, about["belt"] + 1.0)
     below["velocity"].set_ylabel("rotor velocity\n(rad/s)")
-    below["gap"].plot(time, series["gap"] / gap_scale, color="black")
+    below["gap"].plot(time, gap / gap_scale, color="black")
+    _widen(below["gap"], gap / gap_scale)
     below["gap"].axhline(0.0, color="0.35", linewidth=0.6)
     below["gap"].set_ylabel(f"gap ({gap_unit})")
     for name, colour in (("normal", "black"), ("friction", COLOURS["fault"])):
         force = series[f"{name}_force"][1:]
         below["force"].plot(*steps(time, force), color=colour, label=name)
-    below["force"].legend(loc="upper right")
+    below["force"].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1)
     below["force"].set_ylabel("force on the tip (N)")
     below["force"].set_xlabel(f"time ({unit}), from phase {about['phase']:.3g} of the drive's period on")
     for axes in below.values():
@@ -57,6 +69,13 @@ def draw(tree: xarray.DataTree) -> Figure:
     explain_shades(below["velocity"], 1.03)
     figure.align_ylabels([*below.values()])
     return figure
+
+
+def _widen(axes: Axes, values: np.ndarray) -> None:
+    """Draw what changes by round-off only as a constant."""
+    middle = 0.5 * float(values.max() + values.min())
+    if np.ptp(values) <= ROUND_OFF * abs(middle):
+        axes.set_ylim(middle - 0.5 * (abs(middle) or 1.0), middle + 0.5 * (abs(middle) or 1.0))
 
 
 def _draw_path(axes: Axes, tree: xarray.DataTree) -> None:
