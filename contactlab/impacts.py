@@ -119,6 +119,9 @@ SYMMETRY: Final = 1e-9
 DEFINITE: Final = 1e-12
 """Least D_nn D_tt - D_nt^2 over D_nn D_tt: below it round-off decides whether D is positive definite."""
 
+ROUND_OFF: Final = 1e-9
+"""Relative gain of energy that is round-off."""
+
 _PAIR: Final = ("impact", "direction")
 _MATRIX: Final = ("impact", "direction", "other_direction")
 _RECORD: Final = ("impact", "record")
@@ -149,6 +152,13 @@ VARIABLES: Final = (
         "J",
         "W",
         "kinetic energy (u-' D^-1 u- - u+' D^-1 u+) / 2 that the impact took",
+    ),
+    Variable(
+        "energy_ratio",
+        ("impact",),
+        "1",
+        "T+/T-",
+        "kinetic energy u' D^-1 u / 2 after the impact over that before; above one the law created energy",
     ),
     Variable("released", ("impact",), "1", "", "whether the bodies have parted again"),
     Variable(
@@ -196,6 +206,12 @@ class Impacts:
         self.contacts[:, :2] = rates
         self.contacts[:, 2:] = matrices.reshape(-1, 4)[:, [0, 1, 3]]
 
+    @property
+    def energy(self) -> Array:
+        """Kinetic energy before the impacts, u' D^-1 u / 2 [J]."""
+        rate, slip, nn, nt, tt = self.contacts.T
+        return np.asarray(0.5 * (tt * rate**2 - 2.0 * nt * rate * slip + nn * slip**2) / (nn * tt - nt * nt))
+
     def velocities_after(self, law: ContactLaw, tolerance: float | None = None) -> Array:
         """Return gap rates and slips after the impacts [m/s], shape (impact, 2), see `velocities_after`."""
         outcomes = _Integration(law, tolerance, once=True).run(self.contacts)[0]
@@ -235,7 +251,8 @@ class Impacts:
             "impulse": impulse,
             "mode": outcomes["mode"].astype(np.int8),
             # W = -p' (u- + u+) / 2, as u+ - u- = D p: no difference of large numbers.
-            "energy_loss": -0.5 * (impulse * (before + after)).sum(axis=1),
+            "energy_loss": (loss := -0.5 * (impulse * (before + after)).sum(axis=1)),
+            "energy_ratio": (ratio := 1.0 - loss / self.energy),
             "released": outcomes["released"] != 0,
             "status": endings,
             "reason": np.array(reasons),
@@ -254,6 +271,7 @@ class Impacts:
                 "title": f"Impacts under the contact law {law.title}",
                 "law": law.name,
                 "law_parameters": json.dumps(law.describe()),
+                "message": _created(law, ratio),
             },
         )
         # Truth values and text have no unit.
@@ -294,9 +312,10 @@ def impact(
     Returns:
         A dataset with the dimensions impact and direction ("normal", "tangential"): velocity_before,
         velocity_after [m/s], impulse [N s], mode (flags), duration, stick_duration [s], peak_normal_force
-        [N], max_penetration [m], energy_loss [J], released, status, reason; with a history time,
-        normal_force, friction_force and gap besides, shape (impact, record). A rigid law's duration and
-        penetration are zero, and its peak force, which is infinite, NaN.
+        [N], max_penetration [m], energy_loss [J], energy_ratio [1], released, status, reason; with a history
+        time, normal_force, friction_force and gap besides, shape (impact, record). A rigid law's duration
+        and penetration are zero, and its peak force, which is infinite, NaN. Where a law creates energy, the
+        ratio is above one and the attribute `message` says so.
 
     Raises:
         TypeError, ValueError: an argument of another kind or out of range; the message is a sentence.
@@ -321,6 +340,18 @@ def velocities_after(
     their answers. To ask about the same impacts many times, see `Impacts`.
     """
     return Impacts(delassus, velocity_before).velocities_after(law, tolerance)
+
+
+def _created(law: ContactLaw, ratio: Array) -> str:
+    """Return in which impacts a law created energy, as a sentence; empty where it did not."""
+    gains = np.flatnonzero(ratio > 1.0 + ROUND_OFF)
+    if not gains.size:
+        return ""
+    most = int(gains[np.argmax(ratio[gains])])
+    return (
+        f"{law.name} creates energy in {gains.size} of {ratio.size} impacts: after impact {most} the kinetic "
+        f"energy is {ratio[most]:.4g} times that before, which no passive bodies can have."
+    )
 
 
 def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], unit: str) -> Array:

@@ -1,6 +1,8 @@
 """Faults of a configuration, each with key, value and bound."""
 
 from collections.abc import Sequence
+from pathlib import Path
+from traceback import extract_tb
 
 from contactlab.config.groups import GROUPS
 from contactlab.config.options import known_keys
@@ -22,6 +24,18 @@ def one_line(error: BaseException) -> str:
     inner = ("full_key:", "reference_type=", "object_type=")
     text = " ".join(line for line in lines if line and not line.startswith(inner))
     return text if text.endswith((".", "?", "!")) else f"{text}."
+
+
+def failure_of(error: Exception) -> str:
+    """Return why a part of a study has no numbers, a sentence also where the exception has none."""
+    text = str(error)
+    if text.endswith((".", "?", "!")):
+        return text
+    where = [f"{Path(each.filename).name}, line {each.lineno}" for each in extract_tb(error.__traceback__)]
+    return (
+        f"It raised an unexpected {type(error).__name__} ({text or 'without a message'}) in "
+        f"{where[-1] if where else 'an unknown place'}: a fault of contactlab or of the law's own code."
+    )
 
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:

@@ -225,6 +225,19 @@ def contact_gain(run: Run) -> float:
 
 
 @metric(
+    "sum W_g / sum p_n |g_dot_0|",
+    "kinetic energy that the impacts of a rigid law created, over the impulses times the approach velocities",
+    bound=ROUND_OFF,
+    reason="passive bodies have no more energy after an impact than before, but for round-off",
+    source="Kane and Levinson (1985), Dynamics: Theory and Applications; Stronge (2000), Impact Mechanics",
+)
+def impact_gain(run: Run) -> float:
+    gain = float(run.contacts("impact_energy_gain").sum())
+    work = np.abs(run.contacts("normal_impulse") * run.contacts("approach_velocity"))
+    return gain / positive(float(np.nansum(work)))
+
+
+@metric(
     "max|v| in stick / A_v",
     "largest slip velocity while the contact sticks, over the amplitude of the tip's tangential velocity; "
     "not applicable to friction with a tangential spring",

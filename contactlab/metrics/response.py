@@ -1,12 +1,19 @@
 """Response of contacts and motor: numbers without a right value, and whether the motor has settled."""
 
+from typing import Final
+
 import numpy as np
 
 from contactlab import config
+from contactlab.laws.base import MultiplierLaw
+from contactlab.laws.hertz_penalty import HertzPenalty
 from contactlab.metrics.catalogue import SETTLED, UNSETTLED, metric, without_records
 from contactlab.metrics.constraints import stiffness
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 from contactlab.settling.verdict import SHARE
+
+ASSUMED_STIFFNESS: Final = float(HertzPenalty().stiffness or 0.0)
+"""Contact stiffness at which the impulse of an impact is expressed as a force [N m^-1.5]."""
 
 
 @without_records("n_c", "number of contacts, those that the run's start or end cuts included", usual=True)
@@ -18,6 +25,36 @@ def contact_count(run: Run) -> float:
 @without_records("N_max", "largest normal force", "N", source="paper, fig. 9", usual=True)
 def peak_force(run: Run) -> float:
     return float(run.contacts("peak_normal_force").max())
+
+
+@without_records(
+    "max N_l",
+    "largest normal force while contacts last: without the impacts of rigid laws, whose force is infinite",
+    "N",
+)
+def peak_lasting_force(run: Run) -> float:
+    rigid = issubclass(run.law_classes.get("", object), MultiplierLaw)
+    needed("peak_lasting_force" in run.rows or not rigid)
+    name = "peak_lasting_force" if "peak_lasting_force" in run.rows else "peak_normal_force"
+    return float(run.contacts(name).max())
+
+
+@without_records("max p_i", "largest normal impulse of an impact under a rigid law", "N s")
+def largest_impact(run: Run) -> float:
+    return float(run.contacts("largest_impact").max())
+
+
+@metric(
+    "K^(2/5) (5 p_i^2 / (16 m))^(3/5), m = 1/D_nn",
+    "force that the largest impact's impulse stands for: the peak of an elastic Hertz contact with that "
+    f"impulse, of an assumed stiffness of {ASSUMED_STIFFNESS:g} N/m^1.5, the default of hertz_penalty",
+    "N",
+    source="Johnson (1985), Contact Mechanics, sec. 11.4",
+)
+def equivalent_impact_force(run: Run) -> float:
+    # An elastic impact of the speed v has the impulse 2 m v, and the depth d of K d^(5/2) = 5 m v^2 / 4.
+    energy = 5.0 * positive(largest_impact(run)) ** 2 / (16.0 * effective_mass(run))
+    return float(ASSUMED_STIFFNESS**0.4 * energy**0.6)
 
 
 @without_records("mean p_n", "mean normal impulse of a contact, of those cut what lies in the run", "N s")

@@ -276,7 +276,9 @@ def free_reach(motor: Motor) -> float:
         with np.errstate(divide="ignore", invalid="ignore"):
             still = np.where(motor.preload == 0.0, 0.0, motor.preload / modes.stiffness)
         q = q + still[:, None]
+    if not np.isfinite(q).all():
+        return float("nan")
     lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
     seen = zip((modes.approach @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
     least = min(contact_frame(u, th, *lengths)[0] for u, th in seen)
-    return float(geometry.clearance - least) if np.isfinite(q).all() else float("nan")
+    return float(geometry.clearance - least)

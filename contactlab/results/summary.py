@@ -12,6 +12,7 @@ from contactlab.results.netcdf import (
     Group,
     Groups,
     configuration_of,
+    contacts_in,
     groups_of,
     lasting_in,
     reached_end,
@@ -51,19 +52,18 @@ def summarise(run: "xarray.DataTree | Groups", wall_time: float | None = None) -
 def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) -> dict[str, str]:
     """Return the values of `summarise` by their labels."""
     groups = groups_of(run)
-    (root, attributes), contacts = groups["/"], groups["/contacts"].variables
+    (root, attributes), contacts = groups["/"], contacts_in(groups)
     configuration = configuration_of(attributes)
     start, end = root["time"].values[[0, -1]].tolist()
     # Plus nothing: a rotor at rest has no sign.
     velocity = float(root["rotor_velocity"].values[-1]) + 0.0
-    peak = float(np.max(contacts["peak_normal_force"].values, initial=0.0))
     settling = settling_in(groups)
     lines = {
         "law": _law(attributes),
         "contacts": _contacts(groups["/"], configuration, contacts),
         "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
         "steady state": f"{settling.sentence}. {settling.way_out(end)}".rstrip(),
-        "peak normal force": f"{peak:.4g} N" if np.isfinite(peak) else "infinite: impacts take no time",
+        "peak normal force": _peak(contacts),
     }
     if ended := _ended(configuration.get("solver"), end - start, settling):
         lines["ended"] = ended
@@ -76,10 +76,12 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
     if loaded:
         what = "drives the motor and works on it" if work < 0.0 else "brakes the motor and takes"
         lines["load"] = f"{what}: {abs(work):.4g} J"
-    impulse = float(np.sum(contacts["normal_impulse"].values))
+    impulse = float(np.sum(contacts["normal_impulse"]))
     lines["normal impulse"] = f"{impulse:.6g} N s in all"
     if remembered := _remembered(root):
         lines["remembered"] = remembered
+    if created := _created(contacts):
+        lines["energy created"] = created
     lines["ledger residual"] = _residual(root)
     if wall_time is not None:
         pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
@@ -127,6 +129,30 @@ def _law(attributes: Mapping[Any, Any]) -> str:
     return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(texts)})"
 
 
+def _peak(contacts: Mapping[str, np.ndarray]) -> str:
+    """Return the largest normal force, and of impacts the largest impulse."""
+    peak = float(np.max(contacts["peak_normal_force"], initial=0.0))
+    if not np.isinf(peak):
+        return f"{peak:.4g} N"
+    text = "infinite: impacts take no time"
+    if "largest_impact" in contacts:
+        largest, lasting = (
+            float(np.max(contacts[name])) for name in ("largest_impact", "peak_lasting_force")
+        )
+        text += f"; the largest has {largest:.4g} N s, and contacts that last up to {lasting:.4g} N"
+    return text
+
+
+def _created(contacts: Mapping[str, np.ndarray]) -> str:
+    """Return the energy that impacts created; empty where it is none or round-off."""
+    gains = contacts.get("impact_energy_gain", np.zeros(0))
+    turned_over = np.nansum(np.abs(contacts["normal_impulse"] * contacts["approach_velocity"]))
+    if not float(gains.sum()) > ROUND_OFF * float(turned_over):
+        return ""
+    count = np.count_nonzero(gains > ROUND_OFF * np.max(gains))
+    return f"{gains.sum():.4g} J by the law in impacts of {count} contacts, which no passive bodies can have"
+
+
 def _ended(solver: Any, length: float, settling: Settling) -> str:
     """Return what ended a run that was to last until its motor has settled; empty for another."""
     if not isinstance(solver, Mapping) or solver.get("until") != STEADY or "duration" not in solver:
@@ -140,11 +166,11 @@ def _ended(solver: Any, length: float, settling: Settling) -> str:
     return f"at the longest, {longest}, before it had settled to {precision:g}"
 
 
-def _contacts(root: Group, configuration: Mapping[str, Any], contacts: Mapping[Any, Column]) -> str:
+def _contacts(root: Group, configuration: Mapping[str, Any], contacts: Mapping[str, np.ndarray]) -> str:
     """Return number, duration and stick of the contacts, or how far away the tip stayed."""
-    if count := contacts["duration"].values.size:
-        touching = prefixed(float(np.sum(contacts["duration"].values)), "s")
-        sticking = prefixed(float(np.sum(contacts["stick_duration"].values)), "s")
+    if count := contacts["duration"].size:
+        touching = prefixed(float(np.sum(contacts["duration"])), "s")
+        sticking = prefixed(float(np.sum(contacts["stick_duration"])), "s")
         return f"{count}, {touching} in contact, {sticking} of it sticking"
     clearance = float(configuration["contact"]["clearance"])
     bridged = max(clearance - float(np.min(root.variables["gap"].values)), 0.0)

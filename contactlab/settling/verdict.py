@@ -165,6 +165,11 @@ def periods_of(
     ripple = float(np.ptp(velocity[last]))
     begun = np.searchsorted(np.sort(starts[releases > starts]), ends[1:])
     over = np.searchsorted(np.sort(releases[releases > starts]), ends[:-1])
+    across = np.searchsorted(np.sort(starts), ends) > np.searchsorted(np.sort(releases), ends)
+    if "normal_force" in columns and (across | (ends > whole_until)).any():
+        # A contact that goes on over periods has a part of its impulse in each.
+        grown = np.append(0.0, np.cumsum(columns["normal_force"][1:] * np.diff(time)))
+        impulse = np.diff(np.interp(ends, time, grown))
     # Hermite's cubic of the angle.
     after = np.clip(np.searchsorted(time, ends), 1, time.size - 1)
     before = after - 1

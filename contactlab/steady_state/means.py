@@ -78,10 +78,11 @@ def _statistical_errors(run: Run, stick: float, friction: float) -> list[float]:
     # A ratio of means moves by the deviation of its numerator, over the mean of its denominator.
     deviation = run.rows["stick_duration"] - stick * durations
     lost = np.diff(run.columns["friction_loss"]) - friction * work
-    pairs = ((deviation, durations), (lost, work))
+    pairs = ((deviation, float(durations.mean())), (lost, float(work.mean())))
     before, after = float(peaks[:middle].max()), float(peaks[middle:].max())
     halves = abs(before - after) if before != after else 0.0
-    return [halves, *(mean_with_error(part)[1] / abs(float(whole.mean())) for part, whole in pairs)]
+    # Where impacts take no time there is no share of it.
+    return [halves, *(mean_with_error(part)[1] / abs(mean) if mean else np.nan for part, mean in pairs)]
 
 
 def motion_of(state: Steady) -> Trajectory:

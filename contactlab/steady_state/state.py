@@ -164,7 +164,8 @@ class Steady:
 
         No error is known of the largest force of a motion that does not repeat itself.
         """
-        peaks = self.motion.contacts["peak_normal_force"]
+        rows = self.motion.contacts_within
+        peaks = rows["peak_normal_force"]
         largest = float(peaks.max(initial=0.0))
         if np.isinf(largest):
             return Estimate(largest, 0.0)
@@ -172,14 +173,15 @@ class Steady:
             return Estimate(largest, self.closure * largest)
         if not self.periods:
             return Estimate(largest, np.nan)
-        passed = (self.motion.contacts["start_time"] - self.motion.time[0]) / (self.periods * self.period)
+        passed = (rows["start_time"] - self.motion.time[0]) / (self.periods * self.period)
         cycles = pandas.Series(peaks).groupby(np.floor(passed)).max()
         return Estimate(largest, float(np.ptp(cycles)))
 
     @property
     def contact_share(self) -> Estimate:
         """Share of the time in which tip and rotor touch, and its error [1]."""
-        touched, lasted = (self.motion.contacts[name] for name in ("start_time", "duration"))
+        rows = self.motion.contacts_within
+        touched, lasted = rows["start_time"], rows["duration"]
         if not touched.size:
             return Estimate(0.0, 0.0)
         # The time in contact until an instant grows by one a second in contact, and rests in flight.

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from xarray.indexes import PandasMultiIndex
 
 from contactlab.config import validate
-from contactlab.config.faults import one_line
+from contactlab.config.faults import failure_of
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.metrics import assess, is_complete, read_run
@@ -131,7 +131,13 @@ def collect(
     if dims := [] if plan and plan.samples else dimensions(dataset):
         texts = {name: "" for name, variable in dataset.variables.items() if variable.dtype.kind == "O"}
         empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_CONFIGURED}
+        choices = {name: pandas.unique(dataset[name].values) for name in dims if name in texts}
         dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(RUN, fill_value=empty)
+        # Choices keep the order in which the sweep names them.
+        for axis in plan.axes if plan else ():
+            if {*axis.values} >= {*choices.get(axis.key, (None,))}:
+                choices[axis.key] = [value for value in axis.values if value in choices[axis.key]]
+        dataset = dataset.sel(choices)
         dataset.attrs["complete"] = int(not dataset["status"].any())
     path = directory / DATASET if output is None else Path(output)
     with files.whole_netcdf(path) as partial:
@@ -186,7 +192,7 @@ def _read_run(name: str, folder: Path) -> Run:
             run.reason = str(tree.attrs.get("message", "")) or "The dataset is not complete."
         run.metrics = assess(tree) if run.status in _WITH_NUMBERS else {}
     except Exception as error:
-        run.status, run.reason = Status.FAILED, one_line(error)
+        run.status, run.reason = Status.FAILED, failure_of(error)
     return run
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import combinations
-from math import ceil, inf, isfinite, log
+from math import ceil, floor, inf, isfinite, log, log10
 from typing import Any, Final
 
 import numpy as np
@@ -205,8 +205,8 @@ def _best_measurement(data: xarray.Dataset, points: list[str]) -> Iterator[str]:
     factor, name = float(middle[cell, quantity]), data["quantity_name"].values[quantity]
     yield (
         f"Of the quantities compared, one measurement of the {name}{at} with {100 * TYPICAL_ERROR:g} % error "
-        f"distinguishes two laws best: its expected log Bayes factor is {factor:.2g} for the median pair "
-        f"({'strong' if factor >= 3.0 else 'weak'} evidence)."
+        f"distinguishes two laws best: its expected log Bayes factor is {rounded_down(factor)} for the "
+        f"median pair ({'strong' if factor >= 3.0 else 'weak'} evidence)."
     )
 
 
@@ -231,7 +231,7 @@ def _of_transients(data: xarray.Dataset) -> Iterator[str]:
         elif ratio < 1.0 and diverging:
             yield f"{start}; with {listed(diverging)} it does not converge: its error exceeds its value."
         else:
-            times = f"{ratio:.2g}" if ratio < 1e3 else "more than 1000"
+            times = rounded_down(ratio) if ratio < 1e3 else "more than 1000"
             resolved = "resolved" if ratio >= CLEAR else "barely resolved" if ratio >= 1.0 else "not resolved"
             yield (
                 f"{start}; the difference of the transients, {size:.3g}{unit}, is {times} times the "
@@ -262,6 +262,13 @@ def _failed(judged: xarray.Dataset) -> str:
         if keys.size:
             failures.append(f"{label} fails {listed([str(key) for key in keys])}")
     return "; ".join(failures)
+
+
+def rounded_down(value: float) -> str:
+    """Write a number to three digits that reach no threshold which the number is below."""
+    digit = 10.0 ** (floor(log10(abs(value))) - 2) if value else 1.0
+    shown = round(value, 12 - floor(log10(digit))) if value else 0.0
+    return f"{digit * floor(shown / digit * (1.0 + 1e-12)):.3g}"
 
 
 def _capital(text: str) -> str:

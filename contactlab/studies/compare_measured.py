@@ -16,6 +16,7 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.faults import failure_of
 from contactlab.config.nesting import flat, nested
 from contactlab.config.table import MeasurementError
 from contactlab.impacts import velocities_after
@@ -175,7 +176,7 @@ def do_prediction(setup: Setup, data: MeasuredImpacts | MeasuredSeries) -> Part:
         raise
     # A law of another package may fail in any way.
     except Exception as error:
-        failure = str(error) or type(error).__name__
+        failure = failure_of(error)
     return Part(xarray.DataTree(xarray.Dataset(values, attrs={"failure": failure})))
 
 

@@ -8,6 +8,7 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.faults import failure_of
 from contactlab.datasheet.transients import start_time
 from contactlab.estimate import Estimate
 from contactlab.steady_state import BrokenOffError, NotSettledError, steady
@@ -45,7 +46,7 @@ def do_draw(configurations: Mapping[str, Mapping[str, Any] | Setup], names: Sequ
             failure = str(error)
         # A law of another package may fail in any way, and must not stop the others.
         except Exception as error:
-            failure = str(error) or type(error).__name__
+            failure = failure_of(error)
         kinds.append(kind)
         failures.append(failure)
     both = ("law", "quantity")

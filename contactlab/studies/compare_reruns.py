@@ -10,6 +10,7 @@ import xarray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup, build
+from contactlab.config.faults import failure_of
 from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.results.netcdf import reached_end, to_datatree
@@ -71,7 +72,7 @@ def _failing_alone(task: Callable[..., xarray.DataTree]) -> Callable[..., Part]:
             return Part(task(*arguments))
         except Exception as error:
             settles = int(not isinstance(error, NotSettledError))
-            failure = str(error) or type(error).__name__
+            failure = failure_of(error)
             return Part(xarray.DataTree(xarray.Dataset(attrs={"failure": failure, "settles": settles})))
 
     return do

@@ -26,6 +26,7 @@ import yaml
 from contactlab.checks import accepts_units, check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
+from contactlab.config.faults import failure_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
 from contactlab.config.nesting import Value
@@ -195,7 +196,7 @@ def _outcome(work: Cells, cell: int) -> Outcome:
         # The end of a cluster's time is no result of the cell: the task is to be done again.
         if is_of_a_signal(error):
             raise
-        return Outcome(reason=f"The run ended in {type(error).__name__}: {error}")
+        return Outcome(reason=failure_of(error))
     return outcome
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from support.impacts import after, contact_energy, drawn_impacts, impact_of, loss
+from support.impacts import after, contact_energy, double_pendulum, drawn_impacts, impact_of, loss
 
 from contactlab.laws import Brach, Newton
 
@@ -26,22 +26,6 @@ def test_it_is_newtons_impact_where_that_makes_no_energy_and_else_one_without_lo
             assert after(normal, slip, d, result)[0] == pytest.approx(-0.8 * normal, rel=1e-9)
     assert cases["alike"] > 1000
     assert cases["bounded"] > 20
-
-
-def double_pendulum() -> tuple[float, float, tuple[float, float, float]]:
-    """Two equal rods that swing down onto the floor, after Kane and Levinson (1985).
-
-    Angles of 20 and 30 degrees from the vertical, rates of -0.1 and -0.2 rad/s; mass and length one.
-    """
-    first_angle, second_angle = np.radians([20.0, 30.0])
-    along = np.cos([first_angle, second_angle])
-    # Of the free end: its gap, which grows with the angles, and its way along the floor.
-    rows = np.array([np.sin([first_angle, second_angle]), along])
-    coupling = 0.5 * np.cos(second_angle - first_angle)
-    inverse = np.linalg.inv([[4.0 / 3.0, coupling], [coupling, 1.0 / 3.0]])
-    (d_nn, d_nt), (_, d_tt) = rows @ inverse @ rows.T
-    normal, slip = rows @ [-0.1, -0.2]
-    return float(normal), float(slip), (float(d_nn), float(d_nt), float(d_tt))
 
 
 def test_the_double_pendulum_that_gains_energy_from_newtons_law_gains_none() -> None:

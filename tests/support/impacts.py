@@ -74,3 +74,19 @@ def _wrong(claims: list[Claim], excuse: str) -> list[str]:
     if excuse:
         return [] if failing else [f"declared broken, and holds: {excuse}"]
     return failing
+
+
+def double_pendulum() -> tuple[float, float, tuple[float, float, float]]:
+    """Two equal rods that swing down onto the floor, after Kane and Levinson (1985).
+
+    Angles of 20 and 30 degrees from the vertical, rates of -0.1 and -0.2 rad/s; mass and length one.
+    """
+    first_angle, second_angle = np.radians([20.0, 30.0])
+    along = np.cos([first_angle, second_angle])
+    # Of the free end: its gap, which grows with the angles, and its way along the floor.
+    rows = np.array([np.sin([first_angle, second_angle]), along])
+    coupling = 0.5 * np.cos(second_angle - first_angle)
+    inverse = np.linalg.inv([[4.0 / 3.0, coupling], [coupling, 1.0 / 3.0]])
+    (d_nn, d_nt), (_, d_tt) = rows @ inverse @ rows.T
+    normal, slip = rows @ [-0.1, -0.2]
+    return float(normal), float(slip), (float(d_nn), float(d_nt), float(d_tt))

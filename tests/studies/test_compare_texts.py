@@ -1,0 +1,57 @@
+"""What findings say agrees with what they judge, and no raw exception is one."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+import contactlab as cl
+from contactlab.config.faults import failure_of
+from contactlab.metrics import Run
+from contactlab.motor.bodies import block
+from contactlab.motor.motor import free_reach
+from contactlab.steady_state.means import _statistical_errors
+from contactlab.studies.compare_findings import rounded_down
+
+
+@given(value=st.floats(1e-3, 1e6), threshold=st.sampled_from([1.0, 3.0, 10.0]))
+def test_a_number_is_not_shown_beyond_a_threshold_that_it_is_below(value: float, threshold: float) -> None:
+    shown = float(rounded_down(value))
+    assert (shown >= threshold) == (value >= threshold * (1.0 - 1e-11))
+    assert shown == pytest.approx(value, rel=1.1e-2)
+
+
+@pytest.mark.parametrize("raised", [ZeroDivisionError("float division by zero"), KeyError("x"), ValueError()])
+def test_an_unexpected_exception_is_told_with_its_kind_and_place(raised: Exception) -> None:
+    try:
+        raise raised
+    except Exception as error:
+        text = failure_of(error)
+    assert text != str(raised)
+    assert type(raised).__name__ in text
+    assert "test_compare_texts.py" in text
+
+
+def test_a_sentence_stays_as_it_is() -> None:
+    assert failure_of(cl.laws.LawError("The law has no force.")) == "The law has no force."
+
+
+def test_impacts_that_take_no_time_have_no_error_of_their_stick() -> None:
+    count = 40
+    ramp = np.linspace(0.0, 1.0, count)
+    rows = {
+        "start_time": ramp,
+        "duration": np.zeros(count),
+        "stick_duration": np.zeros(count),
+        "peak_normal_force": np.full(count, np.inf),
+    }
+    columns = {"time": ramp, "drive_work": np.zeros(count), "friction_loss": np.zeros(count)}
+    errors = _statistical_errors(Run(columns, rows, {}, "newton", {}, 0.0), np.nan, np.nan)
+    assert np.isnan(errors[1:]).all()
+
+
+def test_a_block_that_is_sprung_along_the_belt_only_has_no_reach_and_no_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isnan(free_reach(block(1.0, weight=1.0, stiffness=100.0, push_amplitude=1.0)))
