@@ -15,7 +15,7 @@ import yaml
 from hypothesis import given, settings, strategies as st
 
 import contactlab as cl
-from contactlab.config.nesting import flat
+from contactlab.config.nesting import flat, nested
 
 SETUP = cl.build(["drive=chirp", "solver.changes=['1 ms; rotor.load_torque=1e-3']"])
 COPIES: list[Callable[[Any], Any]] = [
@@ -174,14 +174,10 @@ KEYS = {
 }
 
 
-@settings(max_examples=20)
+@settings(max_examples=20, deadline=None)
 @given(st.sets(st.sampled_from(sorted(KEYS)), max_size=4))
 def test_a_mapping_is_completed_from_the_defaults(keys: set[str]) -> None:
-    mapping: dict[str, Any] = {}
-    for key in keys:
-        group, _, leaf = key.partition(".")
-        mapping.setdefault(group, {})[leaf] = KEYS[key]
-    assert cl.build(mapping).configuration == cl.build().configuration
+    assert cl.build(nested({key: KEYS[key] for key in keys})).configuration == cl.build().configuration
 
 
 @pytest.mark.parametrize(
