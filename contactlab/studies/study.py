@@ -165,7 +165,9 @@ class Study(ABC):
 def _check_attributes(study: type[Study]) -> None:
     """Refuse a class attribute that no study has, which would be ignored, by a TypeError."""
     own = get_annotations(Study)
-    known = {*dir(Study), *own, *(field.name for field in fields(study))}
+    # A base class of studies may declare attributes of its own.
+    declared = (name for base in study.__mro__ for name in get_annotations(base))
+    known = {*dir(Study), *declared, *(field.name for field in fields(study))}
     for name, value in vars(study).items():
         described = callable(value) or hasattr(value, "__get__")
         if not (name in known or name.startswith("_") or described):
