@@ -62,11 +62,12 @@ def _of_records(
     touching = np.searchsorted(np.sort(starts), time + near, side="right") != np.searchsorted(
         np.sort(ends), time - near
     )
-    before = np.flatnonzero(early | (~touching & (time <= begin)))
+    cut = bool(begin <= time[0])
+    before = np.flatnonzero(cut | (~touching & (time <= begin)))
     after = np.flatnonzero(late | (~touching & (time >= end)))
     values = dict.fromkeys(SUMS, np.nan)
     if before.size and after.size:
-        left, right = (0 if early else int(before[-1])), (time.size - 1 if late else int(after[0]))
+        left, right = (0 if cut else int(before[-1])), (time.size - 1 if late else int(after[0]))
         inside = (starts >= time[left] - near) & (ends <= time[right] + near)
         across = (starts < time[right]) & (ends > time[left]) & ~inside
         across[i] = inside[i] = False

@@ -75,6 +75,7 @@ from contactlab.engine.state import (
     NODES,
     NOT_FINITE,
     NOTHING,
+    PEAK,
     RELEASE,
     REVERSAL,
     RUNNING,
@@ -150,7 +151,7 @@ def step_constrained(run: Run, law: Law) -> int:
     if s > remaining:
         event, s = NOTHING, remaining
     state.taken = s
-    _note_peaks(run, normal)
+    _note_peaks(run, law, normal)
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
@@ -172,27 +173,35 @@ def _momentum(run: Run, law: Law, normal: float) -> float:
 
 
 @inner_kernel
-def _note_peaks(run: Run, normal: float) -> None:
+def _note_peaks(run: Run, law: Law, normal: float) -> None:
     """Note the largest normal force of the contact, and of its part in a run that goes on."""
     state = run.state
-    _note_peak(run, state.contact, 0.0, normal)
+    _note_peak(run, law, state.contact, 0.0, normal)
     if state.contact.start_time < state.run_start:
         # The first step of a run that goes on is that of the run before.
         first = max(state.run_start - state.time, 0.0)
-        _note_peak(run, state.part, first, value_at(state.normal, first / state.length))
+        _note_peak(run, law, state.part, first, value_at(state.normal, first / state.length))
 
 
 @inner_kernel
-def _note_peak(run: Run, contact: Any, first: float, normal: float) -> None:
-    """Note the largest normal force in a row of contacts, at the nodes and both ends of what was taken.
+def _note_peak(run: Run, law: Law, contact: Any, first: float, normal: float) -> None:
+    """Note the largest normal force in a row of contacts, between the nodes as well.
 
-    That is from a time in the step on [s], with the normal force there [N].
+    What was taken counts from a time in the step on [s], with the normal force there [N].
     """
     state = run.state
-    peak = max(normal, value_at(state.normal, state.taken / state.length))
+    peak, left, s = normal, first, state.taken
     for i in range(NODES):
-        if first < run.propagator.rule.nodes[i] * state.length < state.taken:
-            peak = max(peak, state.normal.node[i])
+        right = min(run.propagator.rule.nodes[i] * state.length, s)
+        if right <= first:
+            continue
+        peak = max(peak, value_at(state.normal, right / state.length))
+        if slope_at(state.normal, left / state.length) > 0.0 > slope_at(state.normal, right / state.length):
+            at = locate(run, law, PEAK, left, right, 0.0)
+            peak = max(peak, value_at(state.normal, at / state.length))
+        if right == s:
+            break
+        left = right
     contact.peak_lasting_force = max(contact.peak_lasting_force, peak)
     contact.peak_normal_force = max(contact.peak_normal_force, peak)
 
