@@ -57,7 +57,7 @@ def _of_records(
     """Return what the records tell of the part of a contact in their window, NaN for the rest."""
     starts, ends = rows["start_time"], rows["start_time"] + rows["duration"]
     begin, end = max(starts[i], time[0]), min(ends[i], time[-1])
-    early, late = starts[i] < begin, ends[i] > end
+    early, late = bool(starts[i] < begin), bool(ends[i] > end)
     # The stretch reaches to a record in flight on either side; other contacts in it must be whole.
     touching = np.searchsorted(np.sort(starts), time + near, side="right") != np.searchsorted(
         np.sort(ends), time - near
