@@ -6,9 +6,11 @@ from typing import Final
 import numpy as np
 import scipy
 
+from contactlab.arrays import Array
 from contactlab.engine.binding import FORCE
 from contactlab.engine.preparation import take_in
 from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import ModalState, Motor
 
 DEEPEST: Final = 1e-3
@@ -17,24 +19,44 @@ DEEPEST: Final = 1e-3
 OPEN: Final = 1e-15
 """Gap at which a rigid contact begins [m], which round-off must not close."""
 
+MOST_CORRECTIONS, CLOSED = 25, 1e-3
+"""Of Newton's method, and error of the gap over `OPEN` at which it ends."""
+
 
 def at_rest(motor: Motor, law: ContactLaw) -> Motor:
     """Return a motor that begins in its static equilibrium, without a drive.
 
-        k_j q_j = a_j - N rho_j,   g_0 - sum_j rho_j q_j = -d(N)
+        k_j q_j = a_j - N rho_j,   g(q) = -d(N),   rho_j = -dg/dq_j
 
-    with the preload a_j, the rows rho_j of tip towards rotor and the penetration d at which the law's normal
-    force at rest is N; a rigid law has none. Where one coordinate has no stiffness, as a rotor on a bearing
-    without a spring's, N is what its preload asks for.
+    with the preload a_j, the gap g and the penetration d at which the law's normal force at rest is N; a
+    rigid law has none. A tip that leans has another gap than its displacement, which takes Newton's method.
+    Where one coordinate has no stiffness, as a rotor on a bearing without a spring's, N is what its preload
+    asks for.
 
     Raises:
-        ValueError: no contact force up to a penetration of `DEEPEST` balances the preload.
+        ValueError: no contact force up to a penetration of `DEEPEST` balances the preload, or the tip leans
+            too far.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    k, row = motor.modes.stiffness, motor.modes.approach
+    modes, geometry = motor.modes, motor.geometry
+    k, row, clearance = modes.stiffness, modes.approach, geometry.clearance
+    for _ in range(MOST_CORRECTIONS):
+        q = _balanced(motor, law, row, clearance)
+        u, th = float(modes.approach @ q), float(modes.tip_slope @ q)
+        lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
+        gap, n_u, n_th, _, _ = contact_frame(u, th, *lengths)
+        if abs(gap - (clearance - float(row @ q))) <= CLOSED * OPEN:
+            return replace(motor, start=ModalState(q, np.zeros_like(k)))
+        row = -n_u * modes.approach - n_th * modes.tip_slope
+        clearance = gap + float(row @ q)
+    raise ValueError(f"The preload leans the tip by {th:.3g} rad, where no equilibrium was reached.")
+
+
+def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> Array:
+    """Return the amplitudes at rest where the gap is clearance - row q."""
+    k = motor.modes.stiffness
     preload = np.zeros_like(k) if motor.preload is None else motor.preload
-    free, clearance = np.flatnonzero(k == 0.0), motor.geometry.clearance
-    elastic = k > 0.0
+    free, elastic = np.flatnonzero(k == 0.0), k > 0.0
     yields, comes = (
         float(row[elastic] ** 2 @ (1.0 / k[elastic])),
         float(row[elastic] @ (preload[elastic] / k[elastic])),
@@ -68,4 +90,4 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
     q[elastic] = (preload[elastic] - force * row[elastic]) / k[elastic]
     if free.size and force > 0.0:
         q[free[0]] = (clearance + penetration(force) - row[elastic] @ q[elastic]) / row[free[0]]
-    return replace(motor, start=ModalState(q, np.zeros_like(k)))
+    return q

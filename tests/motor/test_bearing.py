@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import contactlab as cl
+from contactlab.engine.equilibrium import at_rest
 from contactlab.motor.bodies import FLAT, block
+from contactlab.motor.geometry import contact_frame
 
 SILENT = ["drive.voltage_1=0", "drive.voltage_2=0"]
 
@@ -170,3 +172,31 @@ def test_a_configuration_without_a_bearing_is_one_of_before() -> None:
     ):
         del configuration[group][key]
     assert cl.build(configuration).motor.modes.stiffness.size == 4
+
+
+@pytest.mark.parametrize("stiffness", [0.0, 1e5])
+@pytest.mark.parametrize("preload", [0.5, 5.0, 500.0])
+def test_a_pressed_tip_that_leans_rests_at_the_gap_of_its_law(preload: float, stiffness: float) -> None:
+    """Modes that move and turn the tip: its gap is not its displacement by up to 2 um here."""
+    omega, mass = 2.0 * pi * np.array([3e3, 7e3]), np.array([5e-3, 1e-2])
+    modes = cl.NormalModes(
+        stiffness=omega**2,
+        damping=0.02 * omega,
+        coupling=np.ones((2, 2)),
+        tip_displacement=np.array([1.0, 0.4]) / np.sqrt(mass),
+        tip_slope=np.array([50.0, -80.0]) / np.sqrt(mass),
+    )
+    geometry = cl.ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=1e-6)
+    motor = cl.Motor(modes, cl.Drive(), geometry, cl.Rotor(inertia=4.8e-5))
+    bearing = cl.Bearing(mass=0.15, preload=preload, stiffness=stiffness)
+    motor = at_rest(cl.on_bearing(motor, bearing), cl.law("newton"))
+    assert motor.start is not None
+    q, m = motor.start.displacement, motor.modes
+    lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
+    gap, n_u, n_th, _, _ = contact_frame(float(m.approach @ q), float(m.tip_slope @ q), *lengths)
+    assert gap == pytest.approx(1e-15, rel=1e-2)
+    # One force along the normal holds every coordinate.
+    row = -n_u * m.approach - n_th * m.tip_slope
+    held = (motor.preload - m.stiffness * q) / row
+    assert held == pytest.approx(held[-1], rel=1e-6)
+    assert held[-1] > 0.0
