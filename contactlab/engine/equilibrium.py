@@ -34,26 +34,28 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
     asks for.
 
     Raises:
-        ValueError: no contact force up to a penetration of `DEEPEST` balances the preload, or the tip leans
-            too far.
+        ValueError: no contact force up to a penetration of `DEEPEST` balances the preload, the tip leans too
+            far, or a mode without stiffness gives way.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     modes, geometry = motor.modes, motor.geometry
     k, row, clearance = modes.stiffness, modes.approach, geometry.clearance
     for _ in range(MOST_CORRECTIONS):
-        q = _balanced(motor, law, row, clearance)
+        q, force = _balanced(motor, law, row, clearance)
         u, th = float(modes.approach @ q), float(modes.tip_slope @ q)
         lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
         gap, n_u, n_th, _, _ = contact_frame(u, th, *lengths)
         if abs(gap - (clearance - float(row @ q))) <= CLOSED * OPEN:
+            if force == 0.0 and gap < 0.0:
+                raise ValueError("A mode without stiffness gives way to the preload: nothing balances it.")
             return replace(motor, start=ModalState(q, np.zeros_like(k)))
         row = -n_u * modes.approach - n_th * modes.tip_slope
         clearance = gap + float(row @ q)
     raise ValueError(f"The preload leans the tip by {th:.3g} rad, where no equilibrium was reached.")
 
 
-def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> Array:
-    """Return the amplitudes at rest where the gap is clearance - row q."""
+def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> tuple[Array, float]:
+    """Return amplitudes and contact force [N] at rest where the gap is clearance - row q."""
     k = motor.modes.stiffness
     preload = np.zeros_like(k) if motor.preload is None else motor.preload
     free, elastic = np.flatnonzero(k == 0.0), k > 0.0
@@ -90,4 +92,4 @@ def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> Ar
     q[elastic] = (preload[elastic] - force * row[elastic]) / k[elastic]
     if free.size and force > 0.0:
         q[free[0]] = (clearance + penetration(force) - row[elastic] @ q[elastic]) / row[free[0]]
-    return q
+    return q, force

@@ -200,3 +200,17 @@ def test_a_pressed_tip_that_leans_rests_at_the_gap_of_its_law(preload: float, st
     held = (motor.preload - m.stiffness * q) / row
     assert held == pytest.approx(held[-1], rel=1e-6)
     assert held[-1] > 0.0
+
+
+def test_a_preload_that_a_free_mode_gives_way_to_is_refused() -> None:
+    modes = cl.NormalModes(
+        stiffness=np.array([0.0, 4e8]),
+        damping=np.zeros(2),
+        coupling=np.ones((2, 2)),
+        tip_displacement=np.array([5.0, 20.0]),
+        tip_slope=np.zeros(2),
+    )
+    motor = cl.Motor(modes, cl.Drive(), cl.ContactGeometry(clearance=1e-6), cl.Rotor(inertia=4.8e-5))
+    pressed = cl.on_bearing(motor, cl.Bearing(mass=0.15, preload=5.0, stiffness=1e5))
+    with pytest.raises(ValueError, match="preload"):
+        at_rest(pressed, cl.law("newton"))

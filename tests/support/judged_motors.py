@@ -374,7 +374,7 @@ class Case:
                 default_motor(**changes),
                 self.law,
                 duration=end - done,
-                record_interval=1e-6,
+                record_interval=min(1e-6, end - done),
                 start=run and run.state,
                 **accuracy,
             )
