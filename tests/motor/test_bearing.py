@@ -197,9 +197,9 @@ def test_a_pressed_tip_that_leans_rests_at_the_gap_of_its_law(preload: float, st
     assert gap == pytest.approx(1e-15, rel=1e-2)
     # One force along the normal holds every coordinate.
     row = -n_u * m.approach - n_th * m.tip_slope
-    held = (motor.preload - m.stiffness * q) / row
-    assert held == pytest.approx(held[-1], rel=1e-6)
-    assert held[-1] > 0.0
+    forces = (motor.preload - m.stiffness * q) / row
+    assert forces == pytest.approx(forces[-1], rel=1e-6)
+    assert forces[-1] > 0.0
 
 
 def test_a_preload_that_a_free_mode_gives_way_to_is_refused() -> None:

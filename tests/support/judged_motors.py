@@ -139,8 +139,15 @@ def any_motor(dice: Dice) -> Draw:
 
 
 def kind_of(number: int) -> str:
-    """What the motor with a number has beside its law."""
-    return KINDS[number // len(rows()) % len(KINDS)] if number < DENTED else PLAIN
+    """What the motor with a number has beside its law.
+
+    Slow rebounds lose nothing under Johnson's law, so that a rotor that is pressed bounces without end.
+    """
+    names = rows()
+    kind = KINDS[number // len(names) % len(KINDS)] if number < DENTED else PLAIN
+    return (
+        {BEARING: PLAIN, BOTH: CHANGES}.get(kind, kind) if names[number % len(names)] == "johnson" else kind
+    )
 
 
 def bearing_of(dice: Dice, changes: Draw) -> Draw:
