@@ -119,7 +119,7 @@ RESONATOR: Final = (
 CONTACTS: Final = _along(
     "contact",
     ("start_time", "s", "t_s", "time of the touch-down"),
-    ("duration", "s", "t_c", "time from touch-down to release"),
+    ("duration", "s", "t_c", "time from touch-down to the end of the forces"),
     ("stick_duration", "s", "t_st", "part of the duration that sticks"),
     ("normal_impulse", "N s", "p_n", "time integral of the normal force"),
     ("friction_impulse", "N s", "p_t", "time integral of the friction force"),

@@ -1,5 +1,6 @@
 """A law by itself: impacts against closed forms, against the whole engine, and against themselves."""
 
+import cmath
 from dataclasses import replace
 from math import gamma, pi, sqrt
 from typing import Any
@@ -14,6 +15,7 @@ from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.impacts import velocities_after
 from contactlab.laws import LAWS
+from contactlab.laws.damping import LinearDamping
 from contactlab.motor.bodies import FLAT
 from contactlab.testing.plants import coupled_body
 from contactlab.trajectory import Ending
@@ -179,3 +181,24 @@ def test_impossible_impacts_are_refused(matrix: Any, before: Any, more: dict[str
 def test_the_page_on_impacts_is_right() -> None:
     names = names_of(DOCS / "impacts.md")
     assert names["many"].sizes["impact"] == 200
+
+
+@pytest.mark.parametrize("restitution", [0.95, 0.6, 0.2, 0.03, 0.004])
+def test_a_contact_under_a_dashpot_ends_where_its_force_does(restitution: float) -> None:
+    """Schwager and Poeschel (2007): the spring and the dashpot balance before the gap opens."""
+    stiffness, mass, speed = 1e6, 2e-3, 0.1
+    normal, damping = cl.Linear(stiffness=stiffness), LinearDamping(restitution, mass, speed)
+    c = float(damping.solved(normal)["damping_coefficient"])
+    omega, decay = sqrt(stiffness / mass), c / (2.0 * mass)
+    root = cmath.sqrt(omega**2 - decay**2)
+    # k d + c dd/dt = 0 of d = v exp(-b t) sin(w t)/w.
+    expected = abs(cmath.atan(2.0 * decay * root / (2.0 * decay**2 - omega**2)) / root)
+    if decay < omega / sqrt(2.0):
+        expected = (pi - expected * root.real) / root.real
+    law = cl.Composed(normal=normal, damping=damping)
+    result = cl.impact(law, [[1.0 / mass, 0.0], [0.0, 3.5 / mass]], [-speed, 0.01])
+    assert float(result.duration[0]) == pytest.approx(expected, rel=1e-6)
+    assert 0.0 <= float(result.stick_duration[0]) <= float(result.duration[0])
+    fall = cl.simulate(cl.block(mass, height=1e-7, gap_rate=-speed), law, duration=1e-3)
+    assert float(fall.contacts.duration[0]) == pytest.approx(expected, rel=1e-5)
+    assert float(fall.contacts.separation_velocity[0]) == pytest.approx(restitution * speed, rel=1e-5)

@@ -159,6 +159,10 @@ def _release(run: Run, law: Law, ends: Array) -> None:
     note_release(run, law, law.memory)
     jump(run, law, law.memory, AT_RELEASE)
     state.contact.separation_velocity = contact_at(run.plant, START)[1]
+    if 0.0 < state.loaded < state.contact.duration:
+        # A damping let go before the gap opened.
+        state.contact.duration, state.contact.stick_duration = state.loaded, state.loaded_stick
+        state.contact.separation_velocity = state.loaded_rate
     if _is_contact(run):
         run.step.contacts[state.stored] = state.contact
         state.stored += 1
@@ -188,6 +192,7 @@ def _open_contact(run: Run, law: Law) -> None:
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.start_time, contact.approach_velocity, contact.separation_velocity = (state.time, rate, 0.0)
     contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
+    state.loaded, state.loaded_stick = 0.0, 0.0
     contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
     contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
     contact.peak_lasting_force, contact.largest_impact, contact.impact_energy_gain = 0.0, 0.0, 0.0

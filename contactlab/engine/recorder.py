@@ -65,6 +65,12 @@ IDLE_EVENTS = 100
 CRAWL = 1e-9
 """Step over the longest one in contact that counts as none: at this pace no run reaches its end."""
 
+ENDING = 1e-9
+"""Share of a step before its end at which forces that have not ended still act."""
+
+HALVINGS = 50
+"""Of the part of a step in which the forces of a contact end."""
+
 Terms = tuple[float, float, float, float, float, float, float]
 """What a stretch of a step adds to a `LEDGER`, in its order [J], [N s]."""
 
@@ -114,7 +120,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
     total.normal_impulse += p_n
     total.friction_impulse += p_t
     if state.mode != FREE:
-        _add_to_contact(run, s, p_n, p_t, friction + contact)
+        _add_to_contact(run, law, s, p_n, p_t, friction + contact)
     state.time = now
     take_memory(run, law, law.memory, s)
     for j in range(plant.mode_count):
@@ -124,12 +130,16 @@ def commit(run: Run, law: Law, records: Records) -> None:
     _weigh(run)
 
 
-@part_kernel
-def _add_to_contact(run: Run, s: float, p_n: float, p_t: float, lost: float) -> None:
+@inner_kernel
+def _add_to_contact(run: Run, law: Law, s: float, p_n: float, p_t: float, lost: float) -> None:
     """Add a time [s], impulses [N s] and a loss [J] to the contact; time stepping begins with an impact."""
     state, row = run.state, run.state.contact
     if run.step.kind == HELD and row.duration == 0.0:
         row.largest_impact, row.impact_energy_gain = p_n, max(-lost, 0.0)
+    acting = _acting_time(run, law, s) if state.compliant != 0 else s
+    if acting > 0.0:
+        state.loaded = row.duration + acting
+        state.loaded_stick = row.stick_duration + (acting if state.mode == STICK else 0.0)
     row.duration += s
     row.stick_duration += s if state.mode == STICK else 0.0
     row.normal_impulse += p_n
@@ -276,21 +286,72 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
                 rate, slip = rates_in_frame(run, place)
                 loss = -normal * rate
             else:
-                gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
-                memory_at(run, law, law.memory, at)
-                if state.turns != 0:
-                    note_turn_at(run, place)
-                    law.row[TILT], law.row[SPIN] = step.tilt[place], step.spin[place]
-                # Where the step was cut at the release, its last node may be clear of it by round-off.
-                loss = 0.0
-                if gap < end_at(run, law, law.memory, rate):
-                    loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)[4]
+                slip = contact_at(run.plant, place)[2]
+                loss = _forces_at(run, law, place, at)[4]
         friction -= weight * tangential * slip
         friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss
         p_n += weight * normal
         p_t += weight * tangential
     return drive, damping, friction, contact, load, p_n, p_t
+
+
+@inner_kernel
+def _forces_at(run: Run, law: Law, place: int, s: float) -> tuple[float, float, float, float, float]:
+    """Return what a compliant law's `force` returns at a place, at time s of the step, zeros without contact.
+
+    Where the step was cut at the release, its last node may be clear of it by round-off.
+    """
+    state, step = run.state, run.step
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
+    memory_at(run, law, law.memory, s)
+    if state.turns != 0:
+        note_turn_at(run, place)
+        law.row[TILT], law.row[SPIN] = step.tilt[place], step.spin[place]
+    if gap >= end_at(run, law, law.memory, rate):
+        return 0.0, 0.0, 0.0, 0.0, 0.0
+    normal, least, most, stored, loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    return normal, least, most, stored, loss
+
+
+@inner_kernel
+def _acts(run: Run, law: Law, s: float) -> bool:
+    """Return whether there are forces at time s of the step."""
+    flow_to(run, s)
+    normal, least, most, _, _ = _forces_at(run, law, BETWEEN, s)
+    return bool(normal != 0.0 or least != 0.0 or most != 0.0)
+
+
+@inner_kernel
+def _acting_time(run: Run, law: Law, s: float) -> float:
+    """Return the time in a step, up to s, until which forces act [s].
+
+    A damping may end them while the gap is still closed; the gap rate there is noted.
+    """
+    state = run.state
+    # Before the first node it is as it was.
+    left, right = 0.0 if state.loaded == state.contact.duration else -1.0, s
+    for i in range(NODES):
+        at = run.propagator.rule.nodes[i] * state.length
+        if at > s:
+            break
+        if state.normal.node[i] != 0.0 or state.bound.node[i] != 0.0 or state.bias.node[i] != 0.0:
+            left, right = at, s
+        else:
+            right = min(right, at)
+    if left < 0.0 or left == s:
+        return max(left, 0.0)
+    if right == s and _acts(run, law, s - ENDING * (s - left)):
+        return s
+    for _ in range(HALVINGS):
+        middle = 0.5 * (left + right)
+        if _acts(run, law, middle):
+            left = middle
+        else:
+            right = middle
+    flow_to(run, left)
+    state.loaded_rate = contact_at(run.plant, BETWEEN)[1]
+    return left
 
 
 @part_kernel

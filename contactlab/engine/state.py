@@ -118,6 +118,7 @@ STATE: Final = record(
     "impact_speed begins left apart "  # with which the contact began [m/s]; gap at which the next contact
     # begins, and at which the last one ended if below that [m]; what the law stores while apart [J]
     "normal_before friction_before "  # of a rigid contact [N]
+    "loaded loaded_stick loaded_rate "  # of the contact until its forces ended, and gap rate there [s], [m/s]
     "held_energy "  # what a spring of the friction holds at the last record [J]
     "initial_energy least_open most_open "  # at t = 0; what the ledger's terms left so far [J]
     "turned_over "  # largest work of drive or load [J]

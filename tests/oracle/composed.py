@@ -188,6 +188,7 @@ class Judge:
         """One contact from its touch-down, or from where a change cut it, to its release or `end` [s]."""
         parts, n = self.parts, self.n
         y, (begun, impulses, speed, modes) = self.begin(t, y, cut)
+        loaded = begun
         for _ in range(MOST):
             watched = self.events(t, y, modes, speed)
             functions = []
@@ -201,10 +202,11 @@ class Judge:
             done = solve_ivp(
                 lambda t, y, modes=modes: self.derivative(t, y, modes, speed),
                 (t, end), y, "Radau" if parts.friction.stiff else "DOP853", events=functions,
-                rtol=self.rtol, atol=self.atol, max_step=2e-6,
+                rtol=self.rtol, atol=self.atol, max_step=2e-6, dense_output=parts.damped is not undamped,
             )  # fmt: skip
             if done.status < 0:
                 raise RuntimeError(f"The contact at {t} s: {done.message}")
+            loaded = self.loaded_until(done, modes, speed, loaded)
             t, y = float(done.t[-1]), done.y[:, -1].copy()
             fired = [i for i, hits in enumerate(done.t_events) if len(hits) and hits[-1] == t]
             if not fired:
@@ -228,8 +230,26 @@ class Judge:
             y[self.first : self.second] = z_f
         else:
             raise RuntimeError(f"More than {MOST} phases in the contact at {begun} s.")
-        run.note(begun, t, impulses, y[2 * n + 1 : 2 * n + 3])
+        run.note(begun, loaded, impulses, y[2 * n + 1 : 2 * n + 3])
         return t, y, None
+
+    def loaded_until(self, done: Any, modes: tuple[int, int], speed: float, before: float) -> float:
+        """The last time of a phase at which the bodies press each other, `before` if they never do [s]."""
+        if self.parts.damped is undamped:
+            return float(done.t[-1])
+
+        def presses(t: float) -> bool:
+            y = done.sol(t)
+            return self.instant(self.mechanics.contact(t, y), y, modes[0], speed)[0].normal > 0.0
+
+        pressing = [i for i, t in enumerate(done.t[:-1]) if presses(t)]
+        if not pressing:
+            return before
+        left, right = float(done.t[pressing[-1]]), float(done.t[pressing[-1] + 1])
+        for _ in range(50):
+            middle = 0.5 * (left + right)
+            left, right = (middle, right) if presses(middle) else (left, middle)
+        return left
 
     def fly(self, t: float, y: np.ndarray, end: float) -> tuple[float, np.ndarray]:
         """From a release, or the start, to the next touch-down or `end` [s]."""
