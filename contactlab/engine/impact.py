@@ -18,6 +18,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiled import inner_kernel, part_kernel
 from contactlab.engine.loop import run_law
+from contactlab.engine.recorder import end_with_forces
 from contactlab.engine.state import (
     BETWEEN,
     HEAD,
@@ -219,6 +220,7 @@ def _throw(motions: Array, contact: Array, begins: float) -> None:
 def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
     """Read what became of the impact."""
     a, b, c = _rows(contact)
+    end_with_forces(state)
     v, met = motions[0, 1], state.contact
     outcome.normal_rate, outcome.slip = a * v[0], b * v[0] + c * v[1]
     outcome.normal_impulse, outcome.friction_impulse = met.normal_impulse, met.friction_impulse

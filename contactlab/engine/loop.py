@@ -11,7 +11,7 @@ from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, note_release, press
 from contactlab.engine.propagator import step_length
-from contactlab.engine.recorder import CRAWL, commit
+from contactlab.engine.recorder import CRAWL, commit, end_with_forces
 from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
     CONE,
@@ -160,8 +160,7 @@ def _release(run: Run, law: Law, ends: Array) -> None:
     jump(run, law, law.memory, AT_RELEASE)
     state.contact.separation_velocity = contact_at(run.plant, START)[1]
     if 0.0 < state.loaded < state.contact.duration:
-        # A damping let go before the gap opened.
-        state.contact.duration, state.contact.stick_duration = state.loaded, state.loaded_stick
+        end_with_forces(state)
         state.contact.separation_velocity = state.loaded_rate
     if _is_contact(run):
         run.step.contacts[state.stored] = state.contact

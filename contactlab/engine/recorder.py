@@ -314,6 +314,13 @@ def _forces_at(run: Run, law: Law, place: int, s: float) -> tuple[float, float, 
     return normal, least, most, stored, loss
 
 
+@part_kernel
+def end_with_forces(state: Any) -> None:
+    """Let the contact end where its forces did, if a damping let go before the gap opened."""
+    if 0.0 < state.loaded < state.contact.duration:
+        state.contact.duration, state.contact.stick_duration = state.loaded, state.loaded_stick
+
+
 @inner_kernel
 def _acts(run: Run, law: Law, s: float) -> bool:
     """Return whether there are forces at time s of the step."""
