@@ -127,7 +127,7 @@ CALIBRATION, TEST = slice(0, len(CARRIED)), slice(len(CARRIED), None)
 AGREE = 0.1
 """Misfit over the speed without load that counts as agreement."""
 
-HEAVY = {"friction coefficient": FRICTION, "damping ratio": 0.012, "modal mass": 1.0, "inclination": 0.0}
+HEAVY = {"friction coefficient": FRICTION, "damping ratio": 0.012, "modal mass": 1.0, "inclination": 1e-6}
 HEAVY |= {"contact stiffness": 1e9, "restitution": 0.5}
 """A foot that friction does not disturb, under a constant normal force."""
 
