@@ -23,7 +23,7 @@ from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import perform, refusals
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
-from contactlab.config import ConfigurationError, Setup, build, validate
+from contactlab.config import ConfigurationError, Setup, rebuild, validate
 from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.schema import FRICTION
@@ -57,7 +57,7 @@ def run(settings: DictConfig) -> int:
     job = Job(overrides=tuple(typed(hydra_config.overrides.task)), choices=choices_of(hydra_config))
     try:
         setup = None if swept else _checked.pop("setup", None)
-        setup = setup or build(resolved(settings))
+        setup = setup or rebuild(resolved(settings))
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
         write_state(directory, State(run_state.REFUSED, job, " ".join(error.faults)))
@@ -95,7 +95,7 @@ class Check(Callback):
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         faults = [*without_effect(str(config.study.name), lines)]
         try:
-            setup = _checked["setup"] = build(resolved(config))
+            setup = _checked["setup"] = rebuild(resolved(config))
             faults += idle_friction(lines, [setup.configuration["law"]])
             if config.sweep.over:
                 setups_of(lines, list(config.sweep.over))

@@ -31,7 +31,7 @@ from contactlab.cli.arguments import quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError, build, validate
+from contactlab.config import ConfigurationError, rebuild, validate
 from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
@@ -135,7 +135,7 @@ class Arguments:
             name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
         except OmegaConfBaseException as error:
             raise ConfigurationError([f"hydra.sweep.subdir cannot be resolved: {one_line(error)}"]) from error
-        setup = build(resolved(composed))
+        setup = rebuild(resolved(composed))
         job = Job(key_of(setup), tuple(lines.values()), choices_of(composed.hydra), setup.configuration)
         return name, job
 
@@ -211,9 +211,10 @@ def table(path: str) -> dict[str, list[Value]]:
                 rows = rows.reset_index()[[*keys]].rename(columns=keys) if keys else rows
     # A file can be anything.
     except Exception as error:
+        reason = one_line(error).removeprefix("Error tokenizing data. C error: ")
         raise ConfigurationError(
             [
-                f"sweep.samples is '{path}' and cannot be read ({excerpt(one_line(error))}); it must be a "
+                f"sweep.samples is '{path}' and cannot be read ({excerpt(reason)}); it must be a "
                 "table, CSV (NAME.csv) or netCDF, whose columns are keys and whose rows are runs."
             ]
         ) from error

@@ -76,6 +76,9 @@ GOES_ON: Final = (
 LARGEST_TURN: Final = 0.01
 """Largest step in rigid contact, times the tip's rate [1]."""
 
+AT_REST: Final = 1e-14
+"""Gap [m] up to which a run begins at rest in contact, not in flight."""
+
 RECORD_INTERVAL: Final = 1e-6
 """Shortest default time between records [s]."""
 

@@ -13,6 +13,7 @@ from contactlab.engine.flight import CLEAR
 from contactlab.engine.kinematics import contact_from, contacts_from
 from contactlab.engine.plant import modes_of, root_inertia
 from contactlab.engine.preparation import (
+    AT_REST,
     ON_GRID,
     Prepared,
     check_start,
@@ -186,6 +187,9 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
         ready.touch(state, contact)
     else:
         state["phase"] = phase_at(contact[0] - float(state["begins"]), contact[1])
+    if contact[0] - float(state["begins"]) <= AT_REST and contact[1] <= 0.0:
+        # It was at rest before: flights of round-off from there are no motion to compare others with.
+        state["calm"] = np.inf
 
 
 def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:

@@ -38,6 +38,7 @@ def test_a_file_with_half_of_the_variables_has_half_of_the_metrics(tmp_path: Pat
         "contact_gain",
         "contact_count",
         "peak_force",
+        "peak_lasting_force",
         "mean_impulse",
         "total_impulse",
         "total_friction_impulse",

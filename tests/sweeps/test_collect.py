@@ -35,7 +35,7 @@ def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
     assert "6 complete\nCollected in sweep/sweep.nc: law 2 x clearance 3." in out
     with xarray.open_dataset("sweep/sweep.nc") as result:
         assert result["peak_force"].dims == ("law", "clearance")
-        assert result["law"].values.tolist() == ["hertz_penalty", "lagrange_stick"]
+        assert result["law"].values.tolist() == ["lagrange_stick", "hertz_penalty"]
         assert result["clearance"].values.tolist() == [1e-6, 2e-6, 3e-6]
         assert result["clearance"].attrs["units"] == "m"
         assert result["clearance"].attrs["key"] == "contact.clearance"
