@@ -357,7 +357,8 @@ def _acting_time(run: Run, law: Law, s: float) -> float:
         else:
             right = middle
     flow_to(run, left)
-    state.loaded_rate = contact_at(run.plant, BETWEEN)[1]
+    # Depth and rate vanish together where a damping takes all speed: what is left has any sign.
+    state.loaded_rate = max(contact_at(run.plant, BETWEEN)[1], 0.0)
     return left
 
 

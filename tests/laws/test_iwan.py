@@ -8,6 +8,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 
 from contactlab.laws.friction import Iwan
+from contactlab.laws.friction.iwan import REVERSE, YIELD
 
 Array = np.ndarray
 
@@ -137,3 +138,18 @@ def test_guards_and_jumps_are_the_return_map_of_every_element(path: list[float],
         stretches = np.clip(stretches + way * WHOLE, -limits, limits)
         assert_allclose(driven.z[:n], stretches, atol=1e-9 * WHOLE)
         assert abs(force) <= LIMIT * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("elements", [1, 10, 77])
+def test_elements_that_slid_have_a_way_to_go_once_the_slip_turns(elements: int, sense: float) -> None:
+    """Else the turn and the next yield fire one after the other at the same instant, for ever."""
+    law = Iwan(0.3, elements=elements, full_slip=5e-8)
+    limit, full = np.array(law.coefficients()["limit"]), 5e-8
+    beyond = sense * limit * (1.0 + 1e-9)
+    turned = [
+        Iwan.jump.py_func(which, REVERSE, beyond, sense * elements, limit, full)
+        for which in range(elements + 1)
+    ]
+    assert turned[-1] == 0.0
+    assert Iwan.guard.py_func(YIELD, -sense, np.array(turned[:-1]), 0.0, limit, full) > 0.0

@@ -118,7 +118,10 @@ class Iwan(Friction):
     def jump(which, event, z, sliding, limit, full_slip):
         # How many slide, with the sign of their slip.
         n = len(limit)
-        if which < n or event < 0:
+        if which < n:
+            # What slid lies at its limit, to which its event was located: the other way is free.
+            return min(max(z[which], -limit[which]), limit[which]) if event == REVERSE else z[which]
+        if event < 0:
             return z[which]
         if event == REVERSE:
             return 0.0
