@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.variables import EXTREMES, INTERNAL, SUMS
 
-CLOCK: Final = 8.0
-"""Units in the last place of the time, within which two instants are one."""
+CLOCK: Final = 1e4
+"""Units in the last place of the time within which two instants are one: durations are sums of many steps."""
 
 Columns = Mapping[str, NDArray[Any]]
 
