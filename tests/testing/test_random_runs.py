@@ -30,7 +30,7 @@ def test_a_random_configuration_is_refused_or_keeps_every_invariant(
 ) -> None:
     if number == UNBALANCED:
         request.applymarker(
-            pytest.mark.xfail(strict=True, reason="its loss_balance is broken, a known fault")
+            pytest.mark.xfail(strict=True, reason="a known fault of loss_balance")
         )
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
