@@ -29,9 +29,7 @@ def test_a_random_configuration_is_refused_or_keeps_every_invariant(
     number: int, request: pytest.FixtureRequest
 ) -> None:
     if number == UNBALANCED:
-        request.applymarker(
-            pytest.mark.xfail(strict=True, reason="a known fault of loss_balance")
-        )
+        request.applymarker(pytest.mark.xfail(strict=True, reason="a known fault of loss_balance"))
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
     assert (outcome["ending"] == "complete") != bool(outcome["message"])
