@@ -166,7 +166,7 @@ def _check_attributes(study: type[Study]) -> None:
     """Refuse a class attribute that no study has, which would be ignored, by a TypeError."""
     own = get_annotations(Study)
     # A base class of studies may declare attributes of its own.
-    declared = (name for base in study.__mro__ for name in get_annotations(base))
+    declared = (name for base in study.__mro__[1:] for name in get_annotations(base))
     known = {*dir(Study), *declared, *(field.name for field in fields(study))}
     for name, value in vars(study).items():
         described = callable(value) or hasattr(value, "__get__")
