@@ -1,6 +1,6 @@
 """One run and its result: `simulate` gives a `Solution`, and `load` gives the one that a file holds."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
@@ -33,10 +33,11 @@ if TYPE_CHECKING:
 
 @final
 @dataclass(frozen=True, repr=False, eq=False)
-class Solution:
-    """What a simulation gives back, and what its file holds.
+class Solution(Mapping[str, "xarray.DataArray"]):
+    """What a simulation gives back, and what its file holds: a mapping of names to quantities.
 
         solution["gap"]                         a quantity over time, with its unit
+        solution.sel(time=slice(1e-3, 2e-3))    all quantities in a part of the run, an xarray dataset
         solution.contacts["normal_impulse"]     a row each contact
         solution.save("run.nc")                 and back by `contactlab.load`
         contactlab.simulate(start=solution)     goes on where it ended
@@ -68,20 +69,24 @@ class Solution:
             raise KeyError(f"There is no quantity {name!r}; it must be one of {there}.")
         return self.tree.to_dataset()[name]
 
-    def __contains__(self, name: object) -> bool:
-        return name in self.tree.variables
-
     def __iter__(self) -> Iterator[str]:
-        return iter(self.keys())
+        return map(str, self.tree.variables)
 
-    def keys(self) -> list[str]:
-        """Return the names of the quantities."""
-        return [str(name) for name in self.tree.variables]
+    def __len__(self) -> int:
+        return len(self.tree.variables)
+
+    # Of a mapping, but arrays have no single truth value.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
 
     @property
     def attrs(self) -> dict[str, Any]:
         """What ran, with which code, and how it ended."""
         return {str(name): value for name, value in self.tree.attrs.items()}
+
+    def sel(self, *labels: Any, **more: Any) -> "xarray.Dataset":
+        """Select quantities by labels, such as times [s], as `xarray.Dataset.sel` does."""
+        return self.tree.to_dataset().sel(*labels, **more)
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the series as a table over time."""

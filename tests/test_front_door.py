@@ -63,6 +63,25 @@ def test_a_quantity_that_does_not_exist_is_refused(solution: cl.Solution) -> Non
         solution["speed"]
 
 
+def test_a_solution_is_a_mapping_of_names_to_quantities(solution: cl.Solution) -> None:
+    assert len(solution) == len(list(solution)) == len(solution.items())
+    assert {"gap", "time"} <= solution.keys()
+    assert "gasp" not in solution
+    assert solution.get("gasp") is None
+    assert all(quantity.identical(solution[name]) for name, quantity in solution.items())
+    assert solution == solution
+    assert {solution: 1}[solution] == 1
+
+
+def test_a_part_of_a_solution_is_selected_by_its_times(solution: cl.Solution) -> None:
+    time = solution["time"].values
+    part = solution.sel(time=slice(time[3], time[7]))
+    assert np.array_equal(part["gap"], solution["gap"][3:8])
+    assert solution.sel(time=time[4] * (1 + 1e-9), method="nearest")["gap"] == solution["gap"][4]
+    with pytest.raises(KeyError, match="speed"):
+        solution.sel(speed=1.0)
+
+
 def test_a_solution_has_its_ending(solution: cl.Solution) -> None:
     assert (solution.ending, solution.message, solution.complete) == (Ending.COMPLETE, "", True)
     cut = synthetic_trajectory(ending=Ending.DIVERGED, message="The gap is <no> number.")

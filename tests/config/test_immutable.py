@@ -244,3 +244,18 @@ def test_a_run_goes_on_after_its_files_are_gone_or_changed(
     assert np.array_equal(later["rotor_velocity"], whole["rotor_velocity"])
     other = pickle.loads(pickle.dumps(again.setup)).with_("contact.clearance=2 um")
     assert np.array_equal(other.motor.modes.stiffness, setup.motor.modes.stiffness)
+
+
+def test_a_run_that_is_moved_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    cl.write_modes(cl.RitzResonator(shapes=2).modes, "modes.csv")
+    setup = cl.build(["resonator=modal", "resonator.file=modes.csv", "solver.duration=5e-4"])
+    whole = cl.simulate(setup, duration=1e-3)
+    cl.simulate(setup).save("run.nc")
+    Path("modes.csv").rename("renamed.csv")
+    Path("far/away").mkdir(parents=True)
+    Path("run.nc").rename("far/away/run.nc")
+    monkeypatch.chdir("far")
+    cl.simulate(start=cl.load("away/run.nc"), duration=2e-4).save("later.nc")
+    later = cl.simulate(start=cl.load("later.nc"), duration=3e-4)
+    assert np.array_equal(later["rotor_velocity"][-1], whole["rotor_velocity"][-1])
