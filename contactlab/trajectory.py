@@ -91,6 +91,7 @@ class Trajectory:
         state: everything from which another run goes on; see `contactlab.engine.simulate`.
         part: of the first contact, where that began before the run, what lies in it: variables of a contact
             by name.
+        earlier_loss: what a contact before the run had stored, and the run lost while apart [J].
     """
 
     motor: Motor
@@ -108,6 +109,7 @@ class Trajectory:
     final: ModalState
     state: dict[str, Any] = field(default_factory=dict)
     part: dict[str, float] = field(default_factory=dict)
+    earlier_loss: float = 0.0
 
     @property
     def contacts_within(self) -> dict[str, Array]:
@@ -130,6 +132,8 @@ class Trajectory:
     def followed_by(self, other: "Trajectory") -> "Trajectory":
         """Return the run and its continuation as one; a contact that was cut is whole in the second."""
         ended = ~np.isnan(self.contacts["separation_velocity"])
+        before = {name: values[ended] for name, values in self.contacts.items()}
+        before["energy_loss"][-1:] += other.earlier_loss
 
         def both(before: NDArray[Any], after: NDArray[Any]) -> NDArray[Any]:
             return np.concatenate((before[:-1], after))
@@ -143,10 +147,10 @@ class Trajectory:
             series={name: both(values, other.series[name]) for name, values in self.series.items()},
             contact_mode=both(self.contact_mode, other.contact_mode),
             contacts={
-                name: np.concatenate((values[ended], other.contacts[name]))
-                for name, values in self.contacts.items()
+                name: np.concatenate((values, other.contacts[name])) for name, values in before.items()
             },
             part=joined(self.part, other.part) if other.part and not ended.any() else self.part,
+            earlier_loss=self.earlier_loss + (0.0 if ended.any() else other.earlier_loss),
         )
 
     @property

@@ -9,7 +9,7 @@ from contactlab.engine.constrained import settle, step_constrained
 from contactlab.engine.flight import step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
-from contactlab.engine.memory import jump, leave, note_release, press
+from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
 from contactlab.engine.propagator import step_length
 from contactlab.engine.recorder import CRAWL, commit, end_with_forces
 from contactlab.engine.rigid import step_rigid
@@ -168,8 +168,7 @@ def _release(run: Run, law: Law, ends: Array) -> None:
     else:
         # Round-off alone tells a graze from a miss.
         state.touchdowns -= 1
-        if state.stored > 0:
-            run.step.contacts[state.stored - 1].energy_loss += state.contact.energy_loss
+        lose_earlier(run, state.contact.energy_loss)
     state.mode, state.phase = FREE, RELEASED
     state.level = run.propagator.rule.fresh_level
     leave(run, law, law.memory)

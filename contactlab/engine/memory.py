@@ -508,6 +508,15 @@ def _is_clear(run: Run, law: Law, memory: Memory | None) -> bool:
     return False
 
 
+@part_kernel
+def lose_earlier(run: Run, energy: float) -> None:
+    """Count energy [J] as lost by the contact before."""
+    if run.state.stored > 0:
+        run.step.contacts[run.state.stored - 1].energy_loss += energy
+    else:
+        run.state.earlier_loss += energy
+
+
 @inner_kernel
 def leave(run: Run, law: Law, memory: Memory | None) -> None:
     """Set where the next contact begins, after a release or a step of flight.
@@ -527,9 +536,7 @@ def leave(run: Run, law: Law, memory: Memory | None) -> None:
     recall_start(run, law)
     stored = stored_apart(run, law, memory)
     state.total.contact_loss += state.apart - stored
-    if state.stored > 0:
-        # It was stored in the contact before.
-        run.step.contacts[state.stored - 1].energy_loss += state.apart - stored
+    lose_earlier(run, state.apart - stored)
     state.apart = stored
 
 

@@ -479,6 +479,7 @@ class Prepared(NamedTuple):
             state["origin"], state["first"] = begins, 0
         state["run_start"], state["end"], state["interval"] = begins, begins + self.duration, interval
         state["recorded"] = state["stored"] = 0
+        state["earlier_loss"] = 0.0
         state["compliant"], state["friction_limit"] = compliant, law.friction_limit
         anew = state["signature"] != self.signature
         if anew:

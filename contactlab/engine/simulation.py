@@ -167,6 +167,7 @@ def simulate(
         final=ModalState(q[:-1].copy(), v[:-1].copy()),
         state=_state_to_go_on(run, series, ending, cut),
         part=part,
+        earlier_loss=float(state["earlier_loss"]),
     )
 
 
@@ -205,6 +206,8 @@ def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
     state, none = states[0], states["contact"][:0]
     ready.set_up(state, interval)
     if same:
+        # What the cut step lost stands in the run before, and is lost again.
+        state["earlier_loss"] = start["apart"] - state["apart"]
         return none
     inertia = root_inertia(ready.plant) / start["root_inertia"]
     q[-1], v[-1] = inertia * q[-1], inertia * v[-1]

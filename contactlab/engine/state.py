@@ -117,6 +117,7 @@ STATE: Final = record(
     "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
     "impact_speed begins left apart "  # with which the contact began [m/s]; gap at which the next contact
     # begins, and at which the last one ended if below that [m]; what the law stores while apart [J]
+    "earlier_loss "  # what a contact before the run has stored and the run lost [J]
     "normal_before friction_before "  # of a rigid contact [N]
     "loaded loaded_stick loaded_rate "  # of the contact until its forces ended, and gap rate there [s], [m/s]
     "held_energy "  # what a spring of the friction holds at the last record [J]

@@ -20,6 +20,8 @@ from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty, Newton
 from contactlab.laws.base import STICK
+from contactlab.laws.composed import Composed
+from contactlab.laws.normal import Prony
 from contactlab.motor import Motor, block
 from contactlab.motor.bodies import way_of
 from contactlab.trajectory import Trajectory
@@ -240,3 +242,16 @@ def test_a_run_without_changes_is_the_same_in_any_number_of_parts() -> None:
             part = run(law, after - before, start=state)
             state = part.state
         assert final(part, "rotor_velocity") == final(uncut(law), "rotor_velocity")
+
+
+@pytest.mark.parametrize("load", [0.0, 1e-6])
+def test_what_a_contact_stores_while_apart_is_its_loss_in_a_later_part_too(load: float) -> None:
+    law = Composed(normal=Prony(first_time=2e-4))
+    at = cuts(law)["flight"] * INTERVAL
+    whole = sequence(law, (case_a(), at), (default_motor(load_torque=load), 2e-3))
+    losses = whole.contacts["energy_loss"]
+    ledger = whole.series["friction_loss"][-1] + whole.series["contact_loss"][-1]
+    assert whole.series["contact_energy"][np.searchsorted(whole.time, at)] > 1e-3 * losses.max()
+    assert_allclose(losses.sum(), ledger, rtol=1e-12)
+    if load == 0.0:
+        assert_allclose(losses, uncut(law).contacts["energy_loss"], rtol=0, atol=1e-12 * losses.max())

@@ -20,16 +20,8 @@ FIRST = 108
 SHORT = [*range(FIRST, FIRST + 12), *range(FIRST + 12, len(law_groups()), 25)]
 
 
-UNBALANCED = 238
-"""A lining stores energy while apart; after a change nothing books its loss to the contact before it."""
-
-
 @pytest.mark.parametrize("number", cases([*range(FIRST, len(law_groups()))], SHORT))
-def test_a_random_configuration_is_refused_or_keeps_every_invariant(
-    number: int, request: pytest.FixtureRequest
-) -> None:
-    if number == UNBALANCED:
-        request.applymarker(pytest.mark.xfail(strict=True, reason="a known fault of loss_balance"))
+def test_a_random_configuration_is_refused_or_keeps_every_invariant(number: int) -> None:
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
     assert (outcome["ending"] == "complete") != bool(outcome["message"])
