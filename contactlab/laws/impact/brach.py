@@ -8,35 +8,37 @@ from contactlab.compiled import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.impact.newton import ImpactLaw
 from contactlab.laws.impact.step import approach_of, with_forces
-from contactlab.laws.lagrange import stick_or_slip_impulse
+from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
 
 
 @inner_kernel
-def impulse_ratio(approach, slip, d_nn, d_nt, d_tt, mu, e):
-    """Return p_t/p_n and the mode, where r = p_t/p_n and u = -approach.
+def brach_impulse(approach, slip, d_nn, d_nt, d_tt, mu, e):
+    """Return impulses [N s] and mode of an impact.
 
-        slip+  ~  slip d_nn + (1 + e) u d_nt + r ((1 + e) u d_tt + slip d_nt)
-        loss   ~  ((1 - e) u - 2 r slip)(d_nn + r d_nt) - r (d_nt + r d_tt)(1 + e) u
+    With its rebound, d_nn p_n + d_nt p_t = (1 + e) u = t, are
 
-    both over what is positive, d_nn + r d_nt. A ratio against slip+ never meets its zero.
+        d_nn slip+ = d_nn slip + d_nt t + det(D) p_t
+        2 d_nn loss = (1 - e^2) u^2 - 2 (d_nn slip + d_nt u) p_t - det(D) p_t^2,   u = -approach
+
+    and |p_t| grows with the ratio p_t/p_n as long as friction does not press more than p_n parts. The least
+    of three |p_t| is thus of the least ratio, and none of them is a quotient of what friction nearly cancels.
     """
-    turned = (1.0 + e) * (-approach)
-    free, per_ratio = slip * d_nn + turned * d_nt, turned * d_tt + slip * d_nt
+    turned, determinant = (1.0 + e) * (-approach), d_nn * d_tt - d_nt * d_nt
+    free = slip * d_nn + turned * d_nt
     if free == 0.0:
-        return 0.0, STICK
+        return turned / d_nn, 0.0, STICK
     s = -1.0 if free > 0.0 else 1.0
-    # Where the rate does not fall by friction, no ratio is critical.
-    sticks = abs(free) <= mu * per_ratio
-    size, mode = (abs(free) / per_ratio, STICK) if sticks else (mu, SLIP)
-    c_0 = (1.0 - e) * (-approach) * d_nn
-    c_1 = -2.0 * s * (slip * d_nn - e * approach * d_nt)
-    c_2 = -2.0 * slip * d_nt - turned * d_tt
-    if c_0 + (c_1 + c_2 * size) * size >= 0.0:
-        return s * size, mode
-    # The loss is not negative at zero and is at this ratio: between them it has one zero.
-    root = sqrt(c_1 * c_1 - 4.0 * c_0 * c_2)
-    size = 2.0 * c_0 / (root - c_1) if c_1 <= 0.0 else -0.5 * (root + c_1) / c_2
-    return s * size, SLIP
+    kept, half = (1.0 - e * e) * approach * approach, s * (slip * d_nn - approach * d_nt)
+    root = sqrt(half * half + determinant * kept)
+    lossless = kept / (root + half) if half > 0.0 else (root - half) / determinant
+    critical, parting = abs(free) / determinant, d_nn + s * mu * d_nt
+    if mu * turned < min(critical, lossless) * parting:
+        p_n = turned / parting
+        return p_n, s * mu * p_n, SLIP
+    if critical <= lossless:
+        p_n, p_t = stick_impulse(-turned, slip, d_nn, d_nt, d_tt)
+        return p_n, p_t, STICK
+    return (turned - s * lossless * d_nt) / d_nn, s * lossless, SLIP
 
 
 @final
@@ -67,9 +69,7 @@ class Brach(ImpactLaw):
         approach = approach_of(normal_rate, gap_rate)
         if approach == 0.0:
             return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
-        ratio, mode = impulse_ratio(approach, tangential_rate, d_nn, d_nt, d_tt, mu, e)
-        p_n = -(1.0 + e) * approach / (d_nn + ratio * d_nt)
-        p_t = ratio * p_n
+        p_n, p_t, mode = brach_impulse(approach, tangential_rate, d_nn, d_nt, d_tt, mu, e)
         # Round-off is no slip.
         left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
         return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu)
