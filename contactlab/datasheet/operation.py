@@ -31,6 +31,9 @@ GROWS: Final = 1.5
 """Ratio of successive changes above which a number is reported as divergent under step refinement (1/h gives
 2)."""
 
+ROUND_OFF: Final = 1e-12
+"""Relative error of the energy balance of a motion that is no orbit."""
+
 NOTABLE: Final = 0.1
 """Last of these changes over the number, below which it does not count as growth."""
 
@@ -143,7 +146,8 @@ class Periods:
         torque = Estimate(push.value - viscous * speed.value, push.error + viscous * speed.error)
         output = Estimate(torque.value * speed.value, torque.error * abs(speed.value))
         if belt is None:
-            output = self._rate("load_work")
+            load = self.section.setup.motor.rotor.load_torque
+            output = Estimate(load * speed.value, abs(load) * speed.error)
         else:
             damping = Estimate(damping.value + viscous * speed.value**2, damping.error)
         slip = np.abs(series["slip_velocity"][1:]) * (self.run.contact_mode[1:] != 0)
@@ -163,7 +167,7 @@ class Periods:
             "damping_power": damping,
             "friction_power": friction,
             "contact_power": contact,
-            "balance": Estimate(drive.value - spent, 0.0),
+            "balance": Estimate(drive.value - spent, (self.closure or ROUND_OFF) * abs(drive.value)),
             **self._electrical(drive, output),
             "peak_force": Estimate(
                 float(contacts["peak_normal_force"].max(initial=0.0)),
@@ -215,14 +219,16 @@ class Periods:
 
     @property
     def _stored(self) -> float:
-        """Power that resonator, free rotor and contact store; a mechanical state z holds |z|^2 / 2."""
-        section, run = self.section, self.run
-        assert run.motor.start is not None
-        start = section.state_of(run.motor.start, run.motor.rotor.initial_velocity)
-        start, end = section.mechanical(start), section.mechanical(section.end_of(run))
-        contact = run.series["contact_energy"]
-        stored = 0.5 * (end @ end - start @ start) + contact[-1] - contact[0]
-        return float(stored / run.duration)
+        """Power that resonator, free rotor, contact and preload store."""
+        run, motor, before = self.run, self.run.motor, self.run.motor.start
+        assert before is not None
+        moved = run.final.displacement - before.displacement
+        lifted = 0.0 if motor.preload is None else float(motor.preload @ moved)
+        kept = [run.series[name][[0, -1]] for name in ("strain_energy", "contact_energy")]
+        turns = motor.rotor.inertia * run.series["rotor_velocity"][[0, -1]] ** 2
+        swings = np.array([each.velocity @ each.velocity for each in (before, run.final)])
+        energy = sum(kept) + 0.5 * (swings + (turns if self.section.belt is None else 0.0))
+        return float((np.diff(energy)[0] - lifted) / run.duration)
 
     def _electrical(self, drive: Estimate, output: Estimate) -> dict[str, Estimate]:
         """Return the electrical input, and the efficiencies where there is an output."""

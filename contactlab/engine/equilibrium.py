@@ -8,7 +8,7 @@ import scipy
 
 from contactlab.arrays import Array
 from contactlab.engine.binding import FORCE
-from contactlab.engine.preparation import take_in
+from contactlab.engine.preparation import AT_REST, take_in
 from contactlab.laws.base import ContactLaw, PenaltyLaw
 from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import ModalState, Motor
@@ -16,8 +16,8 @@ from contactlab.motor.motor import ModalState, Motor
 DEEPEST: Final = 1e-3
 """Largest penetration at rest that is looked for [m]."""
 
-OPEN: Final = 1e-15
-"""Gap at which a rigid contact begins [m], which round-off must not close."""
+OPEN: Final = 0.1 * AT_REST
+"""Gap at which a rigid contact rests [m], which round-off must not close."""
 
 MOST_CORRECTIONS, CLOSED = 25, 1e-3
 """Of Newton's method, and error of the gap over `OPEN` at which it ends."""

@@ -30,8 +30,9 @@ REPEATS: Final = 1e-3
 REGULAR, CHAOTIC = 0.2, 0.8
 """Values of the 0-1 test; between them the motion is irregular."""
 
-LEAST_TESTED: Final = 200
-"""Least length of a sequence for the 0-1 test: a tenth of it are the lags of a random walk."""
+LEAST_TESTED: Final = 1000
+"""Least length of a sequence for the 0-1 test: a tenth of it are the lags of a random walk, and a slow beat is
+one while it lasts."""
 
 LEAST_VALUES: Final = 40
 """Length of a sequence below which half of it cannot be distinguished from a straight line with scatter."""
@@ -122,6 +123,9 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
 
     Source: Gottwald and Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129, with the damping of sec. 3.
     """
+    # What stands still walks nowhere.
+    if np.ptp(values) == 0.0:
+        return 0.0
     steps = np.arange(1, values.size + 1)
     lags = np.arange(1, values.size // 10 + 1)
     mean_square = values.mean() ** 2
@@ -138,11 +142,16 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
     return float(np.median(result))
 
 
-def kind_without_period(values: Array) -> str:
-    """Return the kind of an aperiodic motion: 'quasi-periodic', 'chaotic', or 'irregular' if unknown."""
-    if values.size < LEAST_TESTED:
+def kind_without_period(states: Array) -> str:
+    """Return the kind of an aperiodic motion: 'quasi-periodic', 'chaotic', or 'irregular' if unknown.
+
+    Args:
+        states: one a period, of comparable quantities, shape (period, quantity); that which moves most is
+            tested, as a motor may hold any of the others.
+    """
+    if len(states) < LEAST_TESTED:
         return "irregular"
-    indicator = chaos_indicator(values)
+    indicator = chaos_indicator(states[:, states.std(axis=0).argmax()])
     return "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
 
 

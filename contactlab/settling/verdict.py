@@ -379,6 +379,4 @@ def _kind_of(run: Periods) -> str:
     before, after = (float(np.std(part[:, 1])) for part in np.array_split(shaking, 2))
     if after < FADING * before:
         return ""
-    return (
-        f"period {count}" if count else kind_without_period(shaking[:, 1 if run.impulse[half:].any() else 0])
-    )
+    return f"period {count}" if count else kind_without_period(shaking)

@@ -41,10 +41,6 @@ DEVIATION: Final = 0.2
 ARRIVED: Final = 1e-8
 """Distance from an orbit, relative to its state, at which a motor has reached it."""
 
-CLOSE: Final = 1e-4
-"""Distance from a stable orbit, relative to its state, within which a motor that stays has reached it: under
-a law with kinks the errors of its steps are more than `ARRIVED`."""
-
 SETTLED: Final = 1e-9
 """Relative difference of the states of a periodic motion without an orbit, over `TAIL` periods."""
 
@@ -121,8 +117,7 @@ def settled(
             z, run = clock.end_of(run), _on(run, times * orbit.map.periods)
             done = round(run.state["end"] / clock.period)
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
-            stays = max(distance, far) <= CLOSE * np.linalg.norm(orbit.state)
-            if stays or _goes_to(orbit, z, clock.end_of(run), times):
+            if _goes_to(orbit, z, clock.end_of(run), times):
                 motion, count = orbit.map.run(orbit.state), orbit.map.periods
                 return Steady(setup, "periodic", count, motion, orbit, done, clock.belt, phase=clock.phase)
             orbit, far = (orbit, distance) if distance < far else (None, inf)
@@ -216,11 +211,11 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
             f"its velocity, {mean:.4g} rad/s in the mean, has changed by {change:.2g} rad/s. Run it longer, "
             "by `longest`; a load that drives it, without damping of the rotor, may do so for ever."
         )
-    kind = kind_without_period(late.series["tip_slope"][1:])
+    samples = _stroboscopic_samples(late)
     # In a contact that lasts, the steps of time stepping do not divide the period.
-    same = max(run.contact_step / clock.period, REPEATS)
-    if count := repeats_after(_stroboscopic_samples(late)[-TAIL:], same):
-        kind = "periodic"
+    count = repeats_after(samples[-TAIL:], max(run.contact_step / clock.period, REPEATS))
+    # Rotor and energy follow the tip.
+    kind = "periodic" if count else kind_without_period(samples[:, 2:])
     return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
 
 

@@ -110,11 +110,14 @@ class Characterise(Study):
         return [f"{', '.join(labels)}: {sentence}" for sentence, labels in laws.items()]
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
-        """Return torque, output power and efficiency over velocity, all laws together."""
+        """Return torque, output power and efficiency over velocity, all laws together, if one has a curve."""
+        sheets = data.to_dataset()
+        if not sheets["sense"].any():
+            return {}
         # Imported here: it brings matplotlib.
         from contactlab.studies.characterise_figure import draw
 
-        return {self.name: draw(data.to_dataset())}
+        return {self.name: draw(sheets)}
 
 
 TEXTS: Final = ("kind", "role", "load", "reason")
@@ -137,7 +140,11 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
             yield f"the free rotor has no steady state to characterise. {' '.join(reasons)}"
             return
         kinds = ", ".join(sorted({str(kind) for kind in law["kind"].values} - {""}))
-        yield f"the free rotor does not turn ({kinds}); there is no curve to draw."
+        velocity = Estimate(*(float(law[name].values[-1]) for name in ("velocity", "velocity_error")))
+        yield (
+            f"the free rotor's velocity, {velocity.text()} rad/s ({kinds}), is not distinguishable from zero; "
+            "there is no curve to draw."
+        )
         return
     sign, minus = ("positive", "") if law["sense"] > 0.0 else ("negative", "-")
     yield (

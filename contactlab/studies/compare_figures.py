@@ -105,7 +105,10 @@ def _labels(data: xarray.Dataset) -> list[str]:
 def draw_quantities(data: xarray.Dataset) -> Figure:
     """Draw every quantity of every law: as configured, and the range of the draws on each basis."""
     needed("nominal" in data)
-    here, names, count = data.isel(cell=0), data["quantity"].values, data.sizes["law"]
+    here, count = data.isel(cell=0), data.sizes["law"]
+    known = np.isfinite(here["nominal"]).any([dim for dim in here["nominal"].dims if dim != "quantity"])
+    names = data["quantity"].values[known.values]
+    needed(names.size)
     rows = -(-len(names) // 2)
     figure, axes = drawing(rows, 2, 0.9 + rows * (0.7 + 0.24 * count), sharey=True)
     basis = here["drawn"].sel(factor="basis").values if here.sizes["draw"] else np.empty(0)
@@ -158,7 +161,8 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
     difference, order = here["difference"].values, here["order"].values
     figure, (axes,) = drawing(1, 1, 1.6 + 0.31 * count)
     middle = np.nanmedian(np.where(np.isfinite(difference), difference, 0.0), axis=2)
-    size = _size(middle)
+    # What is below the numerical error has no colour.
+    size = max(_size(middle), float(np.nanmax(here["difference_error"].values, initial=0.0)))
     image = axes.imshow(middle, cmap="RdBu_r", vmin=-size, vmax=size)
     for a in range(count):
         for b in range(count):
@@ -345,7 +349,8 @@ def draw_contact(motions: Motions) -> Figure:
     figure, (above, below) = drawing(2, 1, 4.0, sharex=True)
     unit, scale = prefixed_unit(max(contact.duration for contact in contacts.values()), "s")
     for i, contact in contacts.items():
-        spike = f", peak {contact.peak:.4g}\u00a0N off scale" if contact.peak > top > 0.0 else ""
+        off = contact.peak > top > 0.0
+        spike = f", peak {contact.peak:.4g}\u00a0N off scale" if off and np.isfinite(contact.peak) else ""
         above.plot(contact.time / scale, contact.forces[0], label=motions[i].attrs["law"] + spike, **style(i))
         below.plot(contact.time / scale, contact.forces[1], **style(i))
     if top > 0.0:

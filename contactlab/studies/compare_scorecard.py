@@ -169,7 +169,9 @@ def motion(law: Reruns) -> xarray.Dataset:
         error = law.error([step.columns["rotor_velocity"] for _, step in law.steps])
         columns["rotor_velocity_error"] = "time", error, {"units": "rad s-1", "long_name": "numerical error"}
     data = xarray.Dataset(columns, attrs={"law": law.label})
-    if isinstance(clearance := run.settings.get("contact.clearance"), float):
+    # A rotor that a preload presses on the tip is not at rest there.
+    pressed = run.settings.get("contact.preload")
+    if isinstance(clearance := run.settings.get("contact.clearance"), float) and pressed is None:
         data.attrs["clearance"] = clearance
     if not run.columns:
         return data

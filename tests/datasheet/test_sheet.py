@@ -12,7 +12,7 @@ from support.command_line import Command, cases
 
 import contactlab as cl
 from contactlab.datasheet.curve import root
-from contactlab.datasheet.operation import Point, operate
+from contactlab.datasheet.operation import Periods, Point, operate
 from contactlab.datasheet.transients import holding_torque, start_time, stop_time
 
 
@@ -211,3 +211,13 @@ def test_the_command_refuses_by_the_key(
     assert status == 2
     assert key in err
     assert not (tmp_path / "sheet").exists()
+
+
+@pytest.mark.parametrize("belt", [None, 0.1])
+def test_what_a_pressed_motor_stores_off_its_orbit_is_in_the_balance(belt: float | None) -> None:
+    """The rotor on its bearing has no strain energy, and lifting it is work against the preload."""
+    setup = cl.build(["law=hertz_penalty", "contact.preload=5", "rotor.bearing_damping=300"])
+    orbit = cl.steady(setup, belt=belt).details.orbit
+    run = orbit.map.run(1.5 * orbit.state, 3.0, 128)
+    numbers = Periods(orbit.map, run, 128, None).numbers()
+    assert abs(numbers["balance"].value) < 1e-8 * numbers["drive_power"].value

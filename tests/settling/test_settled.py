@@ -46,7 +46,7 @@ def judged(impulses: Array, velocities: Array | None = None) -> Settling:
     return settling_of(columns, contacts(impulses), PERIOD)
 
 
-def logistic(rate: float, count: int = 800) -> Array:
+def logistic(rate: float, count: int = 2000) -> Array:
     """The logistic map, whose periods and chaos are known: 2 from 3, 4 from 3.449, chaos beyond 3.57."""
     x = 0.4
     result = np.empty(count + 1000)
@@ -164,7 +164,7 @@ def test_a_tip_that_stays_in_contact_is_not_free(separation: float) -> None:
         (logistic(3.83), "period 3"),
         (logistic(4.0 - 1e-9), "chaotic"),
         (logistic(3.9), "chaotic"),
-        (1.0 + 0.1 * np.sin(pi * (sqrt(5.0) - 1.0) * np.arange(800)), "quasi-periodic"),
+        (1.0 + 0.1 * np.sin(pi * (sqrt(5.0) - 1.0) * np.arange(2000)), "quasi-periodic"),
         (1.0 + 0.1 * 0.97 ** np.arange(100.0) * (-1.0) ** np.arange(100), ""),
         (logistic(3.9, 120), "irregular"),
         (np.zeros(100), "without contact"),

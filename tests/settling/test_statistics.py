@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.settling.statistics import mean_with_error, trend
+from contactlab.settling.statistics import chaos_indicator, kind_without_period, mean_with_error, trend
 
 
 def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
@@ -33,6 +33,35 @@ def test_a_constant_has_no_error_and_a_line_has_its_slope() -> None:
     change, error = trend(np.linspace(0.0, 2.0, 400) + 1e-3 * np.random.default_rng(0).normal(size=400))
     assert change == pytest.approx(2.0, abs=3.0 * error)
     assert error < 1e-3
+
+
+def test_what_stands_still_is_regular() -> None:
+    with np.errstate(all="raise"):
+        assert chaos_indicator(np.zeros(1000)) == chaos_indicator(np.full(1000, 1.7)) == 0.0
+
+
+@pytest.mark.parametrize("count", [240, 480, 1000, 2000])
+@pytest.mark.parametrize("beat", [30.1, 60.1, 100.1])
+def test_a_slow_beat_is_never_called_chaotic(count: int, beat: float) -> None:
+    steps = 2.0 * np.pi * np.arange(count)
+    values = np.sin((np.sqrt(5.0) - 1.0) * steps + 3.0 * np.sin(steps / beat))
+    assert kind_without_period(values[:, None]) != "chaotic"
+
+
+@pytest.mark.parametrize("held", [0, 1])
+def test_the_kind_is_that_of_what_moves_most(held: int) -> None:
+    """A quantity that the motor holds, but for round-off, has no say."""
+    steps = np.arange(2000)
+    states = np.column_stack([np.sin(np.pi * (np.sqrt(5.0) - 1.0) * steps), np.zeros(2000)])
+    states[:, 1] = 1e-12 * np.random.default_rng(0).normal(size=2000)
+    assert kind_without_period(states[:, [held, 1 - held]]) == "quasi-periodic"
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_oscillator_that_does_not_slide_has_the_kind_of_its_motion() -> None:
+    """Driven and undamped, on an elastic stop: the free vibration is never forgotten, two tones stay."""
+    motor = cl.oscillator(gap=0.1, force=1.0, frequency=2.8 / (2.0 * np.pi))
+    assert cl.steady(motor, cl.HertzPenalty(), longest=2000).details.kind == "quasi-periodic"
 
 
 @pytest.mark.long
