@@ -31,8 +31,8 @@ REGULAR, CHAOTIC = 0.2, 0.8
 """Values of the 0-1 test; between them the motion is irregular."""
 
 LEAST_TESTED: Final = 1000
-"""Least length of a sequence for the 0-1 test: a tenth of it are the lags of a random walk, and a slow beat is
-one while it lasts."""
+"""Least length of a sequence for the 0-1 test: a tenth of it are the lags of a random walk, and a slow
+beat is one while it lasts."""
 
 LEAST_VALUES: Final = 40
 """Length of a sequence below which half of it cannot be distinguished from a straight line with scatter."""

@@ -142,8 +142,8 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
         kinds = ", ".join(sorted({str(kind) for kind in law["kind"].values} - {""}))
         velocity = Estimate(*(float(law[name].values[-1]) for name in ("velocity", "velocity_error")))
         yield (
-            f"the free rotor's velocity, {velocity.text()} rad/s ({kinds}), is not distinguishable from zero; "
-            "there is no curve to draw."
+            f"the free rotor's velocity, {velocity.text()} rad/s ({kinds}), is not distinguishable from "
+            "zero; there is no curve to draw."
         )
         return
     sign, minus = ("positive", "") if law["sense"] > 0.0 else ("negative", "-")

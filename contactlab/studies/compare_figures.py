@@ -106,8 +106,7 @@ def draw_quantities(data: xarray.Dataset) -> Figure:
     """Draw every quantity of every law: as configured, and the range of the draws on each basis."""
     needed("nominal" in data)
     here, count = data.isel(cell=0), data.sizes["law"]
-    known = np.isfinite(here["nominal"]).any([dim for dim in here["nominal"].dims if dim != "quantity"])
-    names = data["quantity"].values[known.values]
+    names = here["nominal"].dropna("quantity", how="all")["quantity"].values
     needed(names.size)
     rows = -(-len(names) // 2)
     figure, axes = drawing(rows, 2, 0.9 + rows * (0.7 + 0.24 * count), sharey=True)

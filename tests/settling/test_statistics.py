@@ -48,13 +48,13 @@ def test_a_slow_beat_is_never_called_chaotic(count: int, beat: float) -> None:
     assert kind_without_period(values[:, None]) != "chaotic"
 
 
-@pytest.mark.parametrize("held", [0, 1])
-def test_the_kind_is_that_of_what_moves_most(held: int) -> None:
-    """A quantity that the motor holds, but for round-off, has no say."""
+@pytest.mark.parametrize("still", [0, 1])
+def test_the_kind_is_that_of_what_moves_most(still: int) -> None:
+    """A quantity that stands still, but for round-off, has no say."""
     steps = np.arange(2000)
     states = np.column_stack([np.sin(np.pi * (np.sqrt(5.0) - 1.0) * steps), np.zeros(2000)])
     states[:, 1] = 1e-12 * np.random.default_rng(0).normal(size=2000)
-    assert kind_without_period(states[:, [held, 1 - held]]) == "quasi-periodic"
+    assert kind_without_period(states[:, [still, 1 - still]]) == "quasi-periodic"
 
 
 @pytest.mark.filterwarnings("error")
