@@ -85,8 +85,8 @@ sweep, so that what is left is round-off."""
 BOUND_ROUND_OFF = 1e-9
 """Of a friction bound, relative to the normal force."""
 
-STICK_ERROR = 0.1
-"""Error of sticking friction at the step's start over the highest coefficient of its polynomial [1]."""
+HIGHEST_SHARE = 0.1
+"""Error of a polynomial at the step's start over its highest coefficient, where no value is known [1]."""
 
 NODE_PRODUCT = 126.0
 """Reciprocal product of the Radau nodes, (2 n - 1)!/(n! (n - 1)!) of n = 5 [1]."""
@@ -111,9 +111,9 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
 
     The error is what the polynomials of normal force, bound and friction miss of their known values
     at the step's start, as an impulse; friction that sticks has no known start and is judged by its
-    highest coefficient, and of rate-dependent friction counts what no change of the slip makes good. A step
-    in which the gap opens, or the force ends or begins before it, carries a kink, and stands only
-    when the whole force left is negligible.
+    highest coefficient, as is an elastic force that a damping outweighs, and of rate-dependent friction
+    counts what no change of the slip makes good. A step in which the gap opens, or the force ends or begins
+    before it, carries a kink, and stands only when the whole force left is negligible.
     """
     state, step = run.state, run.step
     normal, bound, bias, friction, steepness = known
@@ -137,10 +137,10 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if sweeps == 0:
         return np.inf
     allowed = state.tolerance * state.momentum
-    kinked = _kinked_force(run, known)
+    kinked, outweighed = _kinked_force(run, known), _outweighed_error(run)
     if kinked >= 0.0:
-        return 0.5 if kinked * h <= allowed else KINK
-    error = max(abs(state.normal.coefficient[0] - normal), missed_moments(run, law.memory))
+        return max(0.5, outweighed * h / allowed) if kinked * h <= allowed else KINK
+    error = max(abs(state.normal.coefficient[0] - normal), missed_moments(run, law.memory), outweighed)
     if not depends:
         error = max(error, abs(state.bound.coefficient[0] - bound), abs(state.bias.coefficient[0] - bias))
     if state.friction_kind != SET_VALUED:
@@ -148,7 +148,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         if depends:
             error = max(error, missed_between(run, law, mobility(run, level, FIRST, FIRST)))
     if state.mode == STICK:
-        error = max(error, STICK_ERROR * abs(_highest_coefficient(run, level)))
+        error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
     return float(error * h / allowed)
 
 
@@ -180,6 +180,23 @@ def _kinked_force(run: Run, known: Known) -> float:
         ends = ends or (normal > 0.0 and forces[i] == 0.0) or run.step.gap[i] >= run.step.end[i]
     begins = normal == 0.0 == forces[0] and largest(forces) > 0.0
     return most if ends or begins else -1.0
+
+
+@inner_kernel
+def _outweighed_error(run: Run) -> float:
+    """Return the error [N] of an elastic force in a closed gap that a damping outweighs; zero without.
+
+    It moves nothing and so is no part of the normal force, but its loss is one of the ledger.
+    """
+    step, rule = run.step, run.propagator.rule
+    highest, fastest, outweighed = 0.0, 0.0, False
+    for i in range(NODES):
+        if step.gap[i] >= step.end[i]:
+            return 0.0
+        outweighed = outweighed or run.state.normal.node[i] == 0.0
+        highest += rule.lagrange[i, NODES - 1] * step.loss[i]
+        fastest = max(fastest, abs(step.gap_rate[i]))
+    return HIGHEST_SHARE * abs(highest) / fastest if outweighed and fastest > 0.0 else 0.0
 
 
 @inner_kernel
@@ -536,7 +553,7 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
         if not denied and bound > 0.0 and state.friction_kind == SET_VALUED:
             friction = value_at(state.friction, 0.0) - bias
             excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
-            excess -= STICK_ERROR * abs(state.friction.coefficient[NODES - 1])
+            excess -= HIGHEST_SHARE * abs(state.friction.coefficient[NODES - 1])
             denied = excess * state.length > state.tolerance * state.momentum
     else:
         denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0

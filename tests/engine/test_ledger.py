@@ -7,8 +7,17 @@ import pytest
 from support.motors import PLACEMENT_1, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
-from contactlab.laws import Composed, ContactLaw, LagrangeSlip, LagrangeStick, Prony
-from contactlab.motor import ball
+from contactlab.laws import (
+    Composed,
+    ContactLaw,
+    Coulomb,
+    HertzPoint,
+    LagrangeSlip,
+    LagrangeStick,
+    LinearDamping,
+    Prony,
+)
+from contactlab.motor import ball, oscillator
 from contactlab.trajectory import Trajectory
 
 LOADED = {"load_torque": 2e-3, "rotor_damping": 1e-4, "initial_velocity": -0.9, "clearance": 0.0}
@@ -101,3 +110,17 @@ def test_what_a_lining_still_stores_in_flight_is_in_the_ledger() -> None:
     result = simulate(ball(1e-3, height=1e-6, gravity=9.81), lining, duration=2e-3, record_interval=1e-6)
     assert result.series["contact_energy"][result.contact_mode == 0].max() > 1e-2 * final(result, "load_work")
     assert result.complete, result.message
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.09])
+def test_elastic_energy_that_a_damping_outweighs_is_lost_as_exactly_as_the_tolerance_says(
+    restitution: float,
+) -> None:
+    # The bodies part with a spring that is still compressed: no force is left that would shorten a step.
+    damping = LinearDamping(restitution, effective_mass=1.0, impact_speed=0.5)
+    law = Composed(HertzPoint(1e8), damping, Coulomb(0.0))
+    motor = oscillator(1.0, 1e4, gap=1e-4, force=6.0, frequency=20.0, velocity=0.5)
+    ran = simulate(motor, law, duration=0.06, record_interval=1e-5, contact_step=2e-3, tolerance=1e-7)
+    force, depth = ran.series["normal_force"], -ran.series["gap"]
+    assert np.count_nonzero((force == 0.0) & (depth > 1e-5)) > 10
+    assert np.abs(ran.series["energy_residual"]).max() < 1e-7 * 0.125

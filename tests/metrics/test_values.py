@@ -149,8 +149,21 @@ SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force"
         (
             {"table": {"normal_impulse": np.array([1.25, 2.75])}},
             "impulse_balance",
-            0.25 / 4.0,
+            0.25 / 4.75,
             ["impulse_balance"],
+        ),
+        # Cohesion alone: friction without a normal force is balanced by its own size.
+        (
+            {
+                "changes": {"normal_force": all_of(0.0)},
+                "table": {
+                    "normal_impulse": np.array([1e-12, -1e-12]),
+                    "friction_impulse": np.array([-0.25, -0.5 + 2e-8]),
+                },
+            },
+            "impulse_balance",
+            2e-8 / 0.75,
+            None,
         ),
         # A pull is measured by the mean force in contact.
         (
