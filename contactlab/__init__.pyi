@@ -86,7 +86,7 @@ from contactlab.motor import (
 )
 from contactlab.parameter import Parameter as Parameter
 from contactlab.processes import WorkerError as WorkerError
-from contactlab.simulation import Solution as Solution, load as load, simulate as simulate
+from contactlab.simulation import Solution as Solution, simulate as simulate
 from contactlab.steady_state import (
     Attractor as Attractor,
     BrokenOffError as BrokenOffError,
@@ -107,6 +107,7 @@ from contactlab.studies.compare import (
     compare as compare,
 )
 from contactlab.studies.fit import Fit as Fit, fit as fit
+from contactlab.studies.reading import load as load
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.studies.sweep import sweep as sweep

@@ -1,4 +1,4 @@
-"""One run and its result: `simulate` gives a `Solution`, and `load` gives the one that a file holds."""
+"""One run and its result: `simulate` gives a `Solution`."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -16,7 +16,6 @@ from contactlab.engine.preparation import (
     default_record_interval,
 )
 from contactlab.laws.base import ContactLaw, is_stepped
-from contactlab.metrics import read_run
 from contactlab.motor import Motor
 from contactlab.results.netcdf import configuration_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
@@ -249,25 +248,19 @@ def _ending(until: Until | None, precision: float | None) -> dict[str, Any]:
     return settings
 
 
-def load(path: str | Path) -> Solution:
-    """Return the solution that a run.nc holds, checked to be as its run left it.
-
-        >>> import contactlab as cl
-        >>> cl.simulate(cl.build(), duration=5e-4).save("run.nc")
-        >>> cl.load("run.nc").contacts["peak_normal_force"].values.round(2)
-        array([3.63, 9.87])
+def solution_in(tree: "xarray.DataTree", path: str | Path) -> Solution:
+    """Return the solution in the tree of a file.
 
     Raises:
-        ValueError: it cannot be read, or is no run of contactlab's; a sentence.
+        ValueError: it is no run of contactlab's; a sentence.
     """
-    tree = read_run(path)
     names = {v.name for v in (*SERIES, CONTACT_MODE)} - set(tree.variables)
     group = tree.children.get("contacts")
     names |= {v.name for v in CONTACTS} - set(group.variables if group is not None else ())
     names |= {"ending", "configuration", "law_parameters"} - set(tree.attrs)
     if names:
         raise ValueError(
-            f"'{path}' lacks {', '.join(sorted(names))}; it must be a run.nc that contactlab wrote. Other "
+            f"'{path}' lacks {', '.join(sorted(names))}; it must be a file that contactlab wrote. Other "
             "datasets are judged by contactlab.metrics.assess."
         )
     try:

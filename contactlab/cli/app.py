@@ -18,7 +18,6 @@ from omegaconf import DictConfig, OmegaConf, read_write
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import perform, refusals
 from contactlab.cli.study import perform_study, setups_of, without_effect
@@ -26,6 +25,7 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError,
 from contactlab.config import ConfigurationError, Setup, rebuild, validate
 from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
+from contactlab.config.nesting import quoted
 from contactlab.config.schema import FRICTION
 from contactlab.config.studies import RUN, study_of
 from contactlab.laws.registry import takes_shared

@@ -5,11 +5,14 @@ from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from typing import Final
 
+from contactlab.config.nesting import quoted
+
 VERBS: Final = {
     "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
     "collect": "put the runs of a sweep into one dataset over their parameters",
-    "example": "copy a script, measured impacts or the package of a law to begin from",
+    "example": "copy a script, measured impacts, or the package of a law or study, to begin from",
     "laws": "list every installed law and part, with all that it declares",
+    "report": "make page, figures and tables of a study anew from its dataset",
     "verify": "print what is claimed of the engine and the laws, and what is computed",
     "warm-up": "compile the engine ahead, for laws of every kind, so that no run has to wait for it",
 }
@@ -67,8 +70,3 @@ def _spread_quoted(override: str) -> str:
     if not match or (match["name"] == "range" and not _NUMBER_WITH_UNIT.search(match["value"])):
         return override
     return f"{match['key']}={quoted(match['value'])}"
-
-
-def quoted(text: str) -> str:
-    """Return a text as the value of an override."""
-    return "'" + re.sub(r"(\\*)'", r"\1\1\\'", text) + "'"

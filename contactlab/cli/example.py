@@ -1,4 +1,4 @@
-"""`contactlab example [NAME]`: scripts, measured impacts and a law's package to begin from."""
+"""`contactlab example [NAME]`: scripts, measured impacts and packages to begin from."""
 
 import ast
 import re
@@ -13,7 +13,7 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
 from contactlab.suggestion import suggestion
 
 GALLERY: Final = Path("docs/gallery")
-PACKAGE: Final = Path("tests/example_law")
+LAW, STUDY = Path("tests/example_law"), Path("tests/example_study")
 """Where the examples are in a checkout; in a wheel these folders lie in the package's own `examples`."""
 
 _ORDER: Final = re.compile(r"^plot_(?:\d+_)?")
@@ -54,7 +54,7 @@ def main(arguments: list[str]) -> int:
 
 
 def examples() -> Iterator[Example]:
-    """Yield the examples: scripts and data of the gallery by their files, and the package of a law."""
+    """Yield the examples: scripts and data of the gallery by their files, and the packages."""
     package = Path(__file__).resolve().parents[1]
     inside = package / "examples"
     root = inside if inside.is_dir() else package.parent
@@ -66,13 +66,24 @@ def examples() -> Iterator[Example]:
         match = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
         onward = f"contactlab validate {path.name} law=newton,poisson compares laws with it."
         yield Example(path.stem, match[1] if match else "", path, path.name, onward)
-    project = tomllib.loads((root / PACKAGE / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    law = next(iter(project["entry-points"]["contactlab.laws"]))
+    law, about = _entry(root / LAW, "contactlab.laws")
     onward = (
         f"pip install -e own_law makes its law one of the command's: contactlab laws {law} describes it, "
         f"contactlab law={law} runs it, and pytest own_law tests it against the contract of every law."
     )
-    yield Example("own_law", project["description"], root / PACKAGE, "own_law", onward)
+    yield Example("own_law", about, root / LAW, "own_law", onward)
+    study, about = _entry(root / STUDY, "contactlab.studies")
+    onward = (
+        f"pip install -e own_study makes its study a verb of the command: contactlab {study} --help "
+        f"describes it, contactlab {study} does it; its metric is computed of every run."
+    )
+    yield Example("own_study", about, root / STUDY, "own_study", onward)
+
+
+def _entry(package: Path, group: str) -> tuple[str, str]:
+    """Return the first name that a package enters in a group, and what the package is."""
+    project = tomllib.loads((package / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return next(iter(project["entry-points"][group])), project["description"]
 
 
 def _copy(source: Path, target: Path) -> None:

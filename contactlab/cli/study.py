@@ -15,10 +15,10 @@ from types import NoneType
 from typing import Final
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import quoted
 from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
 from contactlab.config import Setup, build
+from contactlab.config.nesting import quoted
 from contactlab.config.studies import study_class
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.study import Setups, Study

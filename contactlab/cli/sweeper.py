@@ -27,7 +27,6 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
 from contactlab.cli.app import announce, choices_of, idle_friction
-from contactlab.cli.arguments import quoted
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
@@ -35,7 +34,7 @@ from contactlab.config import ConfigurationError, rebuild, validate
 from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.groups import Sweep
-from contactlab.config.nesting import Value
+from contactlab.config.nesting import Value, quoted
 from contactlab.config.studies import RUN
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import LOG, STATE, check_file, error_text

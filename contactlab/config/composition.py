@@ -23,7 +23,7 @@ from yaml import YAMLError
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, NOT_OF_A_RUN, Section
-from contactlab.config.nesting import flat
+from contactlab.config.nesting import flat, quoted
 from contactlab.config.options import (
     conf_directory,
     content,
@@ -118,6 +118,46 @@ def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any
 def _composed(*overrides: str) -> dict[str, Any]:
     """Compose options of groups, once each; the mapping is shared."""
     return compose(overrides)
+
+
+def differences(configuration: Mapping[str, Any]) -> list[str]:
+    """Return overrides of the default run that compose to a whole configuration: options, then keys."""
+    every = {**GROUPS, "law": LAW}
+    named = {
+        group: {each.selector: configuration[group][each.selector]}
+        for group, each in every.items()
+        if each.selector and group in configuration
+    }
+    law: Mapping[str, Any] = configuration["law"]
+    named["law"] |= {
+        family: {"name": law[family]["name"]} for family in FAMILIES if isinstance(law.get(family), Mapping)
+    }
+    chosen, usual = completed(named), _composed()
+    options = [
+        f"{group}={every[group].labelled[values[every[group].selector]]}"
+        for group, values in named.items()
+        if values[every[group].selector] != usual[group][every[group].selector]
+    ]
+    options += [
+        f"law/{family}={part['name']}"
+        for family, part in named["law"].items()
+        if family in FAMILIES and part["name"] != _composed("law=composed")["law"][family]["name"]
+    ]
+    default = flat(chosen)
+    keys = [f"{key}={_written(x)}" for key, x in flat(configuration).items() if x != default.get(key)]
+    return [*options, *keys]
+
+
+def _written(value: Any) -> str:
+    """Return a value as an override has it."""
+    match value:
+        case None | bool():
+            return "null" if value is None else str(value).lower()
+        case list() | tuple():
+            return f"[{','.join(map(_written, value))}]"
+        case str():
+            return quoted(value)
+    return str(value)
 
 
 def parsed(overrides: Sequence[str]) -> tuple[dict[str, str], dict[str, Any]]:

@@ -1,5 +1,6 @@
 """A nested configuration by full keys, 'contact.clearance', and back."""
 
+import re
 from collections.abc import Mapping
 from typing import Any, Final
 
@@ -32,3 +33,8 @@ def nested(values: Mapping[str, Any]) -> dict[str, Any]:
             section = section.setdefault(name, {})
         section[last] = value
     return configuration
+
+
+def quoted(text: str) -> str:
+    """Return a text as the value of an override."""
+    return "'" + re.sub(r"(\\*)'", r"\1\1\\'", text) + "'"

@@ -12,7 +12,7 @@ import yaml
 
 from contactlab.checks import check_kind, check_records
 from contactlab.config.changes import changed
-from contactlab.config.composition import completed, compose, overridden, parsed
+from contactlab.config.composition import completed, compose, differences, overridden, parsed
 from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.files import named_file
@@ -138,13 +138,23 @@ class Setup:
                 fault = f"{next(iter(options))} is an option; a motor made in Python must have KEY=VALUE."
                 raise ConfigurationError([fault])
             return reduce(lambda setup, item: with_number(setup, *item), values.items(), self)
+        return build(overridden(self._source(origin), overrides))
+
+    def _source(self, origin: "Origin") -> dict[str, Any]:
+        """Return the configuration of the origin as given, with the numbers that have changed since."""
         source = {name: dict(section) for name, section in origin.source.items()}
         for name, (section, key) in PLACES.items():
             if getattr(self, name) != origin.configuration[section][key]:
                 source[section][key] = getattr(self, name)
         rotor = self.configuration["rotor"]
         source["rotor"] |= {k: x for k, x in rotor.items() if x != origin.configuration["rotor"][k]}
-        return build(overridden(source, overrides))
+        return source
+
+    def __repr__(self) -> str:
+        if self.origin is None or not self.origin.is_of(self):
+            numbers = ", ".join(f"{key}={value}" for key, value in flat(self.configuration).items())
+            return f"<Setup of a motor made in Python: {numbers}>"
+        return f"contactlab.build({differences(self._source(self.origin))})"
 
     def run(self, *, keep_interrupted: bool = False, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own.

@@ -16,8 +16,12 @@ from contactlab.metrics.catalogue import (
     STEP_METRICS,
     VERDICTS,
     Metric,
+    add_others,
     assess,
+    metric,
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants
 from contactlab.metrics.reading import is_complete, read_run
 from contactlab.metrics.run import NotApplicableError, Run, needed
+
+add_others()

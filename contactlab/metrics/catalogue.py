@@ -1,4 +1,10 @@
-"""The catalogue of the metrics: each is declared beside the function that computes it."""
+"""The catalogue of the metrics: each is declared beside the function that computes it.
+
+A package of one's own adds a metric of runs, a function declared by `metric`, by an entry point:
+
+    [project.entry-points."contactlab.metrics"]
+    contact_rate = "their_module:contact_rate"
+"""
 
 from __future__ import annotations
 
@@ -7,8 +13,10 @@ from collections.abc import Callable, Container
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
+from importlib.metadata import entry_points
 from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING, Any, Final, final
+from warnings import warn
 
 import numpy as np
 
@@ -16,6 +24,8 @@ from contactlab.metrics.run import NotApplicableError, Run
 
 if TYPE_CHECKING:
     import xarray
+
+GROUP: Final = "contactlab.metrics"
 
 Measure = Callable[[Any], float]
 
@@ -111,12 +121,25 @@ def metric(
 
     def register(measure: Measure) -> Measure:
         entry = Metric(key or measure.__name__, measure, symbol, meaning, units, **facts)
+        if entry.key in catalogue:
+            raise ValueError(f"The metric {entry.key} is there already; another must have its own name.")
         catalogue[entry.key] = entry
         if entry.invariant:
             INVARIANTS[entry.key] = entry
         return measure
 
     return register
+
+
+def add_others() -> None:
+    """Import the metrics of other packages; one that cannot be imported is left out with a warning."""
+    for point in entry_points(group=GROUP):
+        try:
+            point.load()
+        # A module of another package may fail in any way.
+        except Exception as error:
+            text = f"The metric {point.name} cannot be imported: {type(error).__name__}: {error}"
+            warn(text, RuntimeWarning, stacklevel=2)
 
 
 # For metrics that hold whatever the law, that take no record but the last, and of a ladder of steps.

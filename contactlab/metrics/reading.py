@@ -29,7 +29,15 @@ def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
     Raises:
         ValueError: the file cannot be read, is not as its run left it, or is laid out otherwise.
     """
-    tree = _opened(Path(source)) if isinstance(source, str | Path) else source
+    return checked_run(opened(Path(source)) if isinstance(source, str | Path) else source, source)
+
+
+def checked_run(tree: xarray.DataTree, source: str | Path | xarray.DataTree) -> xarray.DataTree:
+    """Return a tree that has the layout of a run.
+
+    Raises:
+        ValueError: it is laid out otherwise.
+    """
     for fault in _faults(tree):
         text = f"'{source}'" if isinstance(source, str | Path) else "The dataset"
         raise ValueError(
@@ -44,7 +52,12 @@ def is_complete(tree: xarray.DataTree) -> bool:
     return bool(tree.attrs.get("complete", 1))
 
 
-def _opened(path: Path) -> xarray.DataTree:
+def opened(path: Path) -> xarray.DataTree:
+    """Return the tree of a netCDF-4 file, checked to be as it was left; the file is closed again.
+
+    Raises:
+        ValueError: it cannot be read, or is damaged.
+    """
     # Imported here: runs are written and assessed without.
     import xarray
 

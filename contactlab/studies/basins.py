@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
@@ -129,6 +130,7 @@ def basins(
     axes: Mapping[str, Array] | None = None,
     *,
     law: ContactLaw | None = None,
+    output: str | Path | None = None,
     **options: Any,
 ) -> Result:
     """Map which of its steady states a motor comes to: the study `Basins`.
@@ -138,6 +140,7 @@ def basins(
         axes: values of two coordinates of the start, keys of `COORDINATES` in
             `contactlab.steady_state.basins`; None takes the default ones.
         law: what acts between tip and rotor; a setup has its own.
+        output: folder of the files; None writes none.
         options: further ones of `contactlab.steady_state.basins.basins`.
 
     Raises:
@@ -147,4 +150,7 @@ def basins(
     """
     setup = steady_setup(motor, law)
     part = _map(setup, axes, **options)
-    return Result(Basins(), {"": setup}, part.data, part.details)
+    result = Result.of(Basins(), {"": setup}, part.data, part.details)
+    if output is not None:
+        result.save(output)
+    return result

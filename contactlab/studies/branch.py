@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
 import pandas
@@ -16,7 +17,7 @@ from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, in_si, to_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
 
@@ -128,6 +129,8 @@ def branch(
     law: ContactLaw | None = None,
     belt: float | None = None,
     step: float = 0.02,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
 ) -> Result:
     """Follow the periodic orbits of a motor while one number changes: the study `Branch`.
 
@@ -144,6 +147,7 @@ def branch(
         law: what acts between tip and rotor; a setup has its own.
         belt: velocity at which the rotor is held while another number changes [rad/s]; None is free.
         step: first step, in parts of the range and of the state; the longest is twice that.
+        output, progress: as of every study.
 
     Raises:
         ConfigurationError: there is no such key, or it does not take one of the values.
@@ -154,5 +158,4 @@ def branch(
     unit = unit_of(setup, parameter)
     start, end = in_si("start", start, unit), in_si("end", end, unit)
     study = Branch(over=f"{parameter}={start!r}..{end!r}", belt=belt, step=step)
-    part = _branch(setup, parameter, start, end, belt, step)
-    return Result(study, {"": setup}, part.data, part.details)
+    return study(setup, output=output, progress=progress)

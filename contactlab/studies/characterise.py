@@ -16,8 +16,7 @@ from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.runner import finish, run
-from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -192,6 +191,7 @@ def characterise(
     law: ContactLaw | None = None,
     *,
     output: str | Path | None = None,
+    progress: Progress | None = None,
     **options: Any,
 ) -> Result:
     """Make the data sheet of a motor under one law or several: the study `Characterise`.
@@ -204,7 +204,7 @@ def characterise(
     Args:
         motors: setups, or motors made in Python; duration and record interval have no effect.
         law: what acts in the motors that are no setups, which have a law of their own.
-        output: folder for the files; None writes none.
+        output, progress: as of every study.
         options: fields of `Characterise`.
 
     Raises:
@@ -215,9 +215,6 @@ def characterise(
     listed = [motors] if isinstance(motors, Motor | Setup) else list(motors)
     if not listed:
         raise ConfigurationError(["There is nothing to characterise; give one setup or more."])
-    setups = {str(number): steady_setup(motor, law) for number, motor in enumerate(listed)}
-    folder = None if output is None else Path(output)
-    result = run(Characterise(**options), setups, folder)
-    if folder is not None:
-        finish(result, folder)
-    return result
+    labels = map(str, range(len(listed))) if len(listed) > 1 else [""]
+    setups = {label: steady_setup(motor, law) for label, motor in zip(labels, listed, strict=True)}
+    return Characterise(**options)(setups, output=output, progress=progress)

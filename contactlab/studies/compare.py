@@ -62,8 +62,7 @@ from contactlab.studies.compare_runs import (
 )
 from contactlab.studies.compare_scorecard import limits_of, listed, motion, scorecard
 from contactlab.studies.compare_tables import tables
-from contactlab.studies.runner import finish, run
-from contactlab.studies.study import Result, Setups, Study, Task, option
+from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
 
 SAMPLES: Final = 64
 """Draws at most, which take a minute or two for three laws."""
@@ -507,6 +506,7 @@ def compare(
     law: ContactLaw | Sequence[ContactLaw] | None = None,
     *,
     output: str | Path | None = None,
+    progress: Progress | None = None,
     vary: Mapping[str, str] | None = None,
     measured: Sequence[str | Path] = (),
     **options: Any,
@@ -524,7 +524,7 @@ def compare(
         sources: setups; or recorded runs: folders, their datasets, folders of such folders, runs in memory;
             or a motor made in Python.
         law: one or several, of that motor.
-        output: folder for the files; None writes none.
+        output, progress: as of every study.
         vary: what is uncertain by full key, "LOW..HIGH", "MEAN+-DEVIATION" or "+-SHARE", in place of what
             the section `uncertainty` of the runs states; "+-0" is exact.
         measured: files of measured impacts or series, which the laws predict with their parameters.
@@ -558,8 +558,4 @@ def compare(
         if not setups:
             # The cached property that reads the option `runs`.
             study.__dict__["recorded"] = labelled(read_runs(every), transient=study.transient)
-    folder = None if output is None else Path(output)
-    result = run(study, setups, folder)
-    if folder is not None:
-        finish(result, folder)
-    return result
+    return study(setups, output=output, progress=progress)

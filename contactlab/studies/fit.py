@@ -1,7 +1,7 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -36,8 +36,7 @@ from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.results.provenance import code_digest
 from contactlab.studies.measurements import PATTERNS, choice_of, measured
-from contactlab.studies.runner import run
-from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
 FREE: Final = "free"
@@ -249,8 +248,8 @@ def fit(
     *,
     free: Mapping[str, tuple[float | str, float | str]] | None = None,
     fixed: Mapping[str, Any] | None = None,
-    folder: str | Path | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
     **options: Any,
 ) -> Result:
     """Fit laws to measurements: the study `Fit`.
@@ -263,8 +262,7 @@ def fit(
         laws: names; none is the law of the series' configuration.
         free: ranges by key; without any, all numbers of the laws that are not fixed are free.
         fixed: values by key, parts of a composed law as "law/normal".
-        folder: where finished laws and checkpoints are kept, so that an interrupted fit resumes.
-        progress: receives the number of finished laws and that of all.
+        output, progress: as of every study.
         options: fields of `Fit`.
 
     Raises:
@@ -278,4 +276,4 @@ def fit(
     if not from_file:
         # The cached property that reads the file.
         study.__dict__["measured"] = data
-    return run(study, {}, None if folder is None else Path(folder), progress)
+    return study({}, output=output, progress=progress)

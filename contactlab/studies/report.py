@@ -18,7 +18,7 @@ from contactlab.config.studies import question_of
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import write_tree
-from contactlab.results.provenance import checkout_state, versions
+from contactlab.results.provenance import versions
 from contactlab.studies.study import Result
 from contactlab.studies.tables import as_csv, as_html, as_latex
 
@@ -80,9 +80,10 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
     """Return a page that contains its pictures, PNG files by caption, and refers to nothing else."""
     study = result.study
     question = question_of(study.name)
-    code = {name.removesuffix("_version"): version for name, version in versions().items()}
+    attributes = result.data.attrs
+    code = {name.removesuffix("_version"): attributes[name] for name in versions()}
     text = _template().render(
-        title=result.data.attrs.get("title") or question,
+        title=attributes.get("title") or question,
         question=question,
         findings=result.findings,
         **{
@@ -96,11 +97,11 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
         pictures={caption: b64encode(data).decode() for caption, data in pictures.items()},
         options=yaml.safe_dump({"study": {"name": study.name, **study.options}}, sort_keys=False),
         configurations={
-            label or "configuration": yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
-            for label, setup in result.setups.items()
+            label or "configuration": yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
+            for label, configuration in result.configurations.items()
         },
         versions="; ".join(f"{name} {version}" for name, version in code.items()),
-        revision=checkout_state()[0],
+        revision=attributes["git_revision"],
     )
     return str(text)
 

@@ -9,7 +9,7 @@ configuration or version are never taken for its own. They are removed when the 
 import json
 import shutil
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
@@ -19,21 +19,16 @@ from time import process_time
 from typing import Any, Final, final
 
 import xarray
-import yaml
 
 from contactlab.foreign import digest_of_sources
 from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
-from contactlab.results.provenance import code_attributes
 from contactlab.studies.run_state import key_of
-from contactlab.studies.study import Part, Result, Setups, Study, Task
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task
 
 TASKS: Final = "tasks"
 """Folder of the finished tasks, beside the files of the result."""
-
-Progress = Callable[[int, int], object]
-"""Receives the number of finished tasks and that of all."""
 
 
 @final
@@ -96,9 +91,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
     """
     setups = study.put_to(setups)
     parts, details = done_parts(study, setups, folder, progress)
-    data = study.combine(setups, parts)
-    data.attrs = {**code_attributes(), **_settings(study, setups), **data.attrs}
-    return Result(study, setups, data, details)
+    return Result.of(study, setups, study.combine(setups, parts), details)
 
 
 def done_parts(
@@ -132,16 +125,6 @@ def done_parts(
 def kept_parts(study: Study, setups: Setups, folder: Path) -> Parts:
     """Return the data of the tasks that are finished in a folder; none is done."""
     return Store(folder / TASKS, study, setups).kept(study.tasks(setups))
-
-
-def _settings(study: Study, setups: Setups) -> dict[str, str]:
-    """Return the attributes of a dataset that say what it was made from."""
-    configurations = [setup.configuration for setup in setups.values()]
-    shown = configurations[0] if len(configurations) == 1 else configurations
-    return {
-        "study": yaml.safe_dump({"name": study.name, **study.options}, sort_keys=False),
-        "configuration": yaml.safe_dump(shown, sort_keys=False, allow_unicode=True),
-    }
 
 
 def finish(result: Result, folder: Path) -> list[str]:

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter, methodcaller
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
@@ -20,7 +21,7 @@ from contactlab.parameter import Parameter
 from contactlab.results.netcdf import TITLE, to_datatree
 from contactlab.steady_state.search import LONGEST, Converged, converged as find_refined, steady_setup
 from contactlab.steady_state.state import CUMULATIVE, Steady as State
-from contactlab.studies.study import Part, Result, Setups, Study, Task, estimates, option
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates, option
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -83,6 +84,10 @@ class Steady(Study):
         """Return the quantities; `velocity` is another name of `rotor_velocity`."""
         every = estimates(data["steady"].to_dataset(), self.quantities)
         return {"velocity": every["rotor_velocity"], **every}
+
+    def facts(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return kind, periods, phase and, of an orbit, its multipliers' attributes."""
+        return {str(name): value for name, value in data["steady"].attrs.items()}
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the kind of motion, its stability, and what limits the result."""
@@ -188,6 +193,8 @@ def steady(
     tolerance: float | None = None,
     start: "Result | State | tuple[ModalState, float] | None" = None,
     refine: bool = False,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
     **options: Any,
 ) -> Result:
     """Compute the steady state of a motor: the study `Steady`, by default at one step of the solver.
@@ -203,6 +210,7 @@ def steady(
         contact_step, tolerance: as of `contactlab.simulate`.
         start: another steady state, or modal state and rotor velocity [rad/s] at the drive's phase 0.
         refine: whether finer steps give the numerical error too.
+        output, progress: as of every study.
         options: fields of `Steady`.
 
     Raises:
@@ -210,11 +218,16 @@ def steady(
     """
     study = Steady(refine=refine, **options)
     setup = steady_setup(motor, law, contact_step, tolerance)
+    if start is None:
+        return study(setup, output=output, progress=progress)
     begun: Any = start.details if isinstance(start, Result) else start
     if isinstance(begun, Converged):
         begun = begun.best
     part = _steady_state(setup, refine, {**study.arguments, "start": begun})
-    return Result(study, {"": setup}, part.data, part.details)
+    result = Result.of(study, {"": setup}, part.data, part.details)
+    if output is not None:
+        result.save(output)
+    return result
 
 
 converged = partial(steady, refine=True)

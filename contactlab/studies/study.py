@@ -15,14 +15,20 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cache, cached_property
+from html import escape
 from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
 
+import yaml
+
 from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
 from contactlab.parameter import Parameter
-from contactlab.studies.tables import as_text
+from contactlab.results.netcdf import configuration_of
+from contactlab.results.provenance import code_attributes
+from contactlab.results.yaml_text import read_yaml
+from contactlab.studies.tables import as_html, as_text
 from contactlab.variables import Variable
 
 if TYPE_CHECKING:
@@ -32,8 +38,15 @@ if TYPE_CHECKING:
 
     from contactlab.config import Setup
 
+Progress = Callable[[int, int], object]
+"""Receives the number of finished tasks and that of all."""
+
 Setups = Mapping[str, "Setup"]
 """The setups of a study by label: what distinguishes each, as 'law=newton'; empty for a single one."""
+
+
+STUDY, SEVERAL = "study", "configurations"
+"""Attributes of a result's data: its study with all options, and the configurations by label if several."""
 
 
 def option(meaning: str, **limits: Any) -> Parameter:
@@ -147,12 +160,33 @@ class Study(ABC):
         del data
         return {}
 
-    def result(self, setup: Setup) -> Result:
-        """Put the study to one setup, in this process."""
-        # Imported here: the runner knows studies.
-        from contactlab.studies.runner import run
+    def facts(self, data: xarray.DataTree) -> Mapping[str, Any]:
+        """Return what is known by name beside the numbers, such as the kind of a motion."""
+        del data
+        return {}
 
-        return run(self, {"": setup})
+    def __call__(
+        self, setups: Setup | Setups, *, output: str | Path | None = None, progress: Progress | None = None
+    ) -> Result:
+        """Put the study to a setup, or to several by label.
+
+        Args:
+            setups: what it is put to.
+            output: folder of the files, in which an interrupted study goes on; None writes none.
+            progress: receives the number of finished tasks and that of all.
+
+        Raises:
+            OSError: the folder cannot be written to.
+        """
+        # Imported here: the runner knows studies.
+        from contactlab.studies.runner import finish, run
+
+        folder = None if output is None else Path(output)
+        every: Setups = setups if isinstance(setups, Mapping) else {"": setups}
+        result = run(self, every, folder, progress)
+        if folder is not None:
+            finish(result, folder)
+        return result
 
     @property
     def options(self) -> dict[str, Any]:
@@ -195,12 +229,12 @@ class Result:
         result.data                         an xarray tree with CF attributes
         result.velocity                     a number and its error, by the name of the quantity
         result.tables, result.findings      pandas tables, sentences
-        result.save("folder")               dataset, page, figures and tables
+        result.save("folder")               dataset, page, figures and tables; back by `contactlab.load`
         result.plot()                       the first figure
 
     Args:
         study: the question.
-        setups: what it was put to.
+        setups: what it was put to; of a file, those that can be built again.
         data: of the study.
         details: the object of the analysis where the study has one task and it ran in this process: its
             attributes are attributes of the result too; None where the data were read from a file.
@@ -210,6 +244,26 @@ class Result:
     setups: Setups
     data: xarray.DataTree
     details: Any = None
+
+    @classmethod
+    def of(cls, study: Study, setups: Setups, data: xarray.DataTree, details: Any = None) -> Result:
+        """Return a result whose data say what they were made from, and by which code."""
+        configurations = {label: setup.configuration for label, setup in setups.items()}
+        about = {STUDY: yaml.safe_dump({"name": study.name, **study.options}, sort_keys=False)}
+        if [*configurations] == [""]:
+            about["configuration"] = _as_yaml(configurations[""])
+        elif configurations:
+            about[SEVERAL] = _as_yaml(configurations)
+        data.attrs = {**code_attributes(), **about, **data.attrs}
+        return cls(study, setups, data, details)
+
+    @property
+    def configurations(self) -> dict[str, Any]:
+        """The configuration of each setup by its label, as the data have it."""
+        if SEVERAL in self.data.attrs:
+            return dict(read_yaml(self.data.attrs[SEVERAL]))
+        single = configuration_of(self.data.attrs)
+        return {"": single} if single else {}
 
     @cached_property
     def numbers(self) -> dict[str, Estimate]:
@@ -226,14 +280,23 @@ class Result:
         """The sentences that the result supports."""
         return self.study.findings(self.data)
 
+    @cached_property
+    def facts(self) -> Mapping[str, Any]:
+        """What is known by name beside the numbers."""
+        return self.study.facts(self.data)
+
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
+        if name.startswith("_"):
             raise AttributeError(name)
-        if name in (numbers := self.numbers):
-            return numbers[name]
+        for named in (self.numbers, self.facts):
+            if name in named:
+                return named[name]
         if self.details is None:
             raise AttributeError(f"{type(self).__name__} of {self.study.name} has no number {name!r}")
         return getattr(self.details, name)
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *filter(str.isidentifier, (*self.numbers, *self.facts))]
 
     def __getitem__(self, name: str) -> Any:
         """Return a variable of the data, or a group."""
@@ -262,10 +325,20 @@ class Result:
         save(self, Path(folder))
 
     def __repr__(self) -> str:
-        # Tables of reference are for the page.
-        blocks = [
-            "\n".join(filter(None, (t.attrs["caption"], as_text(t))))
-            for t in self.tables.values()
-            if not t.attrs.get("reference")
-        ]
+        blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self._tables_to_read]
         return "\n\n".join([*blocks, "\n".join(self.findings)]).rstrip()
+
+    def _repr_html_(self) -> str:
+        """Show tables and findings in a notebook."""
+        tables = (f"<p>{escape(t.attrs['caption'])}</p>{as_html(t)}" for t in self._tables_to_read)
+        findings = (f"<li>{escape(sentence)}</li>" for sentence in self.findings)
+        return f"{''.join(tables)}<ul>{''.join(findings)}</ul>"
+
+    @property
+    def _tables_to_read(self) -> list[pandas.DataFrame]:
+        """The tables but those of reference, which are for the page."""
+        return [t for t in self.tables.values() if not t.attrs.get("reference")]
+
+
+def _as_yaml(values: Mapping[str, Any]) -> str:
+    return str(yaml.safe_dump(values, sort_keys=False, allow_unicode=True))

@@ -42,8 +42,8 @@ from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
 from contactlab.simulation import setup_of
 from contactlab.studies.run_state import Status, status_of
-from contactlab.studies.runner import TASKS, Parts, Progress, done_parts, kept_parts
-from contactlab.studies.study import Part, Setups, Study, Task
+from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
+from contactlab.studies.study import Part, Progress, Setups, Study, Task
 from contactlab.studies.sweep_dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
 from contactlab.studies.sweep_plan import (
     NOTHING,
@@ -202,7 +202,7 @@ def _outcome(work: Cells, cell: int) -> Outcome:
 
 def _numbers(study: Study, setup: Setup) -> Outcome:
     """Put a study to a setup; return its numbers and their errors."""
-    every = study.result(setup).numbers
+    every = study(setup).numbers
     values = {q.name: every[q.name].value for q in study.quantities}
     errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
     return Outcome(Status.COMPLETE, numbers=values | errors)

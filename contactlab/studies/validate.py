@@ -1,7 +1,7 @@
 """The study `validate`: contact laws against measured impacts to which they were not fitted."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -34,8 +34,7 @@ from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
 from contactlab.studies.measurements import PATTERNS, choice_of, measured
-from contactlab.studies.runner import run
-from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
 SHOWN: Final = 40
@@ -344,8 +343,8 @@ def validate(
     *,
     free: Mapping[str, tuple[float | str, float | str]] | None = None,
     fixed: Mapping[str, Any] | None = None,
-    folder: str | Path | None = None,
-    progress: Callable[[int, int], object] | None = None,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
     **options: Any,
 ) -> Result:
     """Cross-validate laws by measured impacts: the study `Validate`.
@@ -358,8 +357,7 @@ def validate(
         laws: names or laws; none are all rigid laws and some compliant ones.
         free: ranges by key, of laws chosen by name.
         fixed: values by key, parts of a composed law as "law/normal".
-        folder: where finished laws are kept, so that an interrupted study resumes.
-        progress: receives the number of finished pieces and that of all.
+        output, progress: as of every study.
         options: fields of `Validate`.
 
     Raises:
@@ -382,4 +380,4 @@ def validate(
         study.__dict__["laws"] = [
             LawPredictor.of(entry) if isinstance(entry, ContactLaw) else entry for entry in objects
         ]
-    return run(study, {}, None if folder is None else Path(folder), progress)
+    return study({}, output=output, progress=progress)

@@ -33,13 +33,16 @@ def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(comman
     [
         ("one_contact", {"one_contact.py": f"docs/gallery/{ONE_CONTACT.name}"}),
         ("drops", {"drops.csv": "docs/gallery/drops.csv"}),
-        (
-            "own_law",
-            {
-                f"own_law/{path.name}": f"tests/example_law/{path.name}"
-                for path in (ROOT / example.PACKAGE).iterdir()
-                if path.is_file()
-            },
+        *(
+            (
+                copy,
+                {
+                    f"{copy}/{path.name}": f"{source.as_posix()}/{path.name}"
+                    for path in (ROOT / source).iterdir()
+                    if path.is_file()
+                },
+            )
+            for copy, source in {"own_law": example.LAW, "own_study": example.STUDY}.items()
         ),
     ],
 )

@@ -148,7 +148,7 @@ def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:
     few = struck_discs(TRUTH, 9, seed=0)
 
     with pytest.raises(ValidationError, match="9"):
-        cl.validate(few, "newton", folder=tmp_path)
+        cl.validate(few, "newton", output=tmp_path)
     with pytest.raises(ValidationError, match="newton"):
         cl.validate(few, [cl.Newton(), cl.Newton()])
     assert not [*tmp_path.iterdir()]

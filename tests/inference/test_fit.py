@@ -110,7 +110,7 @@ def test_a_rotor_velocity_shows_that_a_law_with_a_wrong_stiffness_is_wrong():
 )
 def test_what_cannot_be_fitted_is_refused_with_its_key(impacts, tmp_path, laws, options, named):
     with pytest.raises(ConfigurationError, match=named):
-        cl.fit(impacts, laws, folder=tmp_path / "out", **options)
+        cl.fit(impacts, laws, output=tmp_path / "out", **options)
 
     assert not (tmp_path / "out").exists()
 

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 import time
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -19,8 +20,10 @@ SHORT = ("solver.duration=2e-3", "law=newton")
 def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
     """A folder with the package of the study installed."""
     here = Elsewhere(tmp_path_factory.mktemp("packages"), tmp_path_factory.mktemp("here"))
-    groups = {"contactlab.studies": {"gain": "gain:Gain"}}
-    here.install(here.wheel("example-study", "1.0", {}, {"gain": (STUDY / "gain.py").read_text()}, groups))
+    groups: dict[str, dict[str, str]]
+    groups = tomllib.loads((STUDY / "pyproject.toml").read_text())["project"]["entry-points"]
+    modules = {path.stem: path.read_text() for path in STUDY.glob("*.py")}
+    here.install(here.wheel("example-study", "1.0", {}, modules, groups))
     return here
 
 
@@ -71,6 +74,28 @@ def test_it_can_be_swept_over_configuration_and_its_own_options(elsewhere: Elsew
         assert data["slope"].attrs["units"] == "rad s-1"
         assert data["slope"].notnull().all()
         assert data["slope_error"].notnull().all()
+
+
+def test_its_metric_is_one_of_every_sweep(elsewhere: Elsewhere) -> None:
+    text = ("contact.clearance=1e-6,2e-6", *SHORT, "sweep.keep=metrics", "hydra.sweep.dir=rates")
+    status, _, err = elsewhere.command("-m", *text)
+    assert status == 0, err
+    with xarray.open_dataset(elsewhere.folder / "rates" / "sweep.nc") as data:
+        assert data["contact_rate"].attrs["units"] == "s-1"
+        assert (data["contact_rate"] * 2e-3 == data["contact_count"]).all()
+        assert (data["contact_count"] > 0).all()
+
+
+def test_a_metric_that_fails_on_import_or_takes_a_name_is_left_out(tmp_path: Path) -> None:
+    here = Elsewhere(tmp_path / "packages", tmp_path)
+    text = "from contactlab.metrics import metric\ncontact_count = metric('n', 'm', key='contact_count')(max)"
+    groups = {"contactlab.metrics": {"broken": "broken:rate", "contact_count": "taken:contact_count"}}
+    here.install(here.wheel("other", "1.0", {}, {"broken": "raise KeyError('no')", "taken": text}, groups))
+    status, _, err = here.command("solver.duration=1e-4", "hydra.run.dir=run")
+    assert status == 0, err
+    assert "broken" in err
+    assert "contact_count" in err
+    assert "Traceback" not in err
 
 
 @pytest.mark.long

@@ -8,7 +8,6 @@ from support.struck_discs import struck_discs
 
 import contactlab as cl
 from contactlab.inference import nested_sampling
-from contactlab.studies.runner import finish
 
 if __name__ == "__main__":
     verb, folder = sys.argv[1], Path(sys.argv[2])
@@ -16,7 +15,6 @@ if __name__ == "__main__":
     nested_sampling.EVERY = -1.0
     impacts = struck_discs(cl.Poisson(0.2, 0.6), 40, seed=1, spread=0.05)
     if verb == "fit":
-        result = cl.fit(impacts, ["newton", "poisson"], folder=folder, points=25, starts=2)
+        cl.fit(impacts, ["newton", "poisson"], output=folder, points=25, starts=2)
     else:
-        result = cl.validate(replace(impacts, title="Discs"), ["newton", "poisson"], folds=2, folder=folder)
-    finish(result, folder)
+        cl.validate(replace(impacts, title="Discs"), ["newton", "poisson"], folds=2, output=folder)

@@ -1,0 +1,40 @@
+"""`contactlab report FILE`: page, figures and tables of a study from its dataset."""
+
+import sys
+from pathlib import Path
+
+from contactlab.cli import terminal
+from contactlab.cli.arguments import Parser
+from contactlab.cli.jobs import unwritable
+from contactlab.cli.terminal import COMPLETE, RefusalError, tell
+
+
+def main(arguments: list[str]) -> int:
+    """Read the file, write the others, print the result and return the exit status.
+
+    Raises:
+        RefusalError: no study left the file, or nothing can be written.
+    """
+    parser = Parser("report", ", as the study itself leaves them.")
+    parser.add_argument("file", type=Path, metavar="FILE", help="the dataset of a study, such as steady.nc")
+    parser.add_argument("--output", type=Path, metavar="DIR", help="folder of the files; default: FILE's own")
+    chosen = parser.read(arguments)
+    folder = chosen.output or chosen.file.parent
+    with terminal.progress(1.0, "tasks"), terminal.raising():
+        # Imported here: they bring the compiler, which --help does not need.
+        from contactlab.studies.reading import load
+        from contactlab.studies.report import save
+        from contactlab.studies.study import Result
+
+        try:
+            result = load(chosen.file)
+            if not isinstance(result, Result):
+                raise RefusalError(f"FILE is '{chosen.file}', a run; it must be the dataset of a study.")
+            files = save(result, folder)
+        except ValueError as error:
+            raise RefusalError(f"FILE: {error}") from error
+        except OSError as error:
+            raise unwritable(folder, error) from error
+    tell(repr(result), sys.stdout)
+    tell(f"Written to {folder}: {', '.join(files)}.", sys.stdout)
+    return COMPLETE

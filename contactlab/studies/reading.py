@@ -1,0 +1,50 @@
+"""What a file holds: the solution of a run, or the result of a study."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contactlab.config import ConfigurationError, Setup, rebuild
+from contactlab.config.studies import study_of
+from contactlab.metrics.reading import checked_run, opened
+from contactlab.results.yaml_text import read_yaml
+from contactlab.simulation import Solution, solution_in
+from contactlab.studies.study import SEVERAL, STUDY, Result
+
+if TYPE_CHECKING:
+    import xarray
+
+
+def load(path: str | Path) -> Solution | Result:
+    """Return what a file holds, checked to be as it was left: a run, or any study.
+
+        >>> import contactlab as cl
+        >>> cl.simulate(cl.build(), duration=5e-4).save("run.nc")
+        >>> cl.load("run.nc").contacts["peak_normal_force"].values.round(2)
+        array([3.63, 9.87])
+
+    Raises:
+        ValueError: it cannot be read, or neither a run nor a study of contactlab's left it; a sentence.
+    """
+    tree = opened(Path(path))
+    if STUDY not in tree.attrs:
+        return solution_in(checked_run(tree, path), path)
+    try:
+        study = study_of(read_yaml(str(tree.attrs[STUDY])))
+        return Result(study, dict(_setups_in(tree)), tree)
+    except (LookupError, TypeError, ValueError) as error:
+        raise ValueError(f"'{path}' holds a study that cannot be read: {error}") from error
+
+
+def _setups_in(tree: "xarray.DataTree") -> Iterator[tuple[str, Setup]]:
+    """Yield the setups of a study that can be built again, by label."""
+    attributes = tree.attrs
+    every: dict[str, Any] = read_yaml(str(attributes.get(SEVERAL, "{}")))
+    if not every and "configuration" in attributes:
+        every = {"": read_yaml(str(attributes["configuration"]))}
+    for label, configuration in every.items():
+        try:
+            yield label, rebuild(configuration)
+        # A motor made in Python, or a law that is not installed here.
+        except ConfigurationError:
+            continue

@@ -1,0 +1,106 @@
+"""A result that was written is read back: its file alone gives numbers, tables, findings and figures."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from support.command_line import Command
+from support.struck_discs import struck_discs
+
+import contactlab as cl
+
+STUDIES: dict[str, Callable[[Path], cl.Result]] = {
+    "steady": lambda folder: cl.steady(cl.build(), output=folder),
+    "branch": lambda folder: cl.branch(cl.build(), "contact.clearance", 1e-6, 1.02e-6, output=folder),
+    "basins": lambda folder: cl.basins(
+        cl.build(), {"rotor_velocity": np.array([-3.0, 0.0]), "drive_phase": np.array([0.0])}, output=folder
+    ),
+    "characterise": lambda folder: cl.characterise(cl.build(), output=folder),
+    "compare": lambda folder: cl.compare(
+        [cl.build([f"law={law}", "solver.duration=5e-4"]) for law in ("newton", "hertz_penalty")],
+        output=folder,
+        refine=False,
+        transient=True,
+    ),
+    "fit": lambda folder: cl.fit(
+        struck_discs(cl.Newton(0.2, 0.6), 20, seed=1, spread=0.05), "newton", output=folder, points=25
+    ),
+    "validate": lambda folder: cl.validate(
+        struck_discs(cl.Newton(0.2, 0.6), 20, seed=1), ["newton", "poisson"], folds=2, output=folder
+    ),
+    "synthetic": lambda folder: cl.Synthetic(impacts=20)(cl.build(["law=newton"]), output=folder),
+}
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_the_file_alone_gives_the_result_and_the_same_files(name: str, tmp_path: Path) -> None:
+    made = STUDIES[name](tmp_path / "made")
+    again = cl.load(tmp_path / "made" / f"{name}.nc")
+    assert isinstance(again, cl.Result)
+    assert again.study.name == name
+    assert again.configurations == made.configurations
+    assert {label: setup.configuration for label, setup in again.setups.items()} == made.configurations
+    np.testing.assert_equal(again.numbers, made.numbers)
+    assert again.findings == made.findings
+    for table, other in zip(made.tables.values(), again.tables.values(), strict=True):
+        pd.testing.assert_frame_equal(table, other)
+    again.save(tmp_path / "again")
+    assert files(tmp_path / "again") == files(tmp_path / "made")
+    assert {*filter(str.isidentifier, made.numbers)} <= {*dir(again)}
+    assert again._repr_html_().count("<li>") == len(made.findings)
+
+
+def test_the_kind_of_a_motion_is_known_from_its_file(tmp_path: Path) -> None:
+    made = cl.steady(cl.build(), output=tmp_path)
+    again = cl.load(tmp_path / "steady.nc")
+    assert isinstance(again, cl.Result)
+    assert again.kind == made.kind == "periodic"
+    assert again.velocity == made.velocity
+    with pytest.raises(AttributeError):
+        _ = again.velocty
+
+
+def test_the_command_makes_the_page_anew(command: Command, tmp_path: Path) -> None:
+    cl.steady(cl.build(), output=tmp_path / "made")
+    page = (tmp_path / "made" / "report.html").read_bytes()
+    assert command("report", "made/steady.nc", "--output", "again")[0] == 0
+    assert files(tmp_path / "again") == files(tmp_path / "made")
+    (tmp_path / "made" / "report.html").unlink()
+    assert command("report", "made/steady.nc")[0] == 0
+    assert (tmp_path / "made" / "report.html").read_bytes() == page
+
+
+def test_what_is_no_study_has_no_page(command: Command, tmp_path: Path) -> None:
+    cl.simulate(cl.build(), duration=1e-4).save(tmp_path / "run.nc")
+    (tmp_path / "text.nc").write_text("no dataset")
+    for name in ("run.nc", "text.nc", "absent.nc"):
+        status, _, errors = command("report", name)
+        assert status == 2
+        assert name in errors
+        assert "Traceback" not in errors
+    assert not (tmp_path / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        [],
+        ["law=newton", "contact.clearance=0.5 um"],
+        ["law=composed", "law/normal=prony", "law/friction=iwan", "law.normal.first_time=2e-5"],
+        ["resonator=finite_element", "piezoceramic=pz26_datasheet", "drive.voltage_1=3 V"],
+        ["contact.preload=2", "solver.changes=['0.6 ms; rotor.damping=4e-7']"],
+    ],
+)
+def test_a_setup_is_shown_as_what_makes_it(overrides: list[str]) -> None:
+    setup = cl.build(overrides)
+    text = repr(setup)
+    assert eval(text, {"contactlab": cl}).configuration == setup.configuration
+    assert text.count("=") <= 2 * len(overrides) + 1
+    changed = setup.with_("rotor.inertia=1e-6")
+    assert eval(repr(changed), {"contactlab": cl}).configuration == changed.configuration
