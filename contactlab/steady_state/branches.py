@@ -67,6 +67,7 @@ class Branch:
         columns: dict[str, tuple[str, str, Callable[[BranchPoint], float]]] = {
             "value": (self.unit, f"{self.parameter}, {self.meaning}", lambda p: p.value),
             "rotor_velocity": ("rad s-1", "mean angular velocity of the rotor", lambda p: p.velocity),
+            "rotor_velocity_error": ("rad s-1", "error of the mean velocity", lambda p: p.velocity_error),
             "torque": ("N m", "mean torque of the contact on the rotor", lambda p: p.torque),
             "settling_time": ("s", "time to fall by e, of small deviations", lambda p: p.orbit.settling_time),
             "roughness": ("1", "change of the map's derivative nearby", lambda p: p.orbit.roughness),

@@ -122,6 +122,14 @@ class BranchPoint:
         return float((angle[-1] - angle[0]) / self.run.duration)
 
     @property
+    def velocity_error(self) -> float:
+        """What the orbit's closure leaves of the mean rotor velocity [rad/s]; none of a belt's."""
+        if self.orbit.map.belt is not None:
+            return 0.0
+        closure = self.orbit.closure(self.orbit.map.end_of(self.run))
+        return self.orbit.velocity(self.velocity, closure).error
+
+    @property
     def torque(self) -> float:
         """Mean torque of the contact on the rotor, -R F [N m]."""
         radius = self.run.motor.geometry.rotor_radius

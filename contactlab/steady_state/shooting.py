@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
+from contactlab.estimate import Estimate
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 
 STEP: Final = 1e-6
@@ -105,6 +106,24 @@ class Orbit:
         if not self.stable:
             return np.inf
         return float(-self.map.period / np.log(max(self.largest, np.finfo(float).tiny)))
+
+    def closure(self, end: Array) -> float:
+        """Return how far the orbit is from closing, |P(z) - z| / |1 - |lambda|| over |z| [1].
+
+        At least what shooting is content with. `end` is P(z) of a run.
+        """
+        if not (size := float(np.linalg.norm(self.state))):
+            return 0.0
+        gap = float(np.linalg.norm(end - self.state))
+        return max(gap / size, CLOSED) / max(abs(1.0 - self.largest), NEUTRAL)
+
+    def velocity(self, mean: float, closure: float) -> Estimate:
+        """Return a mean rotor velocity [rad/s] with what the closure leaves of it.
+
+        The rotor's part of a state whose size is mostly the resonator's may be all of that.
+        """
+        size = float(np.linalg.norm(self.state)) / float(np.sqrt(self.map.setup.motor.rotor.inertia))
+        return Estimate(mean, closure * max(abs(mean), size))
 
 
 def orbit_from(section: PeriodMap, z: Array) -> Orbit:

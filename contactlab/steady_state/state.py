@@ -24,7 +24,7 @@ from contactlab.steady_state.period_map import (
     period_of,
     variables_in,
 )
-from contactlab.steady_state.shooting import CLOSED, Orbit
+from contactlab.steady_state.shooting import Orbit
 from contactlab.trajectory import Trajectory
 
 CUMULATIVE: Final = (
@@ -89,14 +89,8 @@ class Steady:
 
     @property
     def closure(self) -> float:
-        """Distance of what was found from a closed orbit, |P(z) - z| / (1 - |lambda|) over |z| [1].
-
-        At least what shooting is content with.
-        """
-        if self.orbit is None or not (size := float(np.linalg.norm(self.orbit.state))):
-            return 0.0
-        gap = float(np.linalg.norm(self.orbit.map.end_of(self.motion) - self.orbit.state))
-        return max(gap / size, CLOSED) / (1.0 - self.orbit.largest)
+        """Distance of what was found from a closed orbit, see `Orbit.closure` [1]."""
+        return 0.0 if self.orbit is None else self.orbit.closure(self.orbit.map.end_of(self.motion))
 
     def mean(self, rates: Array) -> Estimate:
         """Return the mean of rates over the record intervals of the motion, and its error.
@@ -137,12 +131,8 @@ class Steady:
         """Mean rotor velocity and its error at this step [rad/s]; `contactlab.converged` adds the step's."""
         if self.belt is not None:
             return Estimate(self.belt, 0.0)
-        mean, error = self.average("rotor_angle")
-        # The rotor's part of a state whose size is mostly the resonator's.
-        size = float(np.linalg.norm(self.orbit.state)) if self.orbit is not None else 0.0
-        return Estimate(
-            mean, max(error, self.closure * size / float(np.sqrt(self.setup.motor.rotor.inertia)))
-        )
+        mean = self.average("rotor_angle")
+        return mean if self.orbit is None else self.orbit.velocity(mean.value, self.closure)
 
     @property
     def torque(self) -> Estimate:

@@ -94,6 +94,9 @@ class Branch(Study):
         every, parameter = data.to_dataset(), data.attrs["parameter"]
         names = every["mark"].attrs["flag_meanings"].split()
         last = every.sizes["point"] - 1
+        # Round-off is no velocity.
+        turns = abs(every["rotor_velocity"]) > every["rotor_velocity_error"]
+        every["rotor_velocity"] = every["rotor_velocity"].where(turns, 0.0)
         rows = [
             {
                 parameter: float(point["value"]),

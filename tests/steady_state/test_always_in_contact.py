@@ -57,3 +57,12 @@ def test_the_orbit_is_the_same_from_any_phase_of_the_drive(phase: float) -> None
     section = result.orbit.map.at_end_of(run, result.orbit.map.phase + phase)
     z = section.end_of(run)
     assert np.linalg.norm(section(z) - z) < 1e-8 * np.linalg.norm(z)
+
+
+def test_a_rotor_that_stands_has_no_velocity_but_round_off_on_a_branch() -> None:
+    """Pressed so hard that all of the period sticks."""
+    result = cl.branch(cl.build([*PRESSED, "law=newton"]), "contact.preload", 7.6, 8.0)
+    data = result.data.to_dataset()
+    assert (np.abs(data["rotor_velocity"]) <= data["rotor_velocity_error"]).all()
+    assert (data["rotor_velocity_error"] < 1e-6).all()
+    assert result.tables["events"]["rotor velocity"].tolist() == [0.0, 0.0]

@@ -76,15 +76,15 @@ def rates(time: float, y: np.ndarray) -> np.ndarray:
 @pytest.mark.long
 def test_a_pressed_motor_settles_where_its_equations_and_a_long_run_do(tmp_path: Path) -> None:
     setup, period = setup_in(tmp_path), 1.0 / FREQUENCY
-    found = cl.steady(setup)
+    settled = cl.steady(setup)
     last = 600 * period
     start = np.zeros(10)
     start[6] = -CLEARANCE
     own = solve_ivp(rates, (0.0, last), start, "DOP853", [last - period, last], rtol=1e-10, atol=1e-14)
     run = setup.run(duration=last, record_interval=period)
     velocity = (own.y[8, 1] - own.y[8, 0]) / period
-    assert found.details.kind == "periodic"
-    assert found.orbit.map.touches
-    assert found.orbit.stable
-    assert found.velocity.value == pytest.approx(velocity, rel=1e-6)
-    assert found.velocity.value == pytest.approx(np.diff(run.series["rotor_angle"])[-1] / period, rel=1e-6)
+    assert settled.details.kind == "periodic"
+    assert settled.orbit.map.touches
+    assert settled.orbit.stable
+    assert settled.velocity.value == pytest.approx(velocity, rel=1e-6)
+    assert settled.velocity.value == pytest.approx(np.diff(run.series["rotor_angle"])[-1] / period, rel=1e-6)
