@@ -35,6 +35,8 @@ class Estimate(NamedTuple):
             return f"{value:.4g} {plus_minus} {error:.2g}"
         if error <= 0.0:
             return f"{value:.{most}g} {plus_minus} 0"
+        # What is left of a value far below its error is round-off.
+        value = round(value, 1 - floor(log10(error))) + 0.0
         size = max(abs(value), error)
         digits = min(floor(log10(size)) - floor(log10(error)) + 2, most)
         return f"{value:#.{digits}g}".removesuffix(".") + f" {plus_minus} {error:.2g}"

@@ -47,7 +47,9 @@ def draw(tree: xarray.DataTree) -> Figure:
     gap = np.where(np.abs(series["gap"]) < CLOSED, 0.0, series["gap"])
     gap_unit, gap_scale = prefixed_unit(float(np.abs(gap).max()) or 1e-6, "m", smallest=0.1)
     below["velocity"].plot(time, series["rotor_velocity"], color="black")
-    _widen(below["velocity"], series["rotor_velocity"])
+    # That of an orbit is a bound of every difference.
+    known = velocity.error if "multiplier" in state.dims else 0.0
+    _widen(below["velocity"], series["rotor_velocity"], known)
     if "belt" in about:
         # The contact changes a prescribed velocity by round-off only.
         below["velocity"].set_ylim(about["belt"] - 1.0, about["belt"] + 1.0)
@@ -71,11 +73,12 @@ def draw(tree: xarray.DataTree) -> Figure:
     return figure
 
 
-def _widen(axes: Axes, values: np.ndarray) -> None:
-    """Draw what changes by round-off only as a constant."""
+def _widen(axes: Axes, values: np.ndarray, error: float = 0.0) -> None:
+    """Draw what changes by round-off only, or less than its error, as a constant."""
     middle = 0.5 * float(values.max() + values.min())
-    if np.ptp(values) <= ROUND_OFF * abs(middle):
-        axes.set_ylim(middle - 0.5 * (abs(middle) or 1.0), middle + 0.5 * (abs(middle) or 1.0))
+    if np.ptp(values) <= max(ROUND_OFF * abs(middle), error):
+        size = abs(middle) if abs(middle) > error else 1.0
+        axes.set_ylim(middle - 0.5 * size, middle + 0.5 * size)
 
 
 def _draw_path(axes: Axes, tree: xarray.DataTree) -> None:

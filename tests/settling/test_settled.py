@@ -206,6 +206,10 @@ def test_tones_that_repeat_together_have_a_period_and_silent_ones_do_not_count()
         (-0.0, 0.0, "0 +- 0"),
         (123.4, 20.0, "123 +- 20"),
         (0.0, 0.5, "0.0 +- 0.5"),
+        (-8.1e-12, 3.3e-8, "0.0 +- 3.3e-08"),
+        (0.0059, 23.0, "0.0 +- 23"),
+        (9.996, 0.28, "10.00 +- 0.28"),
+        (1.5, 1e-305, "1.50000 +- 1e-305"),
     ],
 )
 def test_a_number_is_rounded_to_its_error(value: float, error: float, text: str) -> None:

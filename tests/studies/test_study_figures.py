@@ -12,6 +12,7 @@ from contactlab.studies.characterise import Characterise
 from contactlab.studies.compare_figures import draw_pairs, draw_paths, draw_quantities
 from contactlab.studies.compare_reruns import Reruns
 from contactlab.studies.compare_scorecard import motion
+from contactlab.studies.steady_figure import draw as draw_steady
 
 LAWS = ["newton", "hertz_penalty"]
 
@@ -66,3 +67,11 @@ def test_a_quantity_that_no_law_has_takes_no_panel() -> None:
 def test_a_motor_without_a_curve_has_no_figure() -> None:
     sheet = xarray.Dataset({"sense": ("law", [0.0])}, {"law": ["newton"]})
     assert Characterise().figures(xarray.DataTree(sheet)) == {}
+
+
+def test_a_rotor_that_symmetry_keeps_at_rest_is_drawn_at_rest() -> None:
+    """Driven in the normal mode alone: the rotor's velocity is round-off, some 1e-17 rad/s."""
+    pressed = ["law=newton", "contact.preload=5", "rotor.bearing_damping=300", "drive.voltage_2=0"]
+    figure = draw_steady(cl.steady(cl.build(pressed)).data)
+    (axes,) = [axes for axes in figure.axes if axes.get_ylabel().startswith("rotor velocity")]
+    assert axes.get_ylim() == (-0.5, 0.5)
