@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from functools import cache, partial, wraps
 from inspect import signature
-from math import inf, isfinite
+from math import inf
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType
@@ -11,7 +11,7 @@ from typing import Any, Literal, TypeVar, cast, get_args, get_origin
 
 import numpy as np
 
-from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.parameter import BEYOND, DeclaredField, declared_fields, has_magnitude
 from contactlab.quantity import in_si
 
 SMALLEST_STEP = 1e-12
@@ -85,8 +85,8 @@ def check_fields(owner: Any, title: str = "") -> None:
         is_number = isinstance(value, Real)
         if not any(is_kind(value, kind) for kind in field.kinds):
             kinds.append(_other_kind(f"{title}: {name}", value, field.kinds))
-        elif is_number and not isfinite(value):
-            ranges.append(f"{title}: {name} is {value}; it must be finite.")
+        elif is_number and not has_magnitude(value):
+            ranges.append(f"{title}: {name} is {value}, {BEYOND}.")
         elif is_number and parameter and not parameter.admits(value):
             message = (
                 f"{title}: {name} is {value}{parameter.label}; it must be {parameter.range}. {field.hint}"

@@ -8,7 +8,13 @@ from dataclasses import MISSING, dataclass, fields
 from functools import cache, cached_property, partial
 from math import inf, isfinite
 from types import UnionType
-from typing import Annotated, Any, Union, final, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, Union, final, get_args, get_origin, get_type_hints
+
+MAGNITUDES: Final = 1e-300, 1e300
+"""Least and largest magnitude of a number that is not zero: ratios of others overflow."""
+
+BEYOND: Final = "which is not finite, or neither 0 nor of a magnitude from {:g} to {:g}".format(*MAGNITUDES)
+"""What a number of another magnitude is."""
 
 
 @final
@@ -49,8 +55,9 @@ class Parameter:
             )
 
     def admits(self, value: float) -> bool:
-        """Return whether a value is finite and in the range."""
-        return self.above < value < self.below and self.at_least <= value <= self.at_most
+        """Return whether a value is in the range, and zero or of a magnitude to compute with."""
+        in_range = self.above < value < self.below and self.at_least <= value <= self.at_most
+        return in_range and has_magnitude(value)
 
     @property
     def unit(self) -> str:
@@ -68,6 +75,11 @@ class Parameter:
         phrases = ("greater than", "at least", "less than", "at most")
         bounds = zip(phrases, (self.above, self.at_least, self.below, self.at_most), strict=True)
         return " and ".join(f"{word} {b:g}{self.label}" for word, b in bounds if isfinite(b))
+
+
+def has_magnitude(value: float) -> bool:
+    """Return whether a number is zero or in `MAGNITUDES`; not where it is infinite or not a number."""
+    return value == 0.0 or MAGNITUDES[0] <= abs(value) <= MAGNITUDES[1]
 
 
 positive = partial(Parameter, above=0.0)

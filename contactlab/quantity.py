@@ -8,12 +8,11 @@ import reprlib
 from contextlib import suppress
 from decimal import Decimal
 from functools import cache
-from math import isfinite
 from numbers import Real
 from types import NoneType
 from typing import TYPE_CHECKING, Any
 
-from contactlab.parameter import DeclaredField, from_cf
+from contactlab.parameter import BEYOND, DeclaredField, from_cf, has_magnitude
 
 if TYPE_CHECKING:
     import pint
@@ -58,8 +57,8 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     else:
         plain = f"{number:.12g}{declared.label}"
         shown = f"'{value}' ({plain})" if isinstance(value, str) else plain
-        if not isfinite(number):
-            wrong = f"{number}, which is not finite"
+        if not has_magnitude(number):
+            wrong = f"{shown}, {BEYOND}"
         elif whole and number != int(number):
             wrong = f"{shown}, which is not a whole number"
         elif declared.admits(number):

@@ -17,7 +17,7 @@ from typing import Final
 from contactlab.cli import terminal
 from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
-from contactlab.config import Setup, build
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import quoted
 from contactlab.config.studies import study_class
 from contactlab.parameter import DeclaredField, declared_fields
@@ -51,6 +51,8 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     matched: dict[str, list[str]] = defaultdict(list)
     for word in _without_dashes(arguments, options):
         name, sign, value = word.partition("=")
+        if word == "output=":
+            raise RefusalError("output is empty; it must be a folder.")
         if name == "output" and sign:
             lines.append(f"{place}={quoted(value)}")
         elif name in options and sign:
@@ -117,6 +119,12 @@ def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:
     axes = [
         [f"{key}={value}" for value in listed(values)] for key, _, values in (o.partition("=") for o in over)
     ]
+    if faults := [
+        f"{o} has no values; there must be one at least."
+        for o, axis in zip(over, axes, strict=True)
+        if not axis
+    ]:
+        raise ConfigurationError(faults)
     return {", ".join(chosen): build([*rest, *chosen]) for chosen in product(*axes)}
 
 

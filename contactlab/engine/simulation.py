@@ -46,6 +46,8 @@ STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
 
 
+# Numbers that overflow end a run, with a sentence.
+@np.errstate(all="ignore")
 def simulate(
     motor: Motor,
     law: ContactLaw,

@@ -319,6 +319,7 @@ class _Record:
         stream = BytesIO()
         np.savez(stream, values=np.array(self.values), log_likelihood=np.array(self.log_likelihood))
         stream.write(self._digest(stream.getvalue()))
+        self._path.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(self._path) as partial:
             partial.write_bytes(stream.getvalue())
         self._written = perf_counter()

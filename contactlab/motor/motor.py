@@ -261,7 +261,8 @@ def free_reach(motor: Motor) -> float:
 
     That is the largest of clearance less gap, with u and th of the sum of all modes' answers
     Q_j = f_j / (k_j - omega^2 + i c_j omega) to all tones, and of the preload's; zero without either. It is
-    sampled, to a thousandth of itself. Not a number where a rigid body follows a constant force.
+    sampled, to a thousandth of itself. Not a number where there is no such state: a rigid body under a
+    constant force, a mode without damping driven at its own frequency.
     """
     modes, geometry = motor.modes, motor.geometry
     omega, force = motor.drive.angular_frequency, motor.force_phasors
@@ -271,9 +272,10 @@ def free_reach(motor: Motor) -> float:
     if omega.size:
         dynamic = modes.stiffness[:, None] - omega**2 + 1j * modes.damping[:, None] * omega
         time = np.linspace(0.0, PERIODS * 2.0 * np.pi / omega.min(), SAMPLES)
-        q = np.real(force / dynamic @ np.exp(1j * np.multiply.outer(omega, time)))
+        with np.errstate(all="ignore"):
+            q = np.real(force / dynamic @ np.exp(1j * np.multiply.outer(omega, time)))
     if motor.preload is not None:
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(all="ignore"):
             still = np.where(motor.preload == 0.0, 0.0, motor.preload / modes.stiffness)
         q = q + still[:, None]
     if not np.isfinite(q).all():

@@ -269,7 +269,9 @@ class Posteriors:
                 if not any(data.data_vars for data in groups.values()):
                     raise ValueError("it has no posterior of a law")
         except (OSError, KeyError, ValueError) as error:
-            raise ComparisonError([f"'{path}' is no file of the study fit: {error}"]) from None
+            raise ComparisonError(
+                [f"posterior is '{path}', which is no file of the study fit: {error}"]
+            ) from None
         return cls(
             {
                 str(label).partition(" ")[0]: {

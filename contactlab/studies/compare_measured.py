@@ -119,15 +119,15 @@ def read_all(paths: Sequence[str | Path]) -> list[Measurement]:
                 raise MeasurementError(f"'{path}': it has operating points, which `contactlab fit` reads.")
             measurements.append(Measurement(str(path), data, digest_of_file(path)))
         except ValueError as error:
-            faults += str(error).splitlines()
+            faults += [f"measured: {line}" for line in str(error).splitlines()]
         except OSError as error:
-            faults.append(f"'{path}' cannot be read ({error.strerror or error}).")
+            faults.append(f"measured is '{path}' and cannot be read ({error.strerror or error}).")
         else:
             if isinstance(data, MeasuredImpacts) and len(data) < LEAST:
-                faults.append(f"'{path}' has {len(data)} impacts; there must be at least {LEAST}.")
+                faults.append(f"measured: '{path}' has {len(data)} impacts; there must be at least {LEAST}.")
     digests = [each.digest for each in measurements]
     if repeated := [each.path for each in measurements if digests.count(each.digest) > 1]:
-        faults.append(f"{', '.join(repeated)} are the same measurements; each must occur once.")
+        faults.append(f"measured: {', '.join(repeated)} are the same measurements; each must occur once.")
     if faults:
         raise ComparisonError(faults)
     return measurements

@@ -27,9 +27,11 @@ def measured(path: str, read: Callable[[Path], _Data]) -> _Data:
     try:
         return read(Path(path))
     except OSError as error:
-        raise ConfigurationError([f"'{path}' cannot be read ({error.strerror or error})."]) from error
+        raise ConfigurationError(
+            [f"data is '{path}' and cannot be read ({error.strerror or error})."]
+        ) from error
     except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+        raise ConfigurationError([f"data: {line}" for line in str(error).splitlines()]) from error
 
 
 def choice_of(

@@ -8,8 +8,10 @@ configuration or version are never taken for its own. They are removed when the 
 
 import json
 import shutil
+import socket
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
@@ -17,6 +19,7 @@ from hashlib import sha256
 from pathlib import Path
 from time import process_time
 from typing import Any, Final, final
+from urllib.parse import urlsplit
 
 import xarray
 
@@ -162,7 +165,6 @@ class Store:
         """Return a task with the file by which it resumes."""
         if not task.resumes:
             return task
-        self.folder.mkdir(parents=True, exist_ok=True)
         checkpoint = self.folder / f"{self._name(task.key)}.checkpoint"
         return replace(task, arguments=(*task.arguments, checkpoint))
 
@@ -225,10 +227,33 @@ def _done(task: Task) -> tuple[str, Part]:
 
 def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
     """Have the workers of a Dask scheduler do tasks; those of a worker that dies go to the others."""
-    from distributed import Client, as_completed
+    try:
+        from distributed import Client, KilledWorker, as_completed
 
-    with Client(address, set_as_default=False) as client:
-        futures = [client.submit(_done, task, pure=False) for task in tasks]
-        for future in as_completed(futures, loop=client.loop):
-            yield future.result()
-            future.release()
+        _check_listener(address)
+    except (ImportError, OSError, ValueError) as error:
+        raise ValueError(
+            f"scheduler is {address!r} and cannot be used ({error}); it must be the address of a running "
+            "Dask scheduler. pip install 'contactlab[cluster]' brings Dask."
+        ) from error
+    try:
+        with Client(address, set_as_default=False) as client:
+            futures = [client.submit(_done, task, pure=False) for task in tasks]
+            for future in as_completed(futures, loop=client.loop):
+                yield future.result()
+                future.release()
+    except (CancelledError, KilledWorker, OSError) as error:
+        raise WorkerError(
+            f"The Dask scheduler {address}, or every worker with a task, was lost; finished tasks are kept. "
+            "Start again, with workers of more memory if they die again."
+        ) from error
+
+
+def _check_listener(address: str) -> None:
+    """Connect to an address once; an OSError or ValueError if nobody listens or it is none."""
+    parts = urlsplit(address if "://" in address else f"tcp://{address}")
+    # Other protocols, as those within a process, have no port.
+    if parts.scheme in ("tcp", "tls"):
+        if parts.port is None:
+            raise ValueError("it has no port")
+        socket.create_connection((parts.hostname, parts.port), timeout=10.0).close()

@@ -9,8 +9,8 @@ from hypothesis import given, strategies as st
 import contactlab as cl
 from contactlab.config.faults import failure_of
 from contactlab.metrics import Run
-from contactlab.motor.bodies import block
-from contactlab.motor.motor import free_reach
+from contactlab.motor.bodies import block, oscillator
+from contactlab.motor.motor import Motor, free_reach
 from contactlab.steady_state.means import _statistical_errors
 from contactlab.studies.compare_findings import rounded_down
 
@@ -51,7 +51,15 @@ def test_impacts_that_take_no_time_have_no_error_of_their_stick() -> None:
     assert np.isnan(errors[1:]).all()
 
 
-def test_a_block_that_is_sprung_along_the_belt_only_has_no_reach_and_no_warning() -> None:
+@pytest.mark.parametrize(
+    "motor",
+    [
+        block(1.0, weight=1.0, stiffness=100.0, push_amplitude=1.0),
+        oscillator(1.0, 4.0, force=1.0, frequency=1.0 / np.pi, gap=0.1),
+    ],
+    ids=["sprung along the belt only", "in resonance without damping"],
+)
+def test_a_motor_without_a_free_steady_state_has_no_reach_and_no_warning(motor: Motor) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        assert np.isnan(free_reach(block(1.0, weight=1.0, stiffness=100.0, push_amplitude=1.0)))
+        assert np.isnan(free_reach(motor))

@@ -13,17 +13,18 @@ import pytest
 from support.sweeps import begun
 
 import contactlab as cl
-from contactlab.studies.runner import run
+from contactlab.studies.runner import TASKS, run
 from contactlab.studies.sweep import continued
 from contactlab.studies.sweep_dataset import DATASET
 
+dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """The address of a scheduler and its two workers."""
+    """The address of a scheduler, and its process and those of its two workers."""
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")])}
     file = tmp_path / "scheduler.json"
     options = ["--no-dashboard", "--scheduler-file", str(file)]
@@ -48,7 +49,7 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
         every += [begin("worker", "--nthreads", "1", "--no-nanny") for _ in range(2)]
         with distributed.Client(scheduler_file=str(file), set_as_default=False) as client:
             client.wait_for_workers(2, timeout=90)
-            yield client.scheduler.address, every[1:]
+            yield client.scheduler.address, every
     finally:
         for process in every:
             process.kill()
@@ -59,7 +60,7 @@ def cluster(tmp_path: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]
 def test_a_worker_that_dies_loses_nothing_and_changes_no_bit(
     cluster: tuple[str, list["subprocess.Popen[bytes]"]], tmp_path: Path
 ) -> None:
-    address, workers = cluster
+    address, (_, *workers) = cluster
     setups = {"": cl.build(["law=newton", "solver.duration=5e-3"])}
     from support.slow_study import Slow
 
@@ -74,6 +75,26 @@ def test_a_worker_that_dies_loses_nothing_and_changes_no_bit(
     there = run(Slow(scheduler=address), setups, tmp_path / "there", kill_a_worker)
     assert counts == [*range(13)]
     assert there.data.identical(here.data)
+
+
+@pytest.mark.long
+def test_a_scheduler_that_is_lost_ends_the_study_and_keeps_what_is_finished(
+    cluster: tuple[str, list["subprocess.Popen[bytes]"]], tmp_path: Path
+) -> None:
+    address, (scheduler, *_) = cluster
+    setups = {"": cl.build(["law=newton", "solver.duration=5e-3"])}
+    from support.slow_study import Slow
+
+    def kill_the_scheduler(done: int, total: int) -> None:
+        if done == 3:
+            scheduler.send_signal(signal.SIGKILL)
+
+    # Time for which a client tries to connect again.
+    with dask.config.set({"distributed.comm.timeouts.connect": "2s"}), pytest.raises(cl.WorkerError):
+        run(Slow(scheduler=address), setups, tmp_path, kill_the_scheduler)
+    assert len(list((tmp_path / TASKS).iterdir())) >= 3
+    with pytest.raises(ValueError, match="scheduler"):
+        run(Slow(scheduler=address), setups, tmp_path)
 
 
 @pytest.mark.long

@@ -1,11 +1,15 @@
 """Claims on the declaration of a study: nothing that an author writes is ignored."""
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
 
+import contactlab as cl
+from contactlab.studies.runner import TASKS, Store
 from contactlab.studies.steady import Steady
+from contactlab.studies.study import Task
 
 
 def test_a_class_attribute_that_no_study_has_is_refused() -> None:
@@ -28,3 +32,10 @@ def test_an_attribute_of_its_own_begins_with_an_underscore() -> None:
             return 1
 
     assert Stroke().own() == 1
+
+
+def test_a_task_that_resumes_leaves_no_folder_before_it_has_something_to_keep(tmp_path: Path) -> None:
+    store = Store(tmp_path / TASKS, Steady(), {"": cl.build()})
+    task = store.resuming(Task("one", print, (), resumes=True))
+    assert task.arguments[-1].parent == tmp_path / TASKS
+    assert list(tmp_path.iterdir()) == []
