@@ -507,12 +507,18 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
 
 
 @inner_kernel
+def most_events(state: Any) -> int:
+    """Return how many events a window may have; each internal variable of a law with guards has its own."""
+    return int(EVENT_LIMIT * max(state.variables, 1) if state.guards > 0 else EVENT_LIMIT)
+
+
+@inner_kernel
 def count_event(state: Any) -> None:
-    """Count a touch-down or friction switch; too many in one window is chattering."""
+    """Count a touch-down, friction switch or guard; too many in one window is chattering."""
     state.calm = max(state.calm, state.time - state.last_event)
     state.last_event = state.time
     state.events += 1
-    if state.events > EVENT_LIMIT:
+    if state.events > most_events(state):
         state.ending = CHATTERED
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
+from contactlab.engine.compliant import most_events
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import contact_from
 from contactlab.engine.plant import modes_of
@@ -15,7 +16,6 @@ from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
     CHATTERED,
     DIVERGED,
-    EVENT_LIMIT,
     INCONSISTENT,
     NOT_FINITE,
     START,
@@ -61,8 +61,8 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     endings = {
         CHATTERED: (
             Ending.CHATTERED,
-            f"The contact chatters at {time}: more than {EVENT_LIMIT} touch-downs and friction switches "
-            f"{pace}, or no progress. The run stops there. {way_out}",
+            f"The contact chatters at {time}: more than {most_events(state)} touch-downs, friction switches "
+            f"and guards {pace}, or no progress. The run stops there. {way_out}",
         ),
         DIVERGED: (
             Ending.DIVERGED,

@@ -7,8 +7,11 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 
+from contactlab.engine import simulate
+from contactlab.laws import Composed, HertzPoint
 from contactlab.laws.friction import Iwan
 from contactlab.laws.friction.iwan import REVERSE, YIELD
+from contactlab.motor import belt
 
 Array = np.ndarray
 
@@ -153,3 +156,32 @@ def test_elements_that_slid_have_a_way_to_go_once_the_slip_turns(elements: int, 
     ]
     assert turned[-1] == 0.0
     assert Iwan.guard.py_func(YIELD, -sense, np.array(turned[:-1]), 0.0, limit, full) > 0.0
+
+
+def swings(stiffness: float, load: float, whole: float, start: float, count: int) -> Array:
+    """Amplitudes [m] after each swing over a surface on which all elements slide every time.
+
+    Of k (a^2 - b^2)/2 = L (a + b) - d for the friction L; d is what the elements save as they are stretched,
+    int L (1 - x/x_s)^(3/2) dx at first, and by Masing's rule four times as much from then on.
+    """
+    amplitudes, a = [], start
+    for saved in 0.4 * load * whole * np.r_[1.0, np.full(count - 1, 4.0)]:
+        terms = [0.5 * stiffness, load, load * a - 0.5 * stiffness * a * a - saved]
+        a = float(np.roots(terms).max())
+        amplitudes.append(a)
+    return np.array(amplitudes)
+
+
+def test_elements_that_yield_one_after_the_other_are_no_chatter() -> None:
+    # Twelve swings of a hundred elements each.
+    whole, start, count = 1e-3, 15e-3, 12
+    law = Composed(HertzPoint(1e10), friction=Iwan(MU, 100, whole))
+    depth = (10.0 / 1e10) ** (2 / 3)
+    motor = belt(1.0, 1e4, weight=10.0, belt_velocity=0.0, penetration=depth, displacement=start)
+    half = np.pi / 100.0
+    steps = {"record_interval": half / 100.0, "contact_step": 3e-3}
+    ran = simulate(motor, law, duration=1.01 * count * half, **steps)
+    assert ran.complete, ran.message
+    x = np.abs(ran.series["tip_tangential_displacement"])
+    turns = x[1:-1][(x[1:-1] > x[:-2]) & (x[1:-1] >= x[2:])]
+    assert_allclose(turns, swings(1e4, MU * 10.0, whole, start, count), rtol=1e-3)
