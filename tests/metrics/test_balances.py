@@ -9,8 +9,11 @@ import xarray
 from support.configurations import case_a_tree
 
 import contactlab as cl
-from contactlab.laws import LAWS, MultiplierLaw
+from contactlab.engine import simulate
+from contactlab.laws import LAWS, LagrangeStick, MoreauJean, MultiplierLaw, Newton
 from contactlab.metrics import INVARIANTS, assess
+from contactlab.metrics.run import Run
+from contactlab.motor import ball
 from contactlab.testing import invariants_of
 
 INTERVAL = 1e-6
@@ -117,3 +120,18 @@ def test_a_run_of_one_record_is_judged() -> None:
     first = xarray.DataTree.from_dict(groups)
     figures = assess(first, set(INVARIANTS))
     assert not [key for key, value in figures.items() if value > INVARIANTS[key].bound]
+
+
+@pytest.mark.parametrize("law", [Newton(0.3, 0.6), MoreauJean(0.3, 0.6), LagrangeStick(0.3)])
+def test_records_within_the_step_of_an_impact_lie_as_deep_as_a_constant_force_lets_them(
+    law: MultiplierLaw,
+) -> None:
+    # A ball from 1 cm, whose impact takes a step of 1 ms: it sinks by v h / 2 at most, some 0.2 mm.
+    step = 1e-3
+    dropped = simulate(ball(0.1, height=0.01), law, duration=0.06, record_interval=1e-5, contact_step=step)
+    deepest, speed = -dropped.series["gap"].min(), -dropped.contacts["approach_velocity"][0]
+    assert 0.5 * speed * step / (1.0 + 0.6) - 1e-5 < deepest < 0.5 * speed * step
+    run = Run.of_trajectory(dropped, {})
+    assert assess(run, {"depth_deficit"})["depth_deficit"] == 0.0
+    run.columns["gap"][run.columns["gap"].argmin()] -= speed * step
+    assert assess(run, {"depth_deficit"})["depth_deficit"] > INVARIANTS["depth_deficit"].bound
