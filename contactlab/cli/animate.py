@@ -45,7 +45,7 @@ def main(arguments: list[str]) -> int:
         ("duration", "T", None, f"of the run; the default is {PERIODS} drive periods"),
         ("fps", "N", "25", "frames a second, 1 to 50; the default is %(default)s"),
     ):
-        parser.add_argument(f"--{option}", metavar=metavar, default=default, help=text)
+        parser.option(option, metavar=metavar, default=default, help=text)
     try:
         _animate(parser.read(arguments))
     except OSError as error:
@@ -62,9 +62,9 @@ def _animate(read: Namespace) -> None:
     fits = is_film or output.suffix.lower() == ".gif"
     if not fits or output.is_dir() or not output.parent.is_dir() or output.absolute() == source.absolute():
         raise RefusalError(
-            f"--output is '{output}'; it must be a file that ends in .gif or .mp4, in a folder that exists."
+            f"output is '{output}'; it must be a file that ends in .gif or .mp4, in a folder that exists."
         )
-    fps = _number(read.fps, "1", "--fps", SLOWEST, FASTEST)
+    fps = _number(read.fps, "1", "fps", SLOWEST, FASTEST)
     # Imported here: they bring the plotting, which --help does not need.
     from contactlab.plot.animation import Animation, NoEncoderError, encoder, write_gif, write_mp4
     from contactlab.plot.film import film_of
@@ -106,11 +106,11 @@ def _window(run: "Recording", start_text: str | None, duration_text: str | None)
     """Return start and end of what is shown [s]."""
     first, last = float(run.time[0]), float(run.time[-1])
     shortest = float(run.time[1] - run.time[0])
-    start = None if start_text is None else _number(start_text, "s", "--start", first, last - shortest)
+    start = None if start_text is None else _number(start_text, "s", "start", first, last - shortest)
     longest = last - (first if start is None else start)
     duration = min(PERIODS * run.period, longest)
     if duration_text is not None:
-        duration = _number(duration_text, "s", "--duration", shortest, longest)
+        duration = _number(duration_text, "s", "duration", shortest, longest)
     begin = max(last - duration, first) if start is None else start
     return begin, min(begin + duration, last)
 

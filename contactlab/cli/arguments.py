@@ -3,7 +3,7 @@
 import re
 from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
-from typing import Final
+from typing import Any, Final
 
 from contactlab.config.nesting import quoted
 
@@ -31,7 +31,7 @@ _NUMBER_WITH_UNIT: Final = re.compile(r"[\d.]\s*(?:(?![eE][-+\d])[^\W\d_]|[°%]|
 
 
 class Parser(ArgumentParser):
-    """Parser of one verb.
+    """Parser of one verb, whose options are written NAME=VALUE or, as usual elsewhere, --NAME VALUE.
 
     Args:
         verb: a key of `VERBS`.
@@ -39,8 +39,14 @@ class Parser(ArgumentParser):
     """
 
     def __init__(self, verb: str, about: str) -> None:
-        description = f"{VERBS[verb].capitalize()}{about}"
+        self._options: set[str] = set()
+        description = f"{VERBS[verb].capitalize()}{about} An option may be written NAME=VALUE."
         super().__init__(prog=f"contactlab {verb}", description=description, allow_abbrev=False)
+
+    def option(self, name: str, **about: Any) -> None:
+        """Declare an option, as `add_argument`."""
+        self._options.add(name)
+        self.add_argument(f"--{name}", **about)
 
     def read(self, arguments: Sequence[str]) -> Namespace:
         """Return the arguments, options among them wherever they stand.
@@ -48,7 +54,8 @@ class Parser(ArgumentParser):
         Raises:
             SystemExit: a fault in the arguments, or only help was wanted.
         """
-        return self.parse_intermixed_args(arguments)
+        texts = (f"--{t}" if t.partition("=")[0] in self._options and "=" in t else t for t in arguments)
+        return self.parse_intermixed_args([*texts])
 
 
 def for_hydra(arguments: Sequence[str]) -> list[str]:

@@ -17,16 +17,16 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser("collect", ", with a status and a reason where one is missing.")
     parser.add_argument("directory", metavar="DIR", help="a folder of runs, as -m leaves it")
-    parser.add_argument("--output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc")
-    parser.add_argument(
-        "--series",
+    parser.option("output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc")
+    parser.option(
+        "series",
         default="",
         metavar="NAME[,NAME]",
         help="time series that go into the group 'series'; the runs must be recorded at the same times",
     )
     read = parser.read(arguments)
     if read.output and (read.output.suffix != ".nc" or not read.output.parent.is_dir()):
-        parser.error(f"--output is '{read.output}'; it must end in .nc and lie in a folder that exists")
+        parser.error(f"output is '{read.output}'; it must end in .nc and lie in a folder that exists")
     _collect(Path(read.directory), read.output, read.series)
     return COMPLETE
 

@@ -122,7 +122,7 @@ def _reason(error: BaseException) -> str:
     return reason if len(reason) <= MOST_CHARACTERS else f"{reason[:MOST_CHARACTERS]} ..."
 
 
-def refusals(directory: Path, key: str = "--output") -> Iterator[str]:
+def refusals(directory: Path, key: str = "output") -> Iterator[str]:
     """Yield why nothing can be written into a directory, if so; everything is left as it was."""
     created: list[Path] = []
     try:

@@ -17,7 +17,7 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser("report", ", as the study itself leaves them.")
     parser.add_argument("file", type=Path, metavar="FILE", help="the dataset of a study, such as steady.nc")
-    parser.add_argument("--output", type=Path, metavar="DIR", help="folder of the files; default: FILE's own")
+    parser.option("output", type=Path, metavar="DIR", help="folder of the files; default: FILE's own")
     chosen = parser.read(arguments)
     folder = chosen.output or chosen.file.parent
     with terminal.progress(1.0, "tasks"), terminal.raising():

@@ -202,7 +202,7 @@ def series_problem(
         raise ConfigurationError(
             [
                 f"{', '.join(odd)} is measured at times that are no multiples of one interval; it must be, "
-                "since forces are means over intervals. Leave it out by --series, or put it on a grid."
+                "since forces are means over intervals. Leave it out of series, or put it on a grid."
             ]
         )
     computed = {*variables.SERIES, *output_variables(rebuild(configuration).motor.modes)}
@@ -210,7 +210,7 @@ def series_problem(
         raise ConfigurationError(
             [
                 f"{', '.join(sorted(unknown))} is measured, but the resonator has no such capacitance. Give "
-                "it one (capacitance_1_1 of a resonator.file), or leave the series out by --series."
+                "it one (capacitance_1_1 of a resonator.file), or leave it out of series."
             ]
         )
     period = configured_period(configuration)

@@ -244,7 +244,7 @@ def _kept(runs: Sequence[Run], outputs: Outputs) -> tuple[Variable, ...]:
                 if variables.setdefault(name, variable) != variable:
                     raise SweepError(f"'{run.name}' has another {name} than other runs; leave it out.")
     if lacking := sorted(wanted - {*variables}):
-        raise SweepError(f"No complete run has {lacking[0]}; leave it out of --series.")
+        raise SweepError(f"No complete run has {lacking[0]}; leave it out of series.")
     return replace(outputs, internal=tuple(variables.values())).kept
 
 
@@ -260,7 +260,7 @@ def _slabs(runs: Sequence[Run], dataset: xarray.Dataset, kept: Sequence[Variable
     places = {job: place for place, job in np.ndenumerate(dataset["job"].values)}
     complete = [run for run in runs if run.status is Status.COMPLETE]
     if not complete:
-        raise SweepError("There is no complete run; there must be one for --series.")
+        raise SweepError("There is no complete run; there must be one for series.")
     first: NDArray[Any] | None = None
     for run in complete:
         tree = _tree_of(run)
@@ -268,12 +268,12 @@ def _slabs(runs: Sequence[Run], dataset: xarray.Dataset, kept: Sequence[Variable
         first = time if first is None else first
         if not np.array_equal(time, first):
             raise SweepError(
-                f"'{run.name}' is recorded at other times than '{complete[0].name}'; for --series all runs "
+                f"'{run.name}' is recorded at other times than '{complete[0].name}'; for series all runs "
                 "must have one solver.duration and one record.interval."
             )
         rows = {each.name: np.asarray(tree[each.name]) for each in kept if each.name in tree.variables}
         if lacking := [each.name for each in kept if each.name in SERIES and each.name not in rows]:
-            raise SweepError(f"'{run.name}' has no {lacking[0]}; leave it out of --series.")
+            raise SweepError(f"'{run.name}' has no {lacking[0]}; leave it out of series.")
         # A law without the internal variable has none.
         none = np.full(time.size, np.nan)
         yield places[run.name], time, {each.name: rows.get(each.name, none) for each in kept}

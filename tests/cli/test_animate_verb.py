@@ -47,7 +47,7 @@ def test_the_command_writes_a_gif_beside_the_run_and_the_same_bytes_again(
     # Hundredths of a second, right on average.
     assert sum(durations) == 1000
     # A folder with a run is the run.
-    assert command("animate", ".", "--fps", "24", "--output", "again.GIF")[0] == 0
+    assert command("animate", ".", "fps=24", "output=again.GIF")[0] == 0
     assert Path("again.GIF").read_bytes() == picture.read_bytes()
     assert sorted(map(str, left_behind())) == ["again.GIF", "run.gif", "run.nc"]
 
@@ -115,15 +115,15 @@ REFUSALS = [
     (["empty"], "empty/run.nc"),
     (["text.nc"], "text.nc"),
     (["other.nc"], "other.nc"),
-    (["run.nc", "--output", "a.avi"], "--output"),
-    (["run.nc", "--output", "no/a.gif"], "--output"),
-    (["run.nc", "--fps", "0"], "--fps"),
-    (["run.nc", "--fps", "nan"], "--fps"),
-    (["run.nc", "--fps", "fast"], "--fps"),
-    (["run.nc", "--start", "5 ms"], "--start"),
-    (["run.nc", "--start", "3 V"], "--start"),
-    (["run.nc", "--duration", "0"], "--duration"),
-    (["run.nc", "--start", "4 ms", "--duration", "2 ms"], "--duration"),
+    (["run.nc", "--output", "a.avi"], "output"),
+    (["run.nc", "--output", "no/a.gif"], "output"),
+    (["run.nc", "--fps", "0"], "fps"),
+    (["run.nc", "--fps", "nan"], "fps"),
+    (["run.nc", "--fps", "fast"], "fps"),
+    (["run.nc", "--start", "5 ms"], "start"),
+    (["run.nc", "--start", "3 V"], "start"),
+    (["run.nc", "--duration", "0"], "duration"),
+    (["run.nc", "--start", "4 ms", "--duration", "2 ms"], "duration"),
 ]
 
 

@@ -69,7 +69,7 @@ def test_the_kind_of_a_motion_is_known_from_its_file(tmp_path: Path) -> None:
 def test_the_command_makes_the_page_anew(command: Command, tmp_path: Path) -> None:
     cl.steady(cl.build(), output=tmp_path / "made")
     page = (tmp_path / "made" / "report.html").read_bytes()
-    assert command("report", "made/steady.nc", "--output", "again")[0] == 0
+    assert command("report", "made/steady.nc", "output=again")[0] == 0
     assert files(tmp_path / "again") == files(tmp_path / "made")
     (tmp_path / "made" / "report.html").unlink()
     assert command("report", "made/steady.nc")[0] == 0
