@@ -397,4 +397,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    # Workers import what they are to do, which they could not from a script.
+    import random_runs
+
+    sys.exit(random_runs.main())
