@@ -342,7 +342,8 @@ def draw_contact(motions: Motions) -> Figure:
     needed(contacts)
     # The impact of a rigid law is a spike as high as the record interval is short: the axes show all forces
     # after it.
-    after = [c.forces[:, c.time > IMPACT * c.duration] for c in contacts.values()]
+    lasting = [c for c in contacts.values() if c.duration > 0.0]
+    after = [c.forces[:, c.time > IMPACT * c.duration] for c in lasting]
     normal, friction = np.concatenate([np.zeros((2, 1)), *after], axis=1)
     top, room = 1.5 * float(normal.max()), 0.2 * float(np.ptp(friction))
     figure, (above, below) = drawing(2, 1, 4.0, sharex=True)

@@ -91,11 +91,10 @@ def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pand
 
 
 def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
-    """Return a row with the prefix of its unit that suits its largest number."""
+    """Return a row with the prefix of its unit that suits its largest number or error."""
     unit, scale = from_cf(row[UNIT]), 1.0
-    sizes = [
-        abs(cell.value) for cell in row.values() if isinstance(cell, Estimate) and np.isfinite(cell.value)
-    ]
+    numbers = [np.abs(cell) for cell in row.values() if isinstance(cell, Estimate)]
+    sizes = [float(size) for each in numbers for size in each if np.isfinite(size)]
     if unit not in WITHOUT_PREFIX and max(sizes, default=0.0) > 0.0:
         unit, scale = prefixed_unit(max(sizes), unit)
     cells = {

@@ -13,6 +13,8 @@ from contactlab.motor.bodies import block, oscillator
 from contactlab.motor.motor import Motor, free_reach
 from contactlab.steady_state.means import _statistical_errors
 from contactlab.studies.compare_findings import rounded_down
+from contactlab.studies.tables import as_text, table_of_quantities
+from contactlab.variables import Variable
 
 
 @given(value=st.floats(1e-3, 1e6), threshold=st.sampled_from([1.0, 3.0, 10.0]))
@@ -63,3 +65,10 @@ def test_a_motor_without_a_free_steady_state_has_no_reach_and_no_warning(motor: 
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         assert np.isnan(free_reach(motor))
+
+
+@pytest.mark.parametrize(("error", "unit"), [(4e-3, "mN m"), (4e-12, "nN m"), (np.inf, "nN m")])
+def test_the_prefix_of_a_unit_suits_the_error_too(error: float, unit: str) -> None:
+    torque = Variable("torque", (), "N m", "M", "torque")
+    text = as_text(table_of_quantities([torque], {"newton": {"torque": cl.Estimate(2e-9, error)}}))
+    assert f" {unit} " in text

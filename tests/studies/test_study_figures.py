@@ -9,9 +9,9 @@ import xarray
 import contactlab as cl
 from contactlab.metrics import Run
 from contactlab.studies.characterise import Characterise
-from contactlab.studies.compare_figures import draw_pairs, draw_paths, draw_quantities
+from contactlab.studies.compare_figures import draw_contact, draw_pairs, draw_paths, draw_quantities
 from contactlab.studies.compare_reruns import Reruns
-from contactlab.studies.compare_scorecard import motion
+from contactlab.studies.compare_scorecard import CONTACTS, motion
 from contactlab.studies.steady_figure import draw as draw_steady
 
 LAWS = ["newton", "hertz_penalty"]
@@ -75,3 +75,19 @@ def test_a_rotor_that_symmetry_keeps_at_rest_is_drawn_at_rest() -> None:
     figure = draw_steady(cl.steady(cl.build(pressed)).data)
     (axes,) = [axes for axes in figure.axes if axes.get_ylabel().startswith("rotor velocity")]
     assert axes.get_ylim() == (-0.5, 0.5)
+
+
+def test_impacts_that_take_no_time_do_not_set_the_axis_of_forces() -> None:
+    """A force of a record with an impact is its impulse over the interval between records."""
+    time = np.linspace(0.0, 3.0, 301)
+    motions = []
+    for law, starts, lasts, force in (("newton", [0.5, 1.5], 0.0, 0.0), ("hertz_penalty", [0.0], 2.9, 5.0)):
+        normal = np.where(np.isin(time, starts) & (force == 0.0), 1e4, force)
+        rows = {name: ("contact", np.ones(len(starts))) for name in CONTACTS}
+        rows |= {
+            "start_time": ("contact", np.array(starts)),
+            "duration": ("contact", np.full(len(starts), lasts)),
+        }
+        series = {"normal_force": ("time", normal), "friction_force": ("time", 0.3 * normal)}
+        motions.append(xarray.Dataset(rows | series, {"time": time}, {"law": law, "period": 1.0}))
+    assert draw_contact(motions).axes[0].get_ylim()[1] < 100.0
