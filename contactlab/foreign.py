@@ -3,7 +3,7 @@
 import ast
 import pickle
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from hashlib import sha256
 from importlib.util import resolve_name
 from inspect import getclosurevars
@@ -25,8 +25,8 @@ def is_own(owner: Any) -> bool:
     return str(getattr(owner, "__module__", "")).partition(".")[0] == _PACKAGE
 
 
-def digest_of_sources(*owners: type) -> str:
-    """Return a digest of the sources that classes of other packages are defined by, empty without any.
+def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
+    """Return a digest of the sources that define classes and functions of other packages, empty without any.
 
     It covers all files of a class's package, and of the modules that these import, to the end, libraries
     left out. An import in a function counts once its module is loaded.

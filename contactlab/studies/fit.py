@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Final
 
 import pandas
 import xarray
+import yaml
 
 from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
@@ -34,8 +35,8 @@ from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
-from contactlab.results.provenance import code_digest
 from contactlab.studies.measurements import PATTERNS, choice_of, measured
+from contactlab.studies.run_state import code_in
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
@@ -137,7 +138,8 @@ class Fit(Study):
         """Return the digest of all that a fit depends on."""
         free = [str(item) for item in candidate.problem.free]
         data = [item.values.tobytes() for item in candidate.problem.data.values()]
-        parts = (candidate.label, *candidate.origin.items(), *free, version("dynesty"), code_digest(), *data)
+        code = (version("dynesty"), *code_in(yaml.safe_load(candidate.origin["configuration"])))
+        parts = (candidate.label, *candidate.origin.items(), *free, *code, *data)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:

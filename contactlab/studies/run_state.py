@@ -17,9 +17,11 @@ from typing import TYPE_CHECKING, Any, final
 
 from contactlab.config import Setup
 from contactlab.config.groups import NO_NUMBERS
+from contactlab.config.resonators import resonator_class
 from contactlab.foreign import digest_of_sources
 from contactlab.laws.declaration import Declared
 from contactlab.laws.registry import classes_in, classes_of, provenance
+from contactlab.metrics import METRICS
 from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
 from contactlab.results.provenance import code_digest, digest_of, versions
 from contactlab.trajectory import Ending
@@ -117,21 +119,34 @@ def _adapter() -> "TypeAdapter[State]":
 def key_of(setup: Setup) -> str:
     """Return the digest of all that a run's numbers depend on: configuration, version and code."""
     numbers = {group: keys for group, keys in setup.configuration.items() if group not in NO_NUMBERS}
-    parts = (json.dumps(numbers, sort_keys=True), *_code_of(*classes_of(setup.law)))
+    code = code_of(*classes_of(setup.law), resonator=_resonator_in(setup.configuration))
+    parts = (json.dumps(numbers, sort_keys=True), *code)
     return sha256("\0".join(parts).encode()).hexdigest()
 
 
 def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
     """Return the digest of the code that a sweep depends on: that of its laws, metrics and studies."""
-    parts = [part for each in configurations for part in _code_of(*classes_in(each["law"]))]
+    parts = [part for each in configurations for part in code_in(each)]
     package = Path(__file__).parents[1]
     parts += [digest_of(package / folder) for folder in ("metrics", "studies")]
+    parts.append(_foreign_code(*(metric.measure for metric in METRICS.values())))
     return sha256("\0".join(parts).encode()).hexdigest()
 
 
-def _code_of(*law: type[Declared]) -> tuple[str, ...]:
+def code_in(configuration: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return `code_of` the law and the resonator that a configuration chooses."""
+    return code_of(*classes_in(configuration["law"]), resonator=_resonator_in(configuration))
+
+
+def code_of(*law: type[Declared], resonator: tuple[type, ...] = ()) -> tuple[str, ...]:
     """Return what identifies the code of a run: version, digests, and where its law and parts come from."""
-    return (versions()["contactlab_version"], code_digest(), provenance(*law), _foreign_code(*law))
+    foreign = _foreign_code(*law, *resonator)
+    return (versions()["contactlab_version"], code_digest(), provenance(*law), foreign)
+
+
+def _resonator_in(configuration: Mapping[str, Any]) -> tuple[type, ...]:
+    """Return the class of the resonator; none for a motor that was made in Python."""
+    return (resonator_class(configuration["resonator"]["basis"]),) if "resonator" in configuration else ()
 
 
 _foreign_code = cache(digest_of_sources)

@@ -30,10 +30,12 @@ from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import ImpactPredictor, ImpactProblem, LawPredictor
 from contactlab.inference.law_choice import corrections_in, law_predictors
 from contactlab.laws import ContactLaw
+from contactlab.laws.registry import classes_of
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
 from contactlab.studies.measurements import PATTERNS, choice_of, measured
+from contactlab.studies.run_state import code_of
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
@@ -120,7 +122,11 @@ class Validate(Study):
         ]
 
     def _key(self, predictor: ImpactPredictor, seed: int) -> str:
-        depends = (predictor, self.folds, digest_of(self.impacts), self.corrections, code_digest())
+        if isinstance(predictor, LawPredictor):
+            code = code_of(*classes_of(predictor.law))
+        else:
+            code = (code_digest(),)
+        depends = (predictor, self.folds, digest_of(self.impacts), self.corrections, *code)
         return f"{seed} {sha256(repr(depends).encode()).hexdigest()[:16]}"
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
