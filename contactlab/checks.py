@@ -85,7 +85,7 @@ def check_fields(owner: Any, title: str = "") -> None:
         is_number = isinstance(value, Real)
         if not any(is_kind(value, kind) for kind in field.kinds):
             kinds.append(_other_kind(f"{title}: {name}", value, field.kinds))
-        elif is_number and not has_magnitude(value):
+        elif is_number and not has_magnitude(value, parameter):
             ranges.append(f"{title}: {name} is {value}, {BEYOND}.")
         elif is_number and parameter and not parameter.admits(value):
             message = (

@@ -55,9 +55,16 @@ class Parameter:
             )
 
     def admits(self, value: float) -> bool:
-        """Return whether a value is in the range, and zero or of a magnitude to compute with."""
-        in_range = self.above < value < self.below and self.at_least <= value <= self.at_most
-        return in_range and has_magnitude(value)
+        """Return whether a value is in the range, and of a magnitude to compute with."""
+        return self._includes(value) and has_magnitude(value, self)
+
+    def _includes(self, value: float) -> bool:
+        return self.above < value < self.below and self.at_least <= value <= self.at_most
+
+    @property
+    def may_vanish(self) -> bool:
+        """Whether 0 is in the range: then nothing is divided by the number, however small it is."""
+        return self._includes(0.0)
 
     @property
     def unit(self) -> str:
@@ -77,9 +84,10 @@ class Parameter:
         return " and ".join(f"{word} {b:g}{self.label}" for word, b in bounds if isfinite(b))
 
 
-def has_magnitude(value: float) -> bool:
-    """Return whether a number is zero or in `MAGNITUDES`; not where it is infinite or not a number."""
-    return value == 0.0 or MAGNITUDES[0] <= abs(value) <= MAGNITUDES[1]
+def has_magnitude(value: float, parameter: Parameter | None = None) -> bool:
+    """Return whether a number is in `MAGNITUDES`, or smaller where it may be 0; false if it is not finite."""
+    least = 0.0 if parameter is None or parameter.may_vanish or value == 0.0 else MAGNITUDES[0]
+    return least <= abs(value) <= MAGNITUDES[1]
 
 
 positive = partial(Parameter, above=0.0)

@@ -57,7 +57,7 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     else:
         plain = f"{number:.12g}{declared.label}"
         shown = f"'{value}' ({plain})" if isinstance(value, str) else plain
-        if not has_magnitude(number):
+        if not has_magnitude(number, declared):
             wrong = f"{shown}, {BEYOND}"
         elif whole and number != int(number):
             wrong = f"{shown}, which is not a whole number"

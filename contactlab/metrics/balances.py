@@ -186,10 +186,10 @@ def peak_deficit(run: Run) -> float:
 )
 def depth_deficit(run: Run) -> float:
     depth = -float(run.series("gap").min()) - float(run.contacts("max_penetration").max())
-    if "largest_impact" in run.rows:
+    # An impact in the limit of no step has an infinite force and takes no time; a compliant law has none.
+    if "largest_impact" in run.rows and np.isfinite(run.rows["peak_normal_force"]).all():
         impulse, peak = run.contacts("largest_impact"), run.contacts("peak_normal_force")
-        # An impact in the limit of no step has an infinite force and takes no time; a compliant law has none.
-        stepped = (impulse > 0.0) & np.isfinite(peak)
+        stepped = impulse > 0.0
         approach = np.abs(run.contacts("approach_velocity")[stepped])
         depth -= float((0.5 * approach * impulse[stepped] / peak[stepped]).max(initial=0.0))
     return max(depth, 0.0) / _motion(run)

@@ -23,7 +23,6 @@ from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree
-from contactlab.simulation import load
 from contactlab.studies.run_state import Status
 from contactlab.studies.sweep import Sweep
 
@@ -275,7 +274,7 @@ def test_the_folder_of_a_run_may_be_named_by_a_variable_of_the_environment(
     short = ("solver.duration=1e-5", "record.picture=false", "drive.phase=${contact.friction_coefficient}")
     status, _, _ = command(*short, "hydra.run.dir=${oc.env:SCRATCH}/run")
     assert status == 0
-    run = load("elsewhere/run/run.nc")
+    run = cl.load("elsewhere/run/run.nc")
     assert run.setup is not None
     assert run.setup.configuration["drive"]["phase"] == 0.3
     # Configurations of others are resolved as Hydra does.
