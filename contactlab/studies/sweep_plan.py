@@ -272,9 +272,11 @@ def planned(
     trials = _trials(bases, values)
     outputs = outputs.of_laws(_laws(trials))
     declared = {}
+    # Of groups alone too: a value that none of them admits is refused before anything is written.
+    sound = _sound(trials).configuration
     if values:
         study = {"study": bases[0]["study"]} if "study" in bases[0] else {}
-        declared = declared_in({**_sound(trials).configuration, **study})
+        declared = declared_in({**sound, **study})
     axes: list[Axis] = []
     faults: list[str] = []
     for key, column in columns.items():

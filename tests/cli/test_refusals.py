@@ -67,6 +67,8 @@ FAULTS = [
     (["-m", "law=composed", "law/normal=linear,rubber"], ["law/normal"]),
     (["-m", "drive.voltage_1=interval(0,1)"], ["drive.voltage_1"]),
     (["-m", "contact.clearance=1e-6,-1e-6"], ["contact.clearance"]),
+    (["-m", "law=newton,poisson", "contact.clearance=abc", "sweep.keep=metrics"], ["contact.clearance"]),
+    (["-m", "steady", "law=newton,poisson", "rotor.radius=-1"], ["rotor.radius"]),
     (["-m", "law=lagrange_slip,lagrange_stick", "hydra.sweep.subdir=x"], ["hydra.sweep.subdir"]),
     (
         [
