@@ -336,8 +336,8 @@ class Result:
 
     @property
     def _tables_to_read(self) -> list[pandas.DataFrame]:
-        """The tables but those of reference, which are for the page."""
-        return [t for t in self.tables.values() if not t.attrs.get("reference")]
+        """The tables that have rows, but those of reference, which are for the page."""
+        return [t for t in self.tables.values() if len(t) and not t.attrs.get("reference")]
 
 
 def _as_yaml(values: Mapping[str, Any]) -> str:
