@@ -20,6 +20,7 @@ from inspect import get_annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
 
+import numpy as np
 import yaml
 
 from contactlab.checks import check_fields
@@ -190,9 +191,9 @@ class Study(ABC):
 
     @property
     def options(self) -> dict[str, Any]:
-        """The options on which the result depends, by name."""
+        """The options on which the result depends, by name, as plain numbers, texts and lists of them."""
         every = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: value for name, value in every.items() if name not in WITHOUT_EFFECT}
+        return {name: plain(value) for name, value in every.items() if name not in WITHOUT_EFFECT}
 
 
 @cache
@@ -338,6 +339,13 @@ class Result:
     def _tables_to_read(self) -> list[pandas.DataFrame]:
         """The tables that have rows, but those of reference, which are for the page."""
         return [t for t in self.tables.values() if len(t) and not t.attrs.get("reference")]
+
+
+def plain(value: Any) -> Any:
+    """Return a value of NumPy as Python's own, in a sequence too."""
+    if isinstance(value, list | tuple):
+        return [*map(plain, value)]
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _as_yaml(values: Mapping[str, Any]) -> str:

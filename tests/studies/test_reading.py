@@ -66,6 +66,14 @@ def test_the_kind_of_a_motion_is_known_from_its_file(tmp_path: Path) -> None:
         _ = again.velocty
 
 
+def test_an_option_may_be_a_number_of_numpy(tmp_path: Path) -> None:
+    made = cl.steady(cl.build(), load=np.float64(1e-4), longest=np.int64(300), output=tmp_path)
+    again = cl.load(tmp_path / "steady.nc")
+    assert isinstance(again, cl.Result)
+    assert again.study.options == made.study.options
+    assert again.velocity == made.velocity
+
+
 def test_the_command_makes_the_page_anew(command: Command, tmp_path: Path) -> None:
     cl.steady(cl.build(), output=tmp_path / "made")
     page = (tmp_path / "made" / "report.html").read_bytes()
