@@ -113,11 +113,19 @@ def metric(
     meaning: str,
     units: str = "1",
     *,
-    catalogue: dict[str, Metric] = METRICS,
+    catalogue: dict[str, Metric] | None = None,
     key: str = "",
     **facts: Any,
 ) -> Callable[[Measure], Measure]:
-    """Declare the function below as a metric of a catalogue; its name is the key where none is given."""
+    """Declare the function below as a metric, by default of runs; its name is the key where none is given.
+
+    Args:
+        symbol, meaning, units: of the number, SI in the words of the CF conventions.
+        catalogue: that to which it is added; None is that of one run.
+        key: its name everywhere.
+        facts: further fields of `Metric`.
+    """
+    catalogue = METRICS if catalogue is None else catalogue
 
     def register(measure: Measure) -> Measure:
         entry = Metric(key or measure.__name__, measure, symbol, meaning, units, **facts)
