@@ -1,18 +1,16 @@
 """What a file holds: the solution of a run, or the result of a study."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.studies import study_of
 from contactlab.metrics.reading import checked_run, opened
 from contactlab.results.yaml_text import read_yaml
 from contactlab.simulation import Solution, solution_in
-from contactlab.studies.study import SEVERAL, STUDY, Result
-
-if TYPE_CHECKING:
-    import xarray
+from contactlab.studies.study import STUDY, Result
 
 
 def load(path: str | Path) -> Solution | Result:
@@ -30,19 +28,15 @@ def load(path: str | Path) -> Solution | Result:
     if STUDY not in tree.attrs:
         return solution_in(checked_run(tree, path), path)
     try:
-        study = study_of(read_yaml(str(tree.attrs[STUDY])))
-        return Result(study, dict(_setups_in(tree)), tree)
+        result = Result(study_of(read_yaml(str(tree.attrs[STUDY]))), {}, tree)
+        return replace(result, setups=dict(_rebuilt(result.configurations)))
     except (LookupError, TypeError, ValueError) as error:
         raise ValueError(f"'{path}' holds a study that cannot be read: {error}") from error
 
 
-def _setups_in(tree: "xarray.DataTree") -> Iterator[tuple[str, Setup]]:
-    """Yield the setups of a study that can be built again, by label."""
-    attributes = tree.attrs
-    every: dict[str, Any] = read_yaml(str(attributes.get(SEVERAL, "{}")))
-    if not every and "configuration" in attributes:
-        every = {"": read_yaml(str(attributes["configuration"]))}
-    for label, configuration in every.items():
+def _rebuilt(configurations: Mapping[str, Any]) -> Iterator[tuple[str, Setup]]:
+    """Yield the setups that can be built again, by label."""
+    for label, configuration in configurations.items():
         try:
             yield label, rebuild(configuration)
         # A motor made in Python, or a law that is not installed here.
