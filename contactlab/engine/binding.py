@@ -20,14 +20,13 @@ exactly these sources, and found again by later processes. Code for other laws i
 """
 
 import re
-import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from functools import cache, lru_cache, partial
-from traceback import extract_tb, walk_tb
+from traceback import extract_tb
 from typing import Any, Final, NamedTuple, final
 
 import numba
@@ -42,20 +41,19 @@ from contactlab.foreign import compiled_constants, is_own
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import LawError, names_of
+from contactlab.signals import is_of_a_signal
 
 Callback = tuple[str, Callable[..., Any]]
 """The name of a kernel, and the Python function that is in its place within `law_errors`."""
 
-_standing: ContextVar[tuple[dict[str, Callable[..., Any]], list[KeyboardInterrupt]]]
-_standing = ContextVar("_standing")
-"""The functions behind the stand-ins by name, and what waits until the loop has ended."""
+_standing: ContextVar[dict[str, Callable[..., Any]]] = ContextVar("_standing")
+"""The functions behind the stand-ins by name."""
 
 
 @contextmanager
 def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
     """Run functions as a law's kernels, and raise exceptions of its code as a `LawError`."""
-    interrupts: list[KeyboardInterrupt] = []
-    token = _standing.set((dict(callbacks), interrupts))
+    token = _standing.set(dict(callbacks))
     try:
         yield
     # What a law raises passes through the loop, which raises nothing itself; a law that leaves the program
@@ -69,18 +67,11 @@ def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
         ) from error
     finally:
         _standing.reset(token)
-    for interrupt in interrupts:
-        raise interrupt
 
 
 def _interpreted(name: str, signature: Any, arguments: tuple[Any, ...]) -> Any:
-    """Return the numbers that the function behind a name returns; Ctrl-C waits for the end of the loop."""
-    functions, interrupts = _standing.get()
-    try:
-        result = functions[name](*arguments)
-    except KeyboardInterrupt as error:
-        interrupts.append(error)
-        result = functions[name](*arguments)
+    """Return the numbers that the function behind a name returns."""
+    result = _standing.get()[name](*arguments)
     if isinstance(signature.return_type, numba.types.Float):
         return float(result)
     result, count = tuple(result), len(signature.return_type)
@@ -109,13 +100,6 @@ def stand_in(name: str, signature: Any) -> Any:
     kernel: Any = numba.njit(error_model="numpy")(known["stand_in"])
     kernel.compile(signature)
     return kernel
-
-
-def is_of_a_signal(error: BaseException) -> bool:
-    """Return whether a signal's handler raised it: that time is up on a cluster is no fault of the law's."""
-    handlers = [signal.getsignal(number) for number in signal.valid_signals()]
-    codes = [getattr(getattr(h, "__func__", h), "__code__", None) for h in handlers]
-    return any(frame.f_code in codes for frame, _ in walk_tb(error.__traceback__))
 
 
 def _place(error: BaseException) -> str:

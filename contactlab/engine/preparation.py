@@ -62,6 +62,7 @@ from contactlab.laws.registry import classes_of
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 from contactlab.motor.outputs import output_rows
+from contactlab.signals import signals_wait
 from contactlab.trajectory import Ending
 
 SMALLEST: Final = float(np.finfo(np.float64).tiny)
@@ -396,7 +397,7 @@ class Prepared(NamedTuple):
     ) -> None:
         """Continue runs by a number of steps each."""
         self.prepare_loop(run, impacts)
-        with self.errors():
+        with signals_wait(), self.errors():
             rows = self.parameters, self.row
             marks = self._marks(impacts, budget)
             advance(run, states, motions, records, impacts, self.waves, *rows, *marks, *self.bound.kernels)

@@ -30,7 +30,6 @@ from contactlab.config.faults import failure_of
 from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
 from contactlab.config.nesting import Value
-from contactlab.engine.binding import is_of_a_signal
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw, LawError
 from contactlab.metrics import Run, assess
@@ -40,6 +39,7 @@ from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
+from contactlab.signals import is_of_a_signal
 from contactlab.simulation import setup_of
 from contactlab.studies.run_state import Status, status_of
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts

@@ -2,9 +2,12 @@
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from types import FrameType
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -153,7 +156,7 @@ def test_ctrl_c_inside_the_law_interrupts_the_run(run_of: Runs) -> None:
     def interrupting(gap, gap_rate, slip, impact_speed, parameters):
         if under_way and gap < -1e-8 and not came:
             came.append(True)
-            raise KeyboardInterrupt
+            signal.raise_signal(signal.SIGINT)
         return interpreted(gap, gap_rate, slip, impact_speed, parameters)
 
     made = run_of(interrupting, progress=under_way.append)
@@ -192,3 +195,31 @@ def test_a_constant_that_changes_between_runs_counts(
         peaks.append(float(run_of(function).contacts["peak_normal_force"][0]))
     assert peaks[0] == peaks[2]
     assert 1.5 < peaks[1] / peaks[0] < 2.5
+
+
+def test_what_a_signal_handler_raises_while_compiled_code_takes_its_arguments_over_is_not_lost(
+    run_of: Runs,
+) -> None:
+    came: list[str] = []
+
+    def handler(*_: object) -> None:
+        raise TimeoutError("time is up")
+
+    def on_call(frame: FrameType, event: str, _: object) -> None:
+        if event == "call" and "numba" in Path(frame.f_code.co_filename).parts and not came:
+            came.append(frame.f_code.co_name)
+            signal.raise_signal(signal.SIGUSR2)
+
+    run_of(plain)
+    before = signal.signal(signal.SIGUSR2, handler)
+
+    def begun(_time: float) -> None:
+        sys.setprofile(on_call)
+
+    try:
+        with pytest.raises(TimeoutError):
+            run_of(plain, progress=begun)
+    finally:
+        sys.setprofile(None)
+        signal.signal(signal.SIGUSR2, before)
+    assert came

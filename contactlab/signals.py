@@ -1,0 +1,51 @@
+"""Signals to a process that runs compiled code, and what their handlers raise."""
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from traceback import walk_tb
+from types import FrameType
+from typing import Final
+
+_ASKING: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGXCPU", "SIGUSR1", "SIGUSR2", "SIGBREAK")
+"""Signals that ask a program to end, where a system has them."""
+
+
+@contextmanager
+def signals_wait() -> Iterator[None]:
+    """Let a signal that asks the program to end wait for the end of the context; a second one acts at once.
+
+    While compiled code takes its arguments over, the interpreter may run a handler, and what it raises is
+    lost there.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    handlers: dict[int, Callable[[int, FrameType | None], object]] = {}
+    came: list[tuple[int, FrameType | None]] = []
+
+    def wait(number: int, frame: FrameType | None) -> None:
+        if any(number == earlier for earlier, _ in came):
+            handlers[number](number, frame)
+        came.append((number, frame))
+
+    for name in _ASKING:
+        number = getattr(signal, name, None)
+        if number is not None and callable(handler := signal.getsignal(number)):
+            handlers[number] = handler
+            signal.signal(number, wait)
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for number, frame in came:
+            handlers[number](number, frame)
+
+
+def is_of_a_signal(error: BaseException) -> bool:
+    """Return whether a signal's handler raised it: that time is up on a cluster is no fault of a law's."""
+    handlers = [signal.getsignal(number) for number in signal.valid_signals()]
+    codes = [getattr(getattr(h, "__func__", h), "__code__", None) for h in handlers]
+    return any(frame.f_code in codes for frame, _ in walk_tb(error.__traceback__))
