@@ -25,8 +25,8 @@ import numpy as np
 
 from contactlab.config import Setup
 from contactlab.studies.runner import run
-from contactlab.studies.sweep import ScriptComposer, Sweep
-from contactlab.studies.sweep_plan import Outputs, Plan, planned
+from contactlab.studies.sweep.plan import Outputs, Plan, planned
+from contactlab.studies.sweep.study import ScriptComposer, Sweep
 
 SETUPS: list[Setup] = []
 """What the bare engine runs; processes that are forked later have it too."""

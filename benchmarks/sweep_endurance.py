@@ -20,7 +20,7 @@ from time import perf_counter, sleep
 import numpy as np
 
 from contactlab.studies.runner import TASKS
-from contactlab.studies.sweep_dataset import DATASET
+from contactlab.studies.sweep.dataset import DATASET
 
 DURATION = 2e-3
 LOOK = 0.2

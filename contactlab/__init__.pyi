@@ -1,7 +1,4 @@
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
-from contactlab.config.modal import read_modes as read_modes, write_modes as write_modes
-from contactlab.config.table import MeasurementError as MeasurementError
-from contactlab.config.universal import read_universal as read_universal
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact
@@ -84,6 +81,9 @@ from contactlab.motor import (
     oscillator as oscillator,
     reduced as reduced,
 )
+from contactlab.motor.modal import read_modes as read_modes, write_modes as write_modes
+from contactlab.motor.table import MeasurementError as MeasurementError
+from contactlab.motor.universal import read_universal as read_universal
 from contactlab.parameter import Parameter as Parameter
 from contactlab.processes import WorkerError as WorkerError
 from contactlab.simulation import Solution as Solution, simulate as simulate
@@ -99,9 +99,8 @@ from contactlab.steady_state import (
 )
 from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch
-from contactlab.studies.characterise import Characterise as Characterise, characterise as characterise
-from contactlab.studies.collection import collect as collect
-from contactlab.studies.compare import (
+from contactlab.studies.characterise.study import Characterise as Characterise, characterise as characterise
+from contactlab.studies.compare.study import (
     Compare as Compare,
     ComparisonError as ComparisonError,
     compare as compare,
@@ -110,8 +109,9 @@ from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.reading import load as load
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
-from contactlab.studies.sweep import sweep as sweep
-from contactlab.studies.sweep_values import SweepError as SweepError
+from contactlab.studies.sweep.collection import collect as collect
+from contactlab.studies.sweep.study import sweep as sweep
+from contactlab.studies.sweep.values import SweepError as SweepError
 from contactlab.studies.synthetic import Synthetic as Synthetic
 from contactlab.studies.validate import Validate as Validate, validate as validate
 from contactlab.trajectory import Ending as Ending

@@ -1,9 +1,10 @@
 """Checks of arguments from Python against the annotations of a class."""
 
+from collections import deque
 from collections.abc import Callable
 from functools import cache, partial, wraps
 from inspect import signature
-from math import inf
+from math import inf, prod
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType
@@ -218,3 +219,29 @@ def _other_kind(name: str, value: object, kinds: tuple[type, ...]) -> str:
     )
     way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
     return f"{name} is {shown(value)}; it must be {expected}.{way_out}"
+
+
+def check_declared(source: Path | bytes) -> None:
+    """Refuse a file, or its content, whose variables do not fit into memory; a small one may declare many.
+
+    Raises:
+        OSError: it cannot be opened.
+        ValueError: too many bytes or rows; a sentence.
+    """
+    import netCDF4
+
+    opened = (
+        netCDF4.Dataset("content", memory=source) if isinstance(source, bytes) else netCDF4.Dataset(source)
+    )
+    with opened as file:
+        groups = deque([file])
+        size = longest = 0.0
+        while groups:
+            group = groups.popleft()
+            groups += group.groups.values()
+            for variable in group.variables.values():
+                # Texts have no size of their own.
+                each = getattr(variable.dtype, "itemsize", 8)
+                size += float(prod(map(float, variable.shape))) * each
+                longest = max(longest, *map(float, variable.shape), 0.0)
+    check_size("Its content", size, longest)

@@ -33,10 +33,10 @@ from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
 from contactlab.results.provenance import versions
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare_draws import configuration_of, drawn, factors_of
-from contactlab.studies.compare_observables import observed
-from contactlab.studies.compare_pairs import CLEAR, MARGIN
-from contactlab.studies.compare_runs import run_of_setup
+from contactlab.studies.compare.draws import configuration_of, drawn, factors_of
+from contactlab.studies.compare.observables import observed
+from contactlab.studies.compare.pairs import CLEAR, MARGIN
+from contactlab.studies.compare.runs import run_of_setup
 
 RESULTS: Final = Path(__file__).resolve().parents[1] / "docs" / "results" / "motor.json"
 

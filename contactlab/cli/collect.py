@@ -44,8 +44,8 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     from contactlab import SweepError
     from contactlab.config import ConfigurationError
     from contactlab.results.files import error_text
-    from contactlab.studies.collection import collect
-    from contactlab.studies.sweep_dataset import summary
+    from contactlab.studies.sweep.collection import collect
+    from contactlab.studies.sweep.dataset import summary
 
     try:
         with terminal.progress(1.0, "folder"), terminal.raising():

@@ -22,7 +22,7 @@ from contactlab.config.nesting import quoted
 from contactlab.config.studies import study_class
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.study import Setups, Study
-from contactlab.studies.sweep_values import listed
+from contactlab.studies.sweep.values import listed
 
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""

@@ -2,7 +2,7 @@
 
 Hydra's own sweeper hands every job to the launcher, so that a cluster would allocate a node to find a run
 complete. Here the launcher receives the jobs that are to run, where runs leave folders. A sweep that keeps
-numbers alone is the study `contactlab.studies.sweep.Sweep`.
+numbers alone is the study `contactlab.studies.sweep.study.Sweep`.
 """
 
 import random
@@ -25,6 +25,7 @@ from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 from omegaconf.errors import OmegaConfBaseException
 
+from contactlab.checks import check_declared
 from contactlab.cli import terminal
 from contactlab.cli.app import announce, choices_of, idle_friction
 from contactlab.cli.collect import collect_swept
@@ -38,11 +39,9 @@ from contactlab.config.nesting import Value, quoted
 from contactlab.config.studies import RUN
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import LOG, STATE, check_file, error_text
-from contactlab.results.netcdf import check_declared
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
-from contactlab.studies.sweep import Sweep as SweepStudy, begin, continued, runs_of
-from contactlab.studies.sweep_dataset import summary
-from contactlab.studies.sweep_plan import (
+from contactlab.studies.sweep.dataset import summary
+from contactlab.studies.sweep.plan import (
     NOTHING,
     Configuration,
     Outputs,
@@ -51,7 +50,8 @@ from contactlab.studies.sweep_plan import (
     planned,
     raise_faults,
 )
-from contactlab.studies.sweep_values import FORMS, SweepError, call_in, spread
+from contactlab.studies.sweep.study import Sweep as SweepStudy, begin, continued, runs_of
+from contactlab.studies.sweep.values import FORMS, SweepError, call_in, spread
 from contactlab.suggestion import excerpt
 
 

@@ -32,8 +32,8 @@ def main(arguments: list[str]) -> int:
     )
     parser.read(arguments)
     # Imported here: they bring the compiler, which --help does not need.
-    from contactlab.compilation import telling
-    from contactlab.compiled import INTERPRETED, code_folder
+    from contactlab.compiler.kernels import INTERPRETED, code_folder
+    from contactlab.compiler.notice import telling
     from contactlab.config import build
     from contactlab.engine.binding import bind
     from contactlab.engine.preparation import SECONDS, kind_of

@@ -10,8 +10,8 @@ from contactlab.arrays import Array
 from contactlab.config.faults import ConfigurationError
 from contactlab.config.files import named_file
 from contactlab.config.signals import SIGNALS
-from contactlab.config.table import MeasurementError, Table, read_table
 from contactlab.motor import Drive, NormalModes, Waveform
+from contactlab.motor.table import MeasurementError, Table, read_table
 
 RESONANCE: Final = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""

@@ -15,8 +15,8 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Final
 
-from contactlab.config.modal import ModalFile
 from contactlab.motor import FiniteElementResonator, RitzResonator
+from contactlab.motor.modal import ModalFile
 
 GROUP: Final = "contactlab.resonators"
 

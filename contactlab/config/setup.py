@@ -18,11 +18,9 @@ from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.files import named_file
 from contactlab.config.groups import GROUPS, NOT_OF_A_RUN
 from contactlab.config.made_in_python import PLACES, with_number
-from contactlab.config.modal import modes_of
 from contactlab.config.nesting import flat, nested
 from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
-from contactlab.config.table import MeasurementError, read_table
 from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import (
     DEFAULT_TOLERANCE,
@@ -48,6 +46,8 @@ from contactlab.motor import (
     Steel,
     on_bearing,
 )
+from contactlab.motor.modal import modes_of
+from contactlab.motor.table import MeasurementError, read_table
 from contactlab.parameter import DeclaredField
 from contactlab.results.contents import contents_of, keep
 from contactlab.results.netcdf import settings_of

@@ -35,13 +35,13 @@ from numba import types
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
-from contactlab.compiled import INTERPRETED, fleeting_kernel, generated_kernel, remade
+from contactlab.compiler.kernels import INTERPRETED, fleeting_kernel, generated_kernel, remade
 from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
 from contactlab.foreign import compiled_constants, is_own
+from contactlab.interrupts import is_of_a_signal
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import LawError, names_of
-from contactlab.signals import is_of_a_signal
 
 Callback = tuple[str, Callable[..., Any]]
 """The name of a kernel, and the Python function that is in its place within `law_errors`."""

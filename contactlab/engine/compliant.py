@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.friction import (
     FIRST,
     HELD_SLIP,

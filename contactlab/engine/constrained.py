@@ -28,7 +28,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.compliant import (
     AGREEMENT,
     MOST_ITERATIONS,

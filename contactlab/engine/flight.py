@@ -12,7 +12,7 @@ chord at the left end, the smaller one at the right end. The parabolas are then 
 
 from math import sqrt
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.plant import ORDERS

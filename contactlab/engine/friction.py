@@ -15,7 +15,7 @@ from typing import Final, cast
 
 import numpy as np
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.memory import end_at, jump, memory_at, push_moments, recall, recall_start, solve_linear
 from contactlab.engine.state import HEAD, NODES, START, Law, Memory, Run, value_at

@@ -16,7 +16,7 @@ from typing import Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.loop import run_law
 from contactlab.engine.recorder import end_with_forces
 from contactlab.engine.state import (

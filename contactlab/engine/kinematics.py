@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, modes_of
 from contactlab.engine.propagator import BY_RECORD

@@ -3,7 +3,7 @@
 from typing import Any
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel
+from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.compliant import count_event, step_compliant, switch_friction
 from contactlab.engine.constrained import settle, step_constrained
 from contactlab.engine.flight import step_flight

@@ -18,7 +18,7 @@ from math import asin, copysign
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at, tip_motion
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (

@@ -19,7 +19,7 @@ from math import cos, exp, expm1, sin, sqrt
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 
 REACH = 0.25
 """Largest (c + sqrt k) d of the power series; longer times are doubled."""

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.engine.state import EVENT_LIMIT, PLACES, new_record, record
 from contactlab.motor.motor import Motor
 from contactlab.motor.waveform import MOST_DEGREE

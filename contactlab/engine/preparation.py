@@ -14,8 +14,8 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import SMALLEST_STEP, check_kind, check_number, check_records, shown
-from contactlab.compilation import telling
-from contactlab.compiled import INTERPRETED, inner_kernel, kernel
+from contactlab.compiler.kernels import INTERPRETED, inner_kernel, kernel
+from contactlab.compiler.notice import telling
 from contactlab.engine.binding import (
     FORCE,
     FRICTION,
@@ -54,6 +54,7 @@ from contactlab.engine.state import (
     state_as_value,
     state_from_value,
 )
+from contactlab.interrupts import signals_wait
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, has_limit, is_stepped
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
 from contactlab.laws.declaration import refuse_unsound
@@ -62,7 +63,6 @@ from contactlab.laws.registry import classes_of
 from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 from contactlab.motor.outputs import output_rows
-from contactlab.signals import signals_wait
 from contactlab.trajectory import Ending
 
 SMALLEST: Final = float(np.finfo(np.float64).tiny)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
 from contactlab.engine.memory import (
     end_at,

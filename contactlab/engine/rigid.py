@@ -15,7 +15,7 @@ impulse until the gap is open.
 
 from math import inf
 
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import add_constant, checked, contact_at, free_response, rates_in_frame
 from contactlab.engine.memory import pass_step

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at

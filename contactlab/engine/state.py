@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.compiled import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES

@@ -23,7 +23,7 @@ import xarray
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.config import ConfigurationError
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, label_of, with_values
 from contactlab.inference.problem import LARGEST, LOG_TWO_PI, LOWEST, Problem, student_factor

@@ -12,13 +12,13 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
-from contactlab.config.table import MeasurementError
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
 from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
 from contactlab.inference.series_problem import NOISE, root_mean_square, student_log_densities
 from contactlab.laws import LawError
 from contactlab.measured.points import VELOCITY, MeasuredPoints
+from contactlab.motor.table import MeasurementError
 from contactlab.steady_state import BrokenOffError, NotSettledError, steady
 from contactlab.suggestion import suggestion
 

@@ -23,7 +23,7 @@ import xarray
 
 from contactlab import variables
 from contactlab.arrays import Array
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.config import ConfigurationError, build, rebuild
 from contactlab.config.nesting import flat, nested
 from contactlab.inference.free_parameters import FreeParameter

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.memory import InternalVariable

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Self
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared, names_of
 from contactlab.laws.memory import Remembering
 

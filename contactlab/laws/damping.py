@@ -25,7 +25,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import Damping, NormalForce
 from contactlab.laws.declaration import Coefficient, names_of
 from contactlab.parameter import Parameter, positive

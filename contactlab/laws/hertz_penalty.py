@@ -5,7 +5,7 @@ from math import sqrt
 from typing import Annotated, final
 
 from contactlab.checks import accepts_units
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.normal import hertz_elastic

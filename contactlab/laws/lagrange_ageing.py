@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import log1p
 from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import STICK, MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction.coulomb import STATIC_RATIO

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.special import fdtrc
 
 from contactlab.arrays import Array
-from contactlab.config.table import MeasurementError
+from contactlab.motor.table import MeasurementError
 from contactlab.parameter import Parameter, positive
 
 LARGEST_SHARE: Final = 1e-4

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.config.table import MeasurementError, Table, refuse
 from contactlab.measured.bodies import BodyImpacts, sign_note
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies, squared_norm
 from contactlab.measured.series import MEASURABLE
+from contactlab.motor.table import MeasurementError, Table, refuse
 from contactlab.parameter import from_cf
 from contactlab.quantity import UnitError, factor
 from contactlab.suggestion import excerpt

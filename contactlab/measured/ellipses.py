@@ -20,9 +20,9 @@ from typing import Final
 
 import numpy as np
 
-from contactlab.config.table import MeasurementError
 from contactlab.measured.bodies import BodyImpacts
 from contactlab.measured.impacts import MeasuredImpacts, odd_energies
+from contactlab.motor.table import MeasurementError
 from contactlab.suggestion import excerpt
 
 MASS: Final = 36.4e-3  # [kg], as in the repository DAIRLab/ImpactModeling

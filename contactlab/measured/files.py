@@ -6,13 +6,13 @@ from typing import Any, Final
 import numpy as np
 import xarray
 
-from contactlab.config.table import MeasurementError as MeasurementError, Table, read_table, write_csv
 from contactlab.measured import columns
 from contactlab.measured.columns import CONTACT, impacts_of, known_names
 from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
 from contactlab.measured.points import VELOCITY, MeasuredPoints, points_of_table
 from contactlab.measured.series import MEASURABLE, MeasuredSeries, series_of_table
+from contactlab.motor.table import MeasurementError as MeasurementError, Table, read_table, write_csv
 from contactlab.results.files import check_file, damage, digest_of_file, whole_file, whole_netcdf
 
 _COMPRESSED: Final = {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue": None}

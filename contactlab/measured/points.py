@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from typing import Any, Final, final
 
 from contactlab.arrays import Array
-from contactlab.config.table import MeasurementError, Table
 from contactlab.measured.series import ERROR
+from contactlab.motor.table import MeasurementError, Table
 
 VELOCITY: Final = "rotor_velocity"
 FEWEST: Final = 2

@@ -18,7 +18,7 @@ import yaml
 
 from contactlab import variables
 from contactlab.arrays import Array
-from contactlab.config.table import MeasurementError, Table
+from contactlab.motor.table import MeasurementError, Table
 from contactlab.results.yaml_text import read_yaml
 from contactlab.suggestion import excerpt, suggestion
 

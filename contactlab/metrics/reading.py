@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from contactlab import variables
+from contactlab.checks import check_declared
 from contactlab.results.contents import keep_contents
 from contactlab.results.files import damage
-from contactlab.results.netcdf import check_declared
 from contactlab.suggestion import excerpt
 from contactlab.variables import Variable
 

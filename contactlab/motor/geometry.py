@@ -16,7 +16,7 @@ from math import cos, sin, sqrt
 from typing import Annotated, final
 
 from contactlab.checks import Checked
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.parameter import Parameter, positive
 
 

@@ -10,10 +10,8 @@ summed up and drawn without.
 """
 
 import json
-from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
-from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
@@ -21,7 +19,6 @@ import numpy as np
 import yaml
 
 from contactlab import variables
-from contactlab.checks import check_size
 from contactlab.laws import ContactLaw, InternalVariable
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
@@ -281,32 +278,6 @@ def write_groups(groups: Groups, path: Path) -> str:
                     made.setncatts(column.attrs)
                     made[...] = values
         return digest_of_file(partial)
-
-
-def check_declared(source: Path | bytes) -> None:
-    """Refuse a file, or its content, whose variables do not fit into memory; a small one may declare many.
-
-    Raises:
-        OSError: it cannot be opened.
-        ValueError: too many bytes or rows; a sentence.
-    """
-    import netCDF4
-
-    opened = (
-        netCDF4.Dataset("content", memory=source) if isinstance(source, bytes) else netCDF4.Dataset(source)
-    )
-    with opened as file:
-        groups = deque([file])
-        size = longest = 0.0
-        while groups:
-            group = groups.popleft()
-            groups += group.groups.values()
-            for variable in group.variables.values():
-                # Texts have no size of their own.
-                each = getattr(variable.dtype, "itemsize", 8)
-                size += float(prod(map(float, variable.shape))) * each
-                longest = max(longest, *map(float, variable.shape), 0.0)
-    check_size("Its content", size, longest)
 
 
 def _stored(shape: tuple[int, ...]) -> dict[str, Any]:

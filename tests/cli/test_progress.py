@@ -22,8 +22,8 @@ from contactlab.inference.nested_sampling import _Left
 from contactlab.measured.files import write_impacts
 from contactlab.parameter import Parameter
 from contactlab.progress import part_of_progress, shown_by, tell_progress, untold_progress
-from contactlab.studies import collection
 from contactlab.studies.study import Task
+from contactlab.studies.sweep import collection
 
 LONG = 1.6
 """Time that an injected task takes [s]."""

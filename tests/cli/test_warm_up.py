@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from support.command_line import Command, left_behind
 
-from contactlab import compilation
-from contactlab.compilation import Compiled
+from contactlab.compiler import notice as compilation
+from contactlab.compiler.notice import Compiled
 from contactlab.engine.preparation import SECONDS
 
 

@@ -12,7 +12,7 @@ from contactlab.config.nesting import flat
 from contactlab.laws.registry import own
 from contactlab.parameter import from_cf, parameters_of
 from contactlab.quantity import UnitError, to_si
-from contactlab.studies.sweep_values import call_in
+from contactlab.studies.sweep.values import call_in
 
 
 @pytest.mark.parametrize(

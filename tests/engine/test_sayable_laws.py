@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 
 import contactlab as cl
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.parameter import not_negative, positive
 from contactlab.testing.plants import FLAT, block, first, last, run

@@ -11,7 +11,7 @@ from support.sweeps import QUICK
 LAW = """
 from dataclasses import dataclass
 from typing import ClassVar
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import PenaltyLaw
 import nearby
 
@@ -32,7 +32,7 @@ class Borrowed(PenaltyLaw):
         return spring
 """
 NEARBY = """
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from far import pressed
 
 @kernel

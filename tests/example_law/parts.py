@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Annotated, ClassVar
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import Friction, InternalVariable, NormalForce
 from contactlab.laws.base import RATE_DEPENDENT
 from contactlab.parameter import Parameter

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.parameter import Parameter

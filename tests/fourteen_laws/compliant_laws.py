@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import log, pi, sqrt
 from typing import Annotated
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import FRICTION_COEFFICIENT, Parameter, PenaltyLaw
 from contactlab.parameter import positive
 

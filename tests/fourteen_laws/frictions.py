@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import tanh
 from typing import Annotated
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import Friction
 from contactlab.laws.base import RATE_DEPENDENT
 from contactlab.parameter import positive

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import FRICTION_COEFFICIENT, RESTITUTION, MultiplierLaw, Parameter
 from contactlab.laws.base import SLIP
 from contactlab.laws.lagrange import stick_or_slip_impulse

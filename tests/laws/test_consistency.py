@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.made_laws import STRETCH, TWO, flowing, honest, made, short_run, variable
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LawError, MultiplierLaw
 from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP, Friction

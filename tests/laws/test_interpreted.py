@@ -24,7 +24,7 @@ import sys
 from dataclasses import dataclass
 from typing import ClassVar
 import numpy as np
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.engine import simulate
 from contactlab.laws import HertzPenalty, LawError, PenaltyLaw, Stronge
 from contactlab.laws.composed import Composed

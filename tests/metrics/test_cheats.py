@@ -8,7 +8,7 @@ import xarray
 from support.configurations import of_law
 from support.motors import hertz
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange import stick_or_slip_impulse

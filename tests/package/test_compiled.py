@@ -10,10 +10,10 @@ import pytest
 import xarray
 from numba.core.errors import TypingError
 
-from contactlab import compiled
-from contactlab.compilation import telling
+from contactlab.compiler import kernels as compiled
+from contactlab.compiler.notice import telling
 
-PROBE = "from contactlab import compiled; print(compiled.code_folder())"
+PROBE = "from contactlab.compiler import kernels as compiled; print(compiled.code_folder())"
 
 
 def test_the_folder_is_the_same_in_every_process() -> None:
@@ -112,7 +112,7 @@ def test_a_kernel_that_does_not_compile_leaves_no_inner_code_behind() -> None:
 EVERY = """
 import importlib, inspect, pkgutil
 import contactlab
-from contactlab.compiled import Kernel
+from contactlab.compiler.kernels import Kernel
 
 def outcome(function):
     try:
@@ -143,12 +143,12 @@ def test_every_inner_kernel_is_its_python_function_to_python() -> None:
 
 
 WITHOUT_UNITS = {
-    "no module": "import sys; sys.modules['contactlab.units'] = None",
-    "an error": "from contactlab import units; units._JoinUnit.run_pass = lambda *_: 1 / 0",
-    "a wrong result": "from contactlab import units; units.around = units._within",
+    "no module": "import sys; sys.modules['contactlab.compiler.units'] = None",
+    "an error": "from contactlab.compiler import units; units._JoinUnit.run_pass = lambda *_: 1 / 0",
+    "a wrong result": "from contactlab.compiler import units; units.around = units._within",
 }
 PULLED = """
-from contactlab.compiled import units
+from contactlab.compiler.kernels import units
 from contactlab.laws.normal.jkr import Jkr
 print(units() is not None, *(Jkr.elastic(0.3 * depth, 0.1, 0.7) for depth in range(-3, 3)), sep="\\n")
 """

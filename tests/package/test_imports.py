@@ -11,8 +11,13 @@ PLOTTING = {"matplotlib"}
 DATASETS = {"xarray", "pandas", "netCDF4"}
 OTHERS = {"jinja2", "joblib", "pint", "pydantic", "dask"}
 ALGORITHMS = {f"scipy.{name}" for name in ("integrate", "interpolate", "optimize", "sparse.linalg", "stats")}
-ANALYSES = {"contactlab.datasheet", "contactlab.inference", "contactlab.measured", "contactlab.steady_state"}
-ANALYSES |= {"contactlab.studies.compare", "contactlab.studies.fit", "contactlab.studies.sweep"}
+ANALYSES = {
+    "contactlab.studies.characterise",
+    "contactlab.inference",
+    "contactlab.measured",
+    "contactlab.steady_state",
+}
+ANALYSES |= {"contactlab.studies.compare.study", "contactlab.studies.fit", "contactlab.studies.sweep.study"}
 
 
 def imported_by(*command: str, folder: Path) -> set[str]:

@@ -10,8 +10,8 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 from contactlab import ComparisonError, SweepError, compare
 from contactlab.metrics import read_run
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.studies.collection import collect
 from contactlab.studies.run_state import Status, is_done
+from contactlab.studies.sweep.collection import collect
 
 
 def test_no_damage_of_a_dataset_comes_through(tmp_path: Path) -> None:

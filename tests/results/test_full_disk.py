@@ -9,9 +9,9 @@ import pytest
 from support.sweeps import begun, left_run
 
 from contactlab import compare
-from contactlab.studies.collection import collect
 from contactlab.studies.runner import TASKS
-from contactlab.studies.sweep import continued
+from contactlab.studies.sweep.collection import collect
+from contactlab.studies.sweep.study import continued
 
 resource = pytest.importorskip(
     "resource", reason="This system bounds no file; run the tests on Linux or macOS."

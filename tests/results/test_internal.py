@@ -9,7 +9,7 @@ import xarray
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
 import contactlab as cl
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.config import ConfigurationError
 from contactlab.laws import InternalVariable, PenaltyLaw
 from contactlab.results.netcdf import to_datatree, write_tree

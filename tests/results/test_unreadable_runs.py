@@ -14,8 +14,8 @@ from support.synthetic import CONFIGURATION, synthetic_trajectory
 from contactlab import ComparisonError, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
-from contactlab.studies.collection import collect
 from contactlab.studies.run_state import COMPLETE, Job, State, Status, write_state
+from contactlab.studies.sweep.collection import collect
 
 
 def left_run(

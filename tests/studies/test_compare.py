@@ -12,7 +12,7 @@ import contactlab as cl
 from contactlab.inference.paired import EQUAL, GREATER, INCONCLUSIVE, LESS
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
-from contactlab.studies.compare_draws import (
+from contactlab.studies.compare.draws import (
     Factor,
     Posteriors,
     as_configured,
@@ -282,7 +282,7 @@ def test_what_a_law_of_ones_own_declares_is_varied_and_the_rest_is_left_fixed(
         "law.k1": Parameter("k1", "N m-1", "stiffness", above=0.0, spread=0.4),
         "law.k2": Parameter("k2", "N m-1", "stiffness", above=0.0),
     }
-    monkeypatch.setattr("contactlab.studies.compare_draws.declared_in", lambda _: declared)
+    monkeypatch.setattr("contactlab.studies.compare.draws.declared_in", lambda _: declared)
     factors = factors_of([own], {})
     named = {factor.name: (factor.keys, factor.b) for factor in factors}
     assert named["law.k1"] == (("law.k1",), 0.4)

@@ -17,7 +17,7 @@ from contactlab.measured.files import write_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
 from contactlab.metrics import CANNOT_TELL, NOT_APPLICABLE, VERDICTS
-from contactlab.studies.compare_measured import nearest_laws, read_all
+from contactlab.studies.compare.measured import nearest_laws, read_all
 
 COUNT, NOISE = 400, 0.02
 """Impacts, and the error of their velocities after, over the approach, in the norm of the kinetic energy."""

@@ -13,10 +13,10 @@ from support.configurations import LAWS, leave, leave_all
 import contactlab as cl
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
 from contactlab.metrics.convergence import richardson
-from contactlab.studies.compare_figures import contacts_of, draw_energy
-from contactlab.studies.compare_reruns import Reruns
-from contactlab.studies.compare_runs import labelled, read_runs
-from contactlab.studies.compare_scorecard import energy_flow, motion
+from contactlab.studies.compare.figures import contacts_of, draw_energy
+from contactlab.studies.compare.reruns import Reruns
+from contactlab.studies.compare.runs import labelled, read_runs
+from contactlab.studies.compare.scorecard import energy_flow, motion
 
 FIGURES = ("contact_force", "tip_trajectory", "rotor_velocity", "energy_flow", "phase_portrait")
 

@@ -14,8 +14,8 @@ from support.sweeps import begun
 
 import contactlab as cl
 from contactlab.studies.runner import TASKS, run
-from contactlab.studies.sweep import continued
-from contactlab.studies.sweep_dataset import DATASET
+from contactlab.studies.sweep.dataset import DATASET
+from contactlab.studies.sweep.study import continued
 
 dask = pytest.importorskip("dask")
 distributed = pytest.importorskip("distributed")

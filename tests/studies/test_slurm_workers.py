@@ -13,8 +13,8 @@ from support.sweeps import begun
 
 import contactlab as cl
 from contactlab.studies.runner import run
-from contactlab.studies.sweep import continued
-from contactlab.studies.sweep_dataset import DATASET
+from contactlab.studies.sweep.dataset import DATASET
+from contactlab.studies.sweep.study import continued
 
 dask_jobqueue = pytest.importorskip("dask_jobqueue")
 ROOT = Path(__file__).parents[2]

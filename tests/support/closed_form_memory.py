@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, sin, sqrt
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import InternalVariable, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP
 from contactlab.laws.declaration import FRICTION_COEFFICIENT

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import asinh, copysign, exp, nan
 from typing import Annotated, Any, ClassVar
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import RATE_DEPENDENT, SLIP, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.engine import simulate
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.memory import ODD, InternalVariable

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import Friction
 from contactlab.laws.declaration import FRICTION_COEFFICIENT

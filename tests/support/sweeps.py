@@ -20,8 +20,8 @@ from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.run_state import COMPLETE, Job, State, write_state
 from contactlab.studies.runner import done_parts
-from contactlab.studies.sweep import ScriptComposer, Sweep, begin
-from contactlab.studies.sweep_plan import Outputs, planned
+from contactlab.studies.sweep.plan import Outputs, planned
+from contactlab.studies.sweep.study import ScriptComposer, Sweep, begin
 from contactlab.trajectory import Ending, Trajectory
 
 METRICS_ALONE = ("-m", "sweep.keep=metrics")

@@ -12,8 +12,8 @@ from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
 from contactlab.metrics import METRICS, assess, read_run
-from contactlab.studies.collection import collect
 from contactlab.studies.run_state import Status
+from contactlab.studies.sweep.collection import collect
 from contactlab.trajectory import Ending
 
 GRID = ("law=lagrange_stick,hertz_penalty", "contact.clearance=2 um,1e-6,3e-6")
@@ -69,7 +69,7 @@ def test_runs_are_collected_without_their_files_being_opened(
         opened.append(path)
         return read_run(path)
 
-    monkeypatch.setattr("contactlab.studies.collection.read_run", counted)
+    monkeypatch.setattr("contactlab.studies.sweep.collection.read_run", counted)
     result = collect("sweep")
     assert not opened
     # Metrics by other code are computed anew, from the file.

@@ -17,8 +17,8 @@ from support import sweeps
 from support.command_line import Command
 from support.sweeps import QUICK, ChoosingSweeper, Simulations
 
-from contactlab.studies.collection import collect
 from contactlab.studies.run_state import Status
+from contactlab.studies.sweep.collection import collect
 
 JOBLIB = ("hydra/launcher=joblib", "hydra.launcher.n_jobs=2")
 

@@ -17,8 +17,8 @@ from contactlab.config import build
 from contactlab.metrics import METRICS
 from contactlab.studies.run_state import Status
 from contactlab.studies.runner import TASKS
-from contactlab.studies.sweep_dataset import DATASET
-from contactlab.studies.sweep_plan import Outputs, with_key
+from contactlab.studies.sweep.dataset import DATASET
+from contactlab.studies.sweep.plan import Outputs, with_key
 
 SHORT = "solver.duration=1 ms"
 HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")

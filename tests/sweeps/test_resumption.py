@@ -9,13 +9,13 @@ import pytest
 from support.sweeps import CELLS, begun, small_sweep
 
 from contactlab import SweepError
-from contactlab.studies import sweep as module
-from contactlab.studies.collection import collect
 from contactlab.studies.run_state import Status
 from contactlab.studies.runner import TASKS
-from contactlab.studies.sweep import DIGEST, MANIFEST, UNFINISHED, Cells, begin, continued, read_plan
-from contactlab.studies.sweep_dataset import DATASET
-from contactlab.studies.sweep_plan import Plan
+from contactlab.studies.sweep import study as module
+from contactlab.studies.sweep.collection import collect
+from contactlab.studies.sweep.dataset import DATASET
+from contactlab.studies.sweep.plan import Plan
+from contactlab.studies.sweep.study import DIGEST, MANIFEST, UNFINISHED, Cells, begin, continued, read_plan
 
 
 def files_of(folder: Path) -> dict[str, bytes]:

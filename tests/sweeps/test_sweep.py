@@ -24,7 +24,7 @@ from contactlab.metrics import METRICS, assess
 from contactlab.motor.motor import Motor
 from contactlab.results.netcdf import to_datatree
 from contactlab.studies.run_state import Status
-from contactlab.studies.sweep import Sweep
+from contactlab.studies.sweep.study import Sweep
 
 DURATION = 1e-3
 CLEARANCES = (0.0, 0.5e-6, 1e-6)
@@ -58,7 +58,7 @@ def test_a_run_among_many_is_the_run_alone_to_the_last_bit(law: ContactLaw) -> N
 def test_the_number_of_workers_changes_no_bit(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     alone = swept(hertz(), workers=1)
     monkeypatch.setattr(Sweep, "delay", 0.0)
-    monkeypatch.setattr("contactlab.studies.sweep_plan.CHUNK", 2)
+    monkeypatch.setattr("contactlab.studies.sweep.plan.CHUNK", 2)
     assert swept(hertz(), workers=workers).identical(alone)
 
 
@@ -132,7 +132,7 @@ def test_a_worker_that_is_killed_ends_the_sweep(monkeypatch: pytest.MonkeyPatch)
         return default_motor(phase=phase)
 
     monkeypatch.setattr(Sweep, "delay", 0.0)
-    monkeypatch.setattr("contactlab.studies.sweep_plan.CHUNK", 1)
+    monkeypatch.setattr("contactlab.studies.sweep.plan.CHUNK", 1)
     with pytest.raises(WorkerError):
         sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=2)
 

@@ -4,8 +4,8 @@ import pytest
 from support.command_line import Command
 from support.sweeps import METRICS_ALONE, QUICK, Simulations
 
-from contactlab.studies.collection import collect
-from contactlab.studies.sweep_values import short_names, spread
+from contactlab.studies.sweep.collection import collect
+from contactlab.studies.sweep.values import short_names, spread
 
 RANGES = {
     "range(0,3e-6,1e-6)": [0.0, 1e-6, 2e-6],

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, final
 import numpy as np
 import pytest
 
-from contactlab.compiled import fleeting_kernel
+from contactlab.compiler.kernels import fleeting_kernel
 from contactlab.laws import LAWS, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.base import SLIP, STICK, Kernel
 from contactlab.laws.declaration import FRICTION_COEFFICIENT

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.compiled import fleeting_kernel
+from contactlab.compiler.kernels import fleeting_kernel
 from contactlab.laws.base import RATE_DEPENDENT, SLIP, STICK
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse

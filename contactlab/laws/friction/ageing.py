@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import log1p
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import Friction
 from contactlab.laws.memory import AT_SLIP, AT_TOUCH, InternalVariable
 from contactlab.parameter import not_negative, positive

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Self, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.laws.memory import ODD, InternalVariable
 from contactlab.parameter import Parameter, positive

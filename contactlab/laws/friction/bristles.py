@@ -5,7 +5,7 @@ from math import exp, pi, sin
 from types import MappingProxyType
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.laws.memory import ODD, InternalVariable

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import Friction
 from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.parameter import not_negative

@@ -7,7 +7,7 @@ from math import copysign, cos, pi
 from types import MappingProxyType
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.laws.declaration import Coefficient
 from contactlab.laws.memory import ODD, InternalVariable, dependent

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.laws.memory import AT_TOUCH, ODD, InternalVariable, dependent
 from contactlab.parameter import Parameter, positive

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import ELASTOPLASTIC, Friction
 from contactlab.laws.memory import ODD, InternalVariable
 from contactlab.parameter import positive

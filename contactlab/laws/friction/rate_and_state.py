@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import asinh, copysign, exp, log, log1p, sqrt
 from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.parameter import not_negative, positive

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.parameter import positive
 

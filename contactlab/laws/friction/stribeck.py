@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import exp
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import Friction
 from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.parameter import positive

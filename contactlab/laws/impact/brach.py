@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.impact.newton import ImpactLaw
 from contactlab.laws.impact.step import approach_of, with_forces

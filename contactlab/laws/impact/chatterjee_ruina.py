@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.impact.newton import ImpactLaw
 from contactlab.laws.impact.step import approach_of, with_forces

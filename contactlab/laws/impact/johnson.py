@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import pi
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient
 from contactlab.laws.impact.newton import OF_THE_GAP_RATE

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION
 from contactlab.laws.lagrange import stick_or_slip_impulse

@@ -20,7 +20,7 @@ from math import inf, sqrt
 from types import MappingProxyType
 from typing import final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.impact.newton import ImpactLaw
 from contactlab.laws.impact.step import approach_of, with_forces

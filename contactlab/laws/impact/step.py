@@ -5,7 +5,7 @@ they take away before its end need not be stopped. A rebound that forces end wit
 contact lasts, without restitution.
 """
 
-from contactlab.compiled import inner_kernel
+from contactlab.compiler.kernels import inner_kernel
 from contactlab.laws.lagrange import stick_or_slip_impulse
 
 

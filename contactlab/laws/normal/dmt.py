@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, final
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.declaration import Coefficient
 from contactlab.laws.normal.elastic import EFFECTIVE_MODULUS, STEEL, hertz_elastic

@@ -8,7 +8,7 @@ from typing import Annotated, final
 
 import scipy
 
-from contactlab.compiled import kernel
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.declaration import Coefficient
 from contactlab.parameter import positive

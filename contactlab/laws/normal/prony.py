@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.declaration import Coefficient
 from contactlab.laws.memory import InternalVariable, dependent

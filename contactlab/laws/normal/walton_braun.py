@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated, final
 
-from contactlab.compiled import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.memory import AT_TOUCH, InternalVariable
 from contactlab.parameter import not_negative, positive

@@ -7,9 +7,9 @@ from typing import Final
 import numpy as np
 
 from contactlab.config import Setup
-from contactlab.datasheet.operation import UNKNOWN, Point, operate
 from contactlab.estimate import Estimate
 from contactlab.progress import part_of_progress
+from contactlab.studies.characterise.operation import UNKNOWN, Point, operate
 
 FIRST: Final = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25)
 """Velocities over that without load on which a curve begins."""

@@ -17,7 +17,7 @@ from contactlab.metrics import METRICS
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import code_attributes
 from contactlab.studies.run_state import Status
-from contactlab.studies.sweep_values import short_names
+from contactlab.studies.sweep.values import short_names
 from contactlab.variables import Variable
 
 DATASET: Final = "sweep.nc"

@@ -26,8 +26,8 @@ Function = TypeVar("Function", bound=Callable[..., object])
 INTERPRETED = bool(int(os.environ.get("NUMBA_DISABLE_JIT") or 0))
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
-PACKAGE = Path(__file__).parent
-SOURCES = ("compiled.py", "units.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
+PACKAGE = Path(__file__).parents[1]
+SOURCES = ("compiler/*.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
 """Where kernels stand, and the constants that are compiled into them."""
 
 OPTIONS = {"error_model": "numpy", "_nrt": False}
@@ -73,7 +73,7 @@ def _remove_old(parent: Path, name: str) -> None:
 def units() -> Any:
     """Return the module that compiles kernels as units; none where this Numba cannot, with the same bits."""
     try:
-        from contactlab import units
+        from contactlab.compiler import units
 
         _keep_in(code_folder(), units.around)
         return units if units.around(6.0) == 5.0 else None

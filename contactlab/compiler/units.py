@@ -5,8 +5,8 @@ it: four times as much as the engine's loop has. Here inner kernels add theirs t
 that is being compiled, and are compiled again for another one.
 
 It is written with Numba's interface for compilers of one's own (`pipeline_class` of `numba.jit`, passes) and,
-beyond what that documents, with the libraries of code that passes write into. `contactlab.compiled.units`
-therefore tries it with `around`, and does without where it fails.
+beyond what that documents, with the libraries of code that passes write into.
+`contactlab.compiler.kernels.units` therefore tries it with `around`, and does without where it fails.
 """
 
 from collections.abc import Callable

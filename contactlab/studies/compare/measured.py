@@ -18,7 +18,6 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import failure_of
 from contactlab.config.nesting import flat, nested
-from contactlab.config.table import MeasurementError
 from contactlab.impacts import velocities_after
 from contactlab.inference.bootstrap import LEVEL, mean_intervals, paired_differences
 from contactlab.inference.series_problem import series_problem
@@ -29,8 +28,9 @@ from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.metrics import CANNOT_TELL, NOT_APPLICABLE, Metric, NotApplicableError
+from contactlab.motor.table import MeasurementError
 from contactlab.results.files import digest_of_file
-from contactlab.studies.compare_runs import FREE, ComparisonError, shown
+from contactlab.studies.compare.runs import FREE, ComparisonError, shown
 from contactlab.studies.study import Part
 
 LEAST: Final = 10

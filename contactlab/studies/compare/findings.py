@@ -12,9 +12,9 @@ from contactlab.estimate import Estimate
 from contactlab.inference.bootstrap import LEVEL
 from contactlab.inference.paired import AGREED, EQUAL, GREATER, INCONCLUSIVE, LESS, VARIES, looks_up_to
 from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, VERDICTS
-from contactlab.studies.compare_measured import nearest_laws
-from contactlab.studies.compare_pairs import CLEAR, MARGIN
-from contactlab.studies.compare_scorecard import listed
+from contactlab.studies.compare.measured import nearest_laws
+from contactlab.studies.compare.pairs import CLEAR, MARGIN
+from contactlab.studies.compare.scorecard import listed
 
 EQUALITY: Final = f"{CLEAR:g} numerical errors or {100.0 * MARGIN:g} % of the velocity"
 

@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import Checked, accepts_units
-from contactlab.config.table import MeasurementError, Table, read_table, write_csv
 from contactlab.motor import NormalModes, add_residual_modes
+from contactlab.motor.table import MeasurementError, Table, read_table, write_csv
 from contactlab.parameter import Parameter
 from contactlab.variables import POINT
 

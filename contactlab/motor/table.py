@@ -163,7 +163,7 @@ def read_table(source: Path | bytes) -> Table:
     import netCDF4
     import xarray
 
-    from contactlab.results.netcdf import check_declared
+    from contactlab.checks import check_declared
 
     content = source if isinstance(source, bytes) else source.read_bytes()
     if not content.startswith(_NETCDF):

@@ -27,7 +27,7 @@ from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.simulation import Solution
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.compare_draws import (
+from contactlab.studies.compare.draws import (
     LEVELS,
     POSTERIOR,
     Factor,
@@ -38,8 +38,8 @@ from contactlab.studies.compare_draws import (
     factors_of,
     left_fixed,
 )
-from contactlab.studies.compare_findings import findings
-from contactlab.studies.compare_measured import (
+from contactlab.studies.compare.findings import findings
+from contactlab.studies.compare.measured import (
     Measurement,
     check_motor,
     do_prediction,
@@ -47,10 +47,10 @@ from contactlab.studies.compare_measured import (
     read_all,
     with_measurements,
 )
-from contactlab.studies.compare_observables import OBSERVABLES, USUAL, do_draw
-from contactlab.studies.compare_pairs import Settled, signs_of, verdicts_of, with_pairs
-from contactlab.studies.compare_reruns import Reruns, do_rerun, do_starts, reruns_of
-from contactlab.studies.compare_runs import (
+from contactlab.studies.compare.observables import OBSERVABLES, USUAL, do_draw
+from contactlab.studies.compare.pairs import Settled, signs_of, verdicts_of, with_pairs
+from contactlab.studies.compare.reruns import Reruns, do_rerun, do_starts, reruns_of
+from contactlab.studies.compare.runs import (
     ComparisonError as ComparisonError,
     Grid,
     Source,
@@ -60,8 +60,8 @@ from contactlab.studies.compare_runs import (
     run_of_setup,
     unchecked,
 )
-from contactlab.studies.compare_scorecard import limits_of, listed, motion, scorecard
-from contactlab.studies.compare_tables import tables
+from contactlab.studies.compare.scorecard import limits_of, listed, motion, scorecard
+from contactlab.studies.compare.tables import tables
 from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
 
 SAMPLES: Final = 64
@@ -341,7 +341,7 @@ class Compare(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return laws, pairs and operating points, or transients; forces, paths, energy, phases."""
         # Imported here: it brings matplotlib.
-        from contactlab.studies.compare_figures import draw_all
+        from contactlab.studies.compare.figures import draw_all
 
         return draw_all(data)
 
@@ -532,7 +532,7 @@ def compare(
 
     Returns:
         Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
-        `law` and `term`, and the paired comparison, see `compare_pairs.with_pairs`.
+        `law` and `term`, and the paired comparison, see `pairs.with_pairs`.
 
     Raises:
         ComparisonError: the laws cannot be compared.

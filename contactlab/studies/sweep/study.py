@@ -31,6 +31,7 @@ from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
 from contactlab.config.nesting import Value
 from contactlab.estimate import Estimate
+from contactlab.interrupts import is_of_a_signal
 from contactlab.laws import ContactLaw, LawError
 from contactlab.metrics import Run, assess
 from contactlab.motor import Motor
@@ -39,13 +40,12 @@ from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
-from contactlab.signals import is_of_a_signal
 from contactlab.simulation import setup_of
 from contactlab.studies.run_state import Status, status_of
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
-from contactlab.studies.sweep_dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
-from contactlab.studies.sweep_plan import (
+from contactlab.studies.sweep.dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
+from contactlab.studies.sweep.plan import (
     NOTHING,
     ONE_PROCESS,
     Columns,
@@ -57,7 +57,7 @@ from contactlab.studies.sweep_plan import (
     size_of_tasks,
     with_key,
 )
-from contactlab.studies.sweep_values import SweepError, in_si, listed, spread
+from contactlab.studies.sweep.values import SweepError, in_si, listed, spread
 
 Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
 

@@ -9,8 +9,8 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.inference.paired import EQUAL, INCONCLUSIVE, VERDICTS, classes, log_bayes_factors, orders
 from contactlab.metrics.convergence import FINER, richardson
-from contactlab.studies.compare_draws import BASIS, LEVELS, Factor
-from contactlab.studies.compare_observables import OBSERVABLES
+from contactlab.studies.compare.draws import BASIS, LEVELS, Factor
+from contactlab.studies.compare.observables import OBSERVABLES
 
 BASES: Final = ("as configured", "other basis")
 

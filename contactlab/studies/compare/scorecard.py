@@ -13,8 +13,8 @@ from contactlab.metrics import METRICS, VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.netcdf import cf_attributes
 from contactlab.steady_state.means import LONGEST, QUANTITIES
-from contactlab.studies.compare_measured import Measured
-from contactlab.studies.compare_reruns import Reruns
+from contactlab.studies.compare.measured import Measured
+from contactlab.studies.compare.reruns import Reruns
 
 EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
 """Metrics of a comparison."""

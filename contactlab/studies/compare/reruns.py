@@ -17,7 +17,7 @@ from contactlab.results.netcdf import reached_end, to_datatree
 from contactlab.simulation import simulate
 from contactlab.steady_state import NotSettledError, attractors
 from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled
-from contactlab.studies.compare_draws import on_other_basis
+from contactlab.studies.compare.draws import on_other_basis
 from contactlab.studies.study import Part
 from contactlab.trajectory import Ending
 

@@ -16,9 +16,9 @@ from contactlab.inference.paired import EQUAL
 from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.recording import drawable, envelope
 from contactlab.results.summary import prefixed_unit
-from contactlab.studies.compare_observables import OBSERVABLES
-from contactlab.studies.compare_pairs import RANGE
-from contactlab.studies.compare_scorecard import CONTACTS, ENERGY_TERMS
+from contactlab.studies.compare.observables import OBSERVABLES
+from contactlab.studies.compare.pairs import RANGE
+from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
 from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, drawing, legend_above, style
 
 CAPTIONS: Final = {

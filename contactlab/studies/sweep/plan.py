@@ -24,8 +24,8 @@ from contactlab.quantity import describe
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_state import code_digest_of
-from contactlab.studies.sweep_dataset import SERIES, Axis
-from contactlab.studies.sweep_values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread
+from contactlab.studies.sweep.dataset import SERIES, Axis
+from contactlab.studies.sweep.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread
 from contactlab.suggestion import suggestion
 from contactlab.variables import INTERNAL, Variable
 

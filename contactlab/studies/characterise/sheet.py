@@ -8,13 +8,13 @@ import numpy as np
 import xarray
 
 from contactlab.config import Setup
-from contactlab.datasheet.curve import BEST, Curve, greatest, root
-from contactlab.datasheet.operation import UNKNOWN, Point, operate
-from contactlab.datasheet.quantities import MOTOR, POINT
-from contactlab.datasheet.transients import holding_torque, start_time, stop_time
 from contactlab.estimate import Estimate
 from contactlab.results.netcdf import cf_attributes
 from contactlab.steady_state.period_map import contact_at_end, memory_at_end, variables_in
+from contactlab.studies.characterise.curve import BEST, Curve, greatest, root
+from contactlab.studies.characterise.operation import UNKNOWN, Point, operate
+from contactlab.studies.characterise.quantities import MOTOR, POINT
+from contactlab.studies.characterise.transients import holding_torque, start_time, stop_time
 from contactlab.variables import Variable
 
 ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
@@ -24,11 +24,11 @@ ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
 def data_sheet(setup: Setup) -> xarray.Dataset:
     """Return the data sheet of a motor.
 
-    It has every quantity of `contactlab.datasheet.quantities` and its error, `NAME_error`, those of points
-    over the dimension `point`: the prescribed rotor speeds of the speed-torque curve in ascending order, and
-    the free rotor. `kind` is the kind of motion, `load` the direction of the load, `role` one of `ROLES` or
-    empty. Velocities and torques are in the motor's own sense of rotation, whose sign in the model is
-    `sense`.
+    It has every quantity of `contactlab.studies.characterise.quantities` and its error, `NAME_error`, those
+    of points over the dimension `point`: the prescribed rotor speeds of the speed-torque curve in ascending
+    order, and the free rotor. `kind` is the kind of motion, `load` the direction of the load, `role` one of
+    `ROLES` or empty. Velocities and torques are in the motor's own sense of rotation, whose sign in the
+    model is `sense`.
 
     Raises:
         NoPeriodError: the drive does not repeat itself.

@@ -31,8 +31,7 @@ from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_digest
 from contactlab.studies.run_state import RUNNING, Job, Status, read_state, status_of
-from contactlab.studies.sweep import collected, read_plan
-from contactlab.studies.sweep_dataset import (
+from contactlab.studies.sweep.dataset import (
     DATASET,
     REASONS,
     RUN,
@@ -43,8 +42,9 @@ from contactlab.studies.sweep_dataset import (
     text_of,
     write,
 )
-from contactlab.studies.sweep_plan import Outputs
-from contactlab.studies.sweep_values import SweepError
+from contactlab.studies.sweep.plan import Outputs
+from contactlab.studies.sweep.study import collected, read_plan
+from contactlab.studies.sweep.values import SweepError
 from contactlab.trajectory import Ending
 from contactlab.variables import INTERNAL, Variable
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
 import contactlab as cl
-from contactlab.config.modal import read_modes, write_modes
 from contactlab.motor import NormalModes
+from contactlab.motor.modal import read_modes, write_modes
 
 HEAD = "frequency [Hz],damping_ratio,uy,ux,coupling_1 [N/V]"
 ROW = "1000,0.01,10,2,0.1"

@@ -16,6 +16,7 @@ import numpy as np
 import xarray
 
 from contactlab.arrays import Array
+from contactlab.checks import check_declared
 from contactlab.config import Setup, build
 from contactlab.config.groups import Uncertainty
 from contactlab.config.nesting import flat, nested
@@ -26,9 +27,8 @@ from contactlab.metrics import Run
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
-from contactlab.results.netcdf import check_declared
 from contactlab.steady_state.basins import reach
-from contactlab.studies.compare_runs import ComparisonError
+from contactlab.studies.compare.runs import ComparisonError
 
 SEED: Final = 0
 

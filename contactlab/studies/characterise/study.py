@@ -10,12 +10,12 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.datasheet.quantities import MOTOR, POINT
-from contactlab.datasheet.sheet import data_sheet
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
+from contactlab.studies.characterise.quantities import MOTOR, POINT
+from contactlab.studies.characterise.sheet import data_sheet
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
@@ -114,7 +114,7 @@ class Characterise(Study):
         if not sheets["sense"].any():
             return {}
         # Imported here: it brings matplotlib.
-        from contactlab.studies.characterise_figure import draw
+        from contactlab.studies.characterise.figure import draw
 
         return {self.name: draw(sheets)}
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import accepts_units, check_shape
-from contactlab.config.table import MeasurementError
 from contactlab.motor import NormalModes
 from contactlab.motor.bodies import FLAT
+from contactlab.motor.table import MeasurementError
 from contactlab.suggestion import excerpt
 
 _NORMAL_MODE: Final = 2

@@ -9,10 +9,10 @@ import xarray
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.faults import failure_of
-from contactlab.datasheet.transients import start_time
 from contactlab.estimate import Estimate
 from contactlab.steady_state import BrokenOffError, NotSettledError, steady
 from contactlab.steady_state.means import LONGEST, motion_of, settled
+from contactlab.studies.characterise.transients import start_time
 from contactlab.studies.study import Part
 from contactlab.variables import Variable
 

@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 from support.command_line import Command, cases
 
 import contactlab as cl
-from contactlab.datasheet.curve import root
-from contactlab.datasheet.operation import Periods, Point, operate
-from contactlab.datasheet.transients import holding_torque, start_time, stop_time
+from contactlab.studies.characterise.curve import root
+from contactlab.studies.characterise.operation import Periods, Point, operate
+from contactlab.studies.characterise.transients import holding_torque, start_time, stop_time
 
 
 @cache
