@@ -24,9 +24,9 @@ from matplotlib.figure import Figure
 
 import contactlab as cl
 from contactlab.cli.main import main as command
-from contactlab.config.studies import register
 from contactlab.processes import processors
 from contactlab.results.provenance import versions
+from contactlab.studies.registry import register
 from contactlab.studies.runner import finish, run
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table

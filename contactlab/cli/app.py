@@ -20,17 +20,18 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.cli import terminal
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import perform, refusals
+from contactlab.cli.settings import of_command, of_run
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
-from contactlab.config import ConfigurationError, Setup, rebuild, validate
+from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import quoted
 from contactlab.config.schema import FRICTION
-from contactlab.config.studies import RUN, study_of
 from contactlab.laws.registry import takes_shared
 from contactlab.results.files import STATE
 from contactlab.studies import run_state
+from contactlab.studies.registry import RUN, study_of
 from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
 
 RECORD_ON_DISK: Final = 85
@@ -57,17 +58,17 @@ def run(settings: DictConfig) -> int:
     job = Job(overrides=tuple(typed(hydra_config.overrides.task)), choices=choices_of(hydra_config))
     try:
         setup = None if swept else _checked.pop("setup", None)
-        setup = setup or rebuild(resolved(settings))
+        setup = setup or rebuild(of_run(settings))
     except ConfigurationError as error:
         # Only a sweeper that chooses its values while it runs gets here.
         write_state(directory, State(run_state.REFUSED, job, " ".join(error.faults)))
         return refuse(error.faults)
     if not swept and settings.study.name != RUN:
-        section = validate(resolved(settings))
-        over = section["sweep"]["over"]
+        command = of_command(resolved(settings))
+        over = command["sweep"]["over"]
         setups = setups_of(job.overrides, over) if over else {"": setup}
         try:
-            status = perform_study(study_of(section["study"]), setups, directory)
+            status = perform_study(study_of(command["study"]), setups, directory)
         # Hydra would print the job's arguments before it.
         except RefusalError as refusal:
             status = refuse([str(refusal)], refusal.status)
@@ -95,7 +96,11 @@ class Check(Callback):
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         faults = [*without_effect(str(config.study.name), lines)]
         try:
-            setup = _checked["setup"] = rebuild(resolved(config))
+            of_command(resolved(config))
+        except ConfigurationError as error:
+            faults += error.faults
+        try:
+            setup = _checked["setup"] = rebuild(of_run(config))
             faults += idle_friction(lines, [setup.configuration["law"]])
             if config.sweep.over:
                 setups_of(lines, list(config.sweep.over))

@@ -9,7 +9,7 @@ from io import TextIOWrapper
 from contactlab.cli import terminal
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
-from contactlab.config.studies import RUN, question_of, studies
+from contactlab.studies.registry import RUN, question_of, studies
 from contactlab.suggestion import suggestion
 
 

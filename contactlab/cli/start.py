@@ -18,10 +18,11 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.core.object_type import ObjectType
 from omegaconf import DictConfig, OmegaConf
 
+from contactlab.cli import settings as _settings  # noqa: F401 - declares the groups of the command
 from contactlab.cli.arguments import for_hydra
 from contactlab.cli.terminal import COMPLETE, RefusalError, refuse
 from contactlab.config.composition import (
-    CONFIG_NAME,
+    COMMAND,
     EXPERIMENT,
     VERSION_BASE,
     allowing,
@@ -84,17 +85,17 @@ def _perform(lines: list[str]) -> None:
         print(_help(lines[:-1]))
         return
     if any(line.startswith(("-", "hydra.mode", f"{EXPERIMENT}=")) for line in lines):
-        hydra.main(str(conf_directory()), CONFIG_NAME, **VERSION_BASE)(task)()
+        hydra.main(str(conf_directory()), COMMAND, **VERSION_BASE)(task)()
         return
     # Hydra composes once more to see whether the configuration asks for a sweep, which none of these can.
     with started() as application:
-        application.run(CONFIG_NAME, task, [*lines, "hydra.mode=RUN"])
+        application.run(COMMAND, task, [*lines, "hydra.mode=RUN"])
 
 
 def _help(lines: list[str]) -> str:
     """Return what Hydra prints for --help; it lists its own groups besides, which takes longer than all."""
     with started() as application:
-        config = hydra.compose(CONFIG_NAME, lines, return_hydra_config=True)
+        config = hydra.compose(COMMAND, lines, return_hydra_config=True)
         HydraConfig.instance().set_config(config)
         template, sources = Template(config.hydra.help.template), application.config_loader.get_sources()
         every = {group for source in sources for group in source.list("", ObjectType.GROUP)}

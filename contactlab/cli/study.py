@@ -19,8 +19,8 @@ from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import quoted
-from contactlab.config.studies import study_class
 from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
 from contactlab.studies.sweep.values import listed
 
@@ -133,7 +133,7 @@ def without_effect(verb: str, lines: Iterable[str]) -> Iterator[str]:
     study = study_class(verb)
     effective = "sweep.over=" if study.several else "study="
     for line in lines:
-        if not line.startswith(effective) and any(_sets(line, key) for key in study.ignored):
+        if not line.startswith(effective) and any(_sets(line, key) for key in ("sweep", *study.ignored)):
             yield f"{line} has no effect on the study {verb}; it must be left out."
 
 

@@ -30,15 +30,15 @@ from contactlab.cli import terminal
 from contactlab.cli.app import announce, choices_of, idle_friction
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
+from contactlab.cli.settings import Sweep, of_command, of_run
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError, rebuild, validate
+from contactlab.config import ConfigurationError, rebuild
 from contactlab.config.composition import faults_of, resolved
 from contactlab.config.faults import one_line
-from contactlab.config.groups import Sweep
 from contactlab.config.nesting import Value, quoted
-from contactlab.config.studies import RUN
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import LOG, STATE, check_file, error_text
+from contactlab.studies.registry import RUN
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
 from contactlab.studies.sweep.dataset import summary
 from contactlab.studies.sweep.plan import (
@@ -100,8 +100,10 @@ class Arguments:
         return [line for key, line in self._lines.items() if key not in self.columns]
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Return the configuration with these options of groups."""
-        return resolved(self.composed(chosen))
+        """Return the configuration with these options of groups, and of a study its section."""
+        composed = self.composed(chosen)
+        study = {} if composed.study.name == RUN else {"study": resolved(composed)["study"]}
+        return {**of_run(composed), **study}
 
     def composed(self, chosen: Mapping[str, Value]) -> DictConfig:
         """Return the configuration as Hydra composes it, its own part and references included."""
@@ -134,7 +136,7 @@ class Arguments:
             name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
         except OmegaConfBaseException as error:
             raise ConfigurationError([f"hydra.sweep.subdir cannot be resolved: {one_line(error)}"]) from error
-        setup = rebuild(resolved(composed))
+        setup = rebuild(of_run(composed))
         job = Job(key_of(setup), tuple(lines.values()), choices_of(composed.hydra), setup.configuration)
         return name, job
 
@@ -273,7 +275,7 @@ class Sweeping:
         arguments = Arguments(self.context, self.config, lines)
         faults, composed = arguments.faults, arguments.composed({})
         try:
-            validate({**resolved(composed), "sweep": arguments.settings})
+            of_command({**resolved(composed), "sweep": arguments.settings})
         except ConfigurationError as error:
             # What else is faulty may be replaced by what is swept.
             faults += [fault for fault in error.faults if fault.startswith("sweep.")]

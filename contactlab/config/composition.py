@@ -22,7 +22,7 @@ from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
 from contactlab.config.faults import ConfigurationError, one_line, unknown_key
-from contactlab.config.groups import FAMILIES, GROUPS, LAW, NOT_OF_A_RUN, Section
+from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
 from contactlab.config.nesting import flat, quoted
 from contactlab.config.options import (
     conf_directory,
@@ -35,7 +35,10 @@ from contactlab.config.options import (
 from contactlab.results.yaml_text import check_expansion
 from contactlab.suggestion import suggestion
 
-CONFIG_NAME: Final = "config"
+COMMAND: Final = "config"
+RUN: Final = "run"
+"""Configurations of the command, and of a run, which the first includes."""
+
 SCHEME: Final = "contactlab"
 EXPERIMENT: Final = "experiment"
 """The group whose options are files alone: named sets of changes to the default run."""
@@ -45,9 +48,6 @@ _ALLOW: Final = getattr(utils, "execution_whitelist", None)
 
 VERSION_BASE: Final[dict[str, Any]] = {} if _ALLOW else {"version_base": "1.3"}
 """Option of Hydra before 1.4, which behaves like its first versions without."""
-
-OF_COMMANDS: Final = frozenset({"hydra", EXPERIMENT, *NOT_OF_A_RUN})
-"""Groups that no setup has: those of the command, and sets of changes to the default run."""
 
 ENVIRONMENT: Final = "${oc.env"
 """A reference to a variable of the environment."""
@@ -62,9 +62,11 @@ _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
     """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
     refuse_lines(overrides)
+    if idle := [line for line in overrides if line.lstrip("+~").startswith("hydra.")]:
+        raise ConfigurationError([f"{line} is the command's; a run has none." for line in idle])
     try:
         with started():
-            composed = hydra.compose(CONFIG_NAME, overrides=[*map(readable, overrides)])
+            composed = hydra.compose(RUN, overrides=[*map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
         raise ConfigurationError(faults_of(error, overrides)) from None
@@ -177,7 +179,7 @@ def parsed(overrides: Sequence[str]) -> tuple[dict[str, str], dict[str, Any]]:
     values: dict[str, Any] = {}
     for override in read:
         key, value = override.key_or_group, override.value()
-        if override.is_delete() or override.is_sweep_override() or key.split(".")[0] in OF_COMMANDS:
+        if override.is_delete() or override.is_sweep_override() or key.split(".")[0] in ("hydra", EXPERIMENT):
             raise ConfigurationError([f"{override.input_line} is no KEY=VALUE of a run; it must be one."])
         if key in groups() and not isinstance(value, dict):
             options[key] = str(value)

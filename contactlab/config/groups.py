@@ -1,4 +1,4 @@
-"""The groups of the configuration, as the classes declare them: options, keys, units, ranges, defaults.
+"""The groups of a run's configuration, as the classes declare them: options, keys, units, ranges, defaults.
 
 To add a group is to add a line to `GROUPS`; what binds several keys together is in
 `contactlab.config.schema`. Options that differ from the declared defaults are files in `conf/`.
@@ -13,7 +13,6 @@ from contactlab import motor
 from contactlab.checks import Checked
 from contactlab.config.resonators import resonator_class, resonator_names
 from contactlab.config.signals import SIGNALS
-from contactlab.config.studies import study_class, study_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import PARTS, class_of, law_names
@@ -24,7 +23,6 @@ from contactlab.settling.verdict import SHARE
 DURATION: Final = 0.02
 """Duration of a run where none is configured [s]."""
 
-_Names = list[str] | str | None
 _declared = partial(Parameter, "", "1")
 _DURATION = positive(
     "T",
@@ -57,16 +55,6 @@ _TOLERANCE = Parameter(
 )
 _UNTIL = _declared("end at the duration, or when the motor has settled, then at the latest")
 _CHANGES = _declared("changes during the run, a text each: 'TIME; KEY=VALUE; KEY=VALUE'")
-_SAMPLES = _declared("table whose columns are keys and whose rows are runs")
-_known = partial(
-    Parameter,
-    "",
-    "1",
-    at_least=0.0,
-    below=1.0,
-    hint="It is half of the range over the value; 0 is a value that is known exactly.",
-)
-_CHUNK = _declared("runs of a task, whose numbers are kept together", at_least=1)
 
 
 @final
@@ -89,37 +77,6 @@ class Record(Checked):
 
     interval: Annotated[float | None, _INTERVAL] = None
     picture: Annotated[bool, _declared("whether run.png is drawn; it takes long")] = True
-
-
-@final
-@dataclass(frozen=True)
-class Sweep(Checked):
-    """How the runs of a sweep are made, and what is kept of them: no part of a run's own configuration."""
-
-    keep: Annotated[Literal["runs", "metrics"], _declared("a folder a run, or numbers alone")] = "runs"
-    metrics: Annotated[_Names, _declared("names of metrics that are kept, or all")] = None
-    series: Annotated[_Names, _declared("names of time series that are kept as well")] = None
-    samples: Annotated[str | None, _SAMPLES] = None
-    over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
-    chunk: Annotated[int | None, _CHUNK] = None
-    workers: Annotated[int | None, _declared("processes at work", at_least=1, at_most=1000)] = None
-
-
-@final
-@dataclass(frozen=True)
-class Uncertainty(Checked):
-    """How well a motor's parameters are known, half a range over the value: no motion depends on it."""
-
-    friction_spread: Annotated[float, _known("of the friction coefficient: dry steel has 0.2 to 0.4")] = 0.33
-    stiffness_spread: Annotated[
-        float,
-        _known(
-            "of contact stiffness: a tip whose radius is half as large, or 1.7 times, has 0.7 or 1.3 of it"
-        ),
-    ] = 0.3
-    clearance_spread: Annotated[
-        float, _known("of the clearance: surfaces that are lapped to 0.2 um and 1 um apart")
-    ] = 0.2
 
 
 def duration_for(until: object) -> float:
@@ -160,7 +117,7 @@ def keys_of(owner: type, *without: str) -> Keys:
     }
 
 
-def _named(key: str, name: str, keys: Keys) -> Keys:
+def named(key: str, name: str, keys: Keys) -> Keys:
     """Return the keys of an option that is selected by its name."""
     return {key: DeclaredField(Literal[name], name, None), **keys}
 
@@ -191,20 +148,6 @@ _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
 
 @final
-class _OptionsOfStudies(Mapping[str, Keys]):
-    """The keys of studies by name; a study is imported when its keys are needed."""
-
-    def __iter__(self) -> Iterator[str]:
-        return study_names()
-
-    def __len__(self) -> int:
-        return sum(1 for _ in study_names())
-
-    def __getitem__(self, name: str) -> Keys:
-        return _named("name", name, keys_of(study_class(name)))
-
-
-@final
 class _Resonators(Mapping[str, Keys]):
     """The keys of resonators by name; that of another package is imported when its keys are needed."""
 
@@ -217,22 +160,22 @@ class _Resonators(Mapping[str, Keys]):
     def __getitem__(self, name: str) -> Keys:
         if name not in resonator_names():
             raise KeyError(name)
-        return _named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS))
+        return named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS))
 
 
 GROUPS: Final[dict[str, Section]] = {
     "resonator": Section(_Resonators(), "basis"),
     "piezoceramic": Section(
         {
-            "pz26_identified": _named("constants", "bending", keys_of(motor.Piezoceramic)),
-            "pz26_datasheet": _named("constants", "tensor", keys_of(motor.PiezoceramicDatasheet)),
+            "pz26_identified": named("constants", "bending", keys_of(motor.Piezoceramic)),
+            "pz26_datasheet": named("constants", "tensor", keys_of(motor.PiezoceramicDatasheet)),
         },
         "constants",
         {"bending": "pz26_identified", "tensor": "pz26_datasheet"},
     ),
     "placement": Section({"placement_2": {"start": _BEAM["patch_start"], "end": _BEAM["patch_end"]}}),
     "drive": Section(
-        {name: _named("signal", name, keys_of(kind)) for name, kind in SIGNALS.items()}, "signal"
+        {name: named("signal", name, keys_of(kind)) for name, kind in SIGNALS.items()}, "signal"
     ),
     "contact": Section(
         {
@@ -255,15 +198,11 @@ GROUPS: Final[dict[str, Section]] = {
     "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor), **_BEARING}}),
     "solver": Section({"default": keys_of(Solver)}),
     "record": Section({"default": keys_of(Record)}),
-    "uncertainty": Section({"default": keys_of(Uncertainty)}),
-    "sweep": Section({"default": keys_of(Sweep)}),
-    "study": Section(_OptionsOfStudies(), "name"),
 }
-"""The groups but that of the laws, in the order of a configuration."""
+"""The groups of a run but that of the laws, in the order of a configuration."""
 
 ADDED: Final = frozenset(
     {
-        "sweep.over",
         "resonator.residual_mass",
         "contact.preload",
         "solver.changes",
@@ -281,19 +220,13 @@ ADDED: Final = frozenset(
 )
 """Keys that configurations of earlier versions lack, which ran as their defaults say."""
 
-NOT_OF_A_RUN: Final = frozenset({"study", "sweep"})
-"""The groups that say how runs are made: a run's own configuration has none."""
-
-NO_NUMBERS: Final = NOT_OF_A_RUN | {"uncertainty"}
-"""The groups on which no number of a run depends: they may be left out."""
-
 
 @cache
 def keys_of_law(owner: Any) -> Keys:
     """Return the keys of a law or a part; a ValueError if a field cannot be one."""
     members = {name: field for name, field in members_of(owner).items() if name != SHARED}
     keys = {name: FAMILIES.get(family_of(field), field) for name, field in members.items()}
-    return _named("name", owner.name, keys)
+    return named("name", owner.name, keys)
 
 
 @final

@@ -1,6 +1,6 @@
 """The options of every group, every full key, and help on them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import MISSING
 from functools import cache
@@ -9,7 +9,7 @@ from types import NoneType
 from typing import Any
 
 from contactlab import quantity
-from contactlab.config.groups import FAMILIES, GROUPS, LAW, Keys
+from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
 from contactlab.config.nesting import nested
 from contactlab.laws.declaration import family_of, members_of
 from contactlab.laws.registry import class_of
@@ -22,10 +22,23 @@ def conf_directory() -> Path:
     return inside if inside.is_dir() else inside.parents[1] / "conf"
 
 
+_sections: dict[str, Section] = {
+    "law": LAW,
+    **{f"law/{family}": section for family, section in FAMILIES.items()},
+    **GROUPS,
+}
+"""The sections of compositions by group: those of a run, and what `declare` adds."""
+
+
+def declare(sections: Mapping[str, Section]) -> None:
+    """Let compositions have other groups beside those of a run, as the command has."""
+    _sections.update(sections)
+    known_keys.cache_clear()
+
+
 def groups() -> dict[str, list[str]]:
     """Return the options that need no file, by group; nothing of another package is imported."""
-    sections = {"law": LAW} | {f"law/{family}": section for family, section in FAMILIES.items()} | GROUPS
-    return {group: sorted(section.options) for group, section in sections.items()}
+    return {group: sorted(section.options) for group, section in _sections.items()}
 
 
 def content(group: str, option: str) -> dict[str, Any]:
@@ -33,7 +46,7 @@ def content(group: str, option: str) -> dict[str, Any]:
 
     A law or part that cannot be loaded has its name alone; the check of the configuration says why.
     """
-    section = GROUPS.get(group) or FAMILIES.get(group.removeprefix("law/")) or LAW
+    section = _sections.get(group, LAW)
     try:
         keys = section.options[option]
     except (KeyError, ValueError):
@@ -53,7 +66,9 @@ def content(group: str, option: str) -> dict[str, Any]:
     return {"defaults": [*entries, "_self_"], **values} if entries else values
 
 
-def full_keys(keys: Keys, before: str = "", *, selected: bool = True) -> Iterator[tuple[str, DeclaredField]]:
+def full_keys(
+    keys: Mapping[str, DeclaredField | Section], before: str = "", *, selected: bool = True
+) -> Iterator[tuple[str, DeclaredField]]:
     """Yield the declaration of every full key, those of sections with a selector only if `selected`.
 
     A law or part that cannot be loaded has none.
@@ -75,16 +90,17 @@ def known_keys(law: str = "") -> list[str]:
         if law in ("", name):
             with suppress(ValueError):
                 keys |= dict.fromkeys(dict(full_keys(LAW.options[name], "law.")))
-    return [*keys, *dict(full_keys({**GROUPS}))]
+    others = {group: section for group, section in _sections.items() if group.partition("/")[0] != "law"}
+    return [*keys, *dict(full_keys(others))]
 
 
 def help_on_keys() -> str:
     """Return a line for every key but those of laws and studies: meaning, unit, and what null stands for."""
-    sections = {group: section for group, section in GROUPS.items() if group != "study"}
+    listed = {group: s for group, s in _sections.items() if group.partition("/")[0] not in ("law", "study")}
     return "\n  ".join(
         f"{key:<31} {declared.meaning}{declared.label and f' [{declared.unit}]'}"
         f"{'. ' + declared.hint if NoneType in field.kinds else ''}"
-        for key, field in dict(full_keys({**sections})).items()
+        for key, field in dict(full_keys({**listed})).items()
         if (declared := field.parameter)
     )
 
@@ -93,5 +109,5 @@ def group_selected_by(key: str) -> str:
     """Return the group that a key selects an option of, 'law/normal' for 'law.normal.name'; else empty."""
     section, _, last = key.rpartition(".")
     is_law = section.partition(".")[0] == "law"
-    selector = "name" if is_law else GROUPS[section].selector if section in GROUPS else ""
+    selector = "name" if is_law else _sections[section].selector if section in _sections else ""
     return section.replace(".", "/") if last == selector else ""

@@ -1,12 +1,12 @@
 """Check of a configuration against the declarations of its keys and the relations of several keys."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import NoneType
 from typing import Any, Final, NamedTuple, get_args
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
 from contactlab.config.faults import unknown_key
-from contactlab.config.groups import ADDED, GROUPS, LAW, NO_NUMBERS, Keys, Section, duration_for
+from contactlab.config.groups import ADDED, GROUPS, LAW, Keys, Section, duration_for
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
 from contactlab.laws.base import PenaltyLaw
@@ -101,21 +101,22 @@ RULES: Final = (
         )
         for name in ("mass", "bearing_stiffness", "bearing_damping")
     ),
-    *(
-        Rule(
-            ("sweep.keep", f"sweep.{name}"),
-            lambda keep, value: keep == "metrics" or value is None,
-            f"sweep.{name} is {{1}}; it must come with sweep.keep=metrics (folders: hydra/launcher=joblib).",
-        )
-        for name in ("chunk", "workers")
-    ),
 )
 
 _KINDS: Final = {bool: "true or false", str: "a text", list[str]: "a list of texts", NoneType: "null"}
 
 
+KEYS: Final[Keys] = {"law": LAW, **GROUPS}
+"""All that a run's configuration has."""
+
+
 class Examination:
     """Result of the check of a configuration.
+
+    Args:
+        configuration: nested values.
+        keys: all that it may have.
+        rules: relations of its keys.
 
     Attributes:
         values: those that are sound in themselves, in SI.
@@ -123,7 +124,7 @@ class Examination:
         faults: key, value and bound, a sentence each.
     """
 
-    def __init__(self, configuration: Any) -> None:
+    def __init__(self, configuration: Any, keys: Keys = KEYS, rules: Sequence[Rule] = RULES) -> None:
         self.values: dict[str, Any] = {}
         self.declared: dict[str, DeclaredField] = {}
         self.faults: list[str] = []
@@ -132,12 +133,12 @@ class Examination:
             return
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
-        self.values = self._values({"law": LAW, **GROUPS}, configuration)
+        self.values = self._values(keys, configuration)
         solver = self.values.get("solver", {})
         if "duration" in solver and solver["duration"] is None:
             solver["duration"] = duration_for(solver.get("until"))
         sound = flat(self.values)
-        for rule in RULES:
+        for rule in rules:
             values = [sound[key] for key in rule.keys if key in sound]
             # A rule with a faulty key is not checked.
             if len(values) == len(rule.keys) and not rule.holds(*values):
@@ -153,7 +154,7 @@ class Examination:
                 if name not in section:
                     if key in ADDED and isinstance(below, DeclaredField):
                         values[name] = below.default
-                    elif key not in NO_NUMBERS:
+                    else:
                         raise UnitError(f"{key} is missing; it must be in the configuration.")
                 elif isinstance(below, Section):
                     values[name] = {}
@@ -191,9 +192,9 @@ def _chosen(section: Section, values: Any, path: str) -> tuple[str, Keys]:
     raise UnitError(f"{key} is {describe(label)}; it must be one of {expected}. Choose by {group}=NAME.")
 
 
-def declared_in(configuration: Mapping[str, Any]) -> dict[str, Parameter]:
+def declared_in(configuration: Mapping[str, Any], keys: Keys = KEYS) -> dict[str, Parameter]:
     """Return the declarations of the numbers of a configuration, by full key."""
-    declared = Examination(configuration).declared.items()
+    declared = Examination(configuration, keys).declared.items()
     return {key: field.parameter for key, field in declared if field.parameter and field.is_number}
 
 

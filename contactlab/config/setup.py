@@ -16,7 +16,7 @@ from contactlab.config.composition import completed, compose, differences, overr
 from contactlab.config.drives import drive_of
 from contactlab.config.faults import ConfigurationError, one_line
 from contactlab.config.files import named_file
-from contactlab.config.groups import GROUPS, NOT_OF_A_RUN
+from contactlab.config.groups import GROUPS
 from contactlab.config.made_in_python import PLACES, with_number
 from contactlab.config.nesting import flat, nested
 from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
@@ -232,9 +232,8 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
 
 def rebuild(configuration: Values) -> Setup:
     """Check a whole configuration, such as a recorded one, and build from it; nothing may be absent."""
-    values, law = _checked(configuration)
-    source = frozen({group: keys for group, keys in configuration.items() if group not in NOT_OF_A_RUN})
-    resolved = {group: keys for group, keys in values.items() if group not in NOT_OF_A_RUN}
+    resolved, law = _checked(configuration)
+    source = frozen({**configuration})
     solver, record = resolved["solver"], resolved["record"]
     motor = _motor(resolved)
     if record["interval"] is None:

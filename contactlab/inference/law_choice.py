@@ -12,7 +12,6 @@ from typing import Any, Final, Self, final
 
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.composition import options_of
-from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, declared_in
 from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters, label_of
@@ -43,7 +42,7 @@ PART: Final = "law/"
 DATA: Final = "data."
 FORMS: Final = "law=NAME,NAME, law/PART=NAME, law.NAME=VALUE or law.NAME=LOW..HIGH"
 
-NOT_OF_A_PROBLEM: Final = ("hydra", "sweep", "record", "uncertainty")
+NOT_OF_A_PROBLEM: Final = ("hydra", "sweep", "record")
 LASTING: Final = ("solver.duration", "solver.until", "solver.precision")
 """Groups and keys on which no prediction depends: times are those of the measurements."""
 
@@ -177,7 +176,7 @@ def _applies(text: str, known: Mapping[str, Any]) -> bool:
 
 def _configuration(lines: Sequence[str], configuration: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return a configuration with overrides."""
-    composed = {name: keys for name, keys in compose(lines).items() if name not in NOT_OF_A_RUN}
+    composed = compose(lines)
     if not configuration:
         return composed
     merged, fresh = dict(configuration), flat(composed)

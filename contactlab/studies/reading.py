@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.config.studies import study_of
 from contactlab.metrics.reading import checked_run, opened
 from contactlab.results.yaml_text import read_yaml
 from contactlab.simulation import Solution, solution_in
+from contactlab.studies.registry import study_of
 from contactlab.studies.study import STUDY, Result
 
 

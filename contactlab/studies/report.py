@@ -14,11 +14,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.style import context
 
-from contactlab.config.studies import question_of
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import write_tree
 from contactlab.results.provenance import versions
+from contactlab.studies.registry import question_of
 from contactlab.studies.study import Result
 from contactlab.studies.tables import as_csv, as_html, as_latex
 

@@ -16,7 +16,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 
 from contactlab.config import Setup
-from contactlab.config.groups import NO_NUMBERS
 from contactlab.config.resonators import resonator_class
 from contactlab.foreign import digest_of_sources
 from contactlab.laws.declaration import Declared
@@ -118,9 +117,8 @@ def _adapter() -> "TypeAdapter[State]":
 
 def key_of(setup: Setup) -> str:
     """Return the digest of all that a run's numbers depend on: configuration, version and code."""
-    numbers = {group: keys for group, keys in setup.configuration.items() if group not in NO_NUMBERS}
     code = code_of(*classes_of(setup.law), resonator=_resonator_in(setup.configuration))
-    parts = (json.dumps(numbers, sort_keys=True), *code)
+    parts = (json.dumps(setup.configuration, sort_keys=True), *code)
     return sha256("\0".join(parts).encode()).hexdigest()
 
 

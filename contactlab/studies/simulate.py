@@ -23,7 +23,7 @@ class Simulate(Study):
     """What does the motor do from its start to the end of the configured duration?"""
 
     name: ClassVar[str] = "simulate"
-    ignored: ClassVar[tuple[str, ...]] = ("sweep",)
+    ignored: ClassVar[tuple[str, ...]] = ()
     quantities: ClassVar[tuple[Variable, ...]] = tuple(
         Variable(key, (), metric.units, metric.symbol, metric.meaning)
         for key, metric in METRICS.items()

@@ -107,7 +107,7 @@ class Study(ABC):
     several: ClassVar[bool] = False
     """Whether one study takes several setups: `law=newton,poisson`."""
 
-    ignored: ClassVar[tuple[str, ...]] = ("record", "uncertainty", "sweep", "solver.changes")
+    ignored: ClassVar[tuple[str, ...]] = ("record", "solver.changes")
     """Groups and keys of a configuration on which the study does not depend; they are refused."""
 
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {}

@@ -23,7 +23,7 @@ class Synthetic(Study):
     """
 
     name: ClassVar[str] = "synthetic"
-    ignored: ClassVar[tuple[str, ...]] = ("uncertainty", "sweep", "record.picture", "solver.changes")
+    ignored: ClassVar[tuple[str, ...]] = ("record.picture", "solver.changes")
 
     impacts: Annotated[
         int | None, option("number of impacts, instead of series", at_least=1, at_most=1_000_000)

@@ -7,6 +7,7 @@ from itertools import chain
 from types import NoneType
 from typing import Any, get_args
 
+from contactlab.cli.settings import SECTIONS
 from contactlab.config.composition import conf_directory
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
 from contactlab.config.options import full_keys
@@ -19,8 +20,9 @@ _KINDS = {bool: "true, false", str: "text", list[str]: "list of texts"}
 
 
 def groups() -> str:
-    """Return a chapter for every group but the laws', with its options and keys."""
-    parts = list(chain.from_iterable(_group(name, section) for name, section in GROUPS.items()))
+    """Return a chapter for every group but the laws', with its options and keys; the command's come last."""
+    every = GROUPS | SECTIONS
+    parts = list(chain.from_iterable(_group(name, section) for name, section in every.items()))
     return "\n".join([*parts, *_experiments()])
 
 

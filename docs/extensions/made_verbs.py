@@ -8,7 +8,7 @@ from unittest.mock import patch
 
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.study import help_on
-from contactlab.config.studies import OWN, RUN, question_of
+from contactlab.studies.registry import OWN, RUN, question_of
 
 WIDTH = 92
 

@@ -90,14 +90,9 @@ def test_a_file_has_precedence_over_what_is_declared(command: Command, tmp_path:
     assert compose()["rotor"] == composed()["rotor"]
 
 
-def test_how_a_sweep_is_made_is_no_part_of_a_run() -> None:
-    sweep = {"keep": "metrics", "metrics": None, "series": None, "samples": None, "chunk": 5}
-    configuration = composed() | {"sweep": sweep | {"workers": None}}
-    assert build(configuration).configuration == build().configuration
-    configuration["sweep"] = sweep | {"workers": 0, "keep": "all", "metrics": "rotor_velocity"}
-    with pytest.raises(ConfigurationError) as caught:
-        build(configuration)
-    assert [fault.partition(";")[0] for fault in caught.value.faults] == [
-        "sweep.keep is 'all'",
-        "sweep.workers is 0",
-    ]
+@pytest.mark.parametrize("override", ["sweep.keep=metrics", "study.brake=1e-3", "hydra.verbose=true"])
+def test_what_is_the_commands_is_no_part_of_a_run(override: str) -> None:
+    for attempt in (lambda: build([override]), lambda: build().with_(override)):
+        with pytest.raises(ConfigurationError) as caught:
+            attempt()
+        assert override.partition(".")[0] in str(caught.value)

@@ -12,8 +12,8 @@ import made_verbs
 import contactlab
 from contactlab.cli.arguments import VERBS
 from contactlab.config.options import known_keys
-from contactlab.config.studies import OWN
 from contactlab.laws import LAWS, PARTS
+from contactlab.studies.registry import OWN
 from contactlab.variables import CONTACTS, SERIES
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from contactlab.cli.arguments import VERBS
-from contactlab.config.studies import studies
+from contactlab.studies.registry import studies
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted(

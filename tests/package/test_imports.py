@@ -1,7 +1,9 @@
 """Whoever imports the package, asks for help or simulates imports what that needs and no more."""
 
+import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -51,3 +53,47 @@ def test_a_run_imports_neither_analyses_nor_what_only_they_need(picture: str, tm
     assert {"contactlab.engine", "numba", "netCDF4"} <= imported
     assert ("matplotlib" in imported) is (picture == "true")
     assert imported.isdisjoint({"matplotlib.pyplot", "xarray", "pandas", *ALGORITHMS, *OTHERS, *ANALYSES})
+
+
+ALONE = """
+import os, pkgutil, sys
+from importlib import import_module
+from pathlib import Path
+
+import hydra, matplotlib.figure, numba, pandas, pydantic, scipy.optimize, scipy.stats, xarray
+
+layers = sys.argv[1:]
+for i, layer in enumerate(layers):
+    below = {room for lower in layers[i:] for room in lower.split("|")}
+    for room in layer.split("|"):
+        if child := os.fork():
+            assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0, room
+            continue
+        module = import_module(f"contactlab.{room}")
+        names = [module.__name__]
+        if hasattr(module, "__path__"):
+            names = [each.name for each in pkgutil.walk_packages(module.__path__, f"{module.__name__}.")]
+        # The entry point runs the command.
+        for name in names if room != "__main__" else ():
+            import_module(name)
+        loaded = {name.split(".")[1] for name in sys.modules if name.startswith("contactlab.")}
+        # The package's front door makes use of it.
+        loaded.discard("lazy")
+        others = {*layer.split("|")} - {room}
+        for each in (loaded - below) | (loaded & others):
+            print(room, "imports", each)
+        sys.stdout.flush()
+        os._exit(0)
+"""
+"""Imports every room in a process of its own, each of which has the other packages already."""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="The system has no fork.")
+def test_each_room_alone_imports_those_below_it_and_no_other(tmp_path: Path) -> None:
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
+    layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
+    plain = [layer.replace(" ", "") for layer in layers if layer != "__main__"]
+    run = subprocess.run(
+        [sys.executable, "-c", ALONE, *plain], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert run.stdout == ""

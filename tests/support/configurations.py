@@ -46,8 +46,8 @@ def chosen(group: str, option: str, choices: dict[str, str]) -> dict[str, Any]:
 
 
 def composed(**choices: str) -> dict[str, Any]:
-    """The default configuration with some groups chosen otherwise."""
-    defaults = yaml.safe_load((CONF / "config.yaml").read_text(encoding="utf-8"))["defaults"]
+    """The default configuration of a run with some groups chosen otherwise."""
+    defaults = yaml.safe_load((CONF / "run.yaml").read_text(encoding="utf-8"))["defaults"]
     usual = {
         group: option
         for entry in defaults

@@ -80,7 +80,7 @@ def test_jobs_with_the_same_options_are_composed_once(
             overrides = yaml.safe_load((left / ".hydra/overrides.yaml").read_text())
             saved = yaml.safe_load((left / ".hydra/config.yaml").read_text())
             assert overrides == [f"law={law}", f"contact.clearance={clearance}", "record.picture=false"]
-            assert saved == {**compose(overrides), "study": saved["study"]}
+            assert saved == {**compose(overrides), "study": saved["study"], "sweep": saved["sweep"]}
             assert state_of(left)["job"]["configuration"] == build(overrides).configuration
 
 

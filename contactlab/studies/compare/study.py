@@ -86,7 +86,7 @@ class Compare(Study):
 
     name: ClassVar[str] = "compare"
     several: ClassVar[bool] = True
-    ignored: ClassVar[tuple[str, ...]] = ("record.picture", "sweep", "solver.changes")
+    ignored: ClassVar[tuple[str, ...]] = ("record.picture", "solver.changes")
     delay: ClassVar[float] = 10.0
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {
         # A folder of a sweep is named by its overrides: two/law=newton.
@@ -526,7 +526,7 @@ def compare(
         law: one or several, of that motor.
         output, progress: as of every study.
         vary: what is uncertain by full key, "LOW..HIGH", "MEAN+-DEVIATION" or "+-SHARE", in place of what
-            the section `uncertainty` of the runs states; "+-0" is exact.
+            is by default; "+-0" is exact.
         measured: files of measured impacts or series, which the laws predict with their parameters.
         options: fields of `Compare`.
 

@@ -14,15 +14,16 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
 import numpy as np
 from pydantic import TypeAdapter
 
-from contactlab.config import ConfigurationError, Setup, build, validate
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import Value, flat
-from contactlab.config.schema import declared_in
-from contactlab.config.studies import study_class, study_of
+from contactlab.config.schema import KEYS, declared_in
 from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
 from contactlab.quantity import describe
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
+from contactlab.studies.keys import WITH_STUDY, study_in
+from contactlab.studies.registry import study_class
 from contactlab.studies.run_state import code_digest_of
 from contactlab.studies.sweep.dataset import SERIES, Axis
 from contactlab.studies.sweep.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread
@@ -156,7 +157,7 @@ class Plan:
         samples: whether the n-th run has the n-th value of every axis.
         groups: keys of the axes whose values are options of a group of the configuration.
         choices: the combinations of options that there are, in the order of the groups.
-        bases: a configuration for each of them.
+        bases: a configuration for each of them, of a run and, where a study is put to it, its section.
         chunk: runs in a task.
         code: digest of the code that makes the numbers.
     """
@@ -211,11 +212,11 @@ class Plan:
 
     def setup_at(self, cell: int) -> Setup:
         """Build the setup of a cell; a ConfigurationError if its values together are faulty."""
-        return build(self.configuration(cell))
+        return _built(self.configuration(cell))
 
     def study_at(self, cell: int) -> "Study":
         """Return the study that is put to the setup of a cell."""
-        return study_of(validate(self.configuration(cell))["study"])
+        return study_in(self.configuration(cell)["study"])
 
     def text(self) -> str:
         """Write the plan as JSON, the same for the same plan."""
@@ -276,7 +277,7 @@ def planned(
     sound = _sound(trials).configuration
     if values:
         study = {"study": bases[0]["study"]} if "study" in bases[0] else {}
-        declared = declared_in({**sound, **study})
+        declared = declared_in({**sound, **study}, WITH_STUDY if study else KEYS)
     axes: list[Axis] = []
     faults: list[str] = []
     for key, column in columns.items():
@@ -370,6 +371,18 @@ def with_key(configuration: Configuration, key: str, value: Value) -> Configurat
     return {**configuration, first: with_key(inner, rest, value) if rest else value}
 
 
+def _built(configuration: Configuration) -> Setup:
+    """Build the setup of a cell, and check its study where it has one.
+
+    Raises:
+        ConfigurationError: with every fault.
+    """
+    run = dict(configuration)
+    if "study" in run:
+        study_in(run.pop("study"))
+    return build(run)
+
+
 def _without_workers(base: Configuration) -> Configuration:
     """Return a configuration whose study is done by one process: those of the sweep share its runs."""
     return {**base, "study": {**base["study"], **ONE_PROCESS}} if "study" in base else base
@@ -394,15 +407,15 @@ def _sound(trials: Sequence[Configuration]) -> Setup:
     """Build the first trial that is sound; where none is, raise the faults of the first."""
     for trial in trials:
         with suppress(ConfigurationError):
-            return build(trial)
-    return build(trials[0])
+            return _built(trial)
+    return _built(trials[0])
 
 
 def _laws(trials: Iterable[Configuration]) -> Iterator[ContactLaw]:
     """Yield the laws of the trials that are sound."""
     for trial in trials:
         with suppress(ConfigurationError):
-            yield build(trial).law
+            yield _built(trial).law
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:

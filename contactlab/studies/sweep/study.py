@@ -27,7 +27,6 @@ from contactlab.checks import accepts_units, check_kind
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.composition import compose, options_of
 from contactlab.config.faults import failure_of
-from contactlab.config.groups import NOT_OF_A_RUN
 from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
 from contactlab.config.nesting import Value
 from contactlab.estimate import Estimate
@@ -577,7 +576,7 @@ class ScriptComposer:
             whole = compose([*self._base, *lines])
         for name, value in self._solver.items():
             whole = with_key(whole, ".".join(KEYS[name]), value)
-        composition = {name: section for name, section in whole.items() if name not in NOT_OF_A_RUN}
         if self._question is not None:
-            composition["study"] = {"name": self._question.name, **self._question.options, **ONE_PROCESS}
-        return composition
+            question = {"name": self._question.name, **self._question.options, **ONE_PROCESS}
+            whole = {**whole, "study": question}
+        return whole

@@ -1,0 +1,76 @@
+"""What a command has beside the configuration of a run: the study, and how the runs of -m are made.
+
+The configuration of the command, `conf/config.yaml`, includes that of a run, `conf/run.yaml`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import Annotated, Any, Final, Literal, final
+
+from omegaconf import DictConfig
+
+from contactlab.checks import Checked
+from contactlab.config import ConfigurationError
+from contactlab.config.composition import resolved
+from contactlab.config.groups import Keys, Section, keys_of
+from contactlab.config.options import declare
+from contactlab.config.schema import Examination, Rule
+from contactlab.parameter import Parameter
+from contactlab.studies.keys import STUDIES
+
+_declared = partial(Parameter, "", "1")
+_Names = list[str] | str | None
+
+
+@final
+@dataclass(frozen=True)
+class Sweep(Checked):
+    """How the runs of a sweep are made, and what is kept of them."""
+
+    keep: Annotated[Literal["runs", "metrics"], _declared("a folder a run, or numbers alone")] = "runs"
+    metrics: Annotated[_Names, _declared("names of metrics that are kept, or all")] = None
+    series: Annotated[_Names, _declared("names of time series that are kept as well")] = None
+    samples: Annotated[str | None, _declared("table whose columns are keys and whose rows are runs")] = None
+    over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
+    chunk: Annotated[int | None, _declared("runs of a task, whose numbers are kept together", at_least=1)] = (
+        None
+    )
+    workers: Annotated[int | None, _declared("processes at work", at_least=1, at_most=1000)] = None
+
+
+SECTIONS: Final[Keys] = {"sweep": Section({"default": keys_of(Sweep)}), "study": STUDIES}
+
+RULES: Final = tuple(
+    Rule(
+        ("sweep.keep", f"sweep.{name}"),
+        lambda keep, value: keep == "metrics" or value is None,
+        f"sweep.{name} is {{1}}; it must come with sweep.keep=metrics (folders: hydra/launcher=joblib).",
+    )
+    for name in ("chunk", "workers")
+)
+
+# Workers of a launcher compose the command's configuration too: the task's module brings this with it.
+declare({name: section for name, section in SECTIONS.items() if isinstance(section, Section)})
+
+
+def of_run(config: DictConfig) -> dict[str, Any]:
+    """Return the configuration of the run that a command composes, not yet checked.
+
+    Raises:
+        ConfigurationError: a reference has no value.
+    """
+    return {group: keys for group, keys in resolved(config).items() if group not in SECTIONS}
+
+
+def of_command(sections: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the checked sections of the command's own.
+
+    Raises:
+        ConfigurationError: with every fault.
+    """
+    own = {group: sections[group] for group in SECTIONS}
+    examined = Examination(own, SECTIONS, RULES)
+    if examined.faults:
+        raise ConfigurationError(examined.faults)
+    return examined.values

@@ -1,0 +1,43 @@
+"""The options of studies as keys of a configuration: the section `study` of a command or a sweep's cell."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Final, final
+
+from contactlab.config import ConfigurationError
+from contactlab.config.groups import Keys, Section, keys_of, named
+from contactlab.config.schema import KEYS, Examination
+from contactlab.studies.registry import studies, study_class, study_of
+from contactlab.studies.study import Study
+
+
+@final
+class _OptionsOfStudies(Mapping[str, Keys]):
+    """The keys of studies by name; a study is imported when its keys are needed."""
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(sorted(studies()))
+
+    def __len__(self) -> int:
+        return len(studies())
+
+    def __getitem__(self, name: str) -> Keys:
+        return named("name", name, keys_of(study_class(name)))
+
+
+STUDIES: Final = Section(_OptionsOfStudies(), "name")
+"""Every study, and its options."""
+
+WITH_STUDY: Final[Keys] = {**KEYS, "study": STUDIES}
+"""The keys of a run, and of the study that is put to it."""
+
+
+def study_in(section: Any) -> Study:
+    """Return the study that a section describes.
+
+    Raises:
+        ConfigurationError: with every fault.
+    """
+    examined = Examination({"study": section}, {"study": STUDIES})
+    if examined.faults:
+        raise ConfigurationError(examined.faults)
+    return study_of(examined.values["study"])
