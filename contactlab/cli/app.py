@@ -24,14 +24,14 @@ from contactlab.cli.settings import of_command, of_run
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.config.composition import faults_of, resolved
+from contactlab.config.composition import faults_of
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import quoted
 from contactlab.config.schema import FRICTION
 from contactlab.laws.registry import takes_shared
 from contactlab.results.files import STATE
 from contactlab.studies import run_state
-from contactlab.studies.registry import RUN, study_of
+from contactlab.studies.registry import RUN
 from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
 
 RECORD_ON_DISK: Final = 85
@@ -64,11 +64,11 @@ def run(settings: DictConfig) -> int:
         write_state(directory, State(run_state.REFUSED, job, " ".join(error.faults)))
         return refuse(error.faults)
     if not swept and settings.study.name != RUN:
-        command = of_command(resolved(settings))
-        over = command["sweep"]["over"]
+        study, sweep = of_command(settings)
+        over = sweep.over
         setups = setups_of(job.overrides, over) if over else {"": setup}
         try:
-            status = perform_study(study_of(command["study"]), setups, directory)
+            status = perform_study(study, setups, directory)
         # Hydra would print the job's arguments before it.
         except RefusalError as refusal:
             status = refuse([str(refusal)], refusal.status)
@@ -96,7 +96,7 @@ class Check(Callback):
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         faults = [*without_effect(str(config.study.name), lines)]
         try:
-            of_command(resolved(config))
+            of_command(config)
         except ConfigurationError as error:
             faults += error.faults
         try:

@@ -17,7 +17,8 @@ from contactlab.config.groups import Keys, Section, keys_of
 from contactlab.config.options import declare
 from contactlab.config.schema import Examination, Rule
 from contactlab.parameter import Parameter
-from contactlab.studies.keys import STUDIES
+from contactlab.studies.keys import STUDIES, study_in
+from contactlab.studies.study import Study
 
 _declared = partial(Parameter, "", "1")
 _Names = list[str] | str | None
@@ -63,14 +64,33 @@ def of_run(config: DictConfig) -> dict[str, Any]:
     return {group: keys for group, keys in resolved(config).items() if group not in SECTIONS}
 
 
-def of_command(sections: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the checked sections of the command's own.
+def sweep_in(section: Mapping[str, Any]) -> Sweep:
+    """Return how the runs of a command are made.
 
     Raises:
         ConfigurationError: with every fault.
     """
-    own = {group: sections[group] for group in SECTIONS}
-    examined = Examination(own, SECTIONS, RULES)
+    examined = Examination({"sweep": section}, {"sweep": SECTIONS["sweep"]}, RULES)
     if examined.faults:
         raise ConfigurationError(examined.faults)
-    return examined.values
+    return Sweep(**examined.values["sweep"])
+
+
+def of_command(config: DictConfig) -> tuple[Study, Sweep]:
+    """Return the study of a command, and how its runs are made.
+
+    Raises:
+        ConfigurationError: with every fault.
+    """
+    sections, faults = resolved(config), list[str]()
+    try:
+        study = study_in(sections["study"])
+    except ConfigurationError as error:
+        faults += error.faults
+    try:
+        sweep = sweep_in(sections["sweep"])
+    except ConfigurationError as error:
+        faults += error.faults
+    if faults:
+        raise ConfigurationError(faults)
+    return study, sweep

@@ -12,7 +12,7 @@ from dataclasses import MISSING
 from itertools import product
 from pathlib import Path
 from types import NoneType
-from typing import Final
+from typing import Final, get_args, get_origin
 
 from contactlab.cli import terminal
 from contactlab.cli.jobs import unwritable
@@ -49,6 +49,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     place = FOLDER[sweeps]
     lines, several = [f"study={verb}"], list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
+    patterns = {**study.patterns, **dict(_patterns(options))}
     for word in _without_dashes(arguments, options):
         name, sign, value = word.partition("=")
         if word == "output=":
@@ -57,16 +58,17 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
             lines.append(f"{place}={quoted(value)}")
         elif name in options and sign:
             matched[name] += _values(options[name], value)
-        elif taken := next((key for key, form in study.patterns.items() if form.fullmatch(word)), ""):
+        elif taken := next((key for key, form in patterns.items() if form.fullmatch(word)), ""):
             matched[taken].append(word)
         else:
             (several if study.several and not sweeps and LISTED.match(word) else lines).append(word)
     for name, values in matched.items():
         kinds = options[name].kinds
-        if len(values) > 1 and name in study.patterns and list[str] not in kinds:
+        if len(values) > 1 and name in patterns and not _takes_several(options[name]):
             raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
-        texts = [quoted(value) if str in kinds and value != "null" else value for value in values]
-        if list[str] in kinds and not values[0].startswith("["):
+        worded = str in kinds or name in patterns
+        texts = [quoted(value) if worded and value != "null" else value for value in values]
+        if _takes_several(options[name]) and not values[0].startswith("["):
             texts = [f"[{','.join(map(quoted, values))}]"]
         lines.append(f"study.{name}={texts[-1]}")
     if several:
@@ -95,9 +97,7 @@ def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredFiel
             value = value if sign else rest.pop(0)
             yield f"{name}={value}"
             # Several files may follow their option.
-            while (
-                name != "output" and list[str] in options[name].kinds and not sign and PLAIN.fullmatch(value)
-            ):
+            while name != "output" and _takes_several(options[name]) and not sign and PLAIN.fullmatch(value):
                 if not (rest and PLAIN.fullmatch(rest[0])):
                     break
                 yield f"{name}={rest.pop(0)}"
@@ -105,8 +105,21 @@ def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredFiel
 
 def _values(field: DeclaredField, value: str) -> list[str]:
     """Return the values of an option, separated by commas if it takes several."""
-    several = list[str] in field.kinds and not value.startswith("[")
+    several = _takes_several(field) and not value.startswith("[")
     return [each.strip() for each in value.split(",")] if several else [value]
+
+
+def _takes_several(field: DeclaredField) -> bool:
+    return any(get_origin(kind) is list for kind in field.kinds)
+
+
+def _patterns(options: Mapping[str, DeclaredField]) -> Iterator[tuple[str, re.Pattern[str]]]:
+    """Yield the options whose kind is read from a word by itself, each with the pattern of such words."""
+    for name, field in options.items():
+        for kind in field.kinds:
+            for each in (kind, *get_args(kind)):
+                if hasattr(each, "of_text"):
+                    yield name, each.PATTERN
 
 
 def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:

@@ -30,7 +30,7 @@ from contactlab.cli import terminal
 from contactlab.cli.app import announce, choices_of, idle_friction
 from contactlab.cli.collect import collect_swept
 from contactlab.cli.jobs import refusals, write_log
-from contactlab.cli.settings import Sweep, of_command, of_run
+from contactlab.cli.settings import of_run, sweep_in
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError, rebuild
 from contactlab.config.composition import faults_of, resolved
@@ -275,12 +275,11 @@ class Sweeping:
         arguments = Arguments(self.context, self.config, lines)
         faults, composed = arguments.faults, arguments.composed({})
         try:
-            of_command({**resolved(composed), "sweep": arguments.settings})
+            settings = sweep_in(arguments.settings)
         except ConfigurationError as error:
-            # What else is faulty may be replaced by what is swept.
-            faults += [fault for fault in error.faults if fault.startswith("sweep.")]
+            faults += error.faults
         raise_faults(faults)
-        settings, study = Sweep(**arguments.settings), str(self.config.study.name)
+        study = str(self.config.study.name)
         samples, is_run = settings.samples, study == RUN
         keep = settings.keep if is_run else "metrics"
         mine: Any = OmegaConf.to_container(composed, resolve=False)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from types import NoneType
-from typing import Any, Final, NamedTuple, get_args
+from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
 from contactlab.config.faults import unknown_key
@@ -209,5 +209,13 @@ def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
         raise UnitError(f"{key} is missing; it must be in the configuration.")
     if any(is_kind(value, kind) for kind in field.kinds):
         return value
+    try:
+        for kind in field.kinds:
+            if isinstance(value, str) and hasattr(kind, "of_text"):
+                return kind.of_text(value)
+            if get_origin(kind) is list and isinstance(value, list) and hasattr(get_args(kind)[0], "of_text"):
+                return [get_args(kind)[0].of_text(str(each)) for each in value]
+    except ValueError as error:
+        raise UnitError(f"{key} is {describe(value)}; {error}.") from error
     kinds = [_KINDS.get(k) or " or ".join(map(repr, get_args(k))) for k in field.kinds]
     raise UnitError(f"{key} is {describe(value)}; it must be {' or '.join(kinds)}.")

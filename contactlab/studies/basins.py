@@ -1,10 +1,9 @@
 """The study `basins`: to which of its steady states a motor comes from where it starts."""
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import pandas
@@ -16,14 +15,13 @@ from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import from_cf
-from contactlab.quantity import UnitError, to_si
+from contactlab.quantity import UnitError
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
+from contactlab.studies.ranges import Range
 from contactlab.studies.study import Part, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
-
-RANGE: Final = re.compile(rf"(?P<name>{'|'.join(COORDINATES)})=(?P<start>.+?)\.\.(?P<end>.+)")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,13 +41,12 @@ class Basins(Study):
         "solver.until",
         "solver.precision",
     )
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("attractor_count", (), "1", "n", "number of attractors"),
         Variable("largest_share", (), "1", "s", "share of the starts in the largest basin"),
     )
 
-    over: Annotated[list[str] | None, option("two coordinates, NAME=START..END")] = None
+    over: Annotated[list[Range] | None, option("two coordinates, NAME=START..END")] = None
     count: Annotated[int, option("starts along each coordinate", at_least=2, at_most=1000)] = 12
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -65,24 +62,22 @@ class Basins(Study):
         """Return the values of both coordinates."""
         if self.over is None:
             return default_axes(setup, self.count)
-        spans = [RANGE.fullmatch(word) for word in self.over]
-        if len({span["name"] for span in spans if span}) != 2 or len(spans) != 2:
+        if len(self.over) != 2 or len({each.name for each in self.over} & {*COORDINATES}) != 2:
             raise ConfigurationError(
                 [
-                    f"study.over is {', '.join(self.over)}; it must be ranges NAME=START..END of two of "
-                    f"{', '.join(COORDINATES)}."
+                    f"study.over is {', '.join(map(str, self.over))}; it must be ranges NAME=START..END of "
+                    f"two of {', '.join(COORDINATES)}."
                 ]
             )
         axes = {}
-        for span in filter(None, spans):
-            unit = from_cf(COORDINATES[span["name"]][0])
+        for each in self.over:
             try:
-                start, end = (to_si(span[side].strip(), unit) for side in ("start", "end"))
+                start, end = each.within(from_cf(COORDINATES[each.name][0]))
             except UnitError as error:
-                raise ConfigurationError([f"study.over has {span.string}, {error}."]) from error
+                raise ConfigurationError([f"study.over has {error}."]) from error
             # The end of a period is its start.
-            whole = span["name"] == "drive_phase" and end - start == 1.0
-            axes[span["name"]] = np.linspace(start, end, self.count, endpoint=not whole)
+            whole = each.name == "drive_phase" and end - start == 1.0
+            axes[each.name] = np.linspace(start, end, self.count, endpoint=not whole)
         return axes
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:

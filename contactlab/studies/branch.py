@@ -1,10 +1,9 @@
 """The study `branch`: periodic orbits over one number, stable and unstable."""
 
-import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar
 
 import pandas
 import xarray
@@ -14,15 +13,13 @@ from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import Parameter
-from contactlab.quantity import UnitError, in_si, to_si
+from contactlab.quantity import UnitError, in_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
+from contactlab.studies.ranges import Range
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
-
-RANGE: Final = re.compile(r"(?P<key>[\w.]+)=(?P<start>.+?)\.\.(?P<end>.+)")
-"""A parameter and its range; no number ends in a point."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,14 +38,13 @@ class Branch(Study):
         "solver.until",
         "solver.precision",
     )
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"over": RANGE}
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("orbit_count", (), "1", "n", "number of orbits computed"),
         Variable("event_count", (), "1", "m", "number of folds, bifurcations and grazings"),
         Variable("last_value", (), "1", "p", "value of the parameter where the branch ends"),
     )
 
-    over: Annotated[str | None, option("the number and its range, KEY=START..END")] = None
+    over: Annotated[Range | None, option("the number and its range, KEY=START..END")] = None
     belt: Annotated[float | None, Parameter("Omega_b", "rad s-1", "prescribed rotor velocity")] = None
     step: Annotated[
         float, Parameter("h", "1", "first step, in parts of the range", above=0.0, at_most=1.0)
@@ -61,22 +57,18 @@ class Branch(Study):
             ConfigurationError: there is no such number, or its range has other units.
         """
         (setup,) = setups.values()
-        span = RANGE.fullmatch(self.over or "")
-        if span is None:
+        if self.over is None:
             text = "study.over must be one range KEY=START..END, as in 'contact.clearance=1 um..4 um'."
             raise ConfigurationError([text])
-        if span["key"] == "belt" and self.belt is not None:
+        if self.over.name == "belt" and self.belt is not None:
             raise ConfigurationError(
                 [f"study.belt is {self.belt:g} and {self.over} varies it. Leave one out."]
             )
-        unit, ends = unit_of(setup, span["key"]), []
-        for side in ("start", "end"):
-            try:
-                ends.append(to_si(span[side].strip(), unit))
-            except UnitError as error:
-                text = f"The {side} of {span['key']} is '{span[side]}', {error}."
-                raise ConfigurationError([text]) from error
-        return [Task("", _branch, (setup, span["key"], *ends, self.belt, self.step))]
+        try:
+            ends = self.over.within(unit_of(setup, self.over.name))
+        except UnitError as error:
+            raise ConfigurationError([f"study.over is {error}."]) from error
+        return [Task("", _branch, (setup, self.over.name, *ends, self.belt, self.step))]
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return how many orbits and events there are, and where the branch ends."""
@@ -159,6 +151,6 @@ def branch(
     """
     setup = steady_setup(motor, law)
     unit = unit_of(setup, parameter)
-    start, end = in_si("start", start, unit), in_si("end", end, unit)
-    study = Branch(over=f"{parameter}={start!r}..{end!r}", belt=belt, step=step)
+    over = Range(parameter, in_si("start", start, unit), in_si("end", end, unit))
+    study = Branch(over=over, belt=belt, step=step)
     return study(setup, output=output, progress=progress)

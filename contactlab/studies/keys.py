@@ -6,7 +6,8 @@ from typing import Any, Final, final
 from contactlab.config import ConfigurationError
 from contactlab.config.groups import Keys, Section, keys_of, named
 from contactlab.config.schema import KEYS, Examination
-from contactlab.studies.registry import studies, study_class, study_of
+from contactlab.parameter import DeclaredField
+from contactlab.studies.registry import studies, study_class
 from contactlab.studies.study import Study
 
 
@@ -31,13 +32,17 @@ WITH_STUDY: Final[Keys] = {**KEYS, "study": STUDIES}
 """The keys of a run, and of the study that is put to it."""
 
 
-def study_in(section: Any) -> Study:
-    """Return the study that a section describes.
+def study_in(section: Mapping[str, Any]) -> Study:
+    """Return the study that a section describes, `{"name": "steady", "brake": 2e-3}`; texts become data here.
 
     Raises:
         ConfigurationError: with every fault.
     """
-    examined = Examination({"study": section}, {"study": STUDIES})
+    name = str(section.get("name"))
+    declared = keys_of(study_class(name)) if name in studies() else {}
+    usual = {key: field.default for key, field in declared.items() if isinstance(field, DeclaredField)}
+    examined = Examination({"study": {**usual, **section}}, {"study": STUDIES})
     if examined.faults:
         raise ConfigurationError(examined.faults)
-    return study_of(examined.values["study"])
+    options = dict(examined.values["study"])
+    return study_class(options.pop("name"))(**options)

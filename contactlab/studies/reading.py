@@ -9,7 +9,7 @@ from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.metrics.reading import checked_run, opened
 from contactlab.results.yaml_text import read_yaml
 from contactlab.simulation import Solution, solution_in
-from contactlab.studies.registry import study_of
+from contactlab.studies.keys import study_in
 from contactlab.studies.study import STUDY, Result
 
 
@@ -28,7 +28,7 @@ def load(path: str | Path) -> Solution | Result:
     if STUDY not in tree.attrs:
         return solution_in(checked_run(tree, path), path)
     try:
-        result = Result(study_of(read_yaml(str(tree.attrs[STUDY]))), {}, tree)
+        result = Result(study_in(read_yaml(str(tree.attrs[STUDY]))), {}, tree)
         return replace(result, setups=dict(_rebuilt(result.configurations)))
     except (LookupError, TypeError, ValueError) as error:
         raise ValueError(f"'{path}' holds a study that cannot be read: {error}") from error

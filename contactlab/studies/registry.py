@@ -5,11 +5,9 @@ A study is imported when it is chosen; see `contactlab.studies.study`.
 
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from contactlab.studies.study import Study
 
 GROUP: Final = "contactlab.studies"
@@ -90,11 +88,6 @@ def study_class(name: str) -> "type[Study]":
     except Exception as error:
         raise ValueError(f"The study {name} cannot be imported: {type(error).__name__}: {error}") from error
     return study
-
-
-def study_of(values: "Mapping[str, Any]") -> "Study":
-    """Return the study that a name and options describe, `{"name": "steady", "brake": 2e-3}`."""
-    return study_class(values["name"])(**{name: value for name, value in values.items() if name != "name"})
 
 
 def question_of(name: str) -> str:

@@ -342,9 +342,11 @@ class Result:
 
 
 def plain(value: Any) -> Any:
-    """Return a value of NumPy as Python's own, in a sequence too."""
+    """Return a value of NumPy as Python's own and one that is read from a text as that, in a sequence too."""
     if isinstance(value, list | tuple):
         return [*map(plain, value)]
+    if hasattr(value, "of_text"):
+        return str(value)
     return value.item() if isinstance(value, np.generic) else value
 
 

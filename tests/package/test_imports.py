@@ -77,7 +77,7 @@ for i, layer in enumerate(layers):
         for name in names if room != "__main__" else ():
             import_module(name)
         loaded = {name.split(".")[1] for name in sys.modules if name.startswith("contactlab.")}
-        # The package's front door makes use of it.
+        # The package itself makes use of it.
         loaded.discard("lazy")
         others = {*layer.split("|")} - {room}
         for each in (loaded - below) | (loaded & others):
