@@ -59,21 +59,32 @@ _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 """An override that lists values by a function, which the command quotes as a whole."""
 
 
-def compose(overrides: Sequence[str] = ()) -> dict[str, Any]:
-    """Compose a configuration from overrides, not yet checked; errors are those of `contactlab.build`."""
+def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None) -> dict[str, Any]:
+    """Compose a configuration, not yet checked; arguments and errors are those of `contactlab.build`."""
     refuse_lines(overrides)
     if idle := [line for line in overrides if line.lstrip("+~").startswith("hydra.")]:
         raise ConfigurationError([f"{line} is the command's; a run has none." for line in idle])
     try:
         with started():
-            composed = hydra.compose(RUN, overrides=[*map(readable, overrides)])
+            composed = hydra.compose(RUN, overrides=[*_searched(config_dir), *map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
         raise ConfigurationError(faults_of(error, overrides)) from None
     return resolved(composed)
 
 
-def completed(configuration: Mapping[str, Any]) -> dict[str, Any]:
+def _searched(config_dir: str | Path | None) -> Iterator[str]:
+    """Yield the override by which Hydra looks into another folder of configuration files too."""
+    if config_dir is None:
+        return
+    folder = Path(config_dir).resolve()
+    if not folder.is_dir():
+        raise ConfigurationError([f"config_dir is '{config_dir}'; it must be a folder that exists."])
+    refuse_expansions([str(folder)])
+    yield f"hydra.searchpath=[{quoted(f'file://{folder}')}]"
+
+
+def completed(configuration: Mapping[str, Any], config_dir: str | Path | None = None) -> dict[str, Any]:
     """Return a configuration with the defaults of what is absent, its groups chosen by name.
 
     Raises:
@@ -93,7 +104,10 @@ def completed(configuration: Mapping[str, Any]) -> dict[str, Any]:
     for part in parts & {*FAMILIES} & {*(keys if isinstance(keys, Mapping) else ())}:
         options |= _options_in(f"law/{part}", FAMILIES[part], keys[part])
     values = {group: value for group, value in configuration.items() if group != EXPERIMENT}
-    return _merged(_composed(*(f"{group}={option}" for group, option in options.items())), values)
+    lines = tuple(f"{group}={option}" for group, option in options.items())
+    # Files of other folders may change.
+    below = _composed(*lines) if config_dir is None else compose(lines, config_dir)
+    return _merged(below, values)
 
 
 def _options_in(group: str, section: Section, value: object) -> dict[str, str]:

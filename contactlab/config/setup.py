@@ -6,6 +6,7 @@ See `contactlab.config.groups` for keys, units and ranges, `contactlab.config.sc
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, reduce
+from pathlib import Path
 from typing import Any, final
 
 import yaml
@@ -211,7 +212,7 @@ class Origin:
         return same and setup.changes is self.changes and setup.law == self.law
 
 
-def build(configuration: Values | Sequence[str] = ()) -> Setup:
+def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | None = None) -> Setup:
     """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
         >>> build(["law=newton", "contact.clearance=0.5 um"]).motor.geometry.clearance
@@ -221,13 +222,16 @@ def build(configuration: Values | Sequence[str] = ()) -> Setup:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a mapping of
             groups, each the name of an option or a mapping of keys, with numbers in SI or texts with units:
             {"law": "newton", "contact": {"clearance": "0.5 um"}}. What is absent has its default.
+        config_dir: folder with further options of groups, `config_dir/experiment/mine.yaml`, as --config-dir
+            of the command.
 
     Raises:
         ConfigurationError: with every fault.
     """
     if isinstance(configuration, str):
         raise TypeError(f"configuration is {configuration!r}; it must be a list of overrides or a mapping.")
-    return rebuild(completed(configuration) if isinstance(configuration, Mapping) else compose(configuration))
+    make: Any = completed if isinstance(configuration, Mapping) else compose
+    return rebuild(make(configuration, config_dir))
 
 
 def rebuild(configuration: Values) -> Setup:

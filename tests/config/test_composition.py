@@ -11,7 +11,7 @@ from support.command_line import Command
 from support.configurations import composed
 
 from contactlab.config import ConfigurationError, build, compose
-from contactlab.config.composition import VERSION_BASE, started
+from contactlab.config.composition import RUN, VERSION_BASE, started
 from contactlab.config.options import conf_directory
 from contactlab.laws import law_class
 
@@ -70,7 +70,7 @@ def test_composing_leaves_a_hydra_that_runs_as_it_is() -> None:
         with pytest.raises(ConfigurationError):
             compose(["law=rubber"])
         assert GlobalHydra.instance().hydra is outer
-        assert hydra.compose("config")["law"]["name"] == "hertz_penalty"
+        assert hydra.compose(RUN)["law"]["name"] == "hertz_penalty"
     assert not GlobalHydra.instance().is_initialized()
     with started():
         assert compose() == composed()
@@ -96,3 +96,18 @@ def test_what_is_the_commands_is_no_part_of_a_run(override: str) -> None:
         with pytest.raises(ConfigurationError) as caught:
             attempt()
         assert override.partition(".")[0] in str(caught.value)
+
+
+def test_an_experiment_of_ones_own_in_a_folder_of_ones_own(tmp_path: Path, command: Command) -> None:
+    (tmp_path / "experiment").mkdir()
+    lines = ["# @package _global_", "defaults:", "  - override /law: newton", "contact:", "  clearance: 5e-7"]
+    (tmp_path / "experiment/soft.yaml").write_text("\n".join(lines))
+    own = build(["experiment=soft"], tmp_path)
+    assert own.configuration == build(["law=newton", "contact.clearance=0.5 um"]).configuration
+    assert build({"experiment": "soft"}, tmp_path).configuration == own.configuration
+    status, out, err = command("--config-dir", str(tmp_path), "experiment=soft", "--cfg", "job")
+    assert status == 0, err
+    assert yaml.safe_load(out)["contact"]["clearance"] == 5e-7
+    for configuration, folder in ((["experiment=soft"], None), (["experiment=soft"], tmp_path / "none")):
+        with pytest.raises(ConfigurationError):
+            build(configuration, folder)
