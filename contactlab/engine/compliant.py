@@ -1,7 +1,8 @@
 """One step of a compliant contact: collocation of the law at the nodes, for a given friction mode.
 
 The oscillators answer a polynomial force exactly, so only the force itself is unknown: its values at
-the nodes are iterated until the law agrees with the motion that they cause. In slip the friction is
+the nodes are iterated until the law agrees with the motion that they cause: each node takes the law's answer
+in turn or, where a damping relaxes the force within the step, all by Newton's method. In slip the friction is
 the law's bound against the slip; in stick it is the friction that holds the slip at zero at every node.
 Friction that is not set-valued is in `contactlab.engine.friction`.
 """
@@ -16,6 +17,7 @@ from contactlab.engine.friction import (
     FIRST,
     HELD_SLIP,
     LEAST_SLIP,
+    NUDGE,
     correct_friction,
     follow_bound,
     friction_and_steepness,
@@ -46,6 +48,7 @@ from contactlab.engine.memory import (
     recall,
     recall_start,
     set_moments,
+    solve_linear,
 )
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
@@ -94,9 +97,16 @@ NODE_PRODUCT = 126.0
 KINK = 1e3
 """Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
 
-Known = tuple[float, float, float, float, float]
+BEFORE = NODES + 1
+"""Column of the system that keeps the normal forces before a Newton step."""
+
+LEAST_DEPTH = 1e-8
+"""Scale of the difference of the gap for the normal stiffness near zero [m]."""
+
+Known = tuple[float, float, float, float, float, float, float]
 """Normal force, half the width and the middle of the interval that bounds friction in the step's mode,
-friction that is not set-valued [N] and its steepness [N s/m], where a step begins."""
+friction that is not set-valued [N] and its steepness [N s/m], and by how much the normal force rises as gap
+[N/m] and gap rate [N s/m] fall, where a step begins."""
 
 
 @part_kernel
@@ -116,7 +126,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     before it, carries a kink, and stands only when the whole force left is negligible.
     """
     state, step = run.state, run.step
-    normal, bound, bias, friction, steepness = known
+    normal, bound, bias, friction, steepness = known[:5]
     build_level(run.plant, run.propagator, level)
     free_response(run, level, FIRST)
     for i in range(NODES):
@@ -127,11 +137,12 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     stretch = h / state.length
     state.length = h
     stiffness = steepness * mobility(run, level, FIRST, FIRST)
-    sweeps = 0
+    lean, sweeps = _lean(run, known, stiffness), 0
+    stiff = _is_damped(run, level, known, lean)
     for fixed in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
         if sweeps == 0:
             _first_forces(run, law, stretch)
-            sweeps = _collocate(run, law, level, fixed == 1)
+            sweeps = _collocate(run, law, level, fixed == 1, known, lean, stiff)
     state.taken = 0.0
     state.sweeps += sweeps
     if sweeps == 0:
@@ -218,49 +229,153 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
 
 
 @inner_kernel
-def _collocate(run: Run, law: Law, level: int, at_zero_slip: bool) -> int:
+def _lean(run: Run, known: Known, stiffness: float) -> float:
+    """Return how much of a change of the normal force its friction follows [1], at the step's start.
+
+    Friction that holds the slip, or is steep in it, answers by what keeps the slip: -D_nt/D_tt.
+    """
+    state, step = run.state, run.step
+    normal, bound, bias, friction = known[:4]
+    directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
+    _, crossed, along = delassus(run.plant, *directions)
+    if state.mode == STICK:
+        return -crossed / along if state.friction_kind == SET_VALUED else 0.0
+    if state.friction_kind == SET_VALUED:
+        friction = bias - state.sign * bound
+    return ((friction / normal if normal > 0.0 else 0.0) - stiffness * crossed / along) / (1.0 + stiffness)
+
+
+@inner_kernel
+def _answered(run: Run, level: int, stiffness: float, damping: float, lean: float, i: int, m: int) -> float:
+    """Return by how much the normal force of node i falls as that of node m rises, with its friction [1].
+
+    Stiffness [N/m] and damping [N s/m] are how it falls with gap and gap rate.
+    """
+    step, results = run.step, run.propagator.levels[level]
+    tip_q, tip_v = results.tip_q, results.tip_v
+    push_u, push_th = step.n_u[m] + lean * step.t_u[m], step.n_th[m] + lean * step.t_th[m]
+    u = stiffness * tip_q[0, i, m] + damping * tip_v[0, i, m]
+    mixed = stiffness * tip_q[1, i, m] + damping * tip_v[1, i, m]
+    th = stiffness * tip_q[2, i, m] + damping * tip_v[2, i, m]
+    return float(
+        step.n_u[i] * (u * push_u + mixed * push_th) + step.n_th[i] * (mixed * push_u + th * push_th)
+    )
+
+
+@inner_kernel
+def _is_damped(run: Run, level: int, known: Known, lean: float) -> bool:
+    """Return whether the normal force relaxes within the step, by a damping that its spring does not match.
+
+    A step that does not resolve an elastic swing must not be solved: its error is not seen.
+    """
+    elastic, damped = 0.0, 0.0
+    for m in range(NODES):
+        elastic += _answered(run, level, known[5], 0.0, lean, LAST, m)
+        damped += _answered(run, level, 0.0, known[6], lean, LAST, m)
+    return damped > max(elastic, 1.0)
+
+
+@inner_kernel
+def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: bool) -> float:
+    """Take a Newton step of the normal forces from the law's answers; returns the largest correction [N].
+
+    The law's slopes are those at the step's start. Friction and what bounds it follow the normal force.
+    """
+    state, system = run.state, run.step.system
+    for i in range(NODES):
+        for m in range(NODES):
+            # Where the law has no force it has no slope.
+            falls = _answered(run, level, known[5], known[6], lean, i, m)
+            falls = falls if state.normal.node[i] != 0.0 else 0.0
+            system[i, m] = (1.0 if m == i else 0.0) + falls
+        system[i, NODES] = state.normal.node[i] - system[i, BEFORE]
+    solve_linear(system, NODES)
+    most = 0.0
+    for i in range(NODES):
+        answer, change = state.normal.node[i], system[i, NODES]
+        state.normal.node[i] = system[i, BEFORE] + change
+        if slides:
+            share = state.normal.node[i] / answer if answer != 0.0 else 1.0
+            state.bound.node[i] *= share
+            state.bias.node[i] *= share
+            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
+        else:
+            state.friction.node[i] += lean * change
+        # NaN fails every comparison, and is passed on.
+        most = abs(change) if not abs(change) <= most else most
+    return float(most)
+
+
+@inner_kernel
+def _sweep_normal(
+    run: Run, law: Law, level: int, known: Known, lean: float, stiff: bool
+) -> tuple[float, float]:
+    """Take the law's answers at all nodes, in turn or by a Newton step where they are `stiff`.
+
+    Returns the largest change of a force and the largest force [N].
+    """
+    state, change, most = run.state, 0.0, 0.0
+    slides = state.mode != STICK and state.friction_kind != RATE_DEPENDENT
+    for i in range(NODES):
+        old_normal, old_friction = state.normal.node[i], state.friction.node[i]
+        change = max(change, _law_at_node(run, law, level, i))
+        # Friction that would have to hold far more than the law lets it has the round-off of its size.
+        most = max(most, state.normal.node[i], abs(old_friction))
+        if stiff:
+            run.step.system[i, BEFORE] = old_normal
+            continue
+        if slides:
+            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
+        push_node(run, law.memory, i)
+        change = max(change, abs(state.normal.node[i] - old_normal))
+        change = max(change, abs(state.friction.node[i] - old_friction))
+    if stiff:
+        change = max(change, _correct_normal(run, level, known, lean, slides))
+        for i in range(NODES):
+            push_node(run, law.memory, i)
+    return change, most
+
+
+@inner_kernel
+def _collocate(
+    run: Run, law: Law, level: int, at_zero_slip: bool, known: Known, lean: float, stiff: bool
+) -> int:
     """Iterate the nodal forces of a step; returns the number of sweeps, 0 where it does not contract.
 
-    Rate-dependent friction may begin `at_zero_slip`: Newton's method then converges from the steep part of
-    the law, where from the level part it would alternate.
+    Rate-dependent friction may begin `at_zero_slip`: once the friction that holds it there is found Newton's
+    method converges from the steep part of the law, where from the level part it would alternate. A normal
+    force that is `stiff` takes Newton steps too.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    sign, kind, sticks = float(state.sign), state.friction_kind, state.mode == STICK
+    kind, sticks = state.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
-    slides = not sticks and not follows
     least_slip = HELD_SLIP if at_zero_slip else LEAST_SLIP
     for sweep in range(1, MOST_ITERATIONS + 1):
-        change, most = 0.0, 0.0
-        for i in range(NODES):
-            old_normal, old_friction = state.normal.node[i], state.friction.node[i]
-            turned = _law_at_node(run, law, level, i)
-            if slides:
-                state.friction.node[i] = state.bias.node[i] - sign * state.bound.node[i]
-            push_node(run, law.memory, i)
-            change = max(change, turned, abs(state.normal.node[i] - old_normal))
-            change = max(change, abs(state.friction.node[i] - old_friction))
-            # Friction that would have to hold far more than the law lets it has the round-off of its size.
-            most = max(most, state.normal.node[i], abs(old_friction))
-        holds = (at_zero_slip and sweep == 1) or (sticks and not follows)
+        change, most = _sweep_normal(run, law, level, known, lean, stiff)
+        holds = at_zero_slip or (sticks and not follows)
         if holds or follows:
             change = max(change, correct_friction(run, law, level, holds, least_slip))
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
             return 0
         least = 1e-3 * AGREEMENT * state.momentum
-        if flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least):
-            if kind != SET_VALUED and not follows:
-                follow_bound(run, law, sign)
-            fit(rule, state.normal)
-            fit(rule, state.friction)
-            fit(rule, state.bound)
-            fit(rule, state.bias)
-            fit(rule, state.internal_rate)
-            fit(rule, step.push_u)
-            fit(rule, step.push_th)
-            fit(rule, step.push_r)
-            fit_moments(run, law.memory)
-            return sweep
+        if not (flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least)):
+            continue
+        if at_zero_slip:
+            at_zero_slip = False
+            continue
+        if kind != SET_VALUED and not follows:
+            follow_bound(run, law, float(state.sign))
+        fit(rule, state.normal)
+        fit(rule, state.friction)
+        fit(rule, state.bound)
+        fit(rule, state.bias)
+        fit(rule, state.internal_rate)
+        fit(rule, step.push_u)
+        fit(rule, step.push_th)
+        fit(rule, step.push_r)
+        fit_moments(run, law.memory)
+        return sweep
     return 0
 
 
@@ -438,7 +553,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     end = end_at(run, law, law.memory, rate)
     if gap >= end:
         if rate >= 0.0:
-            return 0.0, 0.0, 0.0, 0.0, 0.0
+            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         gap = end + TOUCHED
     seen = slip
     if state.mode == STICK:
@@ -454,7 +569,12 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
         at = gap, rate, slip
         friction, steepness = friction_and_steepness(law, at, end, normal)
     steepness = steepness if state.friction_kind == RATE_DEPENDENT else 0.0
-    return normal, bound, 0.5 * (most + least), friction, steepness
+    # On the way of the gap, whose other side may be another branch of the law.
+    way = -NUDGE if rate < 0.0 else NUDGE
+    dg, dr = way * (abs(gap) + LEAST_DEPTH), way * (abs(rate) + LEAST_SLIP)
+    stiffness = (normal - law.force(gap + dg, rate, seen, state.impact_speed, law.parameters)[0]) / dg
+    damping = (normal - law.force(gap, rate + dr, seen, state.impact_speed, law.parameters)[0]) / dr
+    return normal, bound, 0.5 * (most + least), friction, steepness, stiffness, damping
 
 
 @inner_kernel

@@ -512,6 +512,7 @@ class Prepared(NamedTuple):
         state["stepped"] = self.stepped
         # Of a compliant law the step in contact is a bound that a healthy run may never reach.
         watched = min(self.contact_step, law.default_contact_step) if compliant else self.contact_step
+        watched = min(watched, float(rule.longest) * 0.5 ** int(rule.contact_level))
         pace = pace_of(self.plant, watched, self.stepped)
         # Rebounds without an end are taken as none by a rigid law itself.
         state["window"], state["most_steps"] = (0.0, pace[1]) if self.constrained else pace

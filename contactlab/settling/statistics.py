@@ -27,8 +27,12 @@ ANGLES: Final = 100
 REPEATS: Final = 1e-3
 """Relative difference of states at which a motion is periodic."""
 
-REGULAR, CHAOTIC = 0.2, 0.8
-"""Values of the 0-1 test; between them the motion is irregular."""
+PERIODIC, QUASI_PERIODIC, CHAOTIC = "periodic", "quasi-periodic", "chaotic"
+APERIODIC, WITHOUT_CONTACT, STANDING = "aperiodic", "without contact", "standing"
+"""Kinds of motion; aperiodic is one of which quasi-periodic and chaotic are not told apart."""
+
+MOST_REGULAR, LEAST_CHAOTIC = 0.2, 0.8
+"""Values of the 0-1 test; between them it does not tell the kind."""
 
 LEAST_TESTED: Final = 1000
 """Least length of a sequence for the 0-1 test: a tenth of it are the lags of a random walk, and a slow
@@ -143,16 +147,16 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
 
 
 def kind_without_period(states: Array) -> str:
-    """Return the kind of an aperiodic motion: 'quasi-periodic', 'chaotic', or 'irregular' if unknown.
+    """Return the kind of a motion without a period: QUASI_PERIODIC, CHAOTIC, or APERIODIC if unknown.
 
     Args:
         states: one a period, of comparable quantities, shape (period, quantity); that which moves most is
             tested, as a motor may hold any of the others.
     """
     if len(states) < LEAST_TESTED:
-        return "irregular"
+        return APERIODIC
     indicator = chaos_indicator(states[:, states.std(axis=0).argmax()])
-    return "quasi-periodic" if indicator < REGULAR else "chaotic" if indicator > CHAOTIC else "irregular"
+    return QUASI_PERIODIC if indicator < MOST_REGULAR else CHAOTIC if indicator > LEAST_CHAOTIC else APERIODIC
 
 
 @final

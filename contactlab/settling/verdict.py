@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.estimate import Estimate
 from contactlab.motor.drive import Drive, NoPeriodError, period_of
-from contactlab.settling.statistics import LEAST_VALUES, REPEATS, approach, kind_without_period, repeats_after
+from contactlab.settling.statistics import (
+    LEAST_VALUES,
+    PERIODIC,
+    REPEATS,
+    WITHOUT_CONTACT,
+    approach,
+    kind_without_period,
+    repeats_after,
+)
 from contactlab.variables import INTERNAL
 
 Columns = Mapping[str, NDArray[Any]]
@@ -37,7 +45,6 @@ FADING: Final = 0.9
 LATE: Final = 4
 """Number of equal parts of a run of which the last one is examined for contacts."""
 
-WITHOUT_CONTACT: Final = "without contact"
 
 DIGITS: Final = 6
 """Largest number of significant digits of an extrapolated number."""
@@ -211,8 +218,8 @@ class Settling:
         impulse_drift: relative change of the normal impulse per period, at the end [1].
         scale: of a difference of velocities [rad/s]: the largest of the estimate, the range of the velocity
             within a period, and a small part of its change since the start.
-        kind: of motion: 'period one', 'period 2', ..., 'quasi-periodic', 'chaotic', 'irregular' or
-            'without contact'; empty where it is unknown.
+        kind: of motion, see `contactlab.settling.statistics`, with 'over 2 periods' and the like where it
+            repeats itself so; empty where it is unknown.
         reason: why the steady state is unknown; else empty.
         longer: whether a longer run would help.
         memory_share: largest relative error of an internal variable of the run [1].
@@ -375,8 +382,8 @@ def _kind_of(run: Periods) -> str:
     shaking = states - np.column_stack([np.polyval(np.polyfit(steps, x, 1), steps) for x in states.T])
     count = repeats_after(1.0 + shaking, REPEATS)
     if count == 1:
-        return "period one"
+        return PERIODIC
     before, after = (float(np.std(part[:, 1])) for part in np.array_split(shaking, 2))
     if after < FADING * before:
         return ""
-    return f"period {count}" if count else kind_without_period(shaking)
+    return f"{PERIODIC} over {count} periods" if count else kind_without_period(shaking)

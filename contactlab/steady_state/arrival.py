@@ -12,7 +12,14 @@ from contactlab.engine import simulate
 from contactlab.engine.state import State
 from contactlab.laws.base import ELASTOPLASTIC, FREE, RATE_DEPENDENT, SLIP, STICK, is_stepped
 from contactlab.motor import ModalState
-from contactlab.settling.statistics import REPEATS, kind_without_period, repeats_after, trend
+from contactlab.settling.statistics import (
+    PERIODIC,
+    REPEATS,
+    WITHOUT_CONTACT,
+    kind_without_period,
+    repeats_after,
+    trend,
+)
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap, continues, period_of
 from contactlab.steady_state.shooting import NoOrbitError, Orbit, orbit_from
 from contactlab.steady_state.state import Steady
@@ -119,11 +126,11 @@ def settled(
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
             if _goes_to(orbit, z, clock.end_of(run), times):
                 motion, count = orbit.map.run(orbit.state), orbit.map.periods
-                return Steady(setup, "periodic", count, motion, orbit, done, clock.belt, phase=clock.phase)
+                return Steady(setup, PERIODIC, count, motion, orbit, done, clock.belt, phase=clock.phase)
             orbit, far = (orbit, distance) if distance < far else (None, inf)
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
             run = _on(run, TAIL // count * count)
-            return Steady(setup, "periodic", count, run, None, done, clock.belt, phase=clock.phase)
+            return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         if done < longest:
             run = _on(run, min(2 * done, longest - done))
@@ -215,7 +222,7 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
     # In a contact that lasts, the steps of time stepping do not divide the period.
     count = repeats_after(samples[-TAIL:], max(run.contact_step / clock.period, REPEATS))
     # Rotor and energy follow the tip.
-    kind = "periodic" if count else kind_without_period(samples[:, 2:])
+    kind = PERIODIC if count else kind_without_period(samples[:, 2:])
     return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
 
 
@@ -245,7 +252,7 @@ def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
             "leave the load out."
         )
     motion = clock.run(z)
-    return Steady(clock.setup, "without contact", 1, motion, None, done, clock.belt, phase=clock.phase)
+    return Steady(clock.setup, WITHOUT_CONTACT, 1, motion, None, done, clock.belt, phase=clock.phase)
 
 
 def _at_section(clock: PeriodMap, run: Trajectory) -> tuple[PeriodMap, Trajectory]:

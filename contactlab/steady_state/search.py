@@ -15,6 +15,7 @@ from contactlab.laws import ContactLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.motor import ModalState, Motor
 from contactlab.progress import tell_progress
+from contactlab.settling.statistics import STANDING, WITHOUT_CONTACT
 from contactlab.simulation import setup_of
 from contactlab.steady_state.arrival import TAIL, NotSettledError, Start, settled
 from contactlab.steady_state.state import Steady as Steady
@@ -117,13 +118,13 @@ def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
     """Compute the steady state without load, then that with the brake against its rotation."""
     free = settled(_loaded(setup, 0.0), None, begins, longest)
     assert free is not None
-    sense = float(np.sign(free.velocity[0])) if free.kind != "without contact" else 0.0
+    sense = float(np.sign(free.velocity[0])) if free.kind != WITHOUT_CONTACT else 0.0
     loaded = _loaded(setup, sense * brake)
     state = _turning(loaded, free, longest, sense) if sense else None
     if state is None:
         still = settled(loaded, 0.0, free.end, longest)
         assert still is not None
-        state = replace(still, kind="standing")
+        state = replace(still, kind=STANDING)
         # At rest the torque may be larger than in the rotation that the brake has stopped.
         if sense * still.torque[0] > brake:
             state = _turning(loaded, still, longest, sense)

@@ -58,7 +58,7 @@ class Steady:
 
     Args:
         setup: what moves, its load included.
-        kind: 'periodic', 'quasi-periodic', 'chaotic', 'irregular' where the two are not distinguishable,
+        kind: 'periodic', 'quasi-periodic', 'chaotic', 'aperiodic' where the two are not told apart,
             'without contact', or 'standing' where a brake holds the rotor.
         periods: of the drive, after which a periodic motion repeats itself; 0 for another.
         motion: one orbit, or a long run recorded once a period.

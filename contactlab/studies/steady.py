@@ -19,6 +19,7 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.parameter import Parameter
 from contactlab.results.netcdf import TITLE, to_datatree
+from contactlab.settling.statistics import PERIODIC
 from contactlab.steady_state.search import LONGEST, Converged, converged as find_refined, steady_setup
 from contactlab.steady_state.state import CUMULATIVE, Steady as State
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates, option
@@ -119,7 +120,7 @@ class Steady(Study):
                     "The period map is not smooth here: its derivatives over steps of 1e-6 and 1e-4 differ "
                     f"by {about['roughness']:.2g}, as where a contact grazes; the multipliers are rough."
                 )
-        elif about["kind"] == "periodic":
+        elif about["kind"] == PERIODIC:
             sentences.append("No closed orbit was found next to it: no multipliers.")
         return sentences
 

@@ -5,6 +5,8 @@ import pytest
 from support.faulty_laws import RateAndState, Rebound, SignOfSlip
 from support.motors import case_a, default_motor, final, hertz
 
+from contactlab.config import build
+from contactlab.config.setup import Setup
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty, Newton
 from contactlab.motor import ball
@@ -83,6 +85,46 @@ def test_a_ball_comes_to_rest_after_infinitely_many_bounces(restitution: float) 
     assert final(trajectory, "gap") == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.parametrize("least_speed", [1e-3, 1e-5])
+def test_a_contact_that_its_damping_holds_takes_no_more_steps_than_another(least_speed: float) -> None:
+    """It relaxes in far less time than the motor moves, and is at rest where force and preload agree."""
+    setup = pressed("law/friction=coulomb", "law/damping=flores", "law.damping.restitution=0.2")
+    trajectory = setup.with_(f"law.damping.least_speed={least_speed}").run()
+    assert trajectory.complete, trajectory.message
+    assert steps_of(trajectory) < 400
+    assert final(trajectory, "normal_force") == pytest.approx(20.0, rel=0.1)
+
+
+def test_a_contact_that_creeps_takes_no_more_steps_than_one_that_sticks() -> None:
+    """The friction that holds it is found before that of its creep is asked for."""
+    creeps, sticks = (pressed(f"law/friction={each}").run() for each in ("rate_and_state", "coulomb"))
+    assert creeps.complete, creeps.message
+    assert steps_of(creeps) < 2 * steps_of(sticks)
+    assert np.abs(creeps.series["slip_velocity"]).max() < 1e-8
+
+
+def pressed(*choices: str) -> Setup:
+    """A motor that is always in contact."""
+    parts = "law=composed", "law/normal=linear", "contact.preload=20 N", "rotor.bearing_damping=300"
+    return build([*parts, "solver.duration=0.5 ms", *choices])
+
+
+def steps_of(trajectory: Trajectory) -> int:
+    return sum(trajectory.statistics[name] for name in ("contact_steps", "rejected_steps"))
+
+
+def test_a_contact_on_a_fast_mode_may_take_the_steps_that_the_mode_wants(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(STEP_LIMIT, 5_000)
+    mass, fast, slow = 1e-3, 1.6e7, 1e3
+    springs = {"normal_stiffness": mass * fast**2, "stiffness": mass * slow**2}
+    motor = block(mass, height=-1e-6, weight=10.0, **springs)
+    trajectory = ran(motor, HertzPenalty(friction_coefficient=0.0), 2e-4)
+    assert trajectory.complete, trajectory.message
+    assert steps_of(trajectory) > 5_000 + 2 * int(np.ceil(2.0 * np.pi / slow / 4e-6))
+
+
 def test_friction_that_jumps_with_the_slip_stalls() -> None:
     trajectory = ran(case_a(), SignOfSlip(), 1e-3)
     assert trajectory.ending is Ending.STALLED
@@ -95,9 +137,10 @@ def test_a_law_that_crawls_stalls_after_as_many_steps_however_they_are_cut(
 ) -> None:
     monkeypatch.setattr(STEPS_PER_CALL, steps)
     monkeypatch.setattr(STEP_LIMIT, 5_000)
-    trajectory = ran(case_a(), RateAndState(), 1e-3)
+    # Its creep is below the round-off of a slip.
+    trajectory = ran(case_a(), RateAndState(), 1e-3, tolerance=1e-11)
     assert trajectory.ending is Ending.STALLED
     limit = 5_000 + 2 * int(np.ceil(1.0 / 6420.0 / 4e-6))
-    taken = sum(trajectory.statistics[name] for name in ("contact_steps", "rejected_steps"))
+    taken = steps_of(trajectory)
     # Those of the last step are many, as it is tried shorter and shorter.
     assert limit < taken < 2 * limit

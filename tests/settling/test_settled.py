@@ -151,22 +151,22 @@ def test_a_tip_that_stays_in_contact_is_not_free(separation: float) -> None:
     result = settling_of(columns, {name: np.array([value]) for name, value in rows.items()}, PERIOD)
     assert result.reason == ""
     assert result.verdict == "settled"
-    assert result.motion == "period one"
+    assert result.motion == "periodic"
 
 
 @pytest.mark.parametrize(
     ("impulses", "kind"),
     [
-        (np.ones(100), "period one"),
-        (1.0 + 0.1 * 0.8 ** np.arange(100.0), "period one"),
-        (logistic(3.2), "period 2"),
-        (logistic(3.5), "period 4"),
-        (logistic(3.83), "period 3"),
+        (np.ones(100), "periodic"),
+        (1.0 + 0.1 * 0.8 ** np.arange(100.0), "periodic"),
+        (logistic(3.2), "periodic over 2 periods"),
+        (logistic(3.5), "periodic over 4 periods"),
+        (logistic(3.83), "periodic over 3 periods"),
         (logistic(4.0 - 1e-9), "chaotic"),
         (logistic(3.9), "chaotic"),
         (1.0 + 0.1 * np.sin(pi * (sqrt(5.0) - 1.0) * np.arange(2000)), "quasi-periodic"),
         (1.0 + 0.1 * 0.97 ** np.arange(100.0) * (-1.0) ** np.arange(100), ""),
-        (logistic(3.9, 120), "irregular"),
+        (logistic(3.9, 120), "aperiodic"),
         (np.zeros(100), "without contact"),
     ],
 )
@@ -239,7 +239,7 @@ def misses(law: str) -> list[float]:
         result = settling_of(columns, rows, period_of(setup.motor.drive))
         off.append(abs(result.velocity - truth(law)) / result.error)
         assert result.verdict == ("settled" if result.share <= 0.01 else "not settled")
-    assert result.motion == "period one"
+    assert result.motion == "periodic"
     return off
 
 

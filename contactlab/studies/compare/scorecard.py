@@ -12,6 +12,7 @@ from contactlab import metrics, variables
 from contactlab.metrics import METRICS, VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.results.netcdf import cf_attributes
+from contactlab.settling.statistics import PERIODIC, WITHOUT_CONTACT
 from contactlab.steady_state.means import LONGEST, QUANTITIES
 from contactlab.studies.compare.measured import Measured
 from contactlab.studies.compare.reruns import Reruns
@@ -35,9 +36,8 @@ ENERGY_TERMS: Final = {
 UNSETTLED: Final = 0.01
 """Relative distance of a recorded velocity from the settled one that is reported."""
 
-WITHOUT_CONTACT: Final = "without contact"
 NOT_KNOWN: Final = "not known"
-"""Kinds of motion."""
+"""Kind of a motion that fails."""
 
 SERIES: Final = (
     "tip_tangential_displacement", "tip_normal_displacement", "gap", "slip_velocity", "normal_force",
@@ -211,7 +211,7 @@ def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
     if other := [
         f"{label} ({kind})"
         for label, kind in kinds.items()
-        if kind not in (NOT_KNOWN, WITHOUT_CONTACT, "periodic")
+        if kind not in (NOT_KNOWN, WITHOUT_CONTACT, PERIODIC)
     ]:
         yield (
             f"No periodic motion: {listed(other)}; values are means over {LONGEST // 2} periods, with "
