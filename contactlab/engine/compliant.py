@@ -292,10 +292,10 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
     solve_linear(system, NODES)
     most = 0.0
     for i in range(NODES):
-        answer, change = state.normal.node[i], system[i, NODES]
+        of_law, change = state.normal.node[i], system[i, NODES]
         state.normal.node[i] = system[i, BEFORE] + change
         if slides:
-            share = state.normal.node[i] / answer if answer != 0.0 else 1.0
+            share = state.normal.node[i] / of_law if of_law != 0.0 else 1.0
             state.bound.node[i] *= share
             state.bias.node[i] *= share
             state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]

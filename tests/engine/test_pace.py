@@ -96,7 +96,7 @@ def test_a_contact_that_its_damping_holds_takes_no_more_steps_than_another(least
 
 
 def test_a_contact_that_creeps_takes_no_more_steps_than_one_that_sticks() -> None:
-    """The friction that holds it is found before that of its creep is asked for."""
+    """The friction that holds it is found first, and from there that of its creep."""
     creeps, sticks = (pressed(f"law/friction={each}").run() for each in ("rate_and_state", "coulomb"))
     assert creeps.complete, creeps.message
     assert steps_of(creeps) < 2 * steps_of(sticks)
