@@ -290,7 +290,9 @@ class Sweeping:
         plan = planned(
             arguments,
             full_keys(table(samples), arguments) if samples else arguments.columns,
-            Outputs.named(settings.metrics, settings.series or ()) if is_run else Outputs.of_study(study),
+            Outputs.named(settings.metrics, settings.series or (), "sweep.")
+            if is_run
+            else Outputs.of_study(study),
             samples=samples is not None,
             # A cell of a study takes seconds: every one is kept as it ends.
             chunk=settings.chunk or (None if is_run else 1),

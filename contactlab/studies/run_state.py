@@ -118,8 +118,20 @@ def _adapter() -> "TypeAdapter[State]":
 def key_of(setup: Setup) -> str:
     """Return the digest of all that a run's numbers depend on: configuration, version and code."""
     code = code_of(*classes_of(setup.law), resonator=_resonator_in(setup.configuration))
-    parts = (json.dumps(setup.configuration, sort_keys=True), *code)
-    return sha256("\0".join(parts).encode()).hexdigest()
+    return _key(setup.configuration, code)
+
+
+def is_of_other_code(job: Job) -> bool:
+    """Return whether a run was made by other code than is installed, or by some that is not."""
+    try:
+        return _key(job.configuration, code_in(job.configuration)) != job.key
+    # A configuration may be anything, and so may a law of another package.
+    except Exception:
+        return True
+
+
+def _key(configuration: Mapping[str, Any], code: Sequence[str]) -> str:
+    return sha256("\0".join((json.dumps(configuration, sort_keys=True), *code)).encode()).hexdigest()
 
 
 def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:

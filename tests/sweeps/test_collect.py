@@ -27,6 +27,15 @@ def simulations(monkeypatch: pytest.MonkeyPatch) -> Simulations:
     return made
 
 
+def test_runs_of_other_code_are_counted_when_they_are_collected(
+    command: Command, simulations: Simulations, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
+    assert collect("sweep").attrs["runs_of_other_code"] == 0
+    monkeypatch.setattr("contactlab.studies.run_state.code_digest", lambda: "that of an edited file")
+    assert collect("sweep").attrs["runs_of_other_code"] == 2
+
+
 def test_a_sweep_over_an_option_and_a_number_is_a_grid_in_si(
     command: Command, simulations: Simulations
 ) -> None:

@@ -30,7 +30,7 @@ from contactlab.progress import tell_progress
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_digest
-from contactlab.studies.run_state import RUNNING, Job, Status, read_state, status_of
+from contactlab.studies.run_state import RUNNING, Job, Status, is_of_other_code, read_state, status_of
 from contactlab.studies.sweep.dataset import (
     DATASET,
     REASONS,
@@ -108,7 +108,8 @@ def collect(
     Returns:
         The metrics over the parameters that differ between runs: a dimension each if the runs form a
         grid, else all along the dimension `run`. NaN with `status` and `reason` where a run did not reach
-        its end, numbers with both where its energy ledger is open; `job` is the run's folder. The file is
+        its end, numbers with both where its energy ledger is open; `job` is the run's folder. The attribute
+        `runs_of_other_code` counts those whose law, resonator or contactlab has changed since. The file is
         the attribute `source` of the dataset's `encoding`.
 
     Raises:
@@ -218,7 +219,11 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         "reason": np.array([run.reason for run in runs]),
         "job": np.array([run.name for run in runs]),
     }
+    others = sum(
+        bool(run.job.key) and run.status in _WITH_NUMBERS and is_of_other_code(run.job) for run in runs
+    )
     attributes = {
+        "runs_of_other_code": others,
         "law": " ".join(sorted({str(each["law.name"]) for each in known if "law.name" in each})),
         "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
     }

@@ -188,6 +188,10 @@ def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:
         lines.append(f"{name}: {Status(cell['status'].item()).name.lower()}. {cell['reason'].item()}")
     if len(incomplete) > most:
         lines.append(f"... and {len(incomplete) - most} more, see `status` and `reason` in the file.")
+    if others := dataset.attrs.get("runs_of_other_code", 0):
+        lines.append(
+            f"{others} of other code than is installed: run them again, to compare them with new ones."
+        )
     sizes = " x ".join(f"{name} {size}" for name, size in dataset.sizes.items())
     return "\n".join([*lines, f"Collected in {path}: {sizes}."])
 

@@ -78,8 +78,12 @@ class Outputs:
         return cls(tuple(variable.name for variable in numbers_of(name)), study=name)
 
     @classmethod
-    def named(cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str) -> "Outputs":
+    def named(
+        cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str, group: str = ""
+    ) -> "Outputs":
         """Return outputs by names, each once; None is the usual metrics and 'all' all of them.
+
+        Faults name the keys `metrics` and `series` of a group, 'sweep.'.
 
         Raises:
             ConfigurationError: a name that is no metric or no series, or nothing at all.
@@ -88,18 +92,18 @@ class Outputs:
         kept, recorded = (
             tuple(dict.fromkeys(listed(each) if isinstance(each, str) else each)) for each in (chosen, series)
         )
-        unknown = [("metric", name, [*METRICS]) for name in kept if name not in METRICS]
+        unknown = [("metrics", name, [*METRICS]) for name in kept if name not in METRICS]
         unknown += [
             ("series", name, [*SERIES])
             for name in recorded
             if name not in SERIES and not name.startswith(INTERNAL)
         ]
         raise_faults(
-            f"There is no {kind} '{name}'; it must be one of {', '.join(known)}. {suggestion(name, known)}"
-            for kind, name, known in unknown
+            f"{group}{key} has '{name}'; it must be one of {', '.join(known)}. {suggestion(name, known)}"
+            for key, name, known in unknown
         )
         if not kept and not recorded:
-            raise ConfigurationError(["There must be one metric or series at least."])
+            raise ConfigurationError([f"{group}metrics and {group}series have none; there must be one."])
         return cls(kept, recorded)
 
     def of_laws(self, laws: Iterable[ContactLaw]) -> "Outputs":
