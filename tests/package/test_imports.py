@@ -1,6 +1,7 @@
 """Whoever imports the package, asks for help or simulates imports what that needs and no more."""
 
 import os
+import re
 import subprocess
 import sys
 import tomllib
@@ -55,6 +56,22 @@ def test_a_run_imports_neither_analyses_nor_what_only_they_need(picture: str, tm
     assert imported.isdisjoint({"matplotlib.pyplot", "xarray", "pandas", *ALGORITHMS, *OTHERS, *ANALYSES})
 
 
+ROOT = Path(__file__).parents[2]
+
+
+def layers() -> list[list[str]]:
+    """Return the modules of each layer, the highest first."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    rows = project["tool"]["importlinter"]["contracts"][0]["layers"]
+    return [row.replace(" ", "").split("|") for row in rows]
+
+
+def test_the_table_of_modules_is_that_of_the_layers() -> None:
+    page = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    rows = page.partition("| module | subject |\n|---|---|\n")[2].partition("\n\n")[0].splitlines()
+    assert [re.findall(r"`(\w+)`", row.split("|")[1]) for row in rows] == layers()
+
+
 ALONE = """
 import os, pkgutil, sys
 from importlib import import_module
@@ -90,9 +107,7 @@ for i, layer in enumerate(layers):
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="The system has no fork.")
 def test_each_room_alone_imports_those_below_it_and_no_other(tmp_path: Path) -> None:
-    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))
-    layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
-    plain = [layer.replace(" ", "") for layer in layers if layer != "__main__"]
+    plain = ["|".join(row) for row in layers() if row != ["__main__"]]
     run = subprocess.run(
         [sys.executable, "-c", ALONE, *plain], cwd=tmp_path, capture_output=True, text=True, check=True
     )
