@@ -10,7 +10,7 @@ from typing import Any
 
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE, RefusalError
-from contactlab.laws.base import ContactLaw, Friction, PenaltyLaw, has_limit
+from contactlab.laws.base import ContactLaw, Friction, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import SHARED, Declared, family_of, members_of
 from contactlab.laws.memory import ODD, InternalVariable
@@ -138,7 +138,8 @@ def declared_rows(owner: type[Declared]) -> dict[str, str]:
         rows["tension"] = _shown(law, "allows_tension", {True: "allowed", False: "none"})
     if issubclass(owner, ContactLaw):
         rows["convergence order"] = _shown(law, "convergence_order")
-        rows["contact step"] = "none" if has_limit(owner) else f"{owner.default_contact_step:g} s by default"
+        step = f"{owner.default_contact_step:g} s by default"
+        rows["contact step"] = step if issubclass(owner, PenaltyLaw) else "none"
     has_friction = issubclass(owner, ContactLaw | Friction)
     if has_friction:
         rows["stick"] = _shown(law, "exact_stick", STICK)

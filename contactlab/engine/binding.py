@@ -1,6 +1,6 @@
 """A law bound to the engine: one function of one signature for each kernel, whatever the kernel names.
 
-The engine evaluates every law by eight functions of fixed signatures. Here each is written from the names of
+The engine evaluates every law by nine functions of fixed signatures. Here each is written from the names of
 the law's own kernel, as a dataclass writes its methods, for example
 
     def force(gap, gap_rate, slip, impact_speed, row):
@@ -9,8 +9,7 @@ the law's own kernel, as a dataclass writes its methods, for example
 
 so that one compiled loop serves all laws. `row` holds, in this order,
 
-    step [s], 1 in an impact, tilt [rad], spin [rad/s], impact speed [m/s], internal variables, NaN,
-    coefficients
+    tilt [rad], spin [rad/s], impact speed [m/s], internal variables, NaN, coefficients
 
 with NaN between the coefficients of the parts of a composed law. A law without a kernel has one that does
 nothing.
@@ -36,7 +35,7 @@ from numba import types
 from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.compiler.kernels import INTERPRETED, fleeting_kernel, generated_kernel, remade
-from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
+from contactlab.engine.state import HEAD, SPEED, SPIN, TILT
 from contactlab.foreign import compiled_constants, is_own
 from contactlab.interrupts import is_of_a_signal
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -118,7 +117,8 @@ _state = (_real,) * 4
 SIGNATURES: Final = {
     "force": types.UniTuple(_real, 5)(*_state, _row),
     "friction_force": types.UniTuple(_real, 4)(*_state, _row),
-    "solve": types.Tuple((_real, _real, _whole))(*[_real] * 7, _row),
+    "impact": types.UniTuple(_real, 2)(*[_real] * 5, _row),
+    "bound": _real(_real, _real, _row),
     "rate": _real(_whole, *_state, _row),
     "guard": _real(_whole, *_state, _row),
     "jump": _real(_whole, _whole, *_state, _row),
@@ -127,13 +127,14 @@ SIGNATURES: Final = {
 }
 """Signatures of the bound kernels by name, in the order in which the loop takes them."""
 
-LIMITS, FORCE, FRICTION, SOLVE = map(list(SIGNATURES).index, ("limits", "force", "friction_force", "solve"))
+LIMITS, FORCE, FRICTION, IMPACT = map(list(SIGNATURES).index, ("limits", "force", "friction_force", "impact"))
 
 _STATE: Final = "gap, gap_rate, slip, normal"
 _ARGUMENTS: Final = {
     "force": "gap, gap_rate, slip, impact_speed, row",
     "friction_force": f"{_STATE}, row",
-    "solve": "normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, row",
+    "impact": "approach, slip, d_nn, d_nt, d_tt, row",
+    "bound": "normal, slip, row",
     "rate": f"which, {_STATE}, row",
     "guard": f"which, {_STATE}, row",
     "jump": f"which, event, {_STATE}, row",
@@ -143,7 +144,8 @@ _ARGUMENTS: Final = {
 _IDLE: Final = {
     "force": "0.0, 0.0, 0.0, 0.0, 0.0",
     "friction_force": "0.0, 0.0, 0.0, 0.0",
-    "solve": "0.0, 0.0, 0",
+    "impact": "0.0, 0.0",
+    "bound": "0.0",
     "rate": "0.0",
     "guard": "1.0",
     "jump": f"row[{HEAD} + which]",
@@ -155,14 +157,8 @@ _IDLE: Final = {
 _OF_FEW: Final = ("rate", "guard", "jump", "limits", "moment")
 """Kernels that few laws have: without any of them a law is plain."""
 
-_FROM_ROW: Final = {
-    "step": f"row[{STEP_LENGTH}]",
-    "impact": f"(row[{IMPACT}] != 0.0)",
-    "tilt": f"row[{TILT}]",
-    "spin": f"row[{SPIN}]",
-    "impact_speed": f"row[{SPEED}]",
-}
-_TYPES: Final = {"which": _whole, "event": _whole, "impact": types.boolean}
+_FROM_ROW: Final = {"tilt": f"row[{TILT}]", "spin": f"row[{SPIN}]", "impact_speed": f"row[{SPEED}]"}
+_TYPES: Final = {"which": _whole, "event": _whole}
 """Types of arguments that are no real numbers."""
 
 
@@ -171,8 +167,8 @@ class Bound(NamedTuple):
     """A law's bound kernels.
 
     Args:
-        kernels: in the order of `SIGNATURES`; None for `solve` of a compliant law, and of a plain law for all
-            kernels that few laws have.
+        kernels: in the order of `SIGNATURES`; None for `impact` and `bound` of a compliant law, and for
+            all kernels that few laws have of a plain law.
         callbacks: functions that the Python interpreter runs in place of some of them.
         seen: quantities that kernels read from the head of the row.
         plain: whether it has no rates, guards, jumps, limits and moments.
@@ -185,8 +181,8 @@ class Bound(NamedTuple):
 
 
 def row_of(law: ContactLaw) -> Array:
-    """Return the row of a law before any contact: the step is its default, as in an impact."""
-    head = [law.default_contact_step, 1.0, 0.0, 0.0, 0.0, *(v.initial for v in law.internal_variables)]
+    """Return the row of a law before any contact."""
+    head = [0.0, 0.0, 0.0, *(v.initial for v in law.internal_variables)]
     values = [np.array(head, np.float64)]
     for part in _parts(law):
         coefficients = np.asarray(_coefficients(law, part)[1])
@@ -271,6 +267,10 @@ class _Part:
         """Return whether there is such a kernel."""
         return getattr(self.owner, kernel, None) is not None
 
+    def has_coefficient(self, name: str) -> bool:
+        """Return whether there is such a coefficient."""
+        return name in self._coefficients
+
     def names(self, kernel: str, *wanted: str) -> bool:
         """Return whether a kernel names one of some quantities."""
         return self.has(kernel) and not {*names_of(self._function(kernel))}.isdisjoint(wanted)
@@ -315,7 +315,8 @@ _CONTACT: Final = {
 _IN_CONTACT: Final = {**_CONTACT, "normal": "normal"}
 _OF_FORCE: Final = {**_CONTACT, "impact_speed": "impact_speed"}
 _WHICH, _EVENT = {"which": "which"}, {"which": "which", "event": "event"}
-_RIGID: Final = {name: name for name in _ARGUMENTS["solve"].split(", ")[:-1]}
+_IMPACT: Final = {name: name for name in _ARGUMENTS["impact"].split(", ")[:-1]}
+_BOUND: Final = {"normal": "normal", "slip": "slip"}
 _MOMENT: Final = {"gap": "gap", "depth": "-gap", "normal": "normal"}
 _LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
@@ -336,7 +337,12 @@ def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
 
 def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
     if isinstance(law, MultiplierLaw):
-        made = {"solve": [f"return {part.call('solve', _RIGID)}"]}
+        # Without a coefficient of friction the default bound is none.
+        frictionless = {} if part.has_coefficient("friction_coefficient") else {"friction_coefficient": "0.0"}
+        made = {
+            "impact": [f"return {part.call('impact', _IMPACT)}"],
+            "bound": [f"return {part.call('bound', _BOUND | frictionless)}"],
+        }
     else:
         made = {"force": [f"normal, bound, stored, loss = {part.call('force', _OF_FORCE)}", *_bounds(part)]}
     of_three = part.count > part.coupled
@@ -460,7 +466,7 @@ def _bound(shape: _Shape) -> Bound:
     kernels: list[Any] = []
     callbacks: list[Callback] = []
     for name, signature in SIGNATURES.items():
-        if (name == "solve" and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
+        if (name in ("impact", "bound") and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
             kernels.append(None)
             continue
         kernel, callback = _compiled(name, *sources[name], kinds, owners, signature)

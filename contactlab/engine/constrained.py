@@ -3,13 +3,11 @@
 An impact is the law's, with the Delassus matrix D of the contact as it stands. While the contact lasts, the
 multipliers N and F of a collocated step hold at every node
 
-    gdot = 0,   and in stick v = 0, in slip F = r N,
+    gdot = 0,   and in stick v = 0, |F| <= bound(N, 0), in slip F = -bound(N, v) sign(v) = r N
 
-so that the step has the order of compliant contact and no error of the law's. What the law says of a contact
-that lasts is read from its impulses: r is the ratio in which they slide, and friction holds the slip at
-zero up to the largest ratio |F|/N that they stick with. Where they never stick, but drive a slip of either
-sign back, the slip stays at zero as well: it is what chattering tends to (Filippov 1988, Differential
-Equations with Discontinuous Righthand Sides, sec. 4).
+(docs/theory/rigid.md, eq. 4.12), so that the step has the order of compliant contact and no error of the
+law's. A law that always slips holds the slip at zero as well, inside its bound: it is what its chattering in
+time stepping tends to (Filippov 1988, Differential Equations with Discontinuous Righthand Sides, sec. 4).
 
 After an impact with a rebound w the tip flies, as long as that matters: under a pressing
 acceleration a the flight takes 2 w/|a|, and with the restitution e = w/|w_before| the infinitely many that
@@ -63,14 +61,13 @@ from contactlab.engine.memory import (
 )
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
-from contactlab.engine.rigid import ROUND_OFF
+from contactlab.engine.rigid import ROUND_OFF, friction_ratio, sliding_ratio, wedges
 from contactlab.engine.rootfinding import CONE_ROUND_OFF, TIME_DIGIT, locate
 from contactlab.engine.state import (
     BETWEEN,
     COLLOCATED,
     CONE,
     FLIGHT,
-    IMPACT,
     INCONSISTENT,
     NODES,
     NOT_FINITE,
@@ -88,14 +85,11 @@ from contactlab.engine.state import (
     value_at,
 )
 from contactlab.laws.base import SLIP, STICK
-from contactlab.laws.lagrange import stick_impulse, wedges
+from contactlab.laws.lagrange import stick_impulse
 from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 LASTING = 1e-6
-"""Time of a contact that lasts, over that in which its friction could end the slip: short enough to slide."""
-
-MOST_RATIO = 1e8
-"""Ratio |F|/N from which on friction holds whatever there is."""
+"""Approach over slip of the impact that ends a sliding contact which presses itself together (Painleve)."""
 
 POLISHES = 3
 """Secants to the least margin between two nodes: what is left of the way to it is negligible squared."""
@@ -108,9 +102,6 @@ NEARLY_ELASTIC = 0.01
 
 LEAST_HEIGHT = 10.0 * CLEAR
 """Height [m] of a rebound whose flight the digits of the gap still resolve."""
-
-HALVINGS = 60
-"""Of the bracket around the largest ratio that sticks."""
 
 Matrix = tuple[float, float, float]
 """D_nn, D_nt, D_tt [1/kg]."""
@@ -243,60 +234,17 @@ def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
 
 
 @inner_kernel
-def _sliding_ratio(law: Law, slip: float, d: Matrix) -> float:
-    """Return r = F/N with which a contact that lasts slides at a slip [m/s]; none where it cannot (Painleve).
+def _jumps(law: Law, side: float, normal: float, d: Matrix) -> bool:
+    """Return whether the forces jump where a stick leaves its bound with friction of the sign `side`.
 
-    It is that of the law's impulses over a time in which they cannot end the slip.
+    They do where static friction is not kinetic friction at a normal force [N], and where the contact cannot
+    slide that way and opens (Painleve).
     """
-    d_nn, d_nt, d_tt = d
-    law.row[IMPACT] = 0.0
-    pressing = LASTING * abs(slip) * d_nn / d_tt
-    p_n, p_t, mode = law.solve(-pressing, slip, 0.0, slip, d_nn, d_nt, d_tt, law.parameters)
-    if mode == STICK or not p_n > 0.0 or not d_nn * p_n + d_nt * p_t > 0.0:
-        return np.nan
-    return float(p_t / p_n)
-
-
-@inner_kernel
-def _holds(law: Law, ratio: float, d: Matrix) -> bool:
-    """Return whether the law sticks, at rest, with F/N = ratio."""
-    d_nn, d_nt, d_tt = d
-    normal, tangential = -(d_nn + d_nt * ratio), -(d_nt + d_tt * ratio)
-    _, _, mode = law.solve(LASTING * normal, LASTING * tangential, 0.0, 0.0, d_nn, d_nt, d_tt, law.parameters)
-    return bool(mode == STICK)
-
-
-@inner_kernel
-def _holding_ratio(law: Law, side: float, d: Matrix) -> float:
-    """Return the largest |F|/N that holds the slip at zero, with friction of the sign `side`."""
-    most = side * _sliding_ratio(law, -side * SLIP_ROUND_OFF, d)
-    least = most if most > 0.0 else 0.0
-    law.row[IMPACT] = 0.0
-    # As a rule friction at rest is that of slip.
-    if not _holds(law, side * (least * (1.0 + CONE_ROUND_OFF) + ROUND_OFF), d):
-        return least
-    most = max(2.0 * least, 1.0)
-    while _holds(law, side * most, d):
-        if most > MOST_RATIO:
-            return inf
-        least, most = most, 2.0 * most
-    for _ in range(HALVINGS):
-        middle = 0.5 * (least + most)
-        if _holds(law, side * middle, d):
-            least = middle
-        else:
-            most = middle
-    return least
-
-
-@inner_kernel
-def _jumps(law: Law, side: float, d: Matrix) -> bool:
-    """Return whether the forces jump where a stick leaves its cone with friction of the sign `side`.
-
-    They do unless it slides on with the ratio that held it: where static friction is larger than kinetic, and
-    where the contact cannot slide that way and opens (Painleve).
-    """
-    return bool(side * _sliding_ratio(law, -side * SLIP_ROUND_OFF, d) != _holding_ratio(law, side, d))
+    normal = normal if normal > 0.0 else 1.0
+    static = law.bound(normal, 0.0, law.parameters)
+    kinetic = law.bound(normal, -side * SLIP_ROUND_OFF, law.parameters)
+    opens = d[0] + side * kinetic / normal * d[1] <= 0.0
+    return bool(opens or abs(static - kinetic) > CONE_ROUND_OFF * static)
 
 
 @part_kernel
@@ -379,8 +327,7 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     frame = contact_at(run.plant, START)
     d_nn, d_nt, d_tt = _matrix_of(run, frame)
     recall_start(run, law)
-    law.row[IMPACT] = 1.0
-    p_n, p_t, mode = law.solve(rate, slip, rate, slip, d_nn, d_nt, d_tt, law.parameters)
+    p_n, p_t = law.impact(rate, slip, d_nn, d_nt, d_tt, law.parameters)
     state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
     if not p_n > 0.0 or not np.isfinite(p_n + p_t):
         state.ending = INCONSISTENT if np.isfinite(p_n + p_t) else NOT_FINITE
@@ -388,12 +335,9 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     _push(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)
     rebound, left = after[1], after[2]
-    # A law may call stick what leaves a slip.
-    if mode == STICK and abs(left) <= ROUND_OFF * max(abs(rate), abs(slip)):
+    if abs(left) <= ROUND_OFF * max(abs(rate), abs(slip), abs(d_tt * p_t)):
         left = 0.0
-    else:
-        mode = SLIP
-    _become(run, law, mode, left)
+    _become(run, law, STICK if left == 0.0 else SLIP, left)
     if rebound <= ROUND_OFF * abs(rate):
         return False
     if not _ends(run, rebound, 1.0 - rebound / abs(rate)):
@@ -401,7 +345,8 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     if left == 0.0:
         p_n, p_t = stick_impulse(rebound, 0.0, d_nn, d_nt, d_tt)
     else:
-        ratio = _sliding_ratio(law, left, (d_nn, d_nt, d_tt))
+        pressing = free_accelerations(run, START, 0.0)[0]
+        ratio = sliding_ratio(law, pressing, left, (d_nn, d_nt, d_tt))
         ratio = ratio if np.isfinite(ratio) else 0.0
         p_n = -rebound / (d_nn + ratio * d_nt)
         p_t = ratio * p_n
@@ -441,8 +386,8 @@ def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bo
     the forces jump at the edge, it counts at once.
     """
     state, side = run.state, 1.0 if friction > 0.0 else -1.0
-    bound = _holding_ratio(law, side, d) * normal
-    if _jumps(law, side, d):
+    bound = law.bound(normal, 0.0, law.parameters)
+    if _jumps(law, side, normal, d):
         return bool(normal > 0.0 and abs(friction) <= bound * (1.0 + ROUND_OFF))
     excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
     return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.momentum)
@@ -474,7 +419,7 @@ def _start(run: Run, law: Law) -> Known:
             _become(run, law, SLIP, -friction)
         elif state.sign * slip < -SLIP_ROUND_OFF:
             state.sign = -state.sign
-        ratio = _sliding_ratio(law, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
+        ratio = sliding_ratio(law, a_n, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
         if np.isfinite(ratio):
             normal = -a_n / (d_nn + ratio * d_nt)
             return max(normal, 0.0), ratio * max(normal, 0.0)
@@ -556,11 +501,8 @@ def _collocate(run: Run, law: Law, level: int) -> int:
             most = max(most, abs(state.normal.node[i]), abs(state.friction.node[i]))
             recall(run, law, i)
             if not sticks:
-                d = delassus(run.plant, n_u, n_th, t_u, t_th)
                 slides = state.sign * max(state.sign * slip, SLIP_ROUND_OFF)
-                ratio = _sliding_ratio(law, slides, d)
-                if np.isfinite(ratio):
-                    state.bias.node[i] = ratio
+                state.bias.node[i] = friction_ratio(law, abs(state.normal.node[i]), slides)
         change = _correct(run, level, sticks, size)
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
@@ -587,9 +529,7 @@ def _bound_node(run: Run, law: Law, i: int, sticks: bool) -> None:
     bound = abs(state.friction.node[i])
     if sticks:
         recall(run, law, i)
-        d = delassus(run.plant, step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i])
-        side = 1.0 if state.friction.node[i] > 0.0 else -1.0
-        bound = min(_holding_ratio(law, side, d), MOST_RATIO) * max(state.normal.node[i], 0.0)
+        bound = law.bound(max(state.normal.node[i], 0.0), 0.0, law.parameters)
         step.slip[i] = 0.0
     state.bound.node[i], state.bias.node[i] = bound, 0.0
 
@@ -666,11 +606,12 @@ def _margin(run: Run, law: Law, event: int, s: float) -> float:
     memory_at(run, law, law.memory, s)
     if state.mode != STICK:
         slip = contact_at(run.plant, BETWEEN)[2]
-        ratio = _sliding_ratio(law, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
-        return -free_accelerations(run, BETWEEN, s)[0] / (d[0] + ratio * d[1])
+        a_n = free_accelerations(run, BETWEEN, s)[0]
+        ratio = sliding_ratio(law, a_n, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
+        return -a_n / (d[0] + ratio * d[1])
     if event == RELEASE:
         return float(normal)
-    return float(_holding_ratio(law, 1.0 if friction > 0.0 else -1.0, d) * normal - abs(friction))
+    return float(law.bound(max(normal, 0.0), 0.0, law.parameters) - abs(friction))
 
 
 @inner_kernel
@@ -736,7 +677,8 @@ def _first_event(run: Run, law: Law) -> tuple[int, float]:
     if sticks:
         recall_start(run, law)
         d = _matrix_of(run, contact_at(run.plant, START))
-        exact = _jumps(law, 1.0, d) or _jumps(law, -1.0, d)
+        normal = value_at(state.normal, 0.0)
+        exact = _jumps(law, 1.0, normal, d) or _jumps(law, -1.0, normal, d)
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         first, s = NOTHING, right

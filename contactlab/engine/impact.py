@@ -19,6 +19,7 @@ from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.loop import run_law
 from contactlab.engine.recorder import end_with_forces
+from contactlab.engine.rigid import remaining_slip
 from contactlab.engine.state import (
     BETWEEN,
     HEAD,
@@ -63,14 +64,14 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 
 
 @inner_kernel
-def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law, solve: Any) -> None:
-    """Evaluate `solve` of a rigid law for every impact."""
+def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law, impact: Any) -> None:
+    """Evaluate the kernel of a rigid law for every impact."""
     for i in range(impacts.outcomes.size):
         contact = impacts.contacts[i]
         for k in range(state.variables):
             law.row[HEAD + k] = run.step.memory_first[k]
         _touch(run, state, law, law.memory, contact)
-        _evaluate_impact(contact, impacts.outcomes[i], law.parameters, solve)
+        _evaluate_impact(contact, impacts.outcomes[i], law.parameters, impact)
 
 
 @part_kernel
@@ -87,12 +88,13 @@ def _touch(run: Run, state: Any, law: Law, memory: Memory | None, contact: Array
 
 
 @inner_kernel
-def _evaluate_impact(contact: Array, outcome: Any, parameters: Array, solve: Any) -> None:
+def _evaluate_impact(contact: Array, outcome: Any, parameters: Array, impact: Any) -> None:
     rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
-    p_n, p_t, mode = solve(rate, slip, rate, slip, nn, nt, tt, parameters)
+    p_n, p_t = impact(rate, slip, nn, nt, tt, parameters)
     outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
     outcome.normal_impulse, outcome.friction_impulse = p_n, p_t
-    outcome.mode, outcome.ending, outcome.released = mode, RUNNING, 1
+    outcome.mode = STICK if remaining_slip(slip, p_n, p_t, nt, tt) == 0.0 else SLIP
+    outcome.ending, outcome.released = RUNNING, 1
     outcome.peak_normal_force = np.nan
     if not np.isfinite(p_n + p_t):
         _give_up(outcome, NOT_FINITE)
@@ -119,7 +121,6 @@ def integrate_impacts(
     impacts: ImpactBatch,
     law: Law,
     compliant: int,
-    solve: Any,
     waves: Array,
 ) -> None:
     """Integrate every impact of a compliant law.
@@ -141,7 +142,7 @@ def integrate_impacts(
             written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, compliant, None, None, solve, NO_END, waves)
+            run_law(run, states[1:], motions, written, law, compliant, None, None, None, NO_END, waves)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

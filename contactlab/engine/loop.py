@@ -48,7 +48,7 @@ def run_law(
     compliant: int | None,
     stepped: int | None,
     constrained: int | None,
-    solve: Any,
+    impact: Any,
     budget: int,
     waves: Array,
 ) -> None:
@@ -63,7 +63,7 @@ def run_law(
             event = NOTHING
             if each.state.phase != TOUCHING:
                 event = _step_free(each, law)
-            elif solve is None:
+            elif impact is None:
                 # The compiler leaves out what asks whether None is None, and nothing else.
                 if compliant is not None:
                     event = step_compliant(each, law)

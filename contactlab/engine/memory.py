@@ -27,12 +27,10 @@ from contactlab.engine.state import (
     FLIGHT,
     HEAD,
     HELD,
-    IMPACT,
     LAST,
     NODES,
     SPIN,
     START,
-    STEP_LENGTH,
     TILT,
     Law,
     Memory,
@@ -119,15 +117,6 @@ def recall_start(run: Run, law: Law) -> None:
         run.step.memory[START, k] = run.state.memory[k]
     note_turn_at(run, START)
     recall(run, law, START)
-
-
-@part_kernel
-def pass_step(run: Run, law: Law) -> None:
-    """Pass a rigid law its internal variables, the length of its step [s], and whether it is of an impact."""
-    recall_start(run, law)
-    if run.state.told != 0:
-        law.row[STEP_LENGTH] = run.state.length
-        law.row[IMPACT] = 1.0 if run.state.contact.duration == 0.0 else 0.0
 
 
 @part_kernel

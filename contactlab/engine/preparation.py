@@ -19,9 +19,9 @@ from contactlab.compiler.notice import telling
 from contactlab.engine.binding import (
     FORCE,
     FRICTION,
+    IMPACT,
     LIMITS,
     SIGNATURES,
-    SOLVE,
     Bound,
     bind,
     law_errors,
@@ -55,12 +55,11 @@ from contactlab.engine.state import (
     state_from_value,
 )
 from contactlab.interrupts import signals_wait
-from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, has_limit, is_stepped
+from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, is_stepped
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
 from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of
-from contactlab.motor import NormalModes
 from contactlab.motor.motor import Motor
 from contactlab.motor.outputs import output_rows
 from contactlab.trajectory import Ending
@@ -73,9 +72,6 @@ GOES_ON: Final = (
     *("left", "kept", "normal_before", "friction_before"),
 )
 """What a contact, or the residual indentation that the last one has left, is continued from."""
-
-LARGEST_TURN: Final = 0.01
-"""Largest step in rigid contact, times the tip's rate [1]."""
 
 AT_REST: Final = 1e-14
 """Gap [m] up to which a run begins at rest in contact, not in flight."""
@@ -100,14 +96,14 @@ def default_record_interval(motor: Motor, duration: float) -> float:
 
 
 def default_contact_step(motor: Motor, law: ContactLaw, duration: float) -> float | None:
-    """Return the step in contact [s] of a law on a motor; None of a law that `has_limit`.
+    """Return the step in contact [s] of a law on a motor; None of a rigid law, which is solved in its limit.
 
     Of a compliant law, whose error does not depend on it, it is the law's `default_contact_step`, or longer
-    for slow motors, see `for_slow`; of others at most the law's.
+    for slow motors, see `for_slow`.
     """
     if isinstance(law, PenaltyLaw):
         return for_slow(law.default_contact_step, CONTACT_TURN, motor, duration)
-    return None if has_limit(law) else stepping_step(motor.modes, law)
+    return None
 
 
 def for_slow(shortest: float, turn: float, motor: Motor, duration: float) -> float:
@@ -119,25 +115,6 @@ def for_slow(shortest: float, turn: float, motor: Motor, duration: float) -> flo
     rate = max(rates.max(initial=0.0), motor.drive.angular_frequency.max(initial=0.0))
     longest = duration / DEFAULT_COUNT
     return max(shortest, float(min(turn / rate, longest)) if rate > 0.0 else longest)
-
-
-def stepping_step(modes: NormalModes, law: ContactLaw) -> float:
-    """Return a step [s] for the time stepping of a law on a resonator, at most its `default_contact_step`.
-
-    A rigid law that projects puts the tip back onto the closed gap after every step, after an impact at
-    speed v by about v h / 2. That bends the modes, which costs or gives energy of the order of rate h
-    times that of the impact and is in no term of the ledger, with
-
-        rate^2 = sum_j row_j^2 min(omega_j, k_j/c_j)^2 / sum_j row_j^2,
-
-    row_j being the tip's displacement in mode j; an overdamped mode counts by its slow root.
-    """
-    step = law.default_contact_step
-    if not isinstance(law, MultiplierLaw) or not law.projects:
-        return step
-    row = modes.approach
-    turning = float(np.linalg.norm(row * persisting_rates(modes.stiffness, modes.damping)))
-    return min(step, LARGEST_TURN * float(np.linalg.norm(row)) / turning) if turning > 0.0 else step
 
 
 def check_kinds(motor: Motor, law: ContactLaw) -> None:
@@ -251,7 +228,7 @@ SECONDS: Final = {
 
 def kind_of(bound: Bound, impacts: bool, stepped: bool) -> str:
     """Return what the loop is compiled for."""
-    family = "compliant" if bound.kernels[SOLVE] is None else "stepped rigid" if stepped else "rigid"
+    family = "compliant" if bound.kernels[IMPACT] is None else "stepped rigid" if stepped else "rigid"
     with_memory = "" if bound.plain else " with internal variables"
     return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
 
@@ -272,7 +249,8 @@ def advance(
     constrained: int | None,
     force: Any,
     friction: Any,
-    solve: Any,
+    impact: Any,
+    bound: Any,
     rate: Any,
     guard: Any,
     jumps: Any,
@@ -284,19 +262,21 @@ def advance(
     States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
     that another call continues the runs. Impacts are integrated instead where there are any.
 
-    Compiled once for each combination of None: impacts or budget, `solve` of compliant laws, all but one of
+    Compiled once for each combination of None: impacts or budget, `impact` of compliant laws, all but one of
     `compliant`, `stepped` and `constrained`, which name the contact, and the last five kernels of laws
     without internal variables.
     """
-    law = Law(force, friction, solve, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
+    law = Law(force, friction, impact, bound, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
     if impacts is None:
         if budget is not None:
-            run_law(run, states, motions, records, law, compliant, stepped, constrained, solve, budget, waves)
-    elif solve is None:
+            run_law(
+                run, states, motions, records, law, compliant, stepped, constrained, impact, budget, waves
+            )
+    elif impact is None:
         if compliant is not None:
-            integrate_impacts(run, states, motions, records, impacts, law, compliant, solve, waves)
+            integrate_impacts(run, states, motions, records, impacts, law, compliant, waves)
     else:
-        evaluate_impacts(run, states[0], impacts, law, solve)
+        evaluate_impacts(run, states[0], impacts, law, impact)
 
 
 @inner_kernel
@@ -505,8 +485,8 @@ class Prepared(NamedTuple):
             state["parity"] = law.internal_variables[0].parity if law.coupled else ODD
             state["moments"] = law.moment is not None
         if isinstance(law, MultiplierLaw):
-            state["projects"], state["constrained"] = law.projects, self.constrained
-        state["told"] = not self.bound.seen.isdisjoint(("step", "impact"))
+            state["projects"], state["sticks"] = law.projects, law.sticks
+            state["constrained"] = self.constrained
         state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
         state["limited"] = law.limits is not None
         state["stepped"] = self.stepped

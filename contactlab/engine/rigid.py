@@ -11,19 +11,26 @@ force is held over the step, which keeps the order (one) and any stiff or overda
 A law that does not project is stepped as by Moreau and Jean: no displacement is corrected, the impulse is
 the law's at the place that the step would reach without contact, and a contact has steps without
 impulse until the gap is open.
+
+The impulses of a step are those of the law's impact, where the contact approaches, and of its friction bound
+(docs/theory/rigid.md, "Stick or slip"). What forces bring within the step is no impact, or contact that lasts
+would bounce in every step; and what they take away before its end need not be stopped. A rebound that forces
+end within the step is none: the contact lasts, without restitution.
 """
 
 from math import inf
 
+import numpy as np
+
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import add_constant, checked, contact_at, free_response, rates_in_frame
-from contactlab.engine.memory import pass_step
+from contactlab.engine.memory import SLIP_ROUND_OFF, recall_start
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, Law, Run, hold
 from contactlab.laws.base import SLIP, STICK
-from contactlab.laws.lagrange import wedges
+from contactlab.laws.lagrange import stick_impulse
 from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 NONE, ONE, SEVERAL = range(3)
@@ -31,6 +38,12 @@ NONE, ONE, SEVERAL = range(3)
 
 ROUND_OFF = 1e-12
 """Of a gap rate, relative to the rates at the contact."""
+
+MOST_ITERATIONS = 50
+"""Iterations of the ratio of friction to the normal force that it depends on."""
+
+Matrix = tuple[float, float, float]
+"""D_nn, D_nt, D_tt [1/kg]."""
 
 Answer = tuple[float, float, int, int]
 """Normal and friction impulse [N s], the mode, and how many answers there are."""
@@ -153,10 +166,12 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
         nt += mobility * normal * tangential
         tt += mobility * tangential * tangential
     normal_rate, tangential_rate = rates_in_frame(run, LAST)
-    pass_step(run, law)
-    p_n, p_t, friction_mode = law.solve(
-        normal_rate, tangential_rate, gap_rate, slip, nn, nt, tt, law.parameters
-    )
+    recall_start(run, law)
+    rates, d = (normal_rate, tangential_rate), (nn, nt, tt)
+    if state.contact.duration == 0.0 or state.projects == 0:
+        p_n, p_t, friction_mode = impact_impulses(run, law, gap_rate, rates, slip, d)
+    else:
+        p_n, p_t, friction_mode = lasting_impulses(run, law, rates, slip, d)
     state.critical_friction = nn / abs(nt) if nt != 0.0 else inf
     round_off = ROUND_OFF * max(abs(gap_rate), abs(slip), abs(tangential_rate))
     count = ONE
@@ -165,6 +180,124 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
     elif wedges(normal_rate, tangential_rate, nn, nt, tt, state.friction_limit):
         count = SEVERAL
     return p_n, p_t, friction_mode, count
+
+
+@inner_kernel
+def impact_impulses(
+    run: Run, law: Law, gap_rate: float, rates: tuple[float, float], slip: float, d: Matrix
+) -> tuple[float, float, int]:
+    """Return impulses [N s] and mode of a step that may begin with an impact.
+
+    Args:
+        gap_rate: at the start of the step [m/s].
+        rates: gap rate and slip that the step ends with without contact [m/s].
+        slip: at the start of the step [m/s].
+    """
+    if run.state.projects == 0:
+        # Moreau and Jean: 0 <= p _|_ gdot - w >= 0, w being the rebound of the impact at the step's start.
+        rebound = 0.0
+        if gap_rate < 0.0:
+            p_n, p_t = law.impact(gap_rate, slip, d[0], d[1], d[2], law.parameters)
+            rebound = max(gap_rate + d[0] * p_n + d[1] * p_t, 0.0)
+        return lasting_impulses(run, law, (rates[0] - rebound, rates[1]), slip, d)
+    approach = min(max(gap_rate, rates[0]), 0.0)
+    if approach == 0.0:
+        return lasting_impulses(run, law, rates, slip, d)
+    # A law without stick has the friction of the slip at the start all over the step.
+    p_n, p_t = law.impact(
+        approach, rates[1] if run.state.sticks != 0 else slip, d[0], d[1], d[2], law.parameters
+    )
+    left = remaining_slip(rates[1], p_n, p_t, d[1], d[2])
+    rebound = rates[0] + d[0] * p_n + d[1] * p_t
+    if rates[0] == approach or rebound >= 0.0:
+        return p_n, p_t, STICK if left == 0.0 else SLIP
+    # The forces end the rebound within the step.
+    start = left if run.state.sticks != 0 else slip
+    more_n, more_t, mode = lasting_impulses(run, law, (rebound, left), start, d)
+    return p_n + more_n, p_t + more_t, mode
+
+
+@inner_kernel
+def lasting_impulses(
+    run: Run, law: Law, rates: tuple[float, float], slip: float, d: Matrix
+) -> tuple[float, float, int]:
+    """Return impulses [N s] and mode that leave no gap rate; arguments as of `impact_impulses`.
+
+    Stick (eq. 4.5) where the bound holds it, else slip against the friction of stick (eq. 4.6). What opens by
+    itself is released, p_n <= 0, unless it has stuck and its own friction holds it, see `wedges`.
+    """
+    h = run.state.length
+    p_n, p_t = stick_impulse(rates[0], rates[1], d[0], d[1], d[2])
+    s = -1.0 if p_t > 0.0 else 1.0 if p_t < 0.0 else 0.0
+    if run.state.sticks == 0:
+        s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
+    elif p_n > 0.0 and (rates[0] < 0.0 or abs(slip) <= abs(rates[1] - slip)):
+        # Slip that would reverse has ended: it meets static friction.
+        rests = run.state.mode == STICK or p_t * slip >= 0.0
+        if abs(p_t) <= h * law.bound(p_n / h, 0.0 if rests else slip, law.parameters):
+            return p_n, p_t, STICK
+    for side in (s, -s):
+        sliding = side * max(abs(slip), SLIP_ROUND_OFF)
+        ratio = sliding_ratio(law, rates[0] / h, sliding, d) if s != 0.0 else 0.0
+        if np.isfinite(ratio):
+            p_n = -rates[0] / (d[0] + ratio * d[1])
+            return p_n, ratio * p_n, SLIP
+        if run.state.sticks == 0:
+            break
+    # No slip meets an approach; what opens by itself is released.
+    return -abs(rates[0]) / d[0], 0.0, SLIP
+
+
+@inner_kernel
+def friction_ratio(law: Law, normal: float, slip: float) -> float:
+    """Return r = F/N of a sliding contact at a normal force [N] and a slip [m/s]."""
+    normal = normal if normal > 0.0 else 1.0
+    bound = law.bound(normal, slip, law.parameters)
+    return float(-bound / normal if slip > 0.0 else bound / normal)
+
+
+@inner_kernel
+def sliding_ratio(law: Law, acceleration: float, slip: float, d: Matrix) -> float:
+    """Return r = F/N with which a contact slides, its gap held against an acceleration [m/s^2].
+
+    N = -a/(D_nn + r D_nt) (eq. 4.13), where r may depend on N; no number where the friction of the slip
+    presses the bodies together more than N parts them (Painleve).
+    """
+    normal, ratio = abs(acceleration) / d[0], 0.0
+    for _ in range(MOST_ITERATIONS):
+        before, ratio = ratio, friction_ratio(law, normal, slip)
+        parting = d[0] + ratio * d[1]
+        if not parting > 0.0:
+            return np.nan
+        if abs(ratio - before) <= ROUND_OFF * abs(ratio):
+            break
+        normal = abs(acceleration) / parting
+    return ratio
+
+
+@inner_kernel
+def remaining_slip(slip: float, p_n: float, p_t: float, d_nt: float, d_tt: float) -> float:
+    """Return the slip that impulses leave [m/s], exactly zero where it is round-off."""
+    left = slip + d_nt * p_n + d_tt * p_t
+    return 0.0 if abs(left) <= ROUND_OFF * max(abs(slip), abs(d_nt * p_n), abs(d_tt * p_t)) else left
+
+
+@inner_kernel
+def wedges(
+    normal_rate: float, tangential_rate: float, d_nn: float, d_nt: float, d_tt: float, mu: float
+) -> bool:
+    """Return whether a contact that opens by itself is held by its own friction, if it once is (Painleve).
+
+    Friction presses the bodies together more than the normal impulse parts them, mu |d_nt| > d_nn, and
+    release, stick and a slip between the two all obey the law. None of them creates energy. The slip is no
+    limit of a compliant contact: a little more force presses more, a little less releases. Release is the
+    limit of one that slides, for it touches with no force; stick is that of one that stuck. Time stepping
+    knows which by the slip of the step's start: what the forces of this one step outweigh is none.
+
+    Source: Painleve (1895), C. R. Acad. Sci. 121, 112; Genot and Brogliato (1999), Eur. J. Mech. A 18, 653.
+    """
+    p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
+    return bool(normal_rate >= 0.0 and p_n > 0.0 and abs(p_t) <= mu * p_n)
 
 
 @part_kernel

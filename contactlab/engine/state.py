@@ -133,7 +133,7 @@ STATE: Final = record(
     "most_steps steps_before "  # in contact in a window, and those taken before it
     "projects constrained compliant friction_kind parity variables coupled guards "  # of the law; whether a
     # rigid one has no step; whether the first variable is solved together with the friction
-    "told turns limited moments "  # whether it reads step or impact, tilt or spin; has limits, moments
+    "sticks turns limited moments "  # may stick in time stepping; reads tilt or spin; has limits, moments
     "stepped signature "  # whether it is stepped in time; see `contactlab.engine.preparation.Prepared`
     "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
     # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
@@ -263,7 +263,7 @@ def state_from_value(value: State, prefix: str = "") -> tuple[Any, Array, Array]
     return leaves.view(STATE)[0], values["q"], values["v"]
 
 
-STEP_LENGTH, IMPACT, TILT, SPIN, SPEED = range(HEAD)
+TILT, SPIN, SPEED = range(HEAD)
 """Places in a law's row of what the engine writes there; internal variables begin at HEAD."""
 
 
@@ -296,7 +296,8 @@ class Law(NamedTuple):
 
     force: Kernel
     friction: Kernel
-    solve: Any
+    impact: Any
+    bound: Any
     parameters: Array
     row: Array
     memory: Memory | None

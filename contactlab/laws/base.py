@@ -12,7 +12,7 @@ A kernel is a static method whose argument names say what it needs, in any order
   [rad], the angle of the tip to the rotor's tangent, and spin [rad/s], its rate of turning less the rotor's;
   once the normal force is known also normal [N]. Frictions of a composed law have besides
   normal_stiffness = dN/dd [N/m] and its rate normal_stiffness_rate [N m^-1 s^-1], its dampings elastic_force
-  [N]. Rigid: see `MultiplierLaw.solve`;
+  [N]. Rigid: see `MultiplierLaw.impact` and `MultiplierLaw.bound`;
 * z and parameters, the internal variables and the coefficients as arrays, where their number varies.
 """
 
@@ -23,7 +23,7 @@ from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Self
 
 from contactlab.compiler.kernels import kernel
-from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared, names_of
+from contactlab.laws.declaration import FRICTION_COEFFICIENT, Coefficient, Declared, LawError
 from contactlab.laws.memory import Remembering
 
 FREE, SLIP, STICK = 0, 1, 2
@@ -46,6 +46,12 @@ def cone(normal: float, slip: float, friction_coefficient: float, static_ratio: 
     """
     ratio = static_ratio if slip == 0.0 else 1.0
     return float(friction_coefficient * ratio * max(normal, 0.0))
+
+
+@kernel
+def coulomb(normal: float, friction_coefficient: float) -> float:
+    """Return the bound of Coulomb's cone with one coefficient [N]."""
+    return float(friction_coefficient * max(normal, 0.0))
 
 
 class Tangential(Remembering):
@@ -185,10 +191,10 @@ class PenaltyLaw(ContactLaw):
 
 
 class MultiplierLaw(ContactLaw):
-    """A rigid law: holds the gap at zero, by impulses.
+    """A rigid law: an impact at touch-down, then a contact that holds the gap at zero, in a friction bound.
 
-    It is solved in its limit of no step, see `contactlab.engine.constrained`. Where a contact step is given,
-    or the law reads the step, it is stepped in time.
+    It is solved in its limit of no step, see `contactlab.engine.constrained`, or stepped in time where a
+    contact step is given, see `contactlab.engine.rigid`.
 
     >>> import contactlab as cl
     >>> law = cl.Newton(friction_coefficient=0.3, restitution=0.5)
@@ -202,33 +208,41 @@ class MultiplierLaw(ContactLaw):
     """Whether displacements are put back onto the closed gap after every step, as the paper's index-2
     corrector does, and the last step is shortened to the release; else the constraint is one of
     velocities only, the contact may penetrate by O(step), and it lasts until the gap is open."""
+    sticks: ClassVar[bool] = True
+    """Whether time stepping holds a slip at zero inside the bound; else a contact slides at the bound against
+    the slip at the start of each step, as the paper's law without stick does."""
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "solve" in vars(cls):
+            raise LawError(
+                f"The law {vars(cls).get('name', cls.__name__)} has a kernel solve, which rigid laws no "
+                "longer have. Write impact(approach, slip, d_nn, d_nt, d_tt, ...) -> normal impulse, "
+                "friction impulse for its impacts, and bound(normal, slip, ...) -> largest friction where "
+                "that of a contact that lasts is not Coulomb's."
+            )
 
     @property
     @abstractmethod
-    def solve(self) -> Kernel:
-        """The kernel, a static method as a rule.
+    def impact(self) -> Kernel:
+        """The kernel of an impact, a static method as a rule.
 
-            solve(...) -> normal impulse [N s], friction impulse [N s], mode
+            impact(...) -> normal impulse p_n [N s], friction impulse p_t [N s]
 
-        Its quantities: normal_rate and tangential_rate, gap rate and slip at the end of the step without
-        contact [m/s]; gap_rate and slip at its start [m/s], where the gap rate is that of the approach in an
-        impact and zero but for round-off while a contact lasts; d_nn, d_nt, d_tt, the symmetric Delassus
-        matrix of the step [1/kg]; step, its length [s], and impact, whether it is that of an impact. In the
-        limit of no step impulses are those of an impact, or of a contact that lasts for as short a time as
-        one likes. With
-        impulses p the step ends with normal_rate + d_nn p_n + d_nt p_t and tangential_rate + d_nt p_n + d_tt
-        p_t. The mode is SLIP or STICK. A normal impulse that is not positive means release. Internal
-        variables flow with the mean force of the step.
+        Its quantities: approach, the gap rate before the impact [m/s], negative; slip, the slip before it
+        [m/s]; d_nn, d_nt, d_tt, the symmetric Delassus matrix [1/kg]. The impact leaves the gap rate
+        approach + d_nn p_n + d_nt p_t, which must not be negative, and the slip slip + d_nt p_n + d_tt p_t. A
+        normal impulse that is not positive means that the law has none for this approach (Painleve).
         """
 
+    bound: ClassVar[Kernel] = staticmethod(coulomb)
+    """The kernel of the friction bound of a contact that lasts, by default that of Coulomb's cone.
 
-def has_limit(law: ContactLaw | type[ContactLaw]) -> bool:
-    """Return whether a law is rigid and has a limit of no step, as all have that do not read the step."""
-    if not issubclass(law if isinstance(law, type) else type(law), MultiplierLaw):
-        return False
-    solve: Any = getattr(law, "solve", None)
-    # What is no function is refused where the law is bound.
-    return not callable(solve) or "step" not in names_of(solve)
+    bound(normal, slip, ...) -> largest friction [N]
+
+    Stick has |F| <= bound, slip F = -bound sign(slip); the slip is exactly zero in stick. A law without
+    friction coefficient has none.
+    """
 
 
 def is_stepped(law: ContactLaw, contact_step: float | None) -> bool:

@@ -15,23 +15,14 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.foreign import is_own
-from contactlab.laws.base import (
-    ELASTOPLASTIC,
-    SET_VALUED,
-    SLIP,
-    STICK,
-    ContactLaw,
-    Kernel,
-    NormalForce,
-    PenaltyLaw,
-)
+from contactlab.laws.base import ELASTOPLASTIC, SET_VALUED, ContactLaw, Kernel, NormalForce, PenaltyLaw
 from contactlab.laws.declaration import LawError
 from contactlab.laws.memory import EVEN, EVENTS, MOST_VARIABLES, ODD, InternalVariable
 
 KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
 """Names of the kinds of friction, in their order."""
 
-HEAD = 5
+HEAD = 3
 """Place in a law's parameter vector where the internal variables begin, behind what the engine writes."""
 
 CANARIES, VALUES = 16, (nan, 1.0, -1.0)
@@ -44,6 +35,9 @@ DEPTHS, SPEEDS = (1e-12, 1e-9), (-0.01, 0.0, 0.01)
 COUPLINGS = (-50.0, 0.0, 50.0)
 """Off-diagonal entries of the Delassus matrix [1/kg]; 1000 and 2000 are on its diagonal."""
 
+NORMALS = (1e-3, 1.0)
+"""Normal forces at which the bound of a rigid law is evaluated [N]."""
+
 ROUND_OFF = 1e-9
 
 BALANCE_DEPTHS, PROBE_SPEED = (1e-9, 1e-7, 1e-6), 0.01
@@ -55,7 +49,16 @@ NUDGE, DIFFERENCE = 1e-4, 1e-3
 AT_REST = ("gap_rate", "depth_rate", "slip", "impact_speed", "tilt", "spin")
 """Quantities of a contact at rest."""
 
-COUNTS = {"force": 5, "friction_force": 4, "solve": 3, "limits": 2, "rate": 1, "jump": 1, "guard": 1}
+COUNTS = {
+    "force": 5,
+    "friction_force": 4,
+    "impact": 2,
+    "bound": 1,
+    "limits": 2,
+    "rate": 1,
+    "jump": 1,
+    "guard": 1,
+}
 """How many numbers each kernel returns."""
 
 
@@ -144,7 +147,7 @@ def check_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     See `contactlab.engine.binding` for the kernels, in their order, and the parameter vector.
     """
     evaluate = partial(_evaluated, law.name, [guarded(parameters, canary) for canary in VALUES])
-    force, friction_force, solve, rate, guard, jump, limits, _ = kernels
+    force, friction_force, impact, bound, rate, guard, jump, limits, _ = kernels
     begin, end = (0.0, 0.0) if limits is None else evaluate("limits", limits, "at first", 0.0)
     if begin > end:
         raise LawError(
@@ -165,7 +168,8 @@ def check_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
         _check_energy(law, force, friction_force, guarded(parameters), float(begin))
         _check_stiffness(law)
     else:
-        _check_impulses(law, solve, evaluate, check_variables)
+        _check_impacts(law, impact, evaluate, check_variables)
+        _check_bound(law, bound, evaluate)
 
 
 def _check_forces(
@@ -186,22 +190,27 @@ def _check_forces(
         check_variables(where, gap, gap_rate, slip, normal)
 
 
-def _check_impulses(law: ContactLaw, solve: Kernel, evaluate: Any, check_variables: Any) -> None:
+def _check_impacts(law: ContactLaw, impact: Kernel, evaluate: Any, check_variables: Any) -> None:
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
-        where = f"in an impact with a gap rate of {approach:g} m/s and a slip of {slip:g} m/s"
-        p_n, p_t, mode = evaluate("solve", solve, where, *(approach, slip) * 2, 1e3, d_nt, 2e3)
+        where = f"at an approach of {approach:g} m/s and a slip of {slip:g} m/s"
+        p_n, p_t = evaluate("impact", impact, where, approach, slip, 1e3, d_nt, 2e3)
         after = approach + 1e3 * p_n + d_nt * p_t
-        if mode not in (SLIP, STICK):
-            raise LawError(
-                f"{law.name}: the mode is {mode} {where}; it must be SLIP or STICK of contactlab.laws.base."
-            )
         # Without an impulse there is no solution, which ends a run.
         if p_n > 0.0 and after < ROUND_OFF * approach and "kernel_is_consistent" not in law.violations:
             raise LawError(
-                f"{law.name}: its kernel solve leaves an approach of {-after:g} m/s {where}; it must stop it."
+                f"{law.name}: its kernel impact leaves {-after:g} m/s of the approach {where}; it must "
+                "stop it."
             )
         check_variables(where, 0.0, approach, slip, p_n / law.default_contact_step)
+
+
+def _check_bound(law: ContactLaw, bound: Kernel, evaluate: Any) -> None:
+    for normal, slip in product(NORMALS, SPEEDS):
+        where = f"at a normal force of {normal:g} N and a slip of {slip:g} m/s"
+        (most,) = evaluate("bound", bound, where, normal, slip)
+        if most < 0.0:
+            raise LawError(f"{law.name}: the friction bound is {most:g} N {where}; it must not be negative.")
 
 
 def derivative(function: Callable[[float], float], at: float, step: float) -> tuple[float, float]:

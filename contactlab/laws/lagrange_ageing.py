@@ -4,19 +4,13 @@ from dataclasses import dataclass
 from math import log1p
 from typing import Annotated, final
 
-from contactlab.compiler.kernels import inner_kernel, kernel
-from contactlab.laws.base import STICK, MultiplierLaw
+from contactlab.compiler.kernels import kernel
+from contactlab.laws.base import MultiplierLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.friction.coulomb import STATIC_RATIO
 from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
 from contactlab.laws.memory import AT_SLIP, AT_TOUCH, InternalVariable
 from contactlab.parameter import not_negative, positive
-
-
-@inner_kernel
-def static_coefficient(age, kinetic, static_ratio, strengthening, ageing_time, longest_age):
-    """Return mu_s of an age [s]."""
-    return kinetic * static_ratio + strengthening * log1p(min(age, longest_age) / ageing_time)
 
 
 @final
@@ -25,10 +19,9 @@ class LagrangeAgeing(MultiplierLaw):
     """Lagrange multiplier with a static coefficient of friction of its own that ages in stick.
 
     Stick holds what is inside of the static cone; what slides is dragged by mu, and stays behind as soon as
-    its slip has ended and static friction can hold it, else it slides back. Slip makes the contact new. An
-    impact is one step, in which friction that ends a slip is kinetic. Without ageing, delta = 0, it is the
-    stick-slip of two coefficients; with mu_s = mu as well it is `lagrange_stick`. The instant at which
-    stick ends is that of a step.
+    its slip has ended and static friction can hold it, else it slides back. Slip makes the contact new. In an
+    impact, friction that ends a slip is kinetic. Without ageing, delta = 0, it is the
+    stick-slip of two coefficients; with mu_s = mu as well it is `lagrange_stick`.
 
     Source of the ageing: Dieterich (1972), J. Geophys. Res. 77, 3690; Rabinowicz (1958), Proc. Phys. Soc. 71,
     668, of the growth with the time of stick.
@@ -53,32 +46,20 @@ class LagrangeAgeing(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate,
-        tangential_rate,
-        slip,
-        d_nn,
-        d_nt,
-        d_tt,
-        age,
-        friction_coefficient,
-        static_ratio,
-        strengthening,
-        ageing_time,
-        longest_age,
-    ):
-        p_n, p_t = stick_impulse(normal_rate, tangential_rate, d_nn, d_nt, d_tt)
-        # An age is that of a stick. Slip that would reverse has ended: p_t > 0 drives slip > 0.
-        rests = age > 0.0 or p_t * slip >= 0.0
-        holds = normal_rate < 0.0 or abs(slip) <= abs(tangential_rate - slip)
-        static = static_coefficient(
-            age, friction_coefficient, static_ratio, strengthening, ageing_time, longest_age
-        )
-        if rests and holds and abs(p_t) <= static * p_n:
-            return p_n, p_t, STICK
-        return stick_or_slip_impulse(
-            normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient
-        )
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, static_ratio):
+        p_n, p_t = stick_impulse(approach, slip, d_nn, d_nt, d_tt)
+        # Friction that ends a slip is kinetic; a slip at rest, or that reverses, meets fresh static friction.
+        if p_t * slip >= 0.0 and abs(p_t) <= friction_coefficient * static_ratio * p_n:
+            return p_n, p_t
+        return stick_or_slip_impulse(approach, slip, d_nn, d_nt, d_tt, friction_coefficient)
+
+    @staticmethod
+    @kernel
+    def bound(normal, slip, age, friction_coefficient, static_ratio, strengthening, ageing_time, longest_age):
+        mu = friction_coefficient
+        if slip == 0.0:
+            mu = mu * static_ratio + strengthening * log1p(min(age, longest_age) / ageing_time)
+        return mu * max(normal, 0.0)
 
     @staticmethod
     @kernel

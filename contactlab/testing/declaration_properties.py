@@ -18,7 +18,7 @@ from contactlab.parameter import declared_fields, from_cf
 from contactlab.quantity import dimensions
 from contactlab.testing.claim import Claims, at_most
 from contactlab.testing.evaluation import Evaluator
-from contactlab.testing.kernel_properties import TINY, Worst, drawn_steps, states_of
+from contactlab.testing.kernel_properties import TINY, Worst, drawn_impacts, drawn_pressures, states_of
 from contactlab.testing.plants import Bench
 
 Put = Callable[[float, str], float]
@@ -210,20 +210,22 @@ def _named_outputs(
     if longer == LONGER[-1]:
         # What is declared of the variables has the law's own numbers in it.
         yield from zip(evaluator.initial.tolist(), (item.units for item in variables), strict=True)
-    yield from (_of_steps if bench.rigid else _of_states)(evaluator, bench, longer, put)
+    yield from (_of_impacts if bench.rigid else _of_states)(evaluator, bench, longer, put)
 
 
-def _of_steps(evaluator: Evaluator, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
-    """Yield the answers of a rigid law to drawn steps."""
-    usual, kinds = bench.law, (*["m s-1"] * 4, *["kg-1"] * 3)
+def _of_impacts(evaluator: Evaluator, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:
+    """Yield the results of a rigid law for drawn impacts and normal forces."""
+    usual, kinds = bench.law, (*["m s-1"] * 2, *["kg-1"] * 3)
     kept = np.array([put(item.initial + longer - 1.0, item.units) for item in usual.internal_variables])
     length = put(usual.default_contact_step, "s")
-    for step in islice(drawn_steps(usual.friction_limit), 200):
-        own = tuple(put(x, unit) for x, unit in zip(step, kinds, strict=True))
-        p_n, p_t, _ = evaluator.solve(own, length, step[2] < 0.0, kept)
+    for impact in islice(drawn_impacts(usual.friction_limit), 200):
+        own = tuple(put(x, unit) for x, unit in zip(impact, kinds, strict=True))
+        p_n, p_t = evaluator.impact(own, kept)
         yield from ((p_n, "N s"), (p_t, "N s"))
         rates = evaluator.rates(0.0, own[0], own[1], p_n / length, kept).tolist()
         yield from zip(rates, (_per_second(item.units) for item in usual.internal_variables), strict=True)
+    for normal, slip in islice(drawn_pressures(), 50):
+        yield evaluator.bound(put(normal, "N"), put(slip, "m s-1"), kept), "N"
 
 
 def _of_states(evaluator: Evaluator, bench: Bench, longer: float, put: Put) -> Iterator[tuple[float, str]]:

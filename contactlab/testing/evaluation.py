@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.binding import functions_of, row_of
-from contactlab.engine.state import HEAD, IMPACT, SPEED, SPIN, STEP_LENGTH, TILT
+from contactlab.engine.state import HEAD, SPEED, SPIN, TILT
 from contactlab.laws.base import ContactLaw, PenaltyLaw
 from contactlab.laws.consistency import CANARIES, guarded
 
@@ -83,7 +83,10 @@ class Evaluator:
         begin, end = self._kernels["limits"](0.0, self._seen(kept))
         return float(begin), float(end)
 
-    def solve(self, step: tuple[float, ...], length: float, impact: bool, kept: Array) -> Any:
-        """Return the impulses [N s] and the mode of a rigid law for one of `drawn_steps`."""
-        self._written[STEP_LENGTH], self._written[IMPACT] = length, impact
-        return self._kernels["solve"](*step, self._seen(kept))
+    def impact(self, impact: tuple[float, ...], kept: Array) -> Any:
+        """Return the impulses [N s] of a rigid law for one of `drawn_impacts`."""
+        return self._kernels["impact"](*impact, self._seen(kept))
+
+    def bound(self, normal: float, slip: float, kept: Array) -> float:
+        """Return the friction bound of a rigid law [N]."""
+        return float(self._kernels["bound"](normal, slip, self._seen(kept)))

@@ -57,8 +57,8 @@ def states_of(bench: Bench) -> list[State]:
     return [(*state, initial) for state in drawn_states()]
 
 
-def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
-    """Draw what `MultiplierLaw.solve` takes: impacts, and contacts that last, approach or open.
+def drawn_impacts(limit: float) -> Iterator[tuple[float, ...]]:
+    """Draw what `MultiplierLaw.impact` takes: approach and slip [m/s], D_nn, D_nt, D_tt [1/kg].
 
     In half of them friction is a tenth to ten times the critical one, whatever the law's largest is:
     faults beyond it show in few of 2000.
@@ -69,15 +69,15 @@ def drawn_steps(limit: float) -> Iterator[tuple[float, ...]]:
         d_nn, d_tt = 10.0 ** rng.uniform(1.0, 4.0, 2)
         if limit > 0.0 and rng.random() < 0.5:
             d_nn = d_tt * (share * limit / 10.0 ** rng.uniform(-1.0, 1.0)) ** 2
-        d_nt = share * sqrt(d_nn * d_tt)
-        rate, end_slip, start_slip = rng.normal(size=3) * 10.0 ** rng.uniform(-3.0, 0.0, 3)
-        start_rate = 0.0
-        if rng.random() < 0.5:
-            rate = start_rate = -abs(rate)
-            start_slip = end_slip
-        elif rng.random() < 0.5:
-            start_slip = 0.0
-        yield rate, end_slip, start_rate, start_slip, d_nn, d_nt, d_tt
+        approach, slip = rng.normal(size=2) * 10.0 ** rng.uniform(-3.0, 0.0, 2)
+        yield -abs(approach), slip * (rng.random() < 0.8), d_nn, share * sqrt(d_nn * d_tt), d_tt
+
+
+def drawn_pressures() -> Iterator[tuple[float, float]]:
+    """Draw 200 normal forces [N] and slips [m/s], a third of them zero."""
+    rng = np.random.default_rng(0)
+    for _ in range(200):
+        yield 10.0 ** rng.uniform(-3.0, 3.0), rng.normal() * 0.3 * (rng.random() < 0.66)
 
 
 def declares_its_parameters(bench: Bench) -> Claims:
@@ -103,9 +103,8 @@ def calls_leave_no_trace(bench: Bench) -> Claims:
     kernels: list[Callable[..., Any]]
     states: list[Any]
     if bench.rigid:
-        length, kept = law.default_contact_step, evaluator.initial
-        states = [*drawn_steps(law.friction_limit)]
-        kernels = [lambda *step: evaluator.solve(step, length, step[2] < 0.0, kept)]
+        states = [*drawn_impacts(law.friction_limit)]
+        kernels = [lambda *impact: evaluator.impact(impact, evaluator.initial)]
     else:
         states, kernels = [*states_of(bench)], [evaluator.force]
         if evaluator.has_friction:
@@ -185,45 +184,36 @@ def variables_of_friction(law: ContactLaw) -> int:
 
 @lru_cache(maxsize=1)
 def impacts_of(bench: Bench) -> dict[str, Worst]:
-    """Ask a rigid law about drawn steps; give the worst of its answers by the property that they are of.
+    """Evaluate a rigid law on drawn impacts and its bound; return the worst violation of each property.
 
-    Beyond the critical friction, mu |d_nt| >= d_nn, an approach may have no answer and what opens by
-    itself may be held (Painleve); there the law may release or hold, and a run tells of both.
+    Beyond the critical friction, mu |d_nt| >= d_nn, an approach may have no impulse that stops it (Painleve).
     """
     law, evaluator, length = bench.law, Evaluator(bench.law), bench.law.default_contact_step
     limit, offset = law.friction_limit, law.friction_offset
     sound, opposed, lossy = Worst(), Worst(), Worst()
     kept, before = evaluator.initial.copy(), SLIP
-    for step in drawn_steps(limit):
-        rate, end_slip, gap_rate, slip, d_nn, d_nt, d_tt = step
-        critical, impact = limit * abs(d_nt) >= d_nn, gap_rate < 0.0
-        if impact:
-            # An impact begins a contact, with whatever the ones before have left.
-            kept = evaluator.jumped(AT_TOUCH, 0.0, gap_rate, slip, 0.0, kept)
-        p_n, p_t, mode = evaluator.solve(step, length, impact, kept)
+    for impact in drawn_impacts(limit):
+        rate, slip, d_nn, d_nt, d_tt = impact
+        # An impact begins a contact, with whatever the ones before have left.
+        kept = evaluator.jumped(AT_TOUCH, 0.0, rate, slip, 0.0, kept)
+        p_n, p_t = evaluator.impact(impact, kept)
         finite = isfinite(p_n) and isfinite(p_t)
-        sound.take("impulses or modes that are none", not finite or mode not in (SLIP, STICK), 0)
+        sound.take("impulses that are no numbers", not finite, 0)
         if not finite:
             continue
-        released = p_n <= 0.0
-        approach, kept_closed = released and rate < 0.0, not released and rate >= 0.0
-        sound.take("approaches that are not stopped", approach and not critical, 0)
-        sound.take(
-            "contacts that are kept closed though they open by themselves", kept_closed and not critical, 0
-        )
-        if released:
+        sound.take("approaches that are not stopped", p_n <= 0.0 and limit * abs(d_nt) < d_nn, 0)
+        if p_n <= 0.0:
             continue
-        terms = np.abs((rate, end_slip, d_nn * p_n, d_tt * p_t, d_nt * p_n, d_nt * p_t))
+        terms = np.abs((rate, slip, d_nn * p_n, d_tt * p_t, d_nt * p_n, d_nt * p_t))
         size, impulse = float(terms.max()), p_n + abs(p_t)
-        left = rate + d_nn * p_n + d_nt * p_t
-        left_slip = end_slip + d_nt * p_n + d_tt * p_t
-        power = 0.5 * (p_n * (rate + left) + p_t * (end_slip + left_slip)) / (impulse * size)
-        cone = limit * (p_n + offset * length)
-        sound.take("impulse outside of the cone, over it", (abs(p_t) - cone) / impulse)
+        left, left_slip = rate + d_nn * p_n + d_nt * p_t, slip + d_nt * p_n + d_tt * p_t
+        power = 0.5 * (p_n * (rate + left) + p_t * (slip + left_slip)) / (impulse * size)
+        sound.take("impulse outside of the cone, over it", (abs(p_t) - limit * p_n) / impulse)
         sound.take("approach that is left, over the velocities", -left / size)
         opposed.take("friction along the slip it leaves", p_t * left_slip / (impulse * size))
         lossy.take("energy made by an impact, over impulse times velocity", power)
         if law.internal_variables:
+            mode = STICK if abs(left_slip) <= ROUND_OFF * size else SLIP
             force, left_slip = p_n / length, 0.0 if mode == STICK else left_slip
             kept = kept + length * evaluator.rates(0.0, left, left_slip, force, kept)
             if mode != before:
@@ -231,4 +221,8 @@ def impacts_of(bench: Bench) -> dict[str, Worst]:
                 kept = evaluator.jumped(event, 0.0, left, left_slip, force, kept)
             before = mode
             sound.take("internal variables that are no numbers", not np.isfinite(kept).all(), 0)
+    for normal, slip in drawn_pressures():
+        bound, most = evaluator.bound(normal, slip, kept), limit * (normal + offset)
+        excess = max(-bound, bound - most) / (normal + offset)
+        sound.take("friction bound outside of [0, mu (N + C)], over the force", excess)
     return {"kernel_is_consistent": sound, "friction_opposes_slip": opposed, "dissipates": lossy}

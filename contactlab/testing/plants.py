@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, MultiplierLaw
-from contactlab.laws.base import has_limit, is_stepped
+from contactlab.laws.base import is_stepped
 from contactlab.motor import RitzResonator
 from contactlab.motor.bodies import FLAT as FLAT, HEAVY as HEAVY, block as block, way_of as way_of
 from contactlab.motor.drive import Drive
@@ -103,7 +103,7 @@ class Bench:
     @property
     def step(self) -> float | None:
         """Contact step of the runs in the motor [s]; None of a rigid law in its limit of no step."""
-        return None if has_limit(self.law) else self.law.default_contact_step
+        return None if self.rigid else self.law.default_contact_step
 
     @cached_property
     def motor(self) -> Motor:
@@ -135,20 +135,9 @@ class Bench:
 
 
 def impulses_of(law: MultiplierLaw, gap_rate: float, slip: float, delassus: tuple[float, ...]) -> Any:
-    """Return normal and friction impulse [N s] and mode of an impact at a gap rate and a slip [m/s].
+    """Return normal and friction impulse [N s] of an impact at a gap rate and a slip [m/s].
 
     The Delassus matrix is given by D_nn, D_nt, D_tt [1/kg].
     """
     d_nn, d_nt, d_tt = delassus
-    return law.evaluate(
-        "solve",
-        normal_rate=gap_rate,
-        tangential_rate=slip,
-        gap_rate=gap_rate,
-        slip=slip,
-        d_nn=d_nn,
-        d_nt=d_nt,
-        d_tt=d_tt,
-        step=law.default_contact_step,
-        impact=True,
-    )
+    return law.evaluate("impact", approach=gap_rate, slip=slip, d_nn=d_nn, d_nt=d_nt, d_tt=d_tt)

@@ -86,7 +86,7 @@ def brach_critical_ratio(mass: float = 0.1, e: float = 0.6, speed: float = 0.2, 
     ratio = slip / speed / (share * (1.0 + e))
     law = Brach(3.0 * ratio, e)
     d = (1.0 / mass, 0.0, share / mass)
-    p_n, p_t, _ = impulses_of(law, -speed, slip, d)
+    p_n, p_t = impulses_of(law, -speed, slip, d)
     yield close("critical ratio of the impulses", -p_t / p_n, ratio, 1e-12)
     r = slip / speed
     lost = 0.5 * mass * speed**2 * (1 + e) * (1 - e + 2 * ratio * r - (1 + e) * share * ratio**2)
@@ -204,7 +204,7 @@ def johnson_restitution(modulus: float = 115e9, strength: float = 3e8, radius: f
     Johnson (1985), eqs. 11.46 and 11.47.
     """
     law, mass, speed = Johnson(0.3, modulus, strength, radius), 2e-3, 3.0
-    p_n, _, _ = impulses_of(law, -speed, 0.0, (1.0 / mass, 0.0, 1.0 / mass))
+    p_n, _ = impulses_of(law, -speed, 0.0, (1.0 / mass, 0.0, 1.0 / mass))
     shape = sqrt(strength / modulus) * (0.5 * mass * speed**2 / (strength * radius**3)) ** -0.125
     yield close("factor of eq. 11.47", (p_n / (mass * speed) - 1.0) / shape, 3.8, 0.016)
 

@@ -1,18 +1,14 @@
-"""The default contact step: the law's own, less where the tip has fast modes."""
-
-from dataclasses import dataclass
+"""The contact step: that of a compliant law, none of a rigid one, and the shortest that close a contact."""
 
 import numpy as np
 import pytest
 from support.configurations import composed
-from support.motors import case_a, default_resonator, every_law, hertz, run
+from support.motors import case_a, every_law, hertz, run
 
 from contactlab.config import Setup, build
 from contactlab.engine import simulate
-from contactlab.engine.preparation import LARGEST_TURN, default_contact_step, stepping_step
+from contactlab.engine.preparation import default_contact_step
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
-from contactlab.laws.base import SLIP
-from contactlab.motor import FiniteElementResonator, NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
 from contactlab.testing.plants import block
@@ -60,48 +56,9 @@ def openness(trajectory: Trajectory) -> float:
 
 
 @laws
-def test_the_papers_motor_keeps_the_step_of_the_law(law: MultiplierLaw) -> None:
-    bases = [RitzResonator(shapes=shapes) for shapes in (1, 4, 12, 40)]
-    for resonator in (*bases, FiniteElementResonator(), default_resonator(tip_inertia=0.0)):
-        assert stepping_step(resonator.modes, law) == law.default_contact_step
-
-
-def test_the_step_is_a_share_of_the_mean_rate_of_the_tips_modes() -> None:
-    rates = np.array([1e6, 3e6, 4e6])
-    row = np.array([1.0, 2.0, 0.5])
-    # The last mode is overdamped, and its slow root is k/c.
-    modes = NormalModes(
-        stiffness=rates**2,
-        damping=np.array([0.0, 1e3, 16e6]),
-        coupling=np.zeros((3, 2)),
-        tip_displacement=row,
-        tip_slope=np.zeros(3),
-        shape_coupling=np.zeros((3, 2)),
-    )
-    mean = np.sqrt((row**2 @ np.array([1e6, 3e6, 1e6]) ** 2) / (row @ row))
-    assert stepping_step(modes, LagrangeStick()) == pytest.approx(LARGEST_TURN / mean, rel=1e-12)
-
-
-@dataclass(frozen=True)
-class Hesitant(MultiplierLaw):
-    """A law that reads the step, and so has no limit of none."""
-
-    name = "hesitant"
-    equation = "p_n = -gdot / d_nn"
-    source = "none"
-    default_contact_step = 3e-7
-
-    @staticmethod
-    def solve(normal_rate, d_nn, step):  # type: ignore[no-untyped-def]
-        return -normal_rate / d_nn if step > 0.0 else 0.0, 0.0, SLIP
-
-
-@laws
-def test_a_rigid_law_has_no_step_unless_it_reads_one(law: MultiplierLaw) -> None:
+def test_a_rigid_law_has_no_step_of_its_own(law: MultiplierLaw) -> None:
     assert default_contact_step(case_a(), law, 2e-4) is None
     assert run(case_a(), law, 2e-4).contact_step == 0.0
-    assert default_contact_step(case_a(), Hesitant(), 2e-4) == 3e-7
-    assert run(case_a(), Hesitant(), 2e-4).contact_step == 3e-7
 
 
 @pytest.mark.parametrize("step", [None, 5e-8])

@@ -6,7 +6,6 @@ from typing import Annotated
 
 from contactlab.compiler.kernels import kernel
 from contactlab.laws import FRICTION_COEFFICIENT, RESTITUTION, MultiplierLaw, Parameter
-from contactlab.laws.base import SLIP
 from contactlab.laws.lagrange import stick_or_slip_impulse
 from contactlab.parameter import not_negative
 
@@ -29,23 +28,9 @@ class TurningImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate,
-        tangential_rate,
-        gap_rate,
-        slip,
-        d_nn,
-        d_nt,
-        d_tt,
-        impact,
-        friction_coefficient,
-        restitution,
-        turned,
-    ):
-        e, beta = (restitution, turned) if impact else (0.0, 0.0)
-        rate, along = normal_rate + e * min(gap_rate, 0.0), tangential_rate + beta * slip
-        p_n, p_t, mode = stick_or_slip_impulse(rate, along, slip, d_nn, d_nt, d_tt, friction_coefficient)
-        return p_n, p_t, SLIP if beta > 0.0 else mode
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution, turned):
+        rate, along = approach + restitution * approach, slip + turned * slip
+        return stick_or_slip_impulse(rate, along, d_nn, d_nt, d_tt, friction_coefficient)
 
 
 @dataclass(frozen=True)
@@ -63,7 +48,6 @@ class ViscoelasticImpact(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, loss):
-        approach = min(gap_rate, 0.0)
-        rate = normal_rate + max(1.0 - loss * (-approach) ** 0.2, 0.0) * approach
-        return stick_or_slip_impulse(rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, loss):
+        rate = approach + max(1.0 - loss * (-approach) ** 0.2, 0.0) * approach
+        return stick_or_slip_impulse(rate, slip, d_nn, d_nt, d_tt, friction_coefficient)

@@ -11,7 +11,7 @@ from support.made_laws import STRETCH, TWO, flowing, honest, made, short_run, va
 from contactlab.compiler.kernels import kernel
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LawError, MultiplierLaw
-from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SLIP, Friction
+from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, Friction
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import EVEN, MOST_VARIABLES
 from contactlab.testing.contract import check
@@ -137,23 +137,23 @@ def test_a_compliant_law_that_contradicts_itself_is_refused(fault: str) -> None:
 
 
 @kernel
-def nowhere(normal_rate, d_nn):
-    return -normal_rate / d_nn, 0.0, 7
-
-
-@kernel
 def endless(slip, d_nn):
-    return 0.1 / d_nn, -1e-3 * slip / abs(slip), SLIP
+    return 0.1 / d_nn, -1e-3 * slip / abs(slip)
 
 
 @kernel
-def halfway(normal_rate, d_nn):
-    return -0.5 * normal_rate / d_nn, 0.0, SLIP
+def halfway(approach, d_nn):
+    return -0.5 * approach / d_nn, 0.0
 
 
 @kernel
-def bouncing(normal_rate, d_nn):
-    return -normal_rate / d_nn, 0.0, SLIP
+def pulling(normal):
+    return -0.1 * normal
+
+
+@kernel
+def bouncing(approach, d_nn):
+    return -approach / d_nn, 0.0
 
 
 @dataclass(frozen=True)
@@ -165,25 +165,30 @@ class Rigid(MultiplierLaw):
     source = "this test"
     default_contact_step = 5e-8
 
-    solve = staticmethod(bouncing)
+    impact = staticmethod(bouncing)
 
 
 @pytest.mark.parametrize(
     "arguments",
     [
-        {"solve": staticmethod(nowhere)},
-        {"solve": staticmethod(endless)},
-        {"solve": staticmethod(halfway)},
+        {"impact": staticmethod(endless)},
+        {"impact": staticmethod(halfway)},
+        {"bound": staticmethod(pulling)},
         {"internal_variables": TWO[1:]},
         {"limits": staticmethod(flowing)},
         {"guard": staticmethod(flowing)},
     ],
-    ids=["mode", "number", "approach", "variable", "limits", "guard"],
+    ids=["number", "approach", "bound", "variable", "limits", "guard"],
 )
 def test_a_rigid_law_that_contradicts_itself_is_refused(arguments: dict[str, Any]) -> None:
     spoilt = dataclass(frozen=True)(type("Spoilt", (Rigid,), arguments))
     with pytest.raises(LawError, match="rigid"):
         short_run(spoilt())
+
+
+def test_a_rigid_law_with_the_former_kernel_is_refused_by_its_name() -> None:
+    with pytest.raises(LawError, match="old_law"):
+        type("OldLaw", (Rigid,), {"name": "old_law", "solve": staticmethod(bouncing)})
 
 
 def test_a_friction_with_limits_is_refused() -> None:

@@ -5,12 +5,12 @@ from math import atan, log1p, pi, sqrt
 
 import pytest
 from scipy.optimize import brentq
-from support.kernels import solve_of
+from support.kernels import stepped
 
 from contactlab.laws import LagrangeAgeing, LagrangeStick
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
-from contactlab.testing.kernel_properties import drawn_steps
+from contactlab.testing.kernel_properties import drawn_impacts
 from contactlab.testing.plants import block, first, run
 
 WEIGHT, STIFFNESS, BELT = 9.81, 100.0, 0.1
@@ -61,28 +61,34 @@ def test_ageing_holds_the_first_stick_and_the_next_for_as_long_as_it_grows() -> 
         assert twice - once == pytest.approx(stick, abs=2.0 * step)
 
 
-def impact_of(law: LagrangeAgeing, age: float, *state: float) -> tuple[float, float, int]:
-    return solve_of(law, *state, age=age)  # type: ignore[no-any-return]
+def step_of(law: LagrangeAgeing, age: float, *state: float) -> tuple[float, float, int]:
+    """Impulses and mode of a step in contact; an age is that of a stick."""
+    return stepped(law, *state, mode=STICK if age > 0.0 else SLIP, variables=(age,))  # type: ignore[no-any-return]
 
 
 def test_without_ageing_and_with_one_coefficient_it_is_lagrange_stick() -> None:
     law, plain = LagrangeAgeing(MU, 1.0, 0.0), LagrangeStick(MU)
-    for step in drawn_steps(MU):
-        for age in (0.0, 1.0):
-            assert impact_of(law, age, *step) == solve_of(plain, *step)
+    for approach, slip, *d in drawn_impacts(MU):
+        assert stepped(law, approach, slip, approach, slip, *d) == stepped(
+            plain, approach, slip, approach, slip, *d
+        )
+        for start in (0.0, slip):
+            lasting = approach, slip, 0.0, start, *d
+            for age in (0.0, 1.0):
+                assert step_of(law, age, *lasting) == stepped(plain, *lasting)
 
 
 def test_static_friction_holds_what_rests_and_catches_what_would_turn_back_but_brakes_nothing() -> None:
     law, d = LagrangeAgeing(MU, 1.5, 0.0), (1000.0, 0.0, 1000.0)
     # In one step: an impulse of 1e-4 N s presses, and 0.4 of it would hold.
     rate, stored = -0.1, 0.04
-    assert impact_of(law, 1.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
-    assert impact_of(law, 0.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
+    assert step_of(law, 1.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
+    assert step_of(law, 0.0, rate, stored, 0.0, 0.0, *d)[2] == STICK
     # It slid the other way, and has been stopped within the step.
-    assert impact_of(law, 0.0, rate, stored, 0.0, -0.001, *d)[2] == STICK
-    assert impact_of(law, 0.0, rate, stored, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+    assert step_of(law, 0.0, rate, stored, 0.0, -0.001, *d)[2] == STICK
+    assert step_of(law, 0.0, rate, stored, 0.0, 0.02, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
     # More than the static cone holds.
-    assert impact_of(law, 1.0, rate, 0.046, 0.0, 0.0, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
+    assert step_of(law, 1.0, rate, 0.046, 0.0, 0.0, *d)[1:] == (pytest.approx(-MU * 1e-4), SLIP)
 
 
 def test_age_runs_in_stick_and_ends_with_it() -> None:
@@ -97,4 +103,4 @@ def test_growth_ends_at_the_longest_age() -> None:
     limit = MU + 0.02 * log1p(500.0)
     assert law.friction_limit == pytest.approx(limit, rel=1e-14)
     for share, mode in ((1.0 - 1e-9, STICK), (1.0 + 1e-9, SLIP)):
-        assert impact_of(law, 1e9, -0.1, 0.1 * limit * share, 0.0, 0.0, *d)[2] == mode
+        assert step_of(law, 1e9, -0.1, 0.1 * limit * share, 0.0, 0.0, *d)[2] == mode

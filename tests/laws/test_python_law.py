@@ -116,10 +116,10 @@ def test_a_function_runs_compiled_and_interpreted_to_the_same_bits(run_of: Runs)
 
 
 def test_a_rigid_law_may_be_interpreted_too() -> None:
-    inner: Any = LagrangeStick().solve
+    inner: Any = LagrangeStick().impact
 
-    def solve(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient):
-        return (*inner(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient),)
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient):
+        return (*inner(approach, slip, d_nn, d_nt, d_tt, friction_coefficient),)
 
     @dataclass(frozen=True)
     class Interpreted(MultiplierLaw):
@@ -129,8 +129,8 @@ def test_a_rigid_law_may_be_interpreted_too() -> None:
         friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 
         @property
-        def solve(self) -> Any:
-            return solve
+        def impact(self) -> Any:
+            return impact
 
     assert same(run(Interpreted()), run(LagrangeStick()))
 

@@ -63,7 +63,7 @@ def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
 
     assert left(mu) == pytest.approx(0.0, abs=1e-16)
     assert abs(left(mu * mu)) > 1e-5 * abs(gap_rate)
-    p_n, p_t, _ = impulses_of(law, gap_rate, 1.0, (d_nn, d_nt, d_tt))
+    p_n, p_t = impulses_of(law, gap_rate, 1.0, (d_nn, d_nt, d_tt))
     assert gap_rate + d_nn * p_n + d_nt * p_t == pytest.approx(0.0, abs=1e-16)
 
 

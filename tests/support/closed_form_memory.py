@@ -6,7 +6,6 @@ from typing import Annotated, final
 
 from contactlab.compiler.kernels import kernel
 from contactlab.laws import InternalVariable, MultiplierLaw, PenaltyLaw
-from contactlab.laws.base import SLIP
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange import stick_or_slip_impulse
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
@@ -165,10 +164,7 @@ class Pad(Spring):
 @final
 @dataclass(frozen=True)
 class RigidAgeing(MultiplierLaw):
-    """A rigid law with cohesion and a restitution of impacts alone, that ages in stick and counts switches.
-
-    |p_t| <= mu (p_n + C step): cohesion is a force.
-    """
+    """A rigid law with cohesion and a restitution, that ages in stick and counts switches."""
 
     name = "rigid_ageing"
     equation = "|F| <= mu (N + C), gdot+ = -e gdot- in impacts"
@@ -191,27 +187,14 @@ class RigidAgeing(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate,
-        tangential_rate,
-        gap_rate,
-        slip,
-        d_nn,
-        d_nt,
-        d_tt,
-        step,
-        impact,
-        friction_coefficient,
-        cohesion,
-        restitution,
-    ):
-        rate = normal_rate + (restitution * gap_rate if impact else 0.0)
-        p_n, p_t, mode = stick_or_slip_impulse(
-            rate, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient
-        )
-        if mode == SLIP and p_n > 0.0 and not impact:
-            p_t *= (p_n + cohesion * step) / p_n
-        return p_n, p_t, mode
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution):
+        rate = approach + restitution * approach
+        return stick_or_slip_impulse(rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
+
+    @staticmethod
+    @kernel
+    def bound(normal, friction_coefficient, cohesion):
+        return friction_coefficient * (max(normal, 0.0) + cohesion)
 
     @staticmethod
     @kernel

@@ -6,7 +6,7 @@ from math import asinh, copysign, exp, nan
 from typing import Annotated, Any, ClassVar
 
 from contactlab.compiler.kernels import kernel
-from contactlab.laws.base import RATE_DEPENDENT, SLIP, MultiplierLaw, PenaltyLaw
+from contactlab.laws.base import RATE_DEPENDENT, MultiplierLaw, PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 STIFFNESS, DEPTH = 1e7, 1e-7
@@ -57,15 +57,15 @@ def rate_and_state(slip, normal, friction_coefficient):
 
 
 @kernel
-def no_impulse(normal_rate, gap_rate, d_nn):
+def no_impulse(approach, d_nn):
     # The check before a run is slower than the motor's first approach.
-    return -normal_rate / d_nn, nan if gap_rate < -0.011 else 0.0, SLIP
+    return -approach / d_nn, nan if approach < -0.011 else 0.0
 
 
 @kernel
-def rebound(normal_rate, gap_rate, d_nn):
-    # Whatever arrives leaves at 60 um/s, and so arrives again.
-    return (6e-5 - normal_rate) / d_nn if gap_rate < 0.0 else 0.0, 0.0, SLIP
+def rebound(approach, d_nn):
+    # Whatever arrives leaves at 110 um/s, 60 of them after the weight of the step, and so arrives again.
+    return (1.1e-4 - approach) / d_nn, 0.0
 
 
 class Spring(PenaltyLaw):
@@ -104,5 +104,5 @@ NoLoss = _law("no_loss", Spring, force=no_loss)
 Unledgered = _law("unledgered", Spring, force=dashpot)
 SignOfSlip = _law("sign_of_slip", Spring, force=spring, friction_force=sign_of_slip)
 RateAndState = _law("rate_and_state", Spring, force=spring, friction_force=rate_and_state)
-NoImpulse = _law("no_impulse", Impulse, solve=no_impulse)
-Rebound = _law("rebound", Impulse, solve=rebound)
+NoImpulse = _law("no_impulse", Impulse, impact=no_impulse)
+Rebound = _law("rebound", Impulse, impact=rebound)

@@ -5,7 +5,9 @@ from math import sqrt
 
 import numpy as np
 
+from contactlab.engine.rigid import remaining_slip
 from contactlab.laws import MultiplierLaw
+from contactlab.laws.base import SLIP, STICK
 from contactlab.testing.claim import Claim
 from contactlab.testing.kernel_properties import impacts_of
 from contactlab.testing.plants import Bench, impulses_of
@@ -31,7 +33,8 @@ def drawn_impacts(count: int, coupling: float = 0.99) -> Iterator[tuple[float, f
 
 def impact_of(law: MultiplierLaw, normal: float, slip: float, d: Delassus) -> Solution:
     """Impulses and mode of an impact in which nothing else acts."""
-    return impulses_of(law, normal, slip, d)  # type: ignore[no-any-return]
+    p_n, p_t = impulses_of(law, normal, slip, d)
+    return p_n, p_t, STICK if remaining_slip(slip, p_n, p_t, d[1], d[2]) == 0.0 else SLIP
 
 
 def after(normal: float, slip: float, d: Delassus, solution: Solution) -> tuple[float, float]:

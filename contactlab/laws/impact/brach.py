@@ -4,16 +4,14 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import final
 
-from contactlab.compiler.kernels import inner_kernel, kernel
-from contactlab.laws.base import SLIP, STICK
+from contactlab.compiler.kernels import kernel
 from contactlab.laws.impact.newton import ImpactLaw
-from contactlab.laws.impact.step import approach_of, with_forces
-from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
+from contactlab.laws.lagrange import stick_impulse
 
 
-@inner_kernel
-def brach_impulse(approach, slip, d_nn, d_nt, d_tt, mu, e):
-    """Return impulses [N s] and mode of an impact.
+@kernel
+def brach_impulse(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution):
+    """Return the impulses [N s] of an impact.
 
     With its rebound, d_nn p_n + d_nt p_t = (1 + e) u = t, are
 
@@ -23,10 +21,11 @@ def brach_impulse(approach, slip, d_nn, d_nt, d_tt, mu, e):
     and |p_t| grows with the ratio p_t/p_n as long as friction does not press more than p_n parts. The least
     of three |p_t| is thus of the least ratio, and none of them is a quotient of what friction nearly cancels.
     """
+    mu, e = friction_coefficient, restitution
     turned, determinant = (1.0 + e) * (-approach), d_nn * d_tt - d_nt * d_nt
     free = slip * d_nn + turned * d_nt
     if free == 0.0:
-        return turned / d_nn, 0.0, STICK
+        return turned / d_nn, 0.0
     s = -1.0 if free > 0.0 else 1.0
     kept, half = (1.0 - e * e) * approach * approach, s * (slip * d_nn - approach * d_nt)
     root = sqrt(half * half + determinant * kept)
@@ -34,11 +33,10 @@ def brach_impulse(approach, slip, d_nn, d_nt, d_tt, mu, e):
     critical, parting = abs(free) / determinant, d_nn + s * mu * d_nt
     if mu * turned < min(critical, lossless) * parting:
         p_n = turned / parting
-        return p_n, s * mu * p_n, SLIP
+        return p_n, s * mu * p_n
     if critical <= lossless:
-        p_n, p_t = stick_impulse(-turned, slip, d_nn, d_nt, d_tt)
-        return p_n, p_t, STICK
-    return (turned - s * lossless * d_nt) / d_nn, s * lossless, SLIP
+        return stick_impulse(-turned, slip, d_nn, d_nt, d_tt)
+    return (turned - s * lossless * d_nt) / d_nn, s * lossless
 
 
 @final
@@ -52,24 +50,11 @@ class Brach(ImpactLaw):
 
         m v^2/2 (1 + e)(1 - e + 2 mu r - (1 + e) d_tt m mu^2)
 
-    with d_tt m = 1 for a point, 7/2 for a solid ball, whose critical ratio is 2/7 r/(1 + e). Contact that
-    lasts has no restitution and is that of `lagrange_stick`.
+    with d_tt m = 1 for a point, 7/2 for a solid ball, whose critical ratio is 2/7 r/(1 + e).
     """
 
     name = "brach"
     equation = "gdot+ = -e gdot-, |p_t| = min(mu, mu_c, mu_T) p_n, slip+(mu_c) = 0, loss(mu_T) = 0"
     source = "Brach (1989), J. Appl. Mech. 56, 133; Brach (1991), Mechanical Impact Dynamics"
 
-    @staticmethod
-    @kernel
-    def solve(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
-    ):
-        mu, e = friction_coefficient, restitution
-        approach = approach_of(normal_rate, gap_rate)
-        if approach == 0.0:
-            return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
-        p_n, p_t, mode = brach_impulse(approach, tangential_rate, d_nn, d_nt, d_tt, mu, e)
-        # Round-off is no slip.
-        left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-        return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu)
+    impact = staticmethod(brach_impulse)

@@ -60,12 +60,9 @@ class Johnson(MultiplierLaw):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, elastic_energy
-    ):
-        approach = min(gap_rate, 0.0)
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, elastic_energy):
         share = elastic_energy * d_nn
         square = approach * approach
         e = 1.0 if square <= share else (share / square) ** 0.125
-        missing = normal_rate + e * approach
-        return stick_or_slip_impulse(missing, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
+        missing = approach + e * approach
+        return stick_or_slip_impulse(missing, slip, d_nn, d_nt, d_tt, friction_coefficient)

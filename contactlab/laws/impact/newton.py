@@ -27,13 +27,10 @@ class ImpactLaw(MultiplierLaw):
 
 
 @kernel
-def newton_impulse(
-    normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
-):
-    """Return impulses [N s] and mode; arguments as in `MultiplierLaw.solve`."""
-    # The plastic law, to the final rate in place of zero.
-    missing = normal_rate + restitution * min(gap_rate, 0.0)
-    return stick_or_slip_impulse(missing, tangential_rate, slip, d_nn, d_nt, d_tt, friction_coefficient)
+def newton_impulse(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution):
+    """Return the impulses [N s] of the plastic impact, to the rebound in place of zero."""
+    missing = approach + restitution * approach
+    return stick_or_slip_impulse(missing, slip, d_nn, d_nt, d_tt, friction_coefficient)
 
 
 @final
@@ -41,10 +38,10 @@ def newton_impulse(
 class Newton(ImpactLaw):
     """A rigid impact that gives back a share of the approach, with set-valued friction; g = 0 after it.
 
-    The slip v+ of the friction law is that after the impact. A rebound that ends within the step is
-    none. Where slip ends or reverses in the impact the restitution can create energy: Kane and Levinson
-    (1985), Dynamics: Theory and Applications. The Newtonian impact of Wang and Mason (1992) has the same
-    impulses but where the slip reverses: there it follows the slip through the impact, as `poisson` does.
+    The slip v+ of the friction law is that after the impact. Where slip ends or reverses in the impact the
+    restitution can create energy: Kane and Levinson (1985), Dynamics: Theory and Applications. The Newtonian
+    impact of Wang and Mason (1992) has the same impulses but where the slip reverses: there it follows the
+    slip through the impact, as `poisson` does.
     """
 
     name = "newton"
@@ -52,7 +49,7 @@ class Newton(ImpactLaw):
     source = "Newton (1687), Principia, scholium to the laws of motion"
     violations = OF_THE_GAP_RATE
 
-    solve = staticmethod(newton_impulse)
+    impact = staticmethod(newton_impulse)
 
 
 @final
@@ -74,4 +71,4 @@ class MoreauJean(ImpactLaw):
     projects = False
     violations = OF_THE_GAP_RATE
 
-    solve = staticmethod(newton_impulse)
+    impact = staticmethod(newton_impulse)

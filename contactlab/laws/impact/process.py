@@ -21,25 +21,21 @@ from types import MappingProxyType
 from typing import final
 
 from contactlab.compiler.kernels import inner_kernel, kernel
-from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.impact.newton import ImpactLaw
-from contactlab.laws.impact.step import approach_of, with_forces
-from contactlab.laws.lagrange import stick_or_slip_impulse
 
 
 @inner_kernel
 def stages_of(slip, d_nt, d_tt, mu):
-    """Return the two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.solve`.
+    """Return the two stages of a process that begins with a slip [m/s]; d as in `MultiplierLaw.impact`.
 
-    They are the normal impulse at which the slip ends [N s], dp_t/dp before and after, and the mode after.
+    They are the normal impulse at which the slip ends [N s], and dp_t/dp before and after.
     """
-    mode = STICK if abs(d_nt) <= mu * d_tt else SLIP
-    after = -d_nt / d_tt if mode == STICK else -mu if d_nt > 0.0 else mu
+    after = -d_nt / d_tt if abs(d_nt) <= mu * d_tt else -mu if d_nt > 0.0 else mu
     if slip == 0.0:
-        return 0.0, after, after, mode
+        return 0.0, after, after
     before = -mu if slip > 0.0 else mu
     change = d_nt + d_tt * before
-    return (-slip / change if slip * change < 0.0 else inf), before, after, mode
+    return (-slip / change if slip * change < 0.0 else inf), before, after
 
 
 @inner_kernel
@@ -72,29 +68,18 @@ def restituted(approach, end, first, second, p_c, e):
 
 
 @inner_kernel
-def process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, of_energy):
-    """Return impulses [N s] and mode; the restitution is of the work of compression, or of its impulse."""
-    approach = approach_of(normal_rate, gap_rate)
-    if approach == 0.0:
-        return stick_or_slip_impulse(normal_rate, tangential_rate, slip, d_nn, d_nt, d_tt, mu)
-    end, before, after, mode = stages_of(tangential_rate, d_nt, d_tt, mu)
+def process_impulse(approach, slip, d_nn, d_nt, d_tt, mu, e, of_energy):
+    """Return impulses [N s]; the restitution is of the work of compression, or of its impulse."""
+    end, before, after = stages_of(slip, d_nt, d_tt, mu)
     first, second = d_nn + d_nt * before, d_nn + d_nt * after
     p_n = compression(approach, end, first, second)
     p_n = restituted(approach, end, first, second, p_n, e) if of_energy else (1.0 + e) * p_n
-    p_t = before * min(p_n, end) + after * max(p_n - end, 0.0)
-    if p_n < end:
-        mode = SLIP
-    # Round-off is no slip.
-    left = 0.0 if mode == STICK else tangential_rate + d_nt * p_n + d_tt * p_t
-    return with_forces(normal_rate, approach, left, p_n, p_t, mode, d_nn, d_nt, d_tt, mu)
+    return p_n, before * min(p_n, end) + after * max(p_n - end, 0.0)
 
 
 @dataclass(frozen=True)
 class ImpactProcess(ImpactLaw):
-    """Its friction impulse follows the slip through the impact: |dp_t| <= mu dp, F against any slip.
-
-    Contact that lasts has no restitution and is that of `lagrange_stick`.
-    """
+    """Its friction impulse follows the slip through the impact: |dp_t| <= mu dp, F against any slip."""
 
     violations = MappingProxyType(
         {
@@ -119,11 +104,8 @@ class Poisson(ImpactProcess):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
-    ):
-        mu, e = friction_coefficient, restitution
-        return process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, False)
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution):
+        return process_impulse(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution, False)
 
 
 @final
@@ -141,8 +123,5 @@ class Stronge(ImpactProcess):
 
     @staticmethod
     @kernel
-    def solve(
-        normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution
-    ):
-        mu, e = friction_coefficient, restitution
-        return process_impulse(normal_rate, tangential_rate, gap_rate, slip, d_nn, d_nt, d_tt, mu, e, True)
+    def impact(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution):
+        return process_impulse(approach, slip, d_nn, d_nt, d_tt, friction_coefficient, restitution, True)
