@@ -88,7 +88,7 @@ def test_a_sweep_keeps_them_and_has_none_where_a_law_has_none(tmp_path: Path) ->
     np.testing.assert_array_equal(kept.sel(friction="mindlin"), run["internal_stretch"])
     assert np.isnan(kept.sel(friction="coulomb")).all()
 
-    cl.sweep(FRICTIONS, base=BASE, folder=tmp_path, **requested)
+    cl.sweep(FRICTIONS, base=BASE, output=tmp_path, **requested)
     with xarray.open_datatree(tmp_path / "sweep.nc", decode_times=False) as tree:
         np.testing.assert_array_equal(tree["series/internal_stretch"], kept)
 

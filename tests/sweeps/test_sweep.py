@@ -187,7 +187,7 @@ def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> Non
         assert commanded["clearance"].attrs == result["clearance"].attrs
         assert commanded["clearance"].attrs["key"] == "contact.clearance"
         assert "clearance" in commanded["clearance"].attrs["long_name"] or commanded["clearance"].units == "m"
-    stored = sweep(values, duration=1e-3, base=["drive.phase=1"], folder="mine", workers=2)
+    stored = sweep(values, duration=1e-3, base=["drive.phase=1"], output="mine", workers=2)
     xarray.testing.assert_equal(stored, result)
 
 

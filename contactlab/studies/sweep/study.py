@@ -347,9 +347,9 @@ def _digest_line(file: Path) -> str:
     return f"{digest_of_file(file)}  {DATASET}\n"
 
 
-def runs_of(plan: Plan, report: Callable[[int], object]) -> Progress:
+def runs_of(plan: Plan, progress: Progress) -> Progress:
     """Return what converts finished tasks to finished runs."""
-    return lambda done, _: report(min(done * plan.chunk, plan.cells))
+    return lambda done, _: progress(min(done * plan.chunk, plan.cells), plan.cells)
 
 
 @accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1")
@@ -366,9 +366,9 @@ def sweep(
     tolerance: float | None = None,
     metrics: Sequence[str] | str | None = None,
     series: Sequence[str] = (),
-    folder: str | Path | None = None,
+    output: str | Path | None = None,
     workers: int | None = None,
-    report: Callable[[int], object] | None = None,
+    progress: Progress | None = None,
 ) -> xarray.Dataset:
     """Run every combination of values, or every row of a table, and return the numbers of each.
 
@@ -409,10 +409,11 @@ def sweep(
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
             internal_NAME of internal variables, NaN under laws without them.
-        folder: where finished tasks are kept, so that the same sweep continues; for sweeps over keys of the
-            configuration alone, since functions and motors made in Python cannot be identified.
+        output: folder of the dataset, in which finished tasks are kept until then, so that the same sweep
+            continues; for sweeps over keys of the configuration alone, since functions and motors made in
+            Python cannot be identified.
         workers: processes at work; None is one a processor. They start after two seconds of work.
-        report: receives the number of finished runs.
+        progress: receives the number of finished runs and that of all.
 
     Returns:
         The numbers over the parameters, or over `run` for a table, with `status` (see `Status`) and
@@ -439,8 +440,8 @@ def sweep(
     numbers = (duration, record_interval, contact_step, tolerance)
     solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
     if isinstance(base, Motor):
-        if folder is not None or motor is not None or duration is None:
-            raise ValueError("A motor as base needs law and duration, and neither folder nor motor=.")
+        if output is not None or motor is not None or duration is None:
+            raise ValueError("A motor as base needs law and duration, and neither output nor motor=.")
         swept = _over_numbers(setup_of(base, law, solver), columns, samples, outputs)
     elif motor is None:
         composer = ScriptComposer(base, law, solver, question)
@@ -448,8 +449,8 @@ def sweep(
         swept = Sweep(plan=planned(composer, full, outputs, samples=samples, chunk=chunk))
         question = None
     else:
-        if folder is not None or not isinstance(base, tuple) or duration is None or law is None:
-            raise ValueError("motor= needs law and duration, and neither base nor folder.")
+        if output is not None or not isinstance(base, tuple) or duration is None or law is None:
+            raise ValueError("motor= needs law and duration, and neither base nor output.")
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
         plan = Plan(axes=axes, samples=samples, outputs=outputs)
         _refuse(plan, law, record_interval)
@@ -460,11 +461,11 @@ def sweep(
         plan = replace(plan, chunk=1 if question else size_of_tasks(plan.cells))
     scheduler = study.scheduler if isinstance(study, Study) else None
     swept = replace(swept, plan=plan, question=question, workers=workers or processors(), scheduler=scheduler)
-    progress = runs_of(plan, report) if report else None
-    if folder is None:
-        return combined(plan, done_parts(swept, {}, None, progress)[0], with_series=True)
-    begin(Path(folder), plan)
-    return continued(swept, Path(folder), progress)
+    report = runs_of(plan, progress) if progress else None
+    if output is None:
+        return combined(plan, done_parts(swept, {}, None, report)[0], with_series=True)
+    begin(Path(output), plan)
+    return continued(swept, Path(output), report)
 
 
 def _over_numbers(setup: Setup, columns: Columns, samples: bool, outputs: Outputs) -> Sweep:
