@@ -9,9 +9,12 @@ from numpy.testing import assert_allclose
 
 from contactlab.engine import simulate
 from contactlab.laws import Composed, HertzPoint
-from contactlab.laws.friction import Iwan
+from contactlab.laws.damping import HuntCrossley
+from contactlab.laws.friction import Coulomb, Iwan
 from contactlab.laws.friction.iwan import REVERSE, YIELD
+from contactlab.laws.normal import Linear
 from contactlab.motor import belt
+from contactlab.testing.plants import block
 
 Array = np.ndarray
 
@@ -173,7 +176,21 @@ def swings(stiffness: float, load: float, whole: float, start: float, count: int
 
 
 def test_elements_that_yield_one_after_the_other_are_no_chatter() -> None:
-    # Twelve swings of a hundred elements each.
+    """A body bounces eleven times within the pace of its first flight, with a hundred elements each."""
+    speed, mass, flight = 0.1, 1e-3, 7e-4
+    motor = block(mass, gap_rate=-speed, weight=2.0 * speed * mass / flight, belt_velocity=1.0)
+    bounces = [
+        simulate(
+            motor, Composed(Linear(1e7), HuntCrossley(0.85, speed), friction), 6.0 * flight, 6.0 * flight
+        )
+        for friction in (Iwan(0.1, 100, 1e-7), Coulomb(0.1))
+    ]
+    assert all(each.complete for each in bounces), bounces[0].message
+    assert_allclose(*(each.contacts["separation_velocity"] for each in bounces), rtol=1e-6)
+    assert bounces[0].contacts["start_time"].size == 11
+
+
+def test_a_block_on_a_hundred_elements_swings_less_by_what_they_lose() -> None:
     whole, start, count = 1e-3, 15e-3, 12
     law = Composed(HertzPoint(1e10), friction=Iwan(MU, 100, whole))
     depth = (10.0 / 1e10) ** (2 / 3)
