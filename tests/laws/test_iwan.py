@@ -181,7 +181,10 @@ def test_elements_that_yield_one_after_the_other_are_no_chatter() -> None:
     motor = block(mass, gap_rate=-speed, weight=2.0 * speed * mass / flight, belt_velocity=1.0)
     bounces = [
         simulate(
-            motor, Composed(Linear(1e7), HuntCrossley(0.85, speed), friction), 6.0 * flight, 6.0 * flight
+            motor,
+            Composed(Linear(1e7), HuntCrossley(0.85, speed), friction),
+            duration=6.0 * flight,
+            record_interval=6.0 * flight,
         )
         for friction in (Iwan(0.1, 100, 1e-7), Coulomb(0.1))
     ]
