@@ -1,7 +1,7 @@
 """Checks of arguments from Python against the annotations of a class."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache, partial, wraps
 from inspect import signature
 from math import inf, prod
@@ -189,13 +189,15 @@ def shown(value: object) -> str:
 
 
 def is_kind(value: object, kind: Any) -> bool:
-    """Return whether a value is of an annotated kind: a class, a number, a `Literal`, a `list[...]`."""
+    """Return whether a value is of an annotated kind: a class, a number, a `Literal`, a list, a mapping."""
     if type(value) is kind:
         return True
     if get_origin(kind) is Literal:
         return value in get_args(kind)
     if get_origin(kind) is list:
         return isinstance(value, list | tuple) and all(is_kind(each, *get_args(kind)) for each in value)
+    if get_origin(kind) is Mapping:
+        return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)

@@ -33,8 +33,7 @@ RESULTS: Final = PAGE.parent / "results" / "measurements.json"
 FIGURES: Final = ("prediction_error", "paired_differences", "residuals", "impacts")
 
 SPRING: Final = "hertz_point + flores + mindlin"
-LAWS: Final = ("newton", "poisson", "composed")
-PARTS: Final = {"law/damping": "flores", "law/friction": "mindlin"}
+LAWS: Final = (cl.Newton(), cl.Poisson(), cl.law("composed", damping="flores", friction="mindlin"))
 ARMS: Final = {"data.normal_arm": ("-15 mm", "15 mm"), "data.tangential_arm": ("-15 mm", "15 mm")}
 INERTIA: Final = {"data.inertia": (0.5, 1.5)}
 GEOMETRIES: Final[Mapping[str, Mapping[str, tuple[float | str, float | str]]]] = {
@@ -107,14 +106,14 @@ def at_ratios(path: Path) -> dict[str, float]:
     return {name: least(friction) for name, friction in frictions.items()}
 
 
-def validated(path: Path, folder: Path, *laws: Any, **options: Any) -> cl.Result:
+def validated(path: Path, folder: Path, laws: Any = (), **options: Any) -> cl.Result:
     """Return the validation in a folder where this code left one, or make it there."""
     file = folder / "validate.nc"
     if file.exists():
         made = cl.load(file)
         if isinstance(made, cl.Result) and made.data.attrs["code_digest"] == code_digest():
             return made
-    return cl.validate(path, *laws, output=folder, **options)
+    return cl.validate(laws, data=path, output=folder, **options)
 
 
 def of_ellipses(path: Path, cache: Path, pictures: Path) -> dict[str, Any]:
@@ -133,7 +132,7 @@ def of_ellipses(path: Path, cache: Path, pictures: Path) -> dict[str, Any]:
     geometry = {}
     for name, free in GEOMETRIES.items():
         kept = cache / name.replace(" ", "_")
-        fitted = validated(path, kept, LAWS, free=free, fixed=PARTS).data.to_dataset()
+        fitted = validated(path, kept, LAWS, free=free).data.to_dataset()
         pair = fitted[["difference", "difference_interval", "p_value"]].sel(law="poisson", other=SPRING)
         low, high = map(float, pair["difference_interval"].values)
         gain = {"gain": float(pair["difference"]), "low": low, "high": high, "p": float(pair["p_value"])}

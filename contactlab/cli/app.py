@@ -31,7 +31,7 @@ from contactlab.config.schema import FRICTION
 from contactlab.laws.registry import takes_shared
 from contactlab.results.files import STATE
 from contactlab.studies import run_state
-from contactlab.studies.registry import RUN
+from contactlab.studies.registry import RUN, study_class
 from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
 
 RECORD_ON_DISK: Final = 85
@@ -65,8 +65,8 @@ def run(settings: DictConfig) -> int:
         return refuse(error.faults)
     if not swept and settings.study.name != RUN:
         study, sweep = of_command(settings)
-        over = sweep.over
-        setups = setups_of(job.overrides, over) if over else {"": setup}
+        over = sweep.over or []
+        setups = setups_of(job.overrides, over, study.base) if over or study.base is not None else {"": setup}
         try:
             status = perform_study(study, setups, directory)
         # Hydra would print the job's arguments before it.
@@ -94,16 +94,19 @@ class Check(Callback):
             SystemExit: a fault in the arguments. Hydra makes warnings of other exceptions here.
         """
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
-        faults = [*without_effect(str(config.study.name), lines)]
+        faults = [*without_effect(study_class(str(config.study.name)), lines)]
+        study, over = None, list[str]()
         try:
-            of_command(config)
+            study, sweep = of_command(config)
+            over = list(sweep.over or [])
+            faults = faults or [*without_effect(study, [*lines, *over])]
         except ConfigurationError as error:
             faults += error.faults
         try:
             setup = _checked["setup"] = rebuild(of_run(config))
             faults += idle_friction(lines, [setup.configuration["law"]])
-            if config.sweep.over:
-                setups_of(lines, list(config.sweep.over))
+            if study and not faults and over:
+                setups_of(lines, over, study.base)
             faults = faults or list(_folder_faults(config))
         except Exception as error:
             faults += faults_of(error, lines)

@@ -12,13 +12,13 @@ from dataclasses import MISSING
 from itertools import product
 from pathlib import Path
 from types import NoneType
-from typing import Final, get_args, get_origin
+from typing import Any, Final, get_args, get_origin
 
 from contactlab.cli import terminal
 from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
-from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.nesting import quoted
+from contactlab.config import ConfigurationError, Setup, build, compose
+from contactlab.config.nesting import flat, quoted
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
@@ -47,7 +47,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     options = declared_fields(study)
     sweeps = not {"-m", "--multirun"}.isdisjoint(arguments)
     place = FOLDER[sweeps]
-    lines, several = [f"study={verb}"], list[str]()
+    lines, others = [f"study={verb}"], list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
     patterns = {**study.patterns, **dict(_patterns(options))}
     for word in _without_dashes(arguments, options):
@@ -61,7 +61,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         elif taken := next((key for key, form in patterns.items() if form.fullmatch(word)), ""):
             matched[taken].append(word)
         else:
-            (several if study.several and not sweeps and LISTED.match(word) else lines).append(word)
+            others.append(word)
     for name, values in matched.items():
         kinds = options[name].kinds
         if len(values) > 1 and name in patterns and not _takes_several(options[name]):
@@ -71,10 +71,25 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         if _takes_several(options[name]) and not values[0].startswith("["):
             texts = [f"[{','.join(map(quoted, values))}]"]
         lines.append(f"study.{name}={texts[-1]}")
+    several = [] if sweeps else _of_setups(study, others)
+    lines += [word for word in others if word not in several]
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
+
+
+def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:
+    """Return the overrides by which the setups of a study are made, beside the run that Hydra composes.
+
+    These are listed values and, of several laws, parts and numbers of a law; where the data of a study state
+    a motor they are all.
+    """
+    if study.base is not Study.base:
+        return [line for line in overrides if not re.match(r"\W*(study|sweep|hydra)\b", line)]
+    listing = [line for line in overrides if study.several and LISTED.match(line)]
+    own = ("law/", "law.") if any(line.startswith("law=") for line in listing) else ()
+    return [line for line in overrides if line in listing or line.startswith(own)]
 
 
 def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredField]) -> Iterator[str]:
@@ -122,32 +137,66 @@ def _patterns(options: Mapping[str, DeclaredField]) -> Iterator[tuple[str, re.Pa
                     yield name, each.PATTERN
 
 
-def setups_of(lines: Sequence[str], over: Sequence[str]) -> dict[str, Setup]:
+def setups_of(
+    lines: Sequence[str], over: Sequence[str], base: Mapping[str, Any] | None = None
+) -> dict[str, Setup]:
     """Return the setups of a study: of its overrides, and of every combination of the listed values.
+
+    Among several laws, parts and numbers of a law are those of the laws that have them.
+
+    Args:
+        lines, over: overrides, and those with several values.
+        base: the configuration below the overrides, without any of which there is no setup; None is the
+            default run.
 
     Raises:
         ConfigurationError: an override is faulty.
     """
     rest = [line for line in lines if not re.match(r"\+*(study|sweep|hydra)\b", line)]
     axes = [
-        [f"{key}={value}" for value in listed(values)] for key, _, values in (o.partition("=") for o in over)
+        [f"{o.partition('=')[0]}={x}" for x in listed(o.partition("=")[2])] if LISTED.match(o) else [o]
+        for o in over
     ]
     if faults := [
-        f"{o} has no values; there must be one at least."
+        f"{o} must have one value at least, and each once."
         for o, axis in zip(over, axes, strict=True)
-        if not axis
+        if not axis or len({*axis}) < len(axis)
     ]:
         raise ConfigurationError(faults)
-    return {", ".join(chosen): build([*rest, *chosen]) for chosen in product(*axes)}
+    if base is not None and not rest and not axes:
+        return {}
+    every = [[*rest, *chosen] for chosen in product(*axes)]
+    applying = [_applying(lines) if len(every) > 1 else lines for lines in every]
+    used = {line for own in applying for line in own}
+    differing = {line for axis in axes for line in axis if len(axis) > 1}
+    result: dict[str, Setup] = {}
+    for whole, known in zip(every, applying, strict=True):
+        # What applies to no law is refused with the first.
+        own = [line for line in whole if line in known or line not in used]
+        label = ", ".join(line for line in own if line in differing)
+        if label not in result:
+            result[label] = build(base).with_(*own) if base else build(own)
+    return result
 
 
-def without_effect(verb: str, lines: Iterable[str]) -> Iterator[str]:
-    """Yield the fault of each override on which a study does not depend."""
-    study = study_class(verb)
+def _applying(lines: Sequence[str]) -> list[str]:
+    """Return overrides without those of parts and numbers that their law has not."""
+    law = [line for line in lines if line.startswith("law=")]
+    if not law or not any(line.startswith(("law/", "law.")) for line in lines):
+        return [*lines]
+    parts = [line for line in lines if line.startswith("law/")]
+    parts = [line for line in parts if line[4:].partition("=")[0] in compose(law)["law"]]
+    known = {*law, *parts, *flat(compose([*law, *parts]))}
+    return [x for x in lines if not x.startswith(("law/", "law.")) or {x, x.partition("=")[0]} & known]
+
+
+def without_effect(study: Study | type[Study], lines: Iterable[str]) -> Iterator[str]:
+    """Yield the fault of each override on which a study, or every one of a class, does not depend."""
+    keys = study.idle if isinstance(study, Study) else study.ignored
     effective = "sweep.over=" if study.several else "study="
     for line in lines:
-        if not line.startswith(effective) and any(_sets(line, key) for key in ("sweep", *study.ignored)):
-            yield f"{line} has no effect on the study {verb}; it must be left out."
+        if not line.startswith(effective) and any(_sets(line, key) for key in ("sweep", *keys)):
+            yield f"{line} has no effect on the study {study.name}; it must be left out."
 
 
 def _sets(line: str, key: str) -> bool:

@@ -20,7 +20,6 @@ Laws are in the order of their errors, those of the kinds rigid and compliant fi
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import partial
-from hashlib import sha256
 from math import log
 from typing import Any, Final, NamedTuple
 
@@ -236,17 +235,6 @@ def _texts(texts: Iterable[str]) -> NDArray[Any]:
     return np.array([*texts], dtype=object)
 
 
-def digest_of(impacts: MeasuredImpacts) -> str:
-    """Return the digest of the numbers of measured impacts, 64 hexadecimal digits."""
-    digest = sha256()
-    arrays = (impacts.delassus, impacts.velocity_before, impacts.velocity_after, impacts.kinetic_energy)
-    for array in (*arrays, impacts.outside, impacts.covariance, impacts.number):
-        digest.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
-    if impacts.measurement is not None:
-        digest.update(b"measurement" + impacts.measurement.astype(np.int64).tobytes())
-    return digest.hexdigest()
-
-
 def without_idle(predictor: LawPredictor, impacts: MeasuredImpacts) -> LawPredictor:
     """Fix the numbers of a law that have no effect on impacts at their values.
 
@@ -331,7 +319,7 @@ def assessed(
         "title": f"Contact laws against: {impacts.title}",
         "source": impacts.source,
         "licence": impacts.licence,
-        "data_digest": digest_of(impacts),
+        "data_digest": impacts.content_digest,
         "data_notes": "\n".join(impacts.notes),
         "left_out": impacts.left_out,
         "copies": impacts.copies_warning(),

@@ -34,7 +34,7 @@ from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import FreeParameter, label_of
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
-from contactlab.inference.law_choice import LawChoice, free_keys, numbers_of, setups_of
+from contactlab.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
 from contactlab.inference.points_problem import points_problem
@@ -120,11 +120,11 @@ class Candidate:
 
 def candidates_of(
     data: Data,
-    choice: LawChoice,
+    setups: Mapping[str, Setup],
+    free: Free,
     *,
     discrepancy: Discrepancy = "off",
     degrees_of_freedom: float | None = inf,
-    corrections: tuple[FreeParameter, ...] = (),
     name: str = "",
     digest: str = "",
 ) -> list[Candidate]:
@@ -132,27 +132,29 @@ def candidates_of(
 
     Args:
         data: measurements.
-        choice: of laws and free numbers.
+        setups: of the laws by label, which names those that are not named by their laws alone.
+        free: ranges by key.
         discrepancy: whether the laws may be wrong.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
-        corrections: free numbers of measured impacts.
         name: of the data.
         digest: of their file.
 
     Raises:
         ConfigurationError: with every fault.
     """
-    choice.check(of_law=isinstance(data, MeasuredImpacts))
     if isinstance(data, MeasuredImpacts):
-        _check_impacts(data, choice, discrepancy)
-    setups = setups_of(choice, {} if isinstance(data, MeasuredImpacts) else data.configuration)
+        _check_impacts(data, setups, discrepancy)
+    every, corrections = free_numbers(setups, free), corrections_in(free)
     known = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
     likelihood = "normal" if degrees_of_freedom == inf else f"Student-t, degrees of freedom: {known}"
     result, faults = list[Candidate](), list[str]()
     cases = {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]
-    for setup, may_err in product(setups, cases):
+    laws = {place: label_of(setup.law) for place, setup in setups.items()}
+    if len({*laws.values()}) < len(laws):
+        laws = {place: place.replace("/", ".") for place in laws}
+    for (place, setup), may_err in product(setups.items(), cases):
+        keys = every[place]
         try:
-            keys = free_keys(setup, choice, several=len(setups) > 1)
             problem = _problem(data, setup, keys, corrections, degrees_of_freedom, discrepancy=may_err)
         except ConfigurationError as error:
             faults += error.faults
@@ -161,16 +163,16 @@ def candidates_of(
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
         if isinstance(data, MeasuredImpacts) and (copies := data.copies_warning()):
             origin["duplicates"] = copies
-        label = label_of(setup.law) + (" + discrepancy" if may_err and discrepancy == "both" else "")
+        label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = truth_in(data, setup.configuration)
         truth = {item.name: numbers[item.name] for item in keys if item.name in numbers}
-        result.append(Candidate(label, problem, truth, origin, numbers_of(setup, choice, keys)))
+        result.append(Candidate(label, problem, truth, origin, numbers_of(setup, keys, free)))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return result
 
 
-def _check_impacts(data: MeasuredImpacts, choice: LawChoice, discrepancy: Discrepancy) -> None:
+def _check_impacts(data: MeasuredImpacts, setups: Mapping[str, Setup], discrepancy: Discrepancy) -> None:
     """Raise a ConfigurationError for impacts to which no law can be fitted as asked."""
     faults = []
     if len(data) < FEWEST:
@@ -178,9 +180,9 @@ def _check_impacts(data: MeasuredImpacts, choice: LawChoice, discrepancy: Discre
     if data.covariance is None and discrepancy != "off":
         faults.append(
             "study.discrepancy must be off: the data state no noise, from which it could be distinguished. "
-            "State it by --noise."
+            "State it by noise."
         )
-    if not choice.laws:
+    if not setups:
         faults.append("The data contain no law; choose one, law=newton, or several, law=newton,poisson.")
     if faults:
         raise ConfigurationError(faults)
@@ -197,22 +199,24 @@ def _problem(
 ) -> Problem:
     """Return the problem of one law."""
     problem: Problem
-    if corrections and not isinstance(data, MeasuredImpacts):
-        raise ConfigurationError([f"{corrections[0].name} is of measured impacts; the data are of a motor."])
-    if isinstance(data, MeasuredPoints):
-        if discrepancy:
-            raise ConfigurationError(["study.discrepancy must be off: operating points have no time."])
-        problem = points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
-    elif isinstance(data, MeasuredSeries):
-        problem = series_problem(
-            data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
-        )
-    else:
+    if isinstance(data, MeasuredImpacts):
         if others := [item.name for item in keys if not item.field]:
             raise ConfigurationError([f"{', '.join(others)} is of the motor; impacts depend on the law."])
         predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
         unknown = discrepancy or data.covariance is None
         problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
+    elif corrections:
+        raise ConfigurationError([f"{corrections[0].name} is of measured impacts; the data are of a motor."])
+    elif "resonator" not in setup.configuration:
+        raise ConfigurationError(["A motor made in Python has no configuration, by which it is fitted."])
+    elif isinstance(data, MeasuredSeries):
+        problem = series_problem(
+            data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
+        )
+    elif discrepancy:
+        raise ConfigurationError(["study.discrepancy must be off: operating points have no time."])
+    else:
+        problem = points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
     if not problem.free:
         raise ConfigurationError([f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH."])
     return problem
@@ -431,12 +435,12 @@ def _findings(
         result.append(
             f"Warning: 90 % +- {about['coverage_error']:.1%} of the data should lie there. The noise is "
             "understated or the law does not explain the data, and the intervals of the numbers are too "
-            "narrow. Try --noise free, --discrepancy on or --student free."
+            "narrow. Try noise=free, discrepancy=on or student=free."
         )
     elif not about["covers"] or about["coverage_50"] > 0.5 + ERRORS * about["coverage_50_error"]:
         result.append(
             f"Warning: the 50 % intervals contain {about['coverage_50']:.1%} of the data: the noise is "
-            "overstated, or outliers have widened it for all. Try --student free."
+            "overstated, or outliers have widened it for all. Try student=free."
         )
     summary = tree["summary"].to_dataset()
     for item, low, high in zip(

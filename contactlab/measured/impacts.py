@@ -6,6 +6,7 @@ negative on approach, and an impulse p = (p_n, p_t) makes u+ = u- + D p.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from hashlib import sha256
 from typing import Any, Final, Self, final
 
 import numpy as np
@@ -103,6 +104,17 @@ class MeasuredImpacts:
 
     def __len__(self) -> int:
         return len(self.velocity_before) if isinstance(self.velocity_before, np.ndarray) else 0
+
+    @property
+    def content_digest(self) -> str:
+        """SHA-256 of the numbers, 64 hexadecimal digits."""
+        digest = sha256()
+        arrays = (self.delassus, self.velocity_before, self.velocity_after, self.kinetic_energy)
+        for array in (*arrays, self.outside, self.covariance, self.number):
+            digest.update(b"none" if array is None else np.ascontiguousarray(array).tobytes())
+        if self.measurement is not None:
+            digest.update(b"measurement" + self.measurement.astype(np.int64).tobytes())
+        return digest.hexdigest()
 
     @cached_property
     def before(self) -> Impacts:

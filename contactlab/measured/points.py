@@ -9,6 +9,7 @@ A load that brakes has the sign of the rotation.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from typing import Any, Final, final
 
 from contactlab.arrays import Array
@@ -44,6 +45,12 @@ class MeasuredPoints:
     def keys(self) -> list[str]:
         """Full keys by which the points differ."""
         return [name for name in self.table.names if name not in (VELOCITY, VELOCITY + ERROR)]
+
+    @property
+    def content_digest(self) -> str:
+        """SHA-256 of the numbers, 64 hexadecimal digits."""
+        every = [(str(name), x.values.tolist()) for name, x in self.table.data.variables.items()]
+        return sha256(repr([every, *(x.tolist() for x in self.errors.values())]).encode()).hexdigest()
 
 
 def points_of_table(table: Table, digest: str) -> MeasuredPoints:

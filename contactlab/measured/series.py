@@ -10,6 +10,7 @@ Forces are means over the interval that ends at their time, as of a run.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from typing import Any, Final, final
 
 import numpy as np
@@ -60,6 +61,13 @@ class MeasuredSeries:
     configuration: Mapping[str, Any]
     attributes: Mapping[str, Any]
     digest: str = ""
+
+    @property
+    def content_digest(self) -> str:
+        """SHA-256 of numbers and configuration, 64 hexadecimal digits."""
+        parts: list[Any] = [self.time.tobytes(), sorted(self.configuration.items())]
+        parts += [(name, x.tobytes()) for each in (self.values, self.errors) for name, x in each.items()]
+        return sha256(repr(parts).encode()).hexdigest()
 
     def only(self, names: Sequence[str]) -> "MeasuredSeries":
         """Return some of the series.

@@ -15,7 +15,7 @@ import pandas
 import xarray
 import yaml
 
-from contactlab.config import ConfigurationError
+from contactlab.config import ConfigurationError, Setup, build
 from contactlab.estimate import Estimate
 from contactlab.inference.fit import (
     STARTS,
@@ -28,14 +28,15 @@ from contactlab.inference.fit import (
     fitted,
     misfits,
 )
-from contactlab.inference.law_choice import LawChoice, corrections_in
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
+from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
+from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
-from contactlab.studies.measurements import PATTERNS, choice_of, measured
+from contactlab.studies.measurements import OF_MOTOR, PATTERNS, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_in
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
@@ -48,20 +49,23 @@ FREE: Final = "free"
 class Fit(Study):
     """Which numbers of a law or a motor do measurements support, and which law?
 
-    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law without a value
-    are. Numbers of the geometry of measured impacts are data.NAME. Least squares from many starts are
-    followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are compared by
-    their evidence.
+    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that have
+    their default values. Numbers of the geometry of measured impacts are data.NAME. Least squares from many
+    starts are followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are
+    compared by their evidence, each with its own numbers free besides. Keys are those of the motor that the
+    data state, and go before them.
     """
 
     name: ClassVar[str] = "fit"
-
+    several: ClassVar[bool] = True
+    ignored: ClassVar[tuple[str, ...]] = (*("record", "solver.duration", "solver.until", "solver.precision"),)
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
-    data: Annotated[str, option("file of measured impacts, or of series or operating points of a motor")] = ""
-    choice: Annotated[
-        list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
-    ] = None
+    data: Annotated[
+        str | Path | MeasuredSeries | MeasuredImpacts | MeasuredPoints,
+        option("file of measured impacts, or of series or operating points of a motor"),
+    ] = ""
+    free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     noise: Annotated[str | None, option("standard deviation over the size of the data, or free")] = None
     discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
     student: Annotated[str | None, option("degrees of freedom of Student-t noise, or free")] = None
@@ -71,22 +75,15 @@ class Fit(Study):
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
 
     @cached_property
-    def measured(self) -> Data:
-        """The measurements as read; `fit` sets those that are no file.
-
-        Raises:
-            ConfigurationError: the file cannot be read or contains no measurements.
-        """
-        return measured(self.data, read_measurements)
-
-    @cached_property
     def measurements(self) -> Data:
         """The measurements with the chosen series and noise.
 
         Raises:
-            ConfigurationError: an option does not apply to them.
+            ConfigurationError: the file cannot be read, or an option does not apply to them.
         """
-        result, noise = self.measured, number_or_free("study.noise", self.noise, 1.0)
+        data: Any = self.data
+        result: Data = read_file(data, read_measurements) if isinstance(data, str | Path) else data
+        noise = number_or_free("study.noise", self.noise, 1.0)
         if self.series:
             if not isinstance(result, MeasuredSeries):
                 raise ConfigurationError(["study.series is set and the data are no series; leave it out."])
@@ -98,24 +95,42 @@ class Fit(Study):
             return result
         return without_errors(result) if noise == FREE else with_noise(result, float(noise))
 
-    @cached_property
-    def candidates(self) -> list[Candidate]:
-        """The laws to be fitted.
+    @property
+    def base(self) -> Mapping[str, Any]:
+        """The configuration of the motor as far as the data state it."""
+        return {} if isinstance(self.measurements, MeasuredImpacts) else self.measurements.configuration
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Groups and keys of a configuration on which no prediction depends."""
+        return OF_MOTOR if isinstance(self.measurements, MeasuredImpacts) else self.ignored
+
+    def put_to(self, setups: Setups) -> Setups:
+        """Return the setups; without any that of a motor's data."""
+        if setups or isinstance(self.measurements, MeasuredImpacts):
+            return setups
+        return {"": build(self.base)}
+
+    def candidates(self, setups: Setups) -> list[Candidate]:
+        """Return the laws to be fitted.
 
         Raises:
             ConfigurationError: laws or free numbers cannot be used with the measurements.
         """
-        tails = number_or_free("study.student", self.student, inf)
-        choice, corrections = corrections_in(self.choice or ())
-        digest = "" if isinstance(self.measured, MeasuredImpacts) else self.measured.digest
+        tails, free = number_or_free("study.student", self.student, inf), by_key(self.free)
+        if unused := [key for key in free for idle in self.idle if f"{key}.".startswith(f"{idle}.")]:
+            raise ConfigurationError(
+                [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
+            )
+        path = Path(self.data) if isinstance(self.data, str | Path) else None
         return candidates_of(
             self.measurements,
-            LawChoice.of(choice),
-            corrections=corrections,
+            setups,
+            free,
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == FREE else float(tails),
-            name=Path(self.data).name,
-            digest=digest or (digest_of_file(Path(self.data)) if self.data else ""),
+            name=path.name if path else "",
+            digest=digest_of_file(path) if path else getattr(self.data, "digest", ""),
         )
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -124,14 +139,13 @@ class Fit(Study):
         Raises:
             NoSamplerError: dynesty is not installed.
         """
-        del setups
         available()
         # Likelihoods are evaluated by several processes where the laws are not.
         workers = None if self.workers == 1 and self.scheduler is None else 1
         settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
         return [
             Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings, workers), resumes=True)
-            for item in self.candidates
+            for item in self.candidates(setups)
         ]
 
     def _digest(self, candidate: Candidate) -> str:
@@ -245,11 +259,8 @@ def _ending(data: xarray.DataTree, label: str) -> str:
 
 
 def fit(
-    data: str | Path | Data,
-    laws: str | Sequence[str] = (),
+    setups: Setup | ContactLaw | Sequence[Setup | ContactLaw] | Mapping[str, Setup | ContactLaw] = (),
     *,
-    free: Mapping[str, tuple[float | str, float | str]] | None = None,
-    fixed: Mapping[str, Any] | None = None,
     output: str | Path | None = None,
     progress: Progress | None = None,
     **options: Any,
@@ -257,25 +268,16 @@ def fit(
     """Fit laws to measurements: the study `Fit`.
 
         >>> import contactlab as cl
-        >>> cl.fit("impacts.csv", "newton", free={"law.restitution": (0.0, 1.0)})  # doctest: +SKIP
+        >>> newton = cl.build(["law=newton"])
+        >>> cl.fit(newton, data="impacts.csv", free={"law.restitution": (0.0, 1.0)})  # doctest: +SKIP
 
     Args:
-        data: impacts or series of a motor, or their file.
-        laws: names; none is the law of the series' configuration.
-        free: ranges by key; without any, all numbers of the laws that are not fixed are free.
-        fixed: values by key, parts of a composed law as "law/normal".
+        setups: whose laws are fitted; none is that of the motor in the data.
         output, progress: as of every study.
-        options: fields of `Fit`.
+        options: fields of `Fit`: data, free and others.
 
     Raises:
-        OSError: the file cannot be read.
         ConfigurationError, ValueError: data, laws or options cannot be used.
         NoSamplerError: dynesty is not installed.
     """
-    choice = choice_of([laws] if isinstance(laws, str) else [*laws], free, fixed)
-    from_file = isinstance(data, str | Path)
-    study = Fit(data=str(data) if from_file else "", choice=choice, **options)
-    if not from_file:
-        # The cached property that reads the file.
-        study.__dict__["measured"] = data
-    return study({}, output=output, progress=progress)
+    return Fit(**options)(by_label(setups), output=output, progress=progress)

@@ -1,45 +1,82 @@
-"""Measurements and chosen laws as options of the studies `fit` and `validate`."""
+"""Measurements and free numbers as options of the studies `fit` and `validate`."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
-from contactlab.config import ConfigurationError
+from contactlab.config import ConfigurationError, Setup, build
+from contactlab.inference.law_numbers import Free
+from contactlab.laws import ContactLaw
+from contactlab.studies.ranges import Range
+from contactlab.studies.study import Setups
 
 _Data = TypeVar("_Data")
 
 PATTERNS: Final[Mapping[str, re.Pattern[str]]] = {
-    "choice": re.compile(r"[^=]+=.*"),
     "data": re.compile(r"[^=]+"),
 }
-"""Arguments of the command: KEY=VALUE chooses laws and numbers, any other is the file of the data."""
+"""Arguments of the command: a word without a sign is the file of the data."""
+
+FreeNumbers = Free | list[Range] | None
+"""Ranges of free numbers, by key in Python, KEY=LOW..HIGH in a command or file."""
+
+OF_MOTOR: Final = (
+    *("resonator", "piezoceramic", "placement", "drive", "rotor", "solver", "record"),
+    *("contact.tip_length", "contact.clearance", "contact.preload"),
+)
+"""Groups and keys of a configuration on which impacts do not depend."""
 
 
-def measured(path: str, read: Callable[[Path], _Data]) -> _Data:
-    """Read the file of measurements.
+def by_key(free: FreeNumbers) -> Free:
+    """Return the ranges of free numbers by key.
+
+    Raises:
+        ConfigurationError: a number has two.
+    """
+    if not isinstance(free, list):
+        return free or {}
+    result = {each.name: (each.start, each.end) for each in free}
+    if len(result) < len(free):
+        names = [each.name for each in free]
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ConfigurationError([f"{twice} has two ranges; it must have one. Leave one out."])
+    return result
+
+
+def read_file(data: str | Path, read: Callable[[Path], _Data]) -> _Data:
+    """Return the measurements of a file.
 
     Raises:
         ConfigurationError: the file is missing, or cannot be read.
     """
-    if not path:
+    if not str(data):
         raise ConfigurationError(["study.data is missing; it must be a file of measurements."])
     try:
-        return read(Path(path))
+        return read(Path(data))
     except OSError as error:
         raise ConfigurationError(
-            [f"data is '{path}' and cannot be read ({error.strerror or error})."]
+            [f"data is '{data}' and cannot be read ({error.strerror or error})."]
         ) from error
     except ValueError as error:
         raise ConfigurationError([f"data: {line}" for line in str(error).splitlines()]) from error
 
 
-def choice_of(
-    laws: Sequence[str],
-    free: Mapping[str, tuple[float | str, float | str]] | None,
-    fixed: Mapping[str, Any] | None,
-) -> list[str]:
-    """Return the overrides that choose laws, ranges by key and values by key."""
-    choice = [f"law={','.join(laws)}"] if laws else []
-    choice += [f"{key}={low}..{high}" for key, (low, high) in (free or {}).items()]
-    return [*choice, *(f"{key}={value}" for key, value in (fixed or {}).items())]
+def by_label(setups: Setup | ContactLaw | Sequence[Any] | Mapping[str, Any]) -> Setups:
+    """Return setups by label; a law alone stands for the default motor under it.
+
+    Raises:
+        TypeError: one is neither setup nor law.
+    """
+    if isinstance(setups, Setup | ContactLaw):
+        setups = [setups]
+    if not isinstance(setups, list | tuple | Mapping):
+        raise TypeError(f"setups is {setups!r}; it must be setups or laws. Measurements are data=FILE.")
+    if not isinstance(setups, Mapping):
+        setups = {"" if len(setups) == 1 else str(place): each for place, each in enumerate(setups, 1)}
+    result = {x: replace(build(), law=y) if isinstance(y, ContactLaw) else y for x, y in setups.items()}
+    for label, each in result.items():
+        if not isinstance(each, Setup):
+            raise TypeError(f"setups has {each!r} {label}; it must be a Setup or a law.")
+    return result

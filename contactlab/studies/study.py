@@ -123,6 +123,19 @@ class Study(ABC):
     workers: Annotated[int, option("processes at work", at_least=1, at_most=1000)] = 1
     scheduler: Annotated[str | None, option("address of a Dask scheduler whose workers do the tasks")] = None
 
+    @property
+    def base(self) -> Mapping[str, Any] | None:
+        """Configuration below the overrides of the command, without any of which there is no setup.
+
+        None is that of the default run, which is a setup of its own.
+        """
+        return None
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """`ignored`, and what this one does not depend on besides."""
+        return self.ignored
+
     def put_to(self, setups: Setups) -> Setups:
         """Return the setups to which the study is put, by the labels of its data; by default those chosen."""
         return setups
@@ -342,12 +355,17 @@ class Result:
 
 
 def plain(value: Any) -> Any:
-    """Return a value of NumPy as Python's own and one that is read from a text as that, in a sequence too."""
-    if isinstance(value, list | tuple):
-        return [*map(plain, value)]
-    if hasattr(value, "of_text"):
-        return str(value)
-    return value.item() if isinstance(value, np.generic) else value
+    """Return an option as YAML has it: of NumPy as Python's own, one read from a text as that, data by digest."""
+    match value:
+        case list() | tuple():
+            return [*map(plain, value)]
+        case Mapping():
+            return {name: plain(x) for name, x in value.items()}
+        case np.generic():
+            return value.item()
+        case _ if isinstance(value, Path) or hasattr(value, "of_text"):
+            return str(value)
+    return getattr(value, "content_digest", value)
 
 
 def _as_yaml(values: Mapping[str, Any]) -> str:

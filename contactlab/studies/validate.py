@@ -14,6 +14,7 @@ import numpy as np
 import pandas
 import xarray
 
+from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.inference.cross_validation import (
     BASELINE,
@@ -21,20 +22,19 @@ from contactlab.inference.cross_validation import (
     SAME,
     assessed,
     cross_validated,
-    digest_of,
     distinct,
     laws_in,
     predictors_of,
 )
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import ImpactPredictor, ImpactProblem, LawPredictor
-from contactlab.inference.law_choice import corrections_in, law_predictors
+from contactlab.inference.law_numbers import corrections_in, law_predictors
 from contactlab.laws import ContactLaw
 from contactlab.laws.registry import classes_of
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
-from contactlab.studies.measurements import PATTERNS, choice_of, measured
+from contactlab.studies.measurements import OF_MOTOR, PATTERNS, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_of
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
@@ -45,8 +45,6 @@ SHOWN: Final = 40
 LEAST: Final = 1e-4
 """Difference below which four decimals show nothing."""
 
-Laws = Sequence[str | ContactLaw | LawPredictor]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Validate(Study):
@@ -55,18 +53,19 @@ class Validate(Study):
     Every impact is held out once, equal rows and repeats of one measurement together; a law is fitted to the
     others and predicts it. Errors and their differences have bootstrap intervals, and stand beside those of
     the frictionless law, of the best constant impulse and of the best impulse of each impact, which no law
-    can surpass. All numbers of a law without a value are free; numbers of the geometry, data.NAME=LOW..HIGH,
-    are fitted with those of every law. Verdicts on pairs are corrected for their number.
+    can surpass. Numbers of the laws law=A,B that have their default values are free, in ranges
+    KEY=LOW..HIGH if they are given; without law= these are all rigid laws and some compliant ones. Numbers
+    of the geometry, data.NAME=LOW..HIGH, are fitted with those of every law. Verdicts on pairs are corrected
+    for their number.
     """
 
     name: ClassVar[str] = "validate"
-
+    several: ClassVar[bool] = True
+    ignored: ClassVar[tuple[str, ...]] = OF_MOTOR
     patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
 
-    data: Annotated[str, option("file of measured impacts")] = ""
-    choice: Annotated[
-        list[str] | None, option("laws, ranges and values: law=A,B KEY=LOW..HIGH KEY=VALUE")
-    ] = None
+    data: Annotated[str | Path | MeasuredImpacts, option("file of measured impacts")] = ""
+    free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
     seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
     repeats: Annotated[int, option("number of seeds, from the first on", at_least=1, at_most=1000)] = 1
@@ -74,34 +73,18 @@ class Validate(Study):
 
     @cached_property
     def impacts(self) -> MeasuredImpacts:
-        """The measured impacts; `validate` sets those that are no file.
+        """The measured impacts.
 
         Raises:
             ConfigurationError: the file cannot be read or contains no impacts.
         """
-        return measured(self.data, read_impacts)
+        data = self.data
+        return read_file(data, read_impacts) if isinstance(data, str | Path) else data
 
-    @cached_property
-    def laws(self) -> Sequence[LawPredictor]:
-        """The laws that are validated; `validate` sets those that are objects."""
-        return law_predictors(corrections_in(self.choice or ())[0])
-
-    @cached_property
-    def corrections(self) -> tuple[FreeParameter, ...]:
-        """The free numbers of the data."""
-        return corrections_in(self.choice or ())[1]
-
-    @cached_property
-    def predictors(self) -> list[ImpactPredictor]:
-        """Laws and baselines.
-
-        Raises:
-            ConfigurationError, ValidationError: laws or impacts cannot be used.
-        """
-        result = predictors_of(self.impacts, self.laws, self.folds)
-        # Refused before any of them is fitted.
-        ImpactProblem(self.impacts, result[0], corrections=self.corrections)
-        return result
+    @property
+    def base(self) -> Mapping[str, Any]:
+        """The data state no motor; without a law the usual ones are validated."""
+        return {}
 
     @property
     def seeds(self) -> range:
@@ -109,39 +92,45 @@ class Validate(Study):
         return range(self.seed, self.seed + self.repeats)
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
-        """Return one task for each law and seed, the slow ones first."""
-        del setups
+        """Return one task for each law and seed, the slow ones first.
+
+        Raises:
+            ConfigurationError, ValidationError: laws or impacts cannot be used.
+        """
+        free = by_key(self.free)
+        corrections = corrections_in(free)
+        predictors = predictors_of(self.impacts, law_predictors(setups, free), self.folds)
+        # Refused before any of them is fitted.
+        ImpactProblem(self.impacts, predictors[0], corrections=corrections)
         return [
             Task(
-                self._key(entry, seed),
+                f"{seed} {place} {self._digest(predictor, corrections)}",
                 _cross_validated,
-                (entry, self.impacts, self.folds, seed, self.corrections),
+                (predictor, self.impacts, self.folds, seed, corrections),
             )
             for seed in self.seeds
-            for entry in sorted(self.predictors, key=lambda each: not each.integrated)
+            for place, predictor in sorted(enumerate(predictors), key=lambda each: not each[1].integrated)
         ]
 
-    def _key(self, predictor: ImpactPredictor, seed: int) -> str:
+    def _digest(self, predictor: ImpactPredictor, corrections: tuple[FreeParameter, ...]) -> str:
+        """Return the digest of all that a cross-validation depends on besides the seed."""
         if isinstance(predictor, LawPredictor):
             code = code_of(*classes_of(predictor.law))
         else:
             code = (code_digest(),)
-        depends = (predictor, self.folds, digest_of(self.impacts), self.corrections, *code)
-        return f"{seed} {sha256(repr(depends).encode()).hexdigest()[:16]}"
+        depends = (predictor, self.folds, self.impacts.content_digest, corrections, *code)
+        return sha256(repr(depends).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the assessment, see `inference.cross_validation`; further seeds are groups seed_N."""
         del setups
-        trees = [
-            assessed(
-                [parts[self._key(entry, seed)].to_dataset() for entry in self.predictors],
-                self.impacts,
-                self.folds,
-                seed,
-                self.block,
-            )
-            for seed in self.seeds
-        ]
+        trees = []
+        for seed in self.seeds:
+            keys = [key for key in parts if key.startswith(f"{seed} ")]
+            # In the order of the laws, not of the tasks.
+            keys.sort(key=lambda key: int(key.split()[1]))
+            outcomes = [parts[key].to_dataset() for key in keys]
+            trees.append(assessed(outcomes, self.impacts, self.folds, seed, self.block))
         first, *others = trees
         groups = {f"seed_{seed}": data for seed, data in zip(self.seeds[1:], others, strict=True)}
         return xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
@@ -344,11 +333,8 @@ def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
 
 
 def validate(
-    data: str | Path | MeasuredImpacts,
-    laws: str | ContactLaw | Laws = (),
+    setups: Setup | ContactLaw | Sequence[Setup | ContactLaw] | Mapping[str, Setup | ContactLaw] = (),
     *,
-    free: Mapping[str, tuple[float | str, float | str]] | None = None,
-    fixed: Mapping[str, Any] | None = None,
     output: str | Path | None = None,
     progress: Progress | None = None,
     **options: Any,
@@ -356,34 +342,15 @@ def validate(
     """Cross-validate laws by measured impacts: the study `Validate`.
 
         >>> import contactlab as cl
-        >>> cl.validate("impacts.csv", ["newton", "poisson"], folds=3)  # doctest: +SKIP
+        >>> laws = [cl.build([f"law={name}"]) for name in ("newton", "poisson")]
+        >>> cl.validate(laws, data="impacts.csv", folds=3)  # doctest: +SKIP
 
     Args:
-        data: impacts, or their file.
-        laws: names or laws; none are all rigid laws and some compliant ones.
-        free: ranges by key, of laws chosen by name.
-        fixed: values by key, parts of a composed law as "law/normal".
+        setups: whose laws are validated; none are all rigid laws and some compliant ones.
         output, progress: as of every study.
-        options: fields of `Validate`.
+        options: fields of `Validate`: data, free and others.
 
     Raises:
-        OSError, MeasurementError: the file cannot be read.
         ConfigurationError, ValidationError: laws or impacts cannot be used.
     """
-    every = [laws] if isinstance(laws, str | ContactLaw) else [*laws]
-    names = [entry for entry in every if isinstance(entry, str)]
-    choice = choice_of(names, free, fixed)
-    from_file = isinstance(data, str | Path)
-    study = Validate(data=str(data) if from_file else "", choice=choice, **options)
-    # Cached properties that read the file and make the laws.
-    if not from_file:
-        study.__dict__["impacts"] = data
-    if objects := [entry for entry in every if not isinstance(entry, str)]:
-        if choice:
-            raise ValueError(
-                "Laws must be names, or all objects with their own numbers, without free and fixed."
-            )
-        study.__dict__["laws"] = [
-            LawPredictor.of(entry) if isinstance(entry, ContactLaw) else entry for entry in objects
-        ]
-    return study({}, output=output, progress=progress)
+    return Validate(**options)(by_label(setups), output=output, progress=progress)

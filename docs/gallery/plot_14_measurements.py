@@ -17,7 +17,7 @@ measured = made_impacts(truth, count=90, noise=0.03, seed=1)
 # A frictionless law and a constant impulse are baselines: a law that is no better explains nothing.
 
 laws = (cl.Newton(), cl.Poisson(), cl.Stronge(), cl.MoreauJean())
-result = cl.validate(measured, laws, folds=3)
+result = cl.validate(laws, data=measured, folds=3)
 print(result.findings[0])
 figures = result.study.figures(result.data)
 errors = figures["prediction_error"]

@@ -13,7 +13,7 @@ import contactlab as cl
     f"docs/measurements.md says where they are had. Then put them into {ELLIPSES}.",
 )
 def test_poisson_beats_newton_on_the_published_ellipses() -> None:
-    data = cl.validate(ELLIPSES, ["newton", "poisson"]).data.to_dataset()
+    data = cl.validate([cl.Newton(), cl.Poisson()], data=ELLIPSES).data.to_dataset()
 
     assert data["law"].values[0] == "poisson"
     assert float(data["difference_interval"].sel(law="newton", other="poisson", end="low")) > 0.004

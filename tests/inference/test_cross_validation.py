@@ -18,8 +18,9 @@ from contactlab.inference.cross_validation import (
     noise_of,
     without_idle,
 )
+from contactlab.inference.free_parameters import label_of
 from contactlab.inference.impact_problem import ConstantImpulse, ImpactProblem, LawPredictor, frictionless
-from contactlab.inference.law_choice import usual_law, usual_laws
+from contactlab.inference.law_numbers import usual_laws
 from contactlab.measured.files import write_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 
@@ -35,7 +36,7 @@ def impacts() -> MeasuredImpacts:
 
 @pytest.fixture(scope="module")
 def result(impacts: MeasuredImpacts) -> cl.Result:
-    return cl.validate(impacts, LAWS, folds=4, seed=3)
+    return cl.validate([*map(cl.law, LAWS)], data=impacts, folds=4, seed=3)
 
 
 @pytest.fixture(scope="module")
@@ -139,7 +140,7 @@ def test_a_number_without_effect_is_fixed_and_one_that_no_impact_depends_on_is_u
     before = sticking.velocity_before * [1.0, 0.05]
     after = velocities_after(cl.Newton(1.0, 0.5), sticking.delassus, before)
     slow = replace(sticking, velocity_before=before, velocity_after=after)
-    outcome = cl.validate(slow, "newton", folds=3)
+    outcome = cl.validate(cl.Newton(), data=slow, folds=3)
 
     assert "friction_coefficient" in outcome.data["undetermined"].sel(law="newton").item()
 
@@ -148,9 +149,9 @@ def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:
     few = struck_discs(TRUTH, 9, seed=0)
 
     with pytest.raises(ValidationError, match="9"):
-        cl.validate(few, "newton", output=tmp_path)
+        cl.validate(cl.Newton(), data=few, output=tmp_path)
     with pytest.raises(ValidationError, match="newton"):
-        cl.validate(few, [cl.Newton(), cl.Newton()])
+        cl.validate([cl.Newton(), cl.Newton()], data=few)
     assert not [*tmp_path.iterdir()]
 
 
@@ -170,18 +171,18 @@ def test_usual_laws_have_labels_of_their_own_and_every_rigid_law_is_among_them()
 
     assert len(labels) == len(set(labels))
     assert {"newton", "poisson", "stronge", "brach", "chatterjee_ruina", "johnson"} <= set(labels)
-    assert usual_law("composed", damping="flores", friction="mindlin").label in labels
+    assert label_of(cl.law("composed", damping="flores", friction="mindlin")) in labels
 
 
 @pytest.mark.long
 def test_a_compliant_law_that_made_the_impacts_beats_the_rigid_ones() -> None:
     law = cl.Composed(cl.HertzPoint(), cl.Flores(0.6), cl.Mindlin(0.3, stiffness_ratio=0.8))
     impacts = struck_discs(law, 200, seed=6, spread=0.02)
-    mindlin = usual_law("composed", damping="flores", friction="mindlin")
-    outcome = cl.validate(impacts, [mindlin, usual_law("poisson"), usual_law("newton")]).data.to_dataset()
+    mindlin = cl.law("composed", damping="flores", friction="mindlin")
+    outcome = cl.validate([mindlin, cl.Poisson(), cl.Newton()], data=impacts).data.to_dataset()
 
-    assert outcome["law"].values[0] == mindlin.label
-    ratio = outcome["value"].sel(law=mindlin.label, parameter="friction.stiffness_ratio").values
+    assert outcome["law"].values[0] == label_of(mindlin)
+    ratio = outcome["value"].sel(law=label_of(mindlin), parameter="friction.stiffness_ratio").values
     assert np.median(ratio) == pytest.approx(0.8, rel=0.1)
 
 

@@ -12,15 +12,15 @@ from contactlab.config import ConfigurationError
 from contactlab.impacts import velocities_after
 from contactlab.inference.cross_validation import folds_of, pair_p_values
 from contactlab.inference.fit import candidates_of
-from contactlab.inference.impact_problem import ImpactProblem
-from contactlab.inference.law_choice import LawChoice, corrections_in, usual_law
+from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
+from contactlab.inference.law_numbers import corrections_in
 from contactlab.measured.bodies import BodyImpacts
 from contactlab.measured.impacts import MeasuredImpacts
 
 LAW = cl.Poisson(0.2, 0.6)
 WRONG = {"normal_arm": 0.5e-3, "tangential_arm": -4e-3, "tilt": 0.03, "inertia": 0.8}
-RANGES = ["data.normal_arm=-10 mm..10 mm", "data.tangential_arm=-10 mm..10 mm"]
-RANGES += ["data.tilt=-0.1..0.1", "data.inertia=0.5..1.5"]
+ARMS = {"data.normal_arm": ("-10 mm", "10 mm"), "data.tangential_arm": ("-10 mm", "10 mm")}
+OTHERS = {"data.tilt": (-0.1, 0.1), "data.inertia": (0.5, 1.5)}
 
 
 def bodies_of(count: int, noise: float = 0.0) -> tuple[BodyImpacts, BodyImpacts]:
@@ -65,15 +65,15 @@ def test_a_tilt_turns_the_delassus_matrix_and_inertia_and_arms_change_it_as_said
 
 def test_the_true_geometry_leaves_no_error_and_the_data_s_own_that_of_the_law_alone() -> None:
     _, stated = bodies_of(60)
-    impacts, corrections = measured(stated), corrections_in(RANGES)[1]
-    problem = ImpactProblem(impacts, usual_law("poisson"), corrections=corrections)
+    impacts, corrections = measured(stated), corrections_in({**ARMS, **OTHERS})
+    problem = ImpactProblem(impacts, LawPredictor.of(cl.Poisson()), corrections=corrections)
     own = [{"friction_coefficient": 0.2, "restitution": 0.6}[item.name] for item in problem.predictor.free]
     true = np.array([*own, *(WRONG[item.field] for item in corrections)])
 
     after, outside = problem.prediction(true)
     assert impacts.errors(after, outside).max() < 1e-6
     neutral = np.array([*own, 0.0, 0.0, 0.0, 1.0])
-    plain = ImpactProblem(impacts, usual_law("poisson"))
+    plain = ImpactProblem(impacts, LawPredictor.of(cl.Poisson()))
     after, outside = problem.prediction(neutral)
     np.testing.assert_allclose(after, plain.velocities_after(np.array(own)), rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(impacts.errors(after, outside), impacts.errors(after), rtol=1e-9)
@@ -83,10 +83,9 @@ def test_the_true_geometry_leaves_no_error_and_the_data_s_own_that_of_the_law_al
 
 def test_validate_recovers_arms_that_are_wrong_and_predicts_to_the_noise() -> None:
     true, stated = bodies_of(80, noise=0.01)
-    both = {"data.normal_arm": ("-10 mm", "10 mm"), "data.tangential_arm": ("-10 mm", "10 mm")}
     arms = {name: WRONG[name] for name in ("normal_arm", "tangential_arm")}
     stated = replace(stated.corrected(**WRONG), rotation=2).corrected(**{n: -x for n, x in arms.items()})
-    plain, free = (cl.validate(measured(stated), "poisson", free=f, folds=2) for f in (None, both))
+    plain, free = (cl.validate(cl.Poisson(), data=measured(stated), free=f, folds=2) for f in (None, ARMS))
 
     data = free.data.to_dataset().sel(law="poisson")
     for name, value in arms.items():
@@ -101,28 +100,22 @@ def test_validate_recovers_arms_that_are_wrong_and_predicts_to_the_noise() -> No
 
 def test_fit_has_them_among_its_free_numbers() -> None:
     impacts = measured(bodies_of(20)[1])
-    others, corrections = corrections_in([*RANGES[2:], "law=poisson"])
-    (candidate,) = candidates_of(impacts, LawChoice.of(others), corrections=corrections)
+    (candidate,) = candidates_of(impacts, {"": cl.build(["law=poisson"])}, OTHERS)
     assert [item.name for item in candidate.problem.free][-3:-1] == ["data.tilt", "data.inertia"]
 
 
 @pytest.mark.parametrize(
-    ("text", "key"),
-    [
-        ("data.mass=0..1", "data.mass"),
-        ("data.tilt=0.1", "data.tilt"),
-        ("data.inertia=0..1", "data.inertia"),
-        ("data.tilt=1 mm..2 mm", "data.tilt"),
-    ],
+    ("key", "ends"),
+    [("data.mass", (0, 1)), ("data.tilt", (0.1,)), ("data.inertia", (0, 1)), ("data.tilt", ("1 mm", "2 mm"))],
 )
-def test_other_numbers_of_the_data_are_refused(text: str, key: str) -> None:
+def test_other_numbers_of_the_data_are_refused(key: str, ends: tuple[float | str, ...]) -> None:
     with pytest.raises(ConfigurationError, match=key):
-        corrections_in([text])
+        corrections_in({key: ends})
 
 
 def test_contact_velocities_alone_have_no_geometry() -> None:
     with pytest.raises(ConfigurationError, match=r"data\.tilt"):
-        cl.validate(struck_discs(LAW, 60, seed=0), "newton", free={"data.tilt": (-0.1, 0.1)})
+        cl.validate(cl.Newton(), data=struck_discs(LAW, 60, seed=0), free={"data.tilt": (-0.1, 0.1)})
 
 
 def test_pairs_are_corrected_for_their_number_and_floors_are_no_tests() -> None:

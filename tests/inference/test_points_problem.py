@@ -8,7 +8,6 @@ import pytest
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.inference.fit import candidates_of
-from contactlab.inference.law_choice import LawChoice
 from contactlab.measured.files import read_measurements
 from contactlab.measured.points import MeasuredPoints
 
@@ -30,16 +29,16 @@ def written(path: Path, velocity: Array, error: float = 0.01) -> Path:
     return path
 
 
-def problem(path: Path, *choice: str) -> object:
+def problem(path: Path, law: str) -> object:
     data = read_measurements(path)
     assert isinstance(data, MeasuredPoints)
-    (candidate,) = candidates_of(data, LawChoice.of(choice))
+    (candidate,) = candidates_of(data, {"": cl.build([f"law={law}"])}, {"drive.voltage_1": (50, 150)})
     return candidate.problem
 
 
 def test_predictions_are_the_settled_velocities(tmp_path: Path) -> None:
     exact = velocities("hertz_penalty")
-    made = problem(written(tmp_path / "points.csv", exact), "law=hertz_penalty", "drive.voltage_1=50..150")
+    made = problem(written(tmp_path / "points.csv", exact), "hertz_penalty")
     predicted = made.predict(np.array([100.0]))  # type: ignore[attr-defined]
     assert predicted["rotor_velocity"] == pytest.approx(exact, rel=1e-12)
     missed = made.residuals(np.array([90.0]))  # type: ignore[attr-defined]
@@ -53,7 +52,9 @@ def test_a_fit_finds_the_truth(tmp_path: Path) -> None:
     exact = velocities("newton", "law.restitution=0.4")
     noise = 0.01 * np.random.default_rng(1).standard_normal(exact.size)
     path = written(tmp_path / "points.csv", exact + noise)
-    fitted = cl.fit(path, "newton", free={"law.restitution": (0.1, 0.7)}, points=25, starts=1)
+    fitted = cl.fit(
+        cl.build(["law=newton"]), data=path, free={"law.restitution": (0.1, 0.7)}, points=25, starts=1
+    )
     restitution = fitted.numbers["law.restitution"]
     assert abs(restitution.value - 0.4) < 4.0 * restitution.error
 
@@ -81,17 +82,11 @@ def test_wrong_points_are_refused_by_name(tmp_path: Path, content: str, named: s
 
 
 @pytest.mark.parametrize(
-    ("head", "choice", "named"),
-    [
-        ("rotor.torque [N m]", "drive.voltage_1=50..150", "rotor.torque"),
-        ("rotor.load_torque [m]", "drive.voltage_1=50..150", "rotor.load_torque"),
-        ("drive.voltage_1 [V]", "drive.voltage_1=50..150", "drive.voltage_1"),
-        ("contact.clearance [m]", "drive.voltage_1=50..150", "contact.clearance"),
-    ],
+    "head", ["rotor.torque [N m]", "rotor.load_torque [m]", "drive.voltage_1 [V]", "contact.clearance [m]"]
 )
-def test_points_of_no_motor_are_refused_by_key(tmp_path: Path, head: str, choice: str, named: str) -> None:
+def test_points_of_no_motor_are_refused_by_key(tmp_path: Path, head: str) -> None:
     path = tmp_path / "points.csv"
     path.write_text(f"{head},rotor_velocity [rad/s]\n0,1\n-1,1\n")
     with pytest.raises(cl.ConfigurationError) as refused:
-        problem(path, "law=newton", choice)
-    assert named in str(refused.value)
+        problem(path, "newton")
+    assert head.split()[0] in str(refused.value)

@@ -59,9 +59,9 @@ def test_without_the_true_law_there_are_no_odds_and_the_page_says_so_first(tmp_p
     truth = cl.build(["law=newton", "law.restitution=0.6", "contact.friction_coefficient=0.2"])
     data = made_impacts(truth.law, 30, 0.02, 0, truth.configuration)
     wrong, every = ["lagrange_slip", "lagrange_stick"], ["lagrange_slip", "lagrange_stick", "newton"]
-    compared = cl.fit(data, wrong, free=FRICTION, **FEW)
+    compared = cl.fit([*map(cl.law, wrong)], data=data, free=FRICTION, **FEW)
     compared.save(tmp_path)
-    complete = cl.fit(data, every, free=FRICTION, **FEW)
+    complete = cl.fit([*map(cl.law, every)], data=data, free=FRICTION, **FEW)
 
     evidence = [compared.data[law].attrs["log_evidence"] for law in wrong]
     assert abs(evidence[0] - evidence[1]) > 100.0 * log(10.0)

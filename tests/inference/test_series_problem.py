@@ -8,7 +8,6 @@ from contactlab.config import ConfigurationError
 from contactlab.config.schema import declared_in
 from contactlab.inference.fit import candidates_of
 from contactlab.inference.free_parameters import FreeParameter
-from contactlab.inference.law_choice import LawChoice
 from contactlab.inference.problem import IMPOSSIBLE
 from contactlab.inference.series_problem import records_at, series_problem
 from contactlab.inference.synthetic import made_series, without_errors
@@ -99,8 +98,8 @@ def test_a_motor_that_stops_is_predicted_from_a_velocity_or_a_change_of_the_driv
     path = tmp_path / "stop.csv"
     head = "time [ms],rotor_velocity [rad/s]"
     path.write_text("\n".join([head, *(f"{t!r},{v!r}" for t, v in np.array([*rows]).tolist())]) + "\n")
-    choice = LawChoice.of([*overrides, "rotor.inertia=1e-7..1e-4"])
-    (candidate,) = candidates_of(read_measurements(path), choice)
+    free = {"rotor.inertia": (1e-7, 1e-4)}
+    (candidate,) = candidates_of(read_measurements(path), {"": cl.build(overrides)}, free)
     truth = cl.build(overrides).motor.rotor.inertia
     predicted = candidate.problem.predict(np.array([truth, 1.0]))
 

@@ -198,9 +198,9 @@ from support.measured_impacts import drawn_impacts
 write_impacts(drawn_impacts(20, 1), "impacts.nc")
 law = ["law=power_law"]
 print(key_of(cl.build(law)))
-fit = Fit(data="impacts.nc", choice=[*law, "law.exponent=1..3"])
-for study in (fit, Validate(data="impacts.nc", choice=law)):
-    print([task.key for task in study.tasks({{}})])
+fit = Fit(data="impacts.nc", free={{"law.exponent": (1, 3)}})
+for study in (fit, Validate(data="impacts.nc")):
+    print([task.key for task in study.tasks({{"": cl.build(law)}})])
 """
 
 

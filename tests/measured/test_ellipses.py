@@ -12,7 +12,7 @@ from support.measurements import ELLIPSES
 
 from contactlab.inference.cross_validation import folds_of
 from contactlab.inference.impact_problem import LawPredictor
-from contactlab.inference.law_choice import usual_laws
+from contactlab.inference.law_numbers import usual_laws
 from contactlab.measured.ellipses import AXES, MASS, read_ellipses
 from contactlab.measured.files import read_impacts
 from contactlab.measured.floors import with_constant_impulse

@@ -8,7 +8,7 @@ from support.measured_impacts import drawn_impacts
 from support.struck_discs import struck_discs
 
 import contactlab as cl
-from contactlab.inference.cross_validation import ValidationError, digest_of
+from contactlab.inference.cross_validation import ValidationError
 
 
 def copied(impacts, times):
@@ -52,18 +52,18 @@ def test_labels_unite_and_copies_unite_labels():
 def test_labels_change_the_digest():
     impacts = drawn_impacts(2, seed=1)
 
-    assert digest_of(replace(impacts, measurement=np.array([1, 1]))) != digest_of(impacts)
+    assert replace(impacts, measurement=np.array([1, 1])).content_digest != impacts.content_digest
 
 
 def test_a_validation_holds_copies_and_repeats_out_together_and_warns_of_copies():
     impacts = struck_discs(cl.Newton(0.5, 0.2), 40, seed=0, spread=0.02)
-    many = cl.validate(copied(impacts, 5), "newton")
+    many = cl.validate(cl.Newton(), data=copied(impacts, 5))
     fold = many.data["fold"].values.reshape(5, 40)
 
     assert (fold == fold[0]).all()
     assert any("160 of 200 " in line for line in many.findings)
     labelled = replace(impacts, measurement=np.arange(40) // 4)
-    repeats = cl.validate(labelled, "newton")
+    repeats = cl.validate(cl.Newton(), data=labelled)
     fold = repeats.data["fold"].values.reshape(10, 4)
     assert (fold == fold[:, :1]).all()
     assert not repeats.data.attrs["copies"]
@@ -71,11 +71,11 @@ def test_a_validation_holds_copies_and_repeats_out_together_and_warns_of_copies(
 
 def test_copies_do_not_make_enough_impacts():
     with pytest.raises(ValidationError):
-        cl.validate(copied(struck_discs(cl.Newton(0.5, 0.2), 9, seed=0), 5), "newton")
+        cl.validate(cl.Newton(), data=copied(struck_discs(cl.Newton(0.5, 0.2), 9, seed=0), 5))
 
 
 def test_a_fit_warns_of_copies():
     pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
     impacts = copied(struck_discs(cl.Newton(0.5, 0.2), 10, seed=0, spread=0.02), 2)
-    result = cl.fit(impacts, "newton", points=25, starts=1)
+    result = cl.fit(cl.build(["law=newton"]), data=impacts, points=25, starts=1)
     assert any("10 of 20 impacts" in line for line in result.findings)

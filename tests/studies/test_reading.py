@@ -25,10 +25,17 @@ STUDIES: dict[str, Callable[[Path], cl.Result]] = {
         transient=True,
     ),
     "fit": lambda folder: cl.fit(
-        struck_discs(cl.Newton(0.2, 0.6), 20, seed=1, spread=0.05), "newton", output=folder, points=25
+        cl.build(["law=newton"]),
+        data=struck_discs(cl.Newton(0.2, 0.6), 20, seed=1, spread=0.05),
+        free={"law.restitution": (0.1, 0.9), "contact.friction_coefficient": (0.02, 0.8)},
+        output=folder,
+        points=25,
     ),
     "validate": lambda folder: cl.validate(
-        struck_discs(cl.Newton(0.2, 0.6), 20, seed=1), ["newton", "poisson"], folds=2, output=folder
+        [cl.build([f"law={name}"]) for name in ("newton", "poisson")],
+        data=struck_discs(cl.Newton(0.2, 0.6), 20, seed=1),
+        folds=2,
+        output=folder,
     ),
     "synthetic": lambda folder: cl.Synthetic(impacts=20)(cl.build(["law=newton"]), output=folder),
 }

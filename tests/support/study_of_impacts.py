@@ -14,7 +14,8 @@ if __name__ == "__main__":
     # Checkpoints after every group of proposals.
     nested_sampling.EVERY = -1.0
     impacts = struck_discs(cl.Poisson(0.2, 0.6), 40, seed=1, spread=0.05)
+    setups = [cl.build([f"law={name}"]) for name in ("newton", "poisson")]
     if verb == "fit":
-        cl.fit(impacts, ["newton", "poisson"], output=folder, points=25, starts=2)
+        cl.fit(setups, data=impacts, output=folder, points=25, starts=2)
     else:
-        cl.validate(replace(impacts, title="Discs"), ["newton", "poisson"], folds=2, output=folder)
+        cl.validate(setups, data=replace(impacts, title="Discs"), folds=2, output=folder)

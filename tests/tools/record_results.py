@@ -266,16 +266,24 @@ def branches_values(item: Item) -> Values:
 
 def fit_values(item: Item) -> Values:
     """Fit laws by least squares and nested sampling."""
+
+    import contactlab as cl
+    from contactlab.cli.study import setups_of
     from contactlab.inference.fit import candidates_of, fitted
-    from contactlab.inference.law_choice import LawChoice
     from contactlab.inference.least_squares import best_fit
     from contactlab.inference.nested_sampling import Posterior
     from contactlab.measured.files import read_measurements
 
     data = _made(item["made"]) if "made" in item else read_measurements(data_file(item["data"]))
+    words = item["overrides"]
+    free = {key: ends.split("..") for key, _, ends in (word.partition("=") for word in words) if ".." in ends}
+    rest = [word for word in words if ".." not in word and "," not in word]
+    over = [word for word in words if "," in word]
+    setups = setups_of(rest, over, getattr(data, "configuration", {}))
     candidates = candidates_of(
         data,
-        LawChoice.of(item["overrides"]),
+        setups or {"": cl.build(data.configuration)},
+        free,
         discrepancy=item.get("discrepancy", "off"),
         degrees_of_freedom=item.get("degrees_of_freedom", np.inf),
     )
@@ -351,7 +359,7 @@ def validate_values(item: Item) -> Values:
         return _of_dataset(spheres(data_file(item["data"])), "spheres")
     import contactlab as cl
 
-    data = cl.validate(data_file(item["data"]), **item["options"]).data.to_dataset()
+    data = cl.validate(data=data_file(item["data"]), **item["options"]).data.to_dataset()
     return _of_dataset(data, "validate")
 
 

@@ -1,0 +1,98 @@
+"""Claims on the free numbers of laws: a setup's law is what is fitted, ranges are data."""
+
+import pytest
+from support.command_line import Command
+from support.struck_discs import struck_discs
+
+import contactlab as cl
+from contactlab.cli.study import setups_of
+from contactlab.config import ConfigurationError
+from contactlab.inference.law_numbers import Free, free_numbers, law_predictors
+
+
+def setup(*overrides: str) -> dict[str, cl.Setup]:
+    return {"": cl.build(overrides)}
+
+
+@pytest.mark.parametrize(
+    ("key", "ends"),
+    [
+        ("law.restitutio", (0.0, 0.5)),
+        ("law.restitution", (0.5, 1.5)),
+        ("law.restitution", ("hard", "soft")),
+        ("law.restitution", (0.5,)),
+        ("law.restitution", ("1 m", "2 m")),
+        ("contact.friction_coefficient", (0.5, 0.1)),
+    ],
+)
+def test_what_no_number_can_be_is_refused_by_its_key(key: str, ends: tuple[float | str, ...]) -> None:
+    for refusing in (free_numbers, law_predictors):
+        with pytest.raises(ConfigurationError, match=key):
+            refusing(setup("law=newton"), {key: ends})
+
+
+def test_a_number_that_a_setup_states_is_known_and_all_others_of_its_law_are_free() -> None:
+    names = ("contact.friction_coefficient", "law.restitution")
+    for stated, free in (([], names), (["law.restitution=0.6"], names[:1])):
+        made = setup("law=newton", *stated)
+        assert tuple(item.name for item in free_numbers(made, {})[""]) == free
+        (predictor,) = law_predictors(made, {})
+        assert len(predictor.free) == len(free)
+    (predictor,) = law_predictors(
+        {"": cl.build(["law=hertz_penalty", "contact.friction_coefficient=0.2"])}, {}
+    )
+    assert predictor.fixed["friction_coefficient"] == 0.2
+
+
+def test_ranges_alone_are_free_of_one_law_and_with_its_own_numbers_of_each_of_several() -> None:
+    free: Free = {"contact.friction_coefficient": ("0.1", "0.5"), "drive.voltage_1": ("50 V", 0.15e3)}
+    newton, stick = cl.build(["law=newton"]), cl.build(["law=composed", "law/normal=walton_braun"])
+    (alone,) = free_numbers({"": newton}, free).values()
+    assert [(item.name, item.low, item.high) for item in alone] == [
+        ("contact.friction_coefficient", 0.1, 0.5),
+        ("drive.voltage_1", 50.0, 150.0),
+    ]
+    several = free_numbers({"a": newton, "b": stick}, free)
+    assert {item.name for item in several["a"]} == {*free, "law.restitution"}
+    assert {item.name for item in several["b"]} > {*free, "law.normal.unloading_stiffness"}
+
+
+def test_laws_of_a_command_are_setups_with_the_parts_and_numbers_that_they_have() -> None:
+    lines = ["law/damping=flores", "law.damping.restitution=0.5", "contact.friction_coefficient=0.2"]
+    made = setups_of(lines, ["law=newton,composed", "law/friction=coulomb,mindlin"], {})
+    assert {label: each.law for label, each in made.items()} == {
+        "law=newton": cl.Newton(0.2),
+        "law=composed, law/friction=coulomb": cl.law(
+            "composed", damping=cl.Flores(0.5), friction=cl.Coulomb(0.2)
+        ),
+        "law=composed, law/friction=mindlin": cl.law(
+            "composed", damping=cl.Flores(0.5), friction=cl.Mindlin(0.2)
+        ),
+    }
+    with pytest.raises(ConfigurationError, match="stiffness"):
+        setups_of(["law.stiffness=1"], ["law=newton,poisson"], {})
+
+
+def test_a_command_puts_its_overrides_on_the_motor_of_the_data() -> None:
+    data = cl.build(["contact.clearance=0.7 um", "law=newton", "law.restitution=0.4"]).configuration
+    assert setups_of([], [], data) == {}
+    made = setups_of(["drive.phase=0.5"], [], data)[""]
+    assert made.law == cl.Newton(restitution=0.4)
+    assert made.motor.geometry.clearance == 0.7e-6
+    other = setups_of(["law=poisson"], [], data)[""]
+    assert other.law == cl.Poisson()
+    assert other.motor.geometry.clearance == 0.7e-6
+
+
+def test_options_are_data_in_python_and_in_the_file(command: Command, tmp_path) -> None:
+    discs = struck_discs(cl.Newton(0.2, 0.6), 30, seed=1, spread=0.05)
+    free = {"law.restitution": (0.1, 0.9)}
+    made = cl.validate(cl.Newton(), data=discs, free=free, folds=2, output=tmp_path)
+    assert made.study.options["free"] == {"law.restitution": [0.1, 0.9]}
+    again = cl.load(tmp_path / "validate.nc")
+    assert again.study.free == {"law.restitution": [0.1, 0.9]}
+    assert again.study.data == discs.content_digest
+    for word in ("law.restitution=0.1..0.5", "free=law.restitution=0.1..0.5"):
+        status, _, error = command("validate", "none.csv", word, "law.restitution=0..1")
+        assert status == 2
+        assert "law.restitution" in error
