@@ -275,10 +275,10 @@ def fit_values(item: Item) -> Values:
     from contactlab.measured.files import read_measurements
 
     data = _made(item["made"]) if "made" in item else read_measurements(data_file(item["data"]))
-    words = item["overrides"]
-    free = {key: ends.split("..") for key, _, ends in (word.partition("=") for word in words) if ".." in ends}
-    rest = [word for word in words if ".." not in word and "," not in word]
-    over = [word for word in words if "," in word]
+    lines = item["overrides"]
+    free = {key: ends.split("..") for key, _, ends in (x.partition("=") for x in lines) if ".." in ends}
+    rest = [line for line in lines if ".." not in line and "," not in line]
+    over = [line for line in lines if "," in line]
     setups = setups_of(rest, over, getattr(data, "configuration", {}))
     candidates = candidates_of(
         data,
