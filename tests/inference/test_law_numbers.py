@@ -59,7 +59,7 @@ def test_ranges_alone_are_free_of_one_law_and_with_its_own_numbers_of_each_of_se
 
 def test_laws_of_a_command_are_setups_with_the_parts_and_numbers_that_they_have() -> None:
     lines = ["law/damping=flores", "law.damping.restitution=0.5", "contact.friction_coefficient=0.2"]
-    made = setups_of(lines, ["law=newton,composed", "law/friction=coulomb,mindlin"], {})
+    made = setups_of([], ["law=newton,composed", "law/friction=coulomb,mindlin", *lines], {})
     assert {label: each.law for label, each in made.items()} == {
         "law=newton": cl.Newton(0.2),
         "law=composed, law/friction=coulomb": cl.law(
@@ -70,16 +70,18 @@ def test_laws_of_a_command_are_setups_with_the_parts_and_numbers_that_they_have(
         ),
     }
     with pytest.raises(ConfigurationError, match="stiffness"):
-        setups_of(["law.stiffness=1"], ["law=newton,poisson"], {})
+        setups_of([], ["law=newton,poisson", "law.stiffness=1"], {})
+    with pytest.raises(ConfigurationError, match="newton"):
+        setups_of([], ["law=newton,newton"], {})
 
 
 def test_a_command_puts_its_overrides_on_the_motor_of_the_data() -> None:
     data = cl.build(["contact.clearance=0.7 um", "law=newton", "law.restitution=0.4"]).configuration
     assert setups_of([], [], data) == {}
-    made = setups_of(["drive.phase=0.5"], [], data)[""]
+    made = setups_of([], ["drive.phase=0.5"], data)[""]
     assert made.law == cl.Newton(restitution=0.4)
     assert made.motor.geometry.clearance == 0.7e-6
-    other = setups_of(["law=poisson"], [], data)[""]
+    other = setups_of([], ["law=poisson"], data)[""]
     assert other.law == cl.Poisson()
     assert other.motor.geometry.clearance == 0.7e-6
 
