@@ -355,7 +355,7 @@ class Result:
 
 
 def plain(value: Any) -> Any:
-    """Return an option as YAML has it: of NumPy as Python's own, one read from a text as that, data by digest."""
+    """Return an option as YAML has it: numbers as Python's own, a Range as its text, data by their digest."""
     match value:
         case list() | tuple():
             return [*map(plain, value)]
