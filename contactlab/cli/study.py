@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING
 from itertools import product
+from operator import itemgetter
 from pathlib import Path
 from types import NoneType
 from typing import Any, Final, get_args, get_origin
@@ -19,6 +20,7 @@ from contactlab.cli.jobs import unwritable
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.nesting import flat, quoted
+from contactlab.config.schema import FRICTION
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
@@ -62,7 +64,8 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
             matched[taken].append(word)
         else:
             others.append(word)
-    for name, values in matched.items():
+    matched["known"] += _numbers_of_law(others) if "known" in options else []
+    for name, values in filter(itemgetter(1), matched.items()):
         kinds = options[name].kinds
         if len(values) > 1 and name in patterns and not _takes_several(options[name]):
             raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
@@ -77,6 +80,12 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
+
+
+def _numbers_of_law(overrides: Iterable[str]) -> list[str]:
+    """Return the keys of a law's numbers that overrides set."""
+    keys = (line.partition("=")[0] for line in overrides)
+    return [key for key in keys if key.startswith("law.") or key == FRICTION]
 
 
 def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:

@@ -17,7 +17,7 @@ Sources: Gelman, Meng and Stern (1996), Stat. Sinica 6, 733; Gelman et al. (2013
 """
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from itertools import product
@@ -122,6 +122,7 @@ def candidates_of(
     data: Data,
     setups: Mapping[str, Setup],
     free: Free,
+    known: Collection[str] = (),
     *,
     discrepancy: Discrepancy = "off",
     degrees_of_freedom: float | None = inf,
@@ -134,6 +135,7 @@ def candidates_of(
         data: measurements.
         setups: of the laws by label, which names those that are not named by their laws alone.
         free: ranges by key.
+        known: keys of numbers that have the values of the setups.
         discrepancy: whether the laws may be wrong.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
         name: of the data.
@@ -144,9 +146,9 @@ def candidates_of(
     """
     if isinstance(data, MeasuredImpacts):
         _check_impacts(data, setups, discrepancy)
-    every, corrections = free_numbers(setups, free), corrections_in(free)
-    known = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
-    likelihood = "normal" if degrees_of_freedom == inf else f"Student-t, degrees of freedom: {known}"
+    every, corrections = free_numbers(setups, free, known), corrections_in(free)
+    tails = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
+    likelihood = "normal" if degrees_of_freedom == inf else f"Student-t, degrees of freedom: {tails}"
     result, faults = list[Candidate](), list[str]()
     cases = {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]
     laws = {place: label_of(setup.law) for place, setup in setups.items()}

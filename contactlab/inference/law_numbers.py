@@ -1,7 +1,6 @@
 """Free and fixed numbers of the laws of setups, named by the keys of a configuration.
 
-What is free is said by `Free`. Otherwise every number of a law is free that has its default value: one that a
-setup states differently is known.
+Numbers with a range are free; without any range every number of a law is free that is not known.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -29,7 +28,7 @@ from contactlab.laws import (
     WaltonBraun,
     registry,
 )
-from contactlab.laws.declaration import SHARED, Declared, members_of
+from contactlab.laws.declaration import SHARED
 from contactlab.measured.bodies import CORRECTIONS
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
@@ -48,18 +47,6 @@ Free = Mapping[str, Sequence[float | str]]
 def key_of(field: str) -> str:
     """Return the key of a configuration for a field of a law."""
     return FRICTION if field.rpartition(".")[2] == SHARED else f"{LAW}{field}"
-
-
-def known_numbers(setup: Setup) -> set[str]:
-    """Return the fields of a law that differ from their defaults; none of a law that is not installed."""
-    law, owner = setup.law, type(setup.law)
-    fields: Mapping[str, Any] = {name: getattr(law, name) for name in members_of(owner)}
-    parts = {name: part.name for name, part in fields.items() if isinstance(part, Declared)}
-    try:
-        usual = registry.law(law.name, **parts).on_rotor(setup.motor.geometry.rotor_radius).describe()
-    except (TypeError, ValueError):
-        return set()
-    return {name for name, value in law.describe().items() if value != usual.get(name)}
 
 
 def _freed(key: str, ends: Sequence[float | str], declared: Parameter, field: str = "") -> FreeParameter:
@@ -102,34 +89,40 @@ def is_of_data(key: str) -> bool:
     return key.startswith(DATA)
 
 
-def free_numbers(setups: Mapping[str, Setup], free: Free) -> dict[str, tuple[FreeParameter, ...]]:
+def free_numbers(
+    setups: Mapping[str, Setup], free: Free, known: Collection[str] = ()
+) -> dict[str, tuple[FreeParameter, ...]]:
     """Return the free numbers of law and motor of each setup by full keys; those of the law with their field.
 
-    Without ranges these are the numbers of its law that have their default values, each in its declared
-    range; of several setups, whose laws have numbers of their own, besides the ranges too.
+    Without ranges these are the numbers of its law that are not known, each in its declared range; of several
+    setups, whose laws have numbers of their own, besides the ranges too.
+
+    Args:
+        setups: of the laws by label.
+        free: ranges by key.
+        known: keys of numbers that have the values of the setups.
 
     Raises:
         ConfigurationError: no setup has a number, or a range is not admitted.
     """
     ranges = {key: ends for key, ends in free.items() if not is_of_data(key)}
-    result, unknown = {}, set(ranges)
-    known: dict[str, Parameter] = {}
+    result, every = {}, dict[str, Parameter]()
     for label, setup in setups.items():
         declared = declared_in(setup.configuration)
-        known |= declared
-        unknown -= {*declared}
+        every |= declared
         own = {key_of(item.name): item for item in free_parameters(setup.law)}
-        fixed = {*map(key_of, known_numbers(setup)), *ranges}
         chosen = [
             _freed(key, ends, declared[key], own[key].name if key in own else "")
             for key, ends in ranges.items()
             if key in declared
         ]
         if not ranges or len(setups) > 1:
-            chosen += [replace(x, name=key, field=x.name) for key, x in own.items() if key not in fixed]
+            chosen += [
+                replace(x, name=key, field=x.name) for key, x in own.items() if key not in {*ranges, *known}
+            ]
         result[label] = tuple(chosen)
-    if unknown:
-        hint = {key: suggestion(key, known, "contactlab --help lists the keys.") for key in sorted(unknown)}
+    if unknown := {*ranges, *known} - {*every}:
+        hint = {key: suggestion(key, every, "contactlab --help lists the keys.") for key in sorted(unknown)}
         raise ConfigurationError(
             [f"There is no free number {key} here. {text}" for key, text in hint.items()]
         )
@@ -151,42 +144,40 @@ def numbers_of(setup: Setup, free: Sequence[FreeParameter], others: Free) -> str
     )
 
 
-def law_predictors(setups: Mapping[str, Setup], free: Free) -> list[LawPredictor]:
+def law_predictors(
+    setups: Mapping[str, Setup], free: Free, known: Collection[str] = ()
+) -> list[LawPredictor]:
     """Return predictors of impacts under the laws of setups, of the usual laws without any.
 
-    Ranges free numbers of every law that has them. Numbers of the law that have their default values are
-    free besides, of a usual law only those that are free usually.
+    Ranges free numbers of every law that has them. Others that are not known are free besides, of a
+    usual law only those that are free usually.
 
     Raises:
         ConfigurationError: no law has a number, or a range is not admitted.
     """
-    result = [_predictor(x.law, known_numbers(x)) for x in setups.values()] if setups else usual_laws()
-    for key, ends in free.items():
-        if is_of_data(key):
-            continue
-        changed = [_changed(predictor, key, ends) for predictor in result]
-        if all(item is other for item, other in zip(changed, result, strict=True)):
-            every = sorted({key_of(name) for predictor in result for name in predictor.law.describe()})
+    result = [_predictor(setup.law) for setup in setups.values()] if setups else usual_laws()
+    every = sorted({key_of(name) for predictor in result for name in predictor.law.describe()})
+    for key in [*known, *free]:
+        if not (is_of_data(key) or key in every):
             hint = suggestion(key, every, f"They have {', '.join(every) or 'none'}.")
             raise ConfigurationError([f"None of these laws has a number {key}. {hint}"])
-        result = changed
+        result = [_changed(predictor, key, free.get(key)) for predictor in result]
     return result
 
 
-def _predictor(law: ContactLaw, known: Collection[str] = ()) -> LawPredictor:
-    """Return the predictor of a law whose numbers are free as usual, those that are known apart."""
-    usual = usual_ranges(law)
-    free = dict.fromkeys(item.name for item in free_parameters(law)) if usual is None else usual
-    return LawPredictor.of(law, {name: ends for name, ends in free.items() if name not in known})
+def _predictor(law: ContactLaw) -> LawPredictor:
+    """Return the predictor of a law whose numbers are free as usual."""
+    return LawPredictor.of(law, usual_ranges(law))
 
 
-def _changed(predictor: LawPredictor, key: str, ends: Sequence[float | str]) -> LawPredictor:
-    """Return a predictor with a number free in a range, if its law has it."""
+def _changed(predictor: LawPredictor, key: str, ends: Sequence[float | str] | None) -> LawPredictor:
+    """Return a predictor with a number free in a range, or known without, if its law has it."""
     for name, _, declared in predictor.law.effective():
         if declared is not None and key == key_of(name):
-            free = _freed(key, ends, declared)
-            ranges: dict[str, Any] = {item.name: (item.low, item.high) for item in predictor.free}
-            ranges[name] = free.low, free.high
+            ranges: dict[str, Any] = {x.name: (x.low, x.high) for x in predictor.free if x.name != name}
+            if ends is not None:
+                free = _freed(key, ends, declared)
+                ranges[name] = free.low, free.high
             return replace(predictor, free=free_parameters(predictor.law, ranges))
     return predictor
 

@@ -49,8 +49,8 @@ FREE: Final = "free"
 class Fit(Study):
     """Which numbers of a law or a motor do measurements support, and which law?
 
-    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that have
-    their default values. Numbers of the geometry of measured impacts are data.NAME. Least squares from many
+    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that are
+    not stated. Numbers of the geometry of measured impacts are data.NAME. Least squares from many
     starts are followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are
     compared by their evidence, each with its own numbers free besides. Keys are those of the motor that the
     data state, and go before them.
@@ -66,6 +66,7 @@ class Fit(Study):
         option("file of measured impacts, or of series or operating points of a motor"),
     ] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
+    known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
     noise: Annotated[str | None, option("standard deviation over the size of the data, or free")] = None
     discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
     student: Annotated[str | None, option("degrees of freedom of Student-t noise, or free")] = None
@@ -117,7 +118,7 @@ class Fit(Study):
         Raises:
             ConfigurationError: laws or free numbers cannot be used with the measurements.
         """
-        tails, free = number_or_free("study.student", self.student, inf), by_key(self.free)
+        tails, free = number_or_free("study.student", self.student, inf), by_key(self.free, self.known)
         if unused := [key for key in free for idle in self.idle if f"{key}.".startswith(f"{idle}.")]:
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
@@ -127,6 +128,7 @@ class Fit(Study):
             self.measurements,
             setups,
             free,
+            self.known or (),
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == FREE else float(tails),
             name=path.name if path else "",

@@ -27,20 +27,17 @@ OF_MOTOR: Final = (
 """Groups and keys of a configuration on which impacts do not depend."""
 
 
-def by_key(free: FreeNumbers) -> Free:
+def by_key(free: FreeNumbers, known: Sequence[str] | None) -> Free:
     """Return the ranges of free numbers by key.
 
     Raises:
-        ConfigurationError: a number has two.
+        ConfigurationError: a number has two, or is known.
     """
-    if not isinstance(free, list):
-        return free or {}
-    result = {each.name: (each.start, each.end) for each in free}
-    if len(result) < len(free):
-        names = [each.name for each in free]
-        twice = next(name for name in names if names.count(name) > 1)
-        raise ConfigurationError([f"{twice} has two ranges; it must have one. Leave one out."])
-    return result
+    pairs = [(x.name, (x.start, x.end)) for x in free] if isinstance(free, list) else [*(free or {}).items()]
+    keys = [*(key for key, _ in pairs), *(known or ())]
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+        raise ConfigurationError([f"{key} occurs twice; it must occur once. Leave one out." for key in twice])
+    return dict(pairs)
 
 
 def read_file(data: str | Path, read: Callable[[Path], _Data]) -> _Data:

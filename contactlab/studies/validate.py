@@ -53,7 +53,7 @@ class Validate(Study):
     Every impact is held out once, equal rows and repeats of one measurement together; a law is fitted to the
     others and predicts it. Errors and their differences have bootstrap intervals, and stand beside those of
     the frictionless law, of the best constant impulse and of the best impulse of each impact, which no law
-    can surpass. Numbers of the laws law=A,B that have their default values are free, in ranges
+    can surpass. Numbers of the laws law=A,B that are not stated are free, in ranges
     KEY=LOW..HIGH if they are given; without law= these are all rigid laws and some compliant ones. Numbers
     of the geometry, data.NAME=LOW..HIGH, are fitted with those of every law. Verdicts on pairs are corrected
     for their number.
@@ -66,6 +66,7 @@ class Validate(Study):
 
     data: Annotated[str | Path | MeasuredImpacts, option("file of measured impacts")] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
+    known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
     folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
     seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
     repeats: Annotated[int, option("number of seeds, from the first on", at_least=1, at_most=1000)] = 1
@@ -97,9 +98,9 @@ class Validate(Study):
         Raises:
             ConfigurationError, ValidationError: laws or impacts cannot be used.
         """
-        free = by_key(self.free)
+        free = by_key(self.free, self.known)
         corrections = corrections_in(free)
-        predictors = predictors_of(self.impacts, law_predictors(setups, free), self.folds)
+        predictors = predictors_of(self.impacts, law_predictors(setups, free, self.known or ()), self.folds)
         # Refused before any of them is fitted.
         ImpactProblem(self.impacts, predictors[0], corrections=corrections)
         return [

@@ -101,6 +101,7 @@ def test_a_rotor_velocity_shows_that_a_law_with_a_wrong_stiffness_is_wrong():
         (["newton"], {"free": {"rotor.inertia": (1e-7, 1e-5)}}, "rotor.inertia"),
         (["newton"], {"free": {"solver.duration": (1, 2)}}, "solver.duration"),
         ([], {"free": {"law.restitution": (0, 1)}}, "law"),
+        (["newton"], {"free": FREE, "known": ["law.restitution"]}, "law.restitution"),
         (["newton"], {"series": ["gap"]}, "study.series"),
         (["newton"], {"noise": "free", "discrepancy": "on"}, "discrepancy"),
         (["newton"], {"noise": "-1"}, "study.noise"),
@@ -128,7 +129,8 @@ def test_a_file_that_is_not_there_and_a_missing_package_are_refused(impacts, tmp
 def test_several_laws_have_free_numbers_of_their_own(impacts):
     dent = cl.build(["law=composed", "law/normal=walton_braun", "law.normal.loading_stiffness=1e7"])
     free = {"contact.friction_coefficient": (0.02, 0.8)}
-    result = cl.fit([*laws("newton"), dent], data=impacts, free=free, **FEW)
+    known = ["law.normal.loading_stiffness"]
+    result = cl.fit([*laws("newton"), dent], data=impacts, free=free, known=known, **FEW)
     newton, composed = (fit["summary"]["parameter"].values.tolist() for fit in result.data.children.values())
 
     assert {*newton} == {"contact.friction_coefficient", "law.restitution"}
@@ -165,6 +167,7 @@ def test_a_command_refuses_what_impacts_do_not_depend_on(command: Command, impac
 def test_setups_of_one_law_are_named_by_their_labels(impacts):
     poor, good = (laws("newton", overrides=[f"law.restitution={e}"])[0] for e in (0.1, 0.6))
     free = {"contact.friction_coefficient": (0.02, 0.8)}
-    result = cl.fit({"poor": poor, "good": good}, data=impacts, free=free, **FEW)
+    setups, known = {"poor": poor, "good": good}, ["law.restitution"]
+    result = cl.fit(setups, data=impacts, free=free, known=known, **FEW)
     evidence = {label: fit.attrs["log_evidence"] for label, fit in result.data.children.items()}
     assert evidence["good"] > evidence["poor"] + np.log(100.0)

@@ -5,7 +5,7 @@ from support.command_line import Command
 from support.struck_discs import struck_discs
 
 import contactlab as cl
-from contactlab.cli.study import setups_of
+from contactlab.cli.study import as_overrides, setups_of
 from contactlab.config import ConfigurationError
 from contactlab.inference.law_numbers import Free, free_numbers, law_predictors
 
@@ -31,17 +31,23 @@ def test_what_no_number_can_be_is_refused_by_its_key(key: str, ends: tuple[float
             refusing(setup("law=newton"), {key: ends})
 
 
-def test_a_number_that_a_setup_states_is_known_and_all_others_of_its_law_are_free() -> None:
-    names = ("contact.friction_coefficient", "law.restitution")
-    for stated, free in (([], names), (["law.restitution=0.6"], names[:1])):
-        made = setup("law=newton", *stated)
-        assert tuple(item.name for item in free_numbers(made, {})[""]) == free
-        (predictor,) = law_predictors(made, {})
-        assert len(predictor.free) == len(free)
+def test_numbers_that_are_stated_are_known_and_all_others_of_a_law_are_free(command: Command) -> None:
+    made = setup("law=newton")
+    assert len(free_numbers(made, {})[""]) == len(law_predictors(made, {})[0].free) == 2
     (predictor,) = law_predictors(
-        {"": cl.build(["law=hertz_penalty", "contact.friction_coefficient=0.2"])}, {}
+        setup("law=newton", "contact.friction_coefficient=0.2"), {}, ["contact.friction_coefficient"]
     )
-    assert predictor.fixed["friction_coefficient"] == 0.2
+    assert predictor.fixed == {"friction_coefficient": 0.2}
+    known = ["law.restitution"]
+    assert [item.name for item in free_numbers(made, {}, known)[""]] == ["contact.friction_coefficient"]
+    (predictor,) = law_predictors(made, {}, known)
+    assert [item.name for item in predictor.free] == ["friction_coefficient"]
+    for refusing in (free_numbers, law_predictors):
+        with pytest.raises(ConfigurationError, match=r"law\.stiffness"):
+            refusing(made, {}, ["law.stiffness"])
+    default = cl.Newton().restitution
+    overrides = as_overrides("fit", ["a.csv", "law=newton", f"law.restitution={default}"])
+    assert "study.known=['law.restitution']" in overrides
 
 
 def test_ranges_alone_are_free_of_one_law_and_with_its_own_numbers_of_each_of_several() -> None:
