@@ -33,10 +33,9 @@ from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
 from contactlab.results.provenance import versions
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import configuration_of, drawn, factors_of
-from contactlab.studies.compare.observables import observed
+from contactlab.studies.compare.draws import Distribution, configuration_of, drawn, factors_of, observed
+from contactlab.studies.compare.laws import run_of_setup
 from contactlab.studies.compare.pairs import CLEAR, MARGIN
-from contactlab.studies.compare.runs import run_of_setup
 
 RESULTS: Final = Path(__file__).resolve().parents[1] / "docs" / "results" / "motor.json"
 
@@ -69,10 +68,10 @@ OUTCOMES: Final = (
     "older rule right",
     "older rule wrong",
 )
-PRIORS: Final[dict[str, dict[str, str]]] = {
+PRIORS: Final[dict[str, dict[str, Distribution]]] = {
     "usual": {},
-    "phase -0.6 +- 0.15": {"drive.phase": "-0.6+-0.15"},
-    "phase -0.6 to 0": {"drive.phase": "-0.6..0.0"},
+    "phase -0.6 +- 0.15": {"drive.phase": cl.Estimate(-0.6, 0.15)},
+    "phase -0.6 to 0": {"drive.phase": (-0.6, 0.0)},
 }
 """What is uncertain beside friction, stiffness, clearance, basis and start."""
 
@@ -155,7 +154,7 @@ def difference(result: cl.Result, a: str, b: str) -> dict[str, Any]:
     }
 
 
-def pool_of(laws: Mapping[str, cl.Setup], priors: Mapping[str, str]) -> np.ndarray:
+def pool_of(laws: Mapping[str, cl.Setup], priors: Mapping[str, Distribution]) -> np.ndarray:
     """Return settled velocities over draws that serve all laws, shape (law, draw)."""
     factors = factors_of([run_of_setup(name, setup) for name, setup in laws.items()], priors)
     draws = drawn(factors, POOL)
@@ -176,7 +175,7 @@ def velocity_of(configuration: dict[str, Any]) -> float:
 
 
 def world(
-    laws: Mapping[str, cl.Setup], errors: Mapping[str, float], priors: Mapping[str, str]
+    laws: Mapping[str, cl.Setup], errors: Mapping[str, float], priors: Mapping[str, Distribution]
 ) -> dict[str, Any]:
     """Return how often the rule of pairs, and the older one, are wrong, by pair of laws and number of draws.
 

@@ -2,7 +2,8 @@
 
 import re
 from dataclasses import dataclass
-from typing import Final, final
+from math import inf
+from typing import Any, ClassVar, Final, Literal, Self, final
 
 import numpy as np
 
@@ -11,10 +12,10 @@ from contactlab.impacts import impact
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, with_values
 from contactlab.laws import ContactLaw
 
-QUANTITIES: Final = {"restitution": "1", "contact_time": "s"}
-"""What a normal impact is calibrated to, and its unit."""
-
-_FORM: Final = re.compile(r"(?P<quantity>\w+)=(?P<value>[^@]+)@(?P<speed>.+)")
+EXPECTED: Final = (
+    "it must be restitution=VALUE@SPEED, greater than 0 and at most 1, or contact_time=VALUE@SPEED in s, "
+    "greater than 0; the speed in m/s, greater than 0"
+)
 
 
 @final
@@ -22,7 +23,7 @@ _FORM: Final = re.compile(r"(?P<quantity>\w+)=(?P<value>[^@]+)@(?P<speed>.+)")
 class Datum:
     """What every law must have in a normal impact.
 
-    >>> Datum.of("restitution=0.6@0.1")
+    >>> Datum.of_text("restitution=0.6@0.1")
     Datum(quantity='restitution', value=0.6, speed=0.1)
 
     Args:
@@ -31,30 +32,28 @@ class Datum:
         speed: of the approach [m/s].
     """
 
-    quantity: str
+    PATTERN: ClassVar[re.Pattern[str]] = re.compile(r"(restitution|contact_time)=([-+.\deE]+)@([-+.\deE]+)")
+    """Words of a command that are one: QUANTITY=VALUE@SPEED."""
+
+    quantity: Literal["restitution", "contact_time"]
     value: float
     speed: float
 
-    @classmethod
-    def of(cls, text: str) -> "Datum":
-        """Read QUANTITY=VALUE@SPEED.
+    def __post_init__(self) -> None:
+        highest = {"restitution": 1.0, "contact_time": inf}.get(self.quantity, 0.0)
+        if not (0.0 < self.value <= highest and 0.0 < self.speed < inf):
+            raise ValueError(f"calibrate is {self}; {EXPECTED}.")
 
-        Raises:
-            ValueError: it is something else.
-        """
-        match = _FORM.fullmatch(text.replace(" ", ""))
-        try:
-            if match and match["quantity"] in QUANTITIES:
-                datum = cls(match["quantity"], float(match["value"]), float(match["speed"]))
-                highest = 1.0 if datum.quantity == "restitution" else np.inf
-                if 0.0 < datum.value <= highest and 0.0 < datum.speed < np.inf:
-                    return datum
-        except ValueError:
-            pass
-        raise ValueError(
-            f"calibrate is {text}; it must be restitution=VALUE@SPEED, greater than 0 and at most 1, or "
-            "contact_time=VALUE@SPEED in s, greater than 0; the speed in m/s, greater than 0."
-        )
+    @classmethod
+    def of_text(cls, text: str) -> Self:
+        """Read QUANTITY=VALUE@SPEED; a ValueError if it is something else."""
+        if not (word := cls.PATTERN.fullmatch(text.replace(" ", ""))):
+            raise ValueError(EXPECTED)
+        quantity: Any = word[1]
+        return cls(quantity, float(word[2]), float(word[3]))
+
+    def __str__(self) -> str:
+        return f"{self.quantity}={self.value}@{self.speed}"
 
     def measured(self, law: ContactLaw, delassus: Array) -> float:
         """Return the quantity of a law's normal impact; NaN where the bodies do not part."""

@@ -65,8 +65,8 @@ def read_impacts(path: Path) -> MeasuredImpacts:
         raise MeasurementError(f"'{path}': it has operating points of a motor, which `contactlab fit` reads.")
     if isinstance(result, MeasuredSeries):
         raise MeasurementError(
-            f"'{path}': it has series over time ({', '.join(result.values)}); `contactlab fit` and "
-            "`contactlab compare` read these, and impacts must have before_NAME and after_NAME."
+            f"'{path}': it has series over time ({', '.join(result.values)}); `contactlab fit` "
+            "reads these, and impacts must have before_NAME and after_NAME."
         )
     return result
 

@@ -48,7 +48,6 @@ FAULTS = [
     (["steady", "scheduler=tcp://127.0.0.1:1"], ["scheduler"]),
     (["characterise", "contact.clearance=,"], ["contact.clearance"]),
     (["compare", "law=newton,poisson", "posterior=none.nc"], ["posterior", "none.nc"]),
-    (["compare", "law=newton,poisson", "measured=none.csv"], ["measured", "none.csv"]),
     (["fit", "none.csv", "law=newton"], ["data", "none.csv"]),
     (["validate", "none.csv", "law=newton"], ["data", "none.csv"]),
     (["rotor.radius=1e-320"], ["rotor.radius"]),

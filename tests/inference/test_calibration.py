@@ -41,5 +41,5 @@ def test_a_law_without_loss_has_no_restitution_to_be_set() -> None:
     "text", ["restitution=1.5@0.1", "restitution=0.5", "contact_time=-1@1", "e=0.5@1", "restitution=a@1"]
 )
 def test_a_faulty_datum_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="calibrate"):
-        Datum.of(text)
+    with pytest.raises(ValueError, match="restitution"):
+        Datum.of_text(text)

@@ -9,9 +9,9 @@ from html import unescape
 from pathlib import Path
 
 import pytest
-from support.configurations import LAWS, leave
+from support.configurations import LAWS
 
-from contactlab import compare
+from contactlab import build, compare
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
@@ -46,8 +46,8 @@ def browser() -> str:
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
     # Without the one that settles to no orbit, which takes long.
-    runs = [leave(folder / law, law) for law in LAWS if law != "lagrange_slip"]
-    compare(runs, output=folder, samples=2, starts=1, workers=1)
+    setups = [build([f"law={law}"]) for law in LAWS if law != "lagrange_slip"]
+    compare(setups, output=folder, samples=2, starts=1, workers=1)
     return folder / "report.html"
 
 

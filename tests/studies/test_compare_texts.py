@@ -12,7 +12,7 @@ from contactlab.metrics import Run
 from contactlab.motor.bodies import block, oscillator
 from contactlab.motor.motor import Motor, free_reach
 from contactlab.steady_state.means import _statistical_errors
-from contactlab.studies.compare.findings import rounded_down
+from contactlab.studies.compare.page import rounded_down
 from contactlab.studies.tables import as_text, table_of_quantities
 from contactlab.variables import Variable
 

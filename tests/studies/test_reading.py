@@ -22,7 +22,6 @@ STUDIES: dict[str, Callable[[Path], cl.Result]] = {
         [cl.build([f"law={law}", "solver.duration=5e-4"]) for law in ("newton", "hertz_penalty")],
         output=folder,
         refine=False,
-        transient=True,
     ),
     "fit": lambda folder: cl.fit(
         cl.build(["law=newton"]),

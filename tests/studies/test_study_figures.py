@@ -10,8 +10,7 @@ import contactlab as cl
 from contactlab.metrics import Run
 from contactlab.studies.characterise.study import Characterise
 from contactlab.studies.compare.figures import draw_contact, draw_pairs, draw_paths, draw_quantities
-from contactlab.studies.compare.reruns import Reruns
-from contactlab.studies.compare.scorecard import CONTACTS, motion
+from contactlab.studies.compare.scorecard import CONTACTS, Reruns, motion
 from contactlab.studies.steady_figure import draw as draw_steady
 
 LAWS = ["newton", "hertz_penalty"]

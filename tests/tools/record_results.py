@@ -367,9 +367,9 @@ def compare_values(item: Item) -> Values:
     """Compare laws in one motor."""
     import contactlab as cl
 
-    runs = [cl.simulate(cl.build([*item["overrides"], *law])) for law in item["laws"]]
-    measured = [data_file(name) for name in item.get("measured", [])]
-    data = cl.compare(runs, measured=measured, **item["options"]).data.to_dataset(inherit=False)
+    setups = [cl.build([*item["overrides"], *law]) for law in item["laws"]]
+    sources = [cl.simulate(setup) for setup in setups] if item.get("recorded") else setups
+    data = cl.compare(sources, **item["options"]).data.to_dataset(inherit=False)
     data = data.drop_vars(["judges_law", "drawn", "class"], errors="ignore")
     return _of_dataset(data, "compare", data["metric"].values[data["units"].values == "1"].tolist())
 

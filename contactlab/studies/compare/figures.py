@@ -9,15 +9,14 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
-from scipy.ndimage import median_filter
 
 from contactlab.arrays import Array
-from contactlab.inference.paired import EQUAL
 from contactlab.metrics import NotApplicableError, needed
+from contactlab.parameter import from_cf
 from contactlab.plot.recording import drawable, envelope
 from contactlab.results.summary import prefixed_unit
-from contactlab.studies.compare.observables import OBSERVABLES
-from contactlab.studies.compare.pairs import RANGE
+from contactlab.studies.compare.page import STRONG, median_factors
+from contactlab.studies.compare.pairs import RANGE, quantiles
 from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
 from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, drawing, legend_above, style
 
@@ -34,8 +33,7 @@ CAPTIONS: Final = {
     "where_to_measure": "Expected natural log Bayes factor of one measurement for the median pair of laws "
     "that are not equal, by its error over the size of the quantity; 3 is strong evidence. Several bars of "
     "one error are operating points.",
-    "rotor_velocity": "Rotor velocity, with its numerical error as a band that may be thinner than the line. "
-    "Below: range of the laws, in black, and numerical error of each, as medians over a drive period.",
+    "rotor_velocity": "Rotor velocity.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
     "rigid impacts, which grow without bound as the step falls, are off scale.",
     "tip_trajectory": "Path of the tip in the last two drive periods.",
@@ -44,13 +42,6 @@ CAPTIONS: Final = {
 }
 """Captions of the figures, in their order."""
 
-TITLES: Final = {name: quantity.long_name for name, quantity in OBSERVABLES.items()} | {
-    "stall_torque": "stall torque",
-    "start_time": "start time",
-    "tip_normal_amplitude": "normal amplitude of the tip",
-    "tip_tangential_amplitude": "tangential amplitude of the tip",
-    "rms_current": "current, rms",
-}
 SIGNS: Final = "><=~?"
 """Orders of two laws, in the order of `contactlab.inference.paired.VERDICTS`."""
 
@@ -74,21 +65,18 @@ def draw_all(data: xarray.DataTree) -> dict[str, Figure]:
     """Return every figure for which there are numbers."""
     card = data.to_dataset()
     motions = [child.to_dataset(inherit=False) for child in data.children.values()]
-    settled = "limits" in card.attrs
     every: dict[str, tuple[Callable[[Any], Figure], Any]] = {
         "settled_quantities": (draw_quantities, card),
         "pairs": (draw_pairs, card),
         "classes": (draw_classes, card),
         "operating_points": (draw_operating_points, card),
         "where_to_measure": (draw_where_to_measure, card),
-        "rotor_velocity": (draw_velocities, motions),
+        "rotor_velocity": (draw_velocities, [] if "limits" in card.attrs else motions),
         "contact_force": (draw_contact, motions),
         "tip_trajectory": (draw_paths, motions),
         "energy_flow": (draw_energy, card),
         "phase_portrait": (draw_phases, motions),
     }
-    if settled:
-        del every["rotor_velocity"]
     figures = {}
     for name, (draw, subject) in every.items():
         with suppress(NotApplicableError):
@@ -113,17 +101,18 @@ def draw_quantities(data: xarray.Dataset) -> Figure:
     basis = here["drawn"].sel(factor="basis").values if here.sizes["draw"] else np.empty(0)
     for panel, name in zip(axes, names, strict=False):
         each = here.sel(quantity=name)
-        unit, scale = prefixed_unit(_size(each["nominal"].values), _unit(str(each["quantity_units"].item())))
+        unit = from_cf(str(each["quantity_units"].item()))
+        unit, scale = (unit, 1.0) if "/" in unit else prefixed_unit(_size(each["nominal"].values), unit)
         for level, label in enumerate(map(str, data["basis"].values)):
             place = np.arange(count) + 0.16 * (2 * level - 1)
             colour = style(level)["color"]
-            nominal = _last_known(each["nominal"].values[:, level]) / scale
             drawn = each["drawn_value"].values[:, basis == level] / scale
             if drawn.shape[1] and np.isfinite(drawn).any():
-                low, high = _quantiles(drawn)
+                low, high = quantiles(drawn, RANGE)
                 panel.hlines(place, low, high, color=colour, linewidth=4.0, alpha=0.35)
+            nominal = _last_known(each["nominal"].values[:, level]) / scale
             panel.plot(nominal, place, "D", color=colour, markersize=3.0, label=label)
-        panel.set_xlabel(f"{TITLES[str(name)]}{f' ({unit})' if unit != '1' else ''}")
+        panel.set_xlabel(f"{_title(name)} ({unit})")
         panel.axvline(0.0, **THIN)
     for panel in axes[len(names) :]:
         panel.set_visible(False)
@@ -132,8 +121,8 @@ def draw_quantities(data: xarray.Dataset) -> Figure:
     return legend_above(figure, axes[0])
 
 
-def _unit(units: str) -> str:
-    return "rad/s" if units == "rad s-1" else units
+def _title(quantity: object) -> str:
+    return str(quantity).replace("_", " ")
 
 
 def _size(values: Array) -> float:
@@ -144,13 +133,6 @@ def _size(values: Array) -> float:
 def _last_known(values: Array) -> Array:
     """Return the finest step that has a value, of shape (law, step)."""
     return np.asarray(np.where(np.isfinite(values[:, -1]), values[:, -1], values[:, 0]))
-
-
-def _quantiles(values: Array) -> Array:
-    """Return 5 and 95 % of every row, NaN where nothing is known."""
-    known: Array = np.asarray(np.isfinite(values).any(axis=1, keepdims=True))
-    ends = np.nanquantile(np.where(known, values, 0.0), RANGE, axis=1)
-    return np.where(known[:, 0], ends, np.nan)
 
 
 def draw_pairs(data: xarray.Dataset) -> Figure:
@@ -231,10 +213,10 @@ def draw_operating_points(data: xarray.Dataset) -> Figure:
 def draw_where_to_measure(data: xarray.Dataset) -> Figure:
     """Draw the expected log Bayes factor of one measurement by quantity, operating point and error."""
     needed("order" in data and data.sizes["draw"] > 0 and data.sizes["law"] > 1)
-    pairs = data["log_bayes_factor"].where(data["order"] != EQUAL).median(["law", "other_law"])
+    pairs = median_factors(data)
     needed(bool(pairs.notnull().any()))
     cells = [f", {cell}" if cell else "" for cell in data["cell"].values]
-    names = [fill(f"{TITLES[str(name)]}{cell}", 26) for name in data["quantity"].values for cell in cells]
+    names = [fill(f"{_title(name)}{cell}", 26) for name in data["quantity"].values for cell in cells]
     figure, axes, place = _bars(names, 1.3 + 0.36 * len(names))
     height = 0.8 / data.sizes["measurement_error"]
     for number, error in enumerate(data["measurement_error"].values):
@@ -242,7 +224,7 @@ def draw_where_to_measure(data: xarray.Dataset) -> Figure:
         there = place - 0.4 + height * (number + 0.5)
         label, color = f"{100.0 * error:g} % error", style(number)["color"]
         axes.barh(there, values, height=0.9 * height, color=color, label=label)
-    axes.axvline(3.0, **THIN)
+    axes.axvline(STRONG, **THIN)
     axes.set_xlabel("expected log Bayes factor of one measurement, median pair")
     return legend_above(figure, axes)
 
@@ -380,44 +362,15 @@ def draw_paths(motions: Motions) -> Figure:
     return legend_above(figure, axes)
 
 
-def smoothed(motion: xarray.Dataset, values: Array) -> Array:
-    """Return the running median over a drive period, NaN where it is not positive."""
-    time = motion["time"].values
-    size = int(np.searchsorted(time, time[0] + motion.attrs["period"]))
-    median = median_filter(values, size=max(size, 1), mode="nearest")
-    return np.where(median > 0.0, median, np.nan)
-
-
 def draw_velocities(motions: Motions) -> Figure:
-    """Draw the rotor velocity over the run; below it the range of the laws and the error of each."""
-    name = "rotor_velocity"
-    having = _with(motions, name)
-    errors = {i: m[f"{name}_error"].values for i, m in having if f"{name}_error" in m}
-    smooth = {i: smoothed(motions[i], error) for i, error in errors.items() if np.isfinite(error).all()}
-    # A rotor at rest has no error that a logarithmic axis could show.
-    below = any(np.isfinite(error).any() for error in smooth.values())
-    figure, panels = drawing(1 + below, 1, 2.5 + 1.6 * below, sharex=True)
-    axes, last = panels[0], panels[-1]
-    first = having[0][1]
-    unit, scale = prefixed_unit(float(first["time"].values[-1]), "s")
+    """Draw the rotor velocity over the run."""
+    having = _with(motions, "rotor_velocity")
+    unit, scale = prefixed_unit(float(having[0][1]["time"].values[-1]), "s")
+    figure, (axes,) = drawing(1, 1, 2.5)
     for i, motion in having:
-        time, values = np.asarray(motion["time"].values / scale), drawable(motion[name].values)
-        axes.plot(*envelope(time, values), label=motion.attrs["law"], **style(i))
-        if below and i in smooth:
-            band = {"color": style(i)["color"], "alpha": 0.3, "linewidth": 0.0}
-            axes.fill_between(time, values - errors[i], values + errors[i], **band)
-            last.plot(*envelope(time, smooth[i]), **style(i))
-    if below:
-        time = first["time"].values
-        each = [np.interp(time, motion["time"].values, motion[name].values) for _, motion in having]
-        apart = smoothed(first, np.ptp(each, axis=0))
-        if np.isfinite(apart).any():
-            last.plot(*envelope(time / scale, apart), color="black", linewidth=1.4)
-            end, place = (1.0, apart[-1]), last.get_yaxis_transform()
-            last.annotate("range of the laws", end, (-4, -6), place, "offset points", va="top", **NOTE)
-        last.set(yscale="log", ylabel="numerical error (rad/s)")
-    last.set_xlabel(f"time ({unit})")
-    axes.set_ylabel("rotor velocity (rad/s)")
+        time, values = motion["time"].values / scale, drawable(motion["rotor_velocity"].values)
+        axes.plot(*envelope(np.asarray(time), values), label=motion.attrs["law"], **style(i))
+    axes.set(xlabel=f"time ({unit})", ylabel="rotor velocity (rad/s)")
     return legend_above(figure, axes)
 
 

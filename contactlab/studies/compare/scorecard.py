@@ -1,24 +1,32 @@
-"""The scorecard of a comparison: metrics, energy flow and motions of each law."""
+"""The scorecard of a comparison: settled motions of each law at several steps, metrics, energy flow."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import nan
-from typing import Any, Final
+from typing import Any, Final, final
 
 import numpy as np
 import xarray
 from yaml import safe_dump
 
 from contactlab import metrics, variables
-from contactlab.metrics import METRICS, VERDICTS, NotApplicableError, Run
+from contactlab.config import Setup, build
+from contactlab.config.faults import failure_of
+from contactlab.metrics import VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
-from contactlab.results.netcdf import cf_attributes
+from contactlab.metrics.convergence import FINER, control_of, richardson
+from contactlab.results.netcdf import cf_attributes, to_datatree
 from contactlab.settling.statistics import PERIODIC, WITHOUT_CONTACT
-from contactlab.steady_state.means import LONGEST, QUANTITIES
-from contactlab.studies.compare.measured import Measured
-from contactlab.studies.compare.reruns import Reruns
+from contactlab.steady_state import NotSettledError, attractors
+from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled
+from contactlab.studies.compare.draws import on_other_basis
+from contactlab.studies.study import Part, Task
 
-EVERY: Final = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
-"""Metrics of a comparison."""
+VARIANTS: Final = {"friction": 0.01, "basis": 1.0}
+"""Reruns with another motor, and their relative changes."""
+
+CONFIGURED: Final = "as configured"
+"""Name of the only rerun of a comparison without refinement."""
 
 FLAGS: Final = "not_applicable pass fail reported settled not_settled inconclusive"
 """`VERDICTS` as words of the CF conventions."""
@@ -33,11 +41,8 @@ ENERGY_TERMS: Final = {
 }
 """Terms of the energy flow and their names, in the order of the figure."""
 
-UNSETTLED: Final = 0.01
-"""Relative distance of a recorded velocity from the settled one that is reported."""
-
 NOT_KNOWN: Final = "not known"
-"""Kind of a motion that fails."""
+"""Kind of a recorded motion, and of one that fails."""
 
 SERIES: Final = (
     "tip_tangential_displacement", "tip_normal_displacement", "gap", "slip_velocity", "normal_force",
@@ -48,34 +53,221 @@ CONTACTS: Final = ("start_time", "duration", "normal_impulse", "peak_normal_forc
 
 SHOWN: Final = {each.name: each for each in (*variables.SERIES, *variables.CONTACTS)}
 
+Rerun = tuple[str, str, "Setup | dict[str, Any]"]
+"""Name, change in words, and the setup or its configuration."""
 
-def scorecard(laws: Sequence[Reruns], notes: Sequence[str], measured: Sequence[Measured]) -> xarray.Dataset:
+
+def reruns_of(setup: Setup, *, refine: bool) -> Iterator[Rerun]:
+    """Yield the reruns of a law; a setup that was made in Python has no configuration to change."""
+    configuration = setup.configuration
+    if not refine:
+        yield CONFIGURED, CONFIGURED, setup
+        return
+    control = control_of(setup)
+    whole = "resonator" in configuration
+    for number, divisor in enumerate(FINER[control]):
+        step = getattr(setup, control) / divisor
+        finer: Setup | dict[str, Any] = replace(setup, **{control: step})
+        if whole:
+            finer = configuration | {"solver": configuration["solver"] | {control: step}}
+        yield f"step {number}", f"at {control} {step:.3g}", finer
+    if whole:
+        contact = configuration["contact"]
+        if coefficient := contact["friction_coefficient"] * (1.0 + VARIANTS["friction"]):
+            changed = configuration | {"contact": contact | {"friction_coefficient": coefficient}}
+            yield "friction", "with more friction", changed
+        other, change = on_other_basis(setup)
+        yield "basis", f"with {change}", other
+
+
+def tasks_of(label: str, setup: Setup, *, refine: bool, starts: int) -> dict[str, Task]:
+    """Return the tasks of a law by name: settled motions, and steady states from several starts."""
+    works: dict[str, tuple[Any, ...]] = {
+        name: (settled_motion, rerun) for name, _, rerun in reruns_of(setup, refine=refine)
+    }
+    if refine and starts > 1:
+        works["starts"] = steady_states, setup, starts
+    return {name: Task(f"{label} {name}", attempt, work) for name, work in works.items()}
+
+
+def attempt(work: Callable[..., xarray.DataTree], *arguments: Any) -> Part:
+    """Do work whose failure is its result: it must not stop the tasks of other laws."""
+    try:
+        return Part(work(*arguments))
+    except Exception as error:
+        settles = int(not isinstance(error, NotSettledError))
+        return Part(xarray.DataTree(xarray.Dataset(attrs={"failure": failure_of(error), "settles": settles})))
+
+
+def settled_motion(rerun: "Setup | dict[str, Any]") -> xarray.DataTree:
+    """Return the settled motion with its means."""
+    setup = rerun if isinstance(rerun, Setup) else build(rerun)
+    state = settled(setup)
+    tree = to_datatree(motion_of(state), setup.configuration)
+    tree["means"] = _tree_of([means_of(state)])
+    return tree
+
+
+def steady_states(setup: Setup, starts: int) -> xarray.DataTree:
+    """Return the steady states that a motor reaches from several initial conditions."""
+    return _tree_of([means_of(a.steady) for a in attractors(setup, starts, longest=LONGEST)])
+
+
+def _tree_of(means: Sequence[Means]) -> xarray.DataTree:
+    columns = {"value": [each.values for each in means], "error": [each.errors for each in means]}
+    data = {
+        name: (("state", "quantity"), np.reshape(values, (-1, len(QUANTITIES))))
+        for name, values in columns.items()
+    }
+    return xarray.DataTree(xarray.Dataset(data, attrs={"kinds": "|".join(each.kind for each in means)}))
+
+
+def means_in(tree: xarray.DataTree) -> list[Means]:
+    """Return the means of the steady states of a part."""
+    data = tree.to_dataset()
+    kinds = data.attrs["kinds"].split("|")
+    return [Means(*each) for each in zip(kinds, data["value"].values, data["error"].values, strict=False)]
+
+
+@final
+@dataclass
+class Reruns:
+    """The results of one law: a recorded run, or the settled motor at several steps.
+
+    Args:
+        run: as recorded; without records for a setup.
+        setup: of the law; None of a recorded run.
+        runs: settled motions by name of the rerun; all steps or none.
+        states: steady states by name of the rerun, and those reached from all "starts".
+        notes: what could not be done.
+        without: why there is no steady state.
+    """
+
+    run: Run
+    setup: Setup | None = None
+    runs: dict[str, Run] = field(default_factory=dict)
+    states: dict[str, list[Means]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+    without: str = ""
+
+    @classmethod
+    def of(cls, run: Run, setup: Setup, parts: Mapping[str, xarray.DataTree], *, refine: bool) -> "Reruns":
+        """Return the results of a setup; without all its steps it has no convergence and no variants.
+
+        Args:
+            run: the setup without records.
+            setup: of the law.
+            parts: of the tasks of `tasks_of` by name.
+            refine: as there.
+        """
+        law = cls(run, setup)
+        for name, change, _ in reruns_of(setup, refine=refine):
+            tree = parts[name]
+            failure = str(tree.attrs.get("failure", ""))
+            if failure:
+                law.notes.append(f"{run.label} fails {change}: {failure}")
+                if name not in VARIANTS:
+                    law.without = failure if tree.attrs["settles"] == 0 else ""
+                    law.runs, law.states = {}, {}
+                    return law
+            else:
+                law.runs[name], law.states[name] = Run.of(tree), means_in(tree.children["means"])
+        if refine and "friction" not in parts:
+            law.notes.append(f"{run.label} has no friction coefficient to change.")
+        if "starts" in parts:
+            if failure := parts["starts"].attrs.get("failure", ""):
+                law.notes.append(f"{run.label} fails from other starts: {failure}")
+            else:
+                law.states["starts"] = means_in(parts["starts"])
+        return law
+
+    @property
+    def steps(self) -> list[tuple[float, Run]]:
+        """Values of the solver's option that is refined, and the runs, coarsest first."""
+        if self.setup is None or CONFIGURED in self.runs or not self.runs:
+            return []
+        control = control_of(self.setup)
+        return [
+            (getattr(self.setup, control) / divisor, self.runs[f"step {number}"])
+            for number, divisor in enumerate(FINER[control])
+        ]
+
+    @property
+    def means(self) -> list[Means]:
+        """The steady state at each step, or as configured; none of a recorded run."""
+        return [x[0] for name, x in self.states.items() if name == CONFIGURED or name.startswith("step")]
+
+    @property
+    def best(self) -> Run:
+        """The finest rerun, the settled motion, or the run itself."""
+        return self.steps[-1][1] if self.steps else self.runs.get(CONFIGURED, self.run)
+
+    @property
+    def period(self) -> float:
+        """Period of the drive's first tone [s]; a tenth of the run where it is not known."""
+        return self.run.period or 0.1 * float(np.ptp(self.best.time))
+
+    def error(self, values: Sequence[float]) -> float:
+        """Return the numerical error of the last of the values, one for each step."""
+        assert self.setup is not None
+        (coarse, _), (fine, _), *_ = self.steps
+        return float(richardson(values, coarse / fine, self.setup.law.convergence_order))
+
+    def assessed(self) -> tuple[dict[str, float], dict[str, float]]:
+        """Return values and errors by metric, numerical and, of means, statistical."""
+        means = dict(zip(QUANTITIES, self.means[-1].values.tolist(), strict=True)) if self.means else {}
+        if not self.steps:
+            return (metrics.assess(self.best) if self.best.columns else {}) | means, {}
+        steps = [metrics.assess(run) for _, run in self.steps]
+        errors = {key: self.error([each[key] for each in steps]) for key in steps[-1]}
+        columns = np.transpose([each.values for each in self.means])
+        both = np.array([self.error([*column]) for column in columns]) + self.means[-1].errors
+        errors |= dict(zip(QUANTITIES, both.tolist(), strict=True))
+        variants = {name: (size, self.runs[name]) for name, size in VARIANTS.items() if name in self.runs}
+        values = steps[-1] | metrics.assess_steps(self.steps) | means
+        return values | metrics.assess_variants(self.steps[0][1], **variants), errors
+
+    @property
+    def refinement(self) -> str:
+        """The steps at which the values were computed."""
+        if self.setup and self.steps:
+            return f"settled, {control_of(self.setup)} {', '.join(f'{step:.3g}' for step, _ in self.steps)}"
+        return "settled, steps as configured" if self.means else "as recorded"
+
+
+def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
     """Return metrics, errors, verdicts and energy flow of each law.
 
     Returns:
-        A dataset over `law`, `metric` (those with a threshold first, those of measurements last) and `term`.
+        A dataset over `law`, `metric` (those with a threshold first) and `term`.
     """
-    own = sorted(EVERY.values(), key=lambda metric: not metric.threshold)
-    every = [*own, *(metric for each in measured for metric in each.rows)]
-    numbers = [_assessed(law) for law in laws]
+    catalogue = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
+    every = sorted(catalogue.values(), key=lambda metric: not metric.threshold)
     values, errors = (
-        np.array([[part.get(metric.key, nan) for metric in own] for part in parts])
-        for parts in zip(*numbers, strict=True)
+        [[part.get(metric.key, nan) for metric in every] for part in parts]
+        for parts in zip(*(law.assessed() for law in laws), strict=True)
     )
-    values = np.column_stack([values, *(each.values.T for each in measured)])
-    errors = np.column_stack([errors, *(each.errors.T for each in measured)])
     verdicts = [
-        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)]
-        for row in values.tolist()
+        [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)] for row in values
     ]
     settled = any(law.means for law in laws)
     flows = [energy_flow(law.best, law.period if settled else 0.0) for law in laws]
     flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
     both, units = ("law", "metric"), {"comment": "units differ by metric, see `units`"}
-    error = {"long_name": "error of the value: Richardson's, or half of a 95 % bootstrap interval", **units}
+    error = {"long_name": "error of the value: Richardson's, and statistical", **units}
     energy = {"units": "J", "long_name": "destination of the work of the drive"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
-    labels = [law.label for law in laws]
+    labels = [law.run.label for law in laws]
+    of_metrics = {name: name for name in ("symbol", "units", "meaning", "threshold", "reason", "conclusion")}
+    of_laws = {
+        "kind": [law.means[-1].kind if law.means else NOT_KNOWN for law in laws],
+        "run": [law.run.source for law in laws],
+        "refined": [law.refinement for law in laws],
+        "configuration": [safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
+    } | {
+        name: [str(law.run.attributes.get(name, "")) for law in laws]
+        for name in ("law_parameters", "contactlab_version")
+    }
     return xarray.Dataset(
         {
             "value": (both, values, {"long_name": "value of the metric", **units}),
@@ -84,54 +276,22 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str], measured: Sequence[M
             "energy": (("law", "term"), [[flow[term] for term in ENERGY_TERMS] for flow in flows], energy),
             "drive_work": ("law", [flow["drive_work"] for flow in flows], work),
         },
-        coords={
+        {
             "law": labels,
             "metric": [metric.key for metric in every],
             "term": list(ENERGY_TERMS),
             **{
-                name: ("metric", [getattr(metric, name) for metric in every])
-                for name in ("symbol", "units", "meaning", "threshold", "reason", "conclusion")
+                name: ("metric", [getattr(metric, attribute) for metric in every])
+                for name, attribute in (of_metrics | {"metric_source": "source"}).items()
             },
-            "metric_source": ("metric", [metric.source for metric in every]),
             "judges_law": ("metric", np.array([metric.judges_law for metric in every], dtype=np.int8)),
-            "kind": ("law", [law.means[-1].kind if law.means else NOT_KNOWN for law in laws]),
-            "run": ("law", [law.run.source for law in laws]),
-            "refined": ("law", [_refinement(law) for law in laws]),
-            **{
-                name: ("law", [str(law.run.attributes.get(name, "")) for law in laws])
-                for name in ("law_parameters", "contactlab_version")
-            },
-            "configuration": (
-                "law",
-                [safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
-            ),
+            **{name: ("law", texts) for name, texts in of_laws.items()},
         },
-        attrs={
+        {
             "title": f"Contact law{'s' if len(laws) > 1 else ''} compared: {', '.join(labels)}",
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
         },
     )
-
-
-def _assessed(law: Reruns) -> tuple[dict[str, float], dict[str, float]]:
-    """Return values and numerical errors by metric."""
-    means = dict(zip(QUANTITIES, law.means[-1].values.tolist(), strict=True)) if law.means else {}
-    if not law.steps:
-        return (metrics.assess(law.best) if law.best.columns else {}) | means, {}
-    steps = [metrics.assess(run) for _, run in law.steps]
-    errors = {key: float(law.error([each[key] for each in steps])) for key in steps[-1]}
-    if law.means:
-        errors |= dict(zip(QUANTITIES, law.mean_errors().tolist(), strict=True))
-    values = steps[-1] | metrics.assess_steps(law.steps) | means
-    return values | metrics.assess_variants(law.steps[0][1], **law.variants), errors
-
-
-def _refinement(law: Reruns) -> str:
-    """Return the steps at which the law's values were computed."""
-    kind = "settled, " if law.means else ""
-    if law.steps:
-        return f"{kind}{law.control} {', '.join(f'{step:.3g}' for step, _ in law.steps)}"
-    return f"{kind}steps as configured" if kind else "as recorded"
 
 
 def energy_flow(run: Run, period: float = 0.0) -> dict[str, float]:
@@ -165,10 +325,7 @@ def motion(law: Reruns) -> xarray.Dataset:
         for name in names
         if has(name)
     }
-    if law.steps and not law.means and run.holds("rotor_velocity"):
-        error = law.error([step.columns["rotor_velocity"] for _, step in law.steps])
-        columns["rotor_velocity_error"] = "time", error, {"units": "rad s-1", "long_name": "numerical error"}
-    data = xarray.Dataset(columns, attrs={"law": law.label})
+    data = xarray.Dataset(columns, attrs={"law": law.run.label})
     # A rotor that a preload presses on the tip is not at rest there.
     pressed = run.settings.get("contact.preload")
     if isinstance(clearance := run.settings.get("contact.clearance"), float) and pressed is None:
@@ -182,36 +339,20 @@ def motion(law: Reruns) -> xarray.Dataset:
 
 def listed(names: Sequence[str]) -> str:
     """Return a list as in a sentence."""
-    if not names:
-        return ""
-    *first, last = names
+    *first, last = names or [""]
     return f"{', '.join(first)} and {last}" if first else last
 
 
 def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
-    """Yield what must be known of the laws before their values, at most a sentence of a kind."""
-    moved = {law.label: speed for law in laws if (speed := _unsettled(law)) is not None}
-    if moved:
-        speeds = listed([f"{speed:.3g} rad/s with {label}" for label, speed in moved.items()])
-        yield (
-            f"The recorded motor had not settled: in the last quarter of the run it turns at {speeds}. The "
-            "settled motor is compared."
-        )
-    kinds = {law.label: law.means[-1].kind if law.means else NOT_KNOWN for law in laws}
-    without = {law.label: law.without for law in laws if law.without and not law.means}
+    """Yield what must be known of settled laws before their values, at most a sentence of a kind."""
+    kinds = {law.run.label: law.means[-1].kind for law in laws if law.means}
+    without = {law.run.label: law.without for law in laws if law.without}
     if without:
-        yield (
-            f"{listed([*without])}: no steady state; the numbers are those of the recorded run. "
-            f"{next(iter(without.values()))}"
-        )
-    if recorded := [label for label, kind in kinds.items() if kind == NOT_KNOWN and label not in without]:
-        yield f"Taken as recorded, so that it is not known whether the motor has settled: {listed(recorded)}."
+        yield f"{listed([*without])}: no steady state. {next(iter(without.values()))}"
     if free := [label for label, kind in kinds.items() if kind == WITHOUT_CONTACT]:
         yield f"Settled without contact, so that nothing turns the rotor: {listed(free)}."
     if other := [
-        f"{label} ({kind})"
-        for label, kind in kinds.items()
-        if kind not in (NOT_KNOWN, WITHOUT_CONTACT, PERIODIC)
+        f"{label} ({kind})" for label, kind in kinds.items() if kind not in (WITHOUT_CONTACT, PERIODIC)
     ]:
         yield (
             f"No periodic motion: {listed(other)}; values are means over {LONGEST // 2} periods, with "
@@ -223,18 +364,6 @@ def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
         if len(reached) > 1 and law.means:
             # Without contact the rotor keeps its initial velocity.
             each = [x.kind if x.kind == WITHOUT_CONTACT else f"{x.values[0]:.3g} rad/s" for x in reached]
-            several.append(f"{law.label} ({', '.join(each)})")
+            several.append(f"{law.run.label} ({', '.join(each)})")
     if several:
         yield f"Several motions, depending on the start: {listed(several)}."
-
-
-def _unsettled(law: Reruns) -> float | None:
-    """Return the velocity of a recorded run where it is not the settled one [rad/s]."""
-    if not law.means or not law.run.columns:
-        return None
-    try:
-        recorded = float(METRICS["rotor_velocity"].measure(law.run))
-    except NotApplicableError:
-        return None
-    velocity = float(law.means[-1].values[0])
-    return recorded if abs(recorded - velocity) > UNSETTLED * abs(velocity) else None

@@ -1,7 +1,8 @@
-"""The study `compare` of recorded transients: what is read and refused, numbers, files, figures, command."""
+"""The study `compare` of recorded runs: what is read and refused, numbers, files, figures, command."""
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import netCDF4
 import numpy as np
@@ -11,12 +12,11 @@ from support.command_line import Command
 from support.configurations import LAWS, leave, leave_all
 
 import contactlab as cl
-from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, read_run
+from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, assess, read_run
 from contactlab.metrics.convergence import richardson
 from contactlab.studies.compare.figures import contacts_of, draw_energy
-from contactlab.studies.compare.reruns import Reruns
-from contactlab.studies.compare.runs import labelled, read_runs
-from contactlab.studies.compare.scorecard import energy_flow, motion
+from contactlab.studies.compare.laws import read_runs
+from contactlab.studies.compare.scorecard import Reruns, energy_flow, motion
 
 FIGURES = ("contact_force", "tip_trajectory", "rotor_velocity", "energy_flow", "phase_portrait")
 
@@ -33,7 +33,7 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def result(sweep: Path, output: Path) -> cl.Result:
-    return cl.compare(sweep, output=output, transient=True, workers=1)
+    return cl.compare(sweep, output=output)
 
 
 @pytest.fixture(scope="module")
@@ -41,12 +41,12 @@ def data(result: cl.Result) -> xarray.Dataset:
     return result.data.to_dataset()
 
 
-def quick(sources: object, **options: object) -> xarray.Dataset:
-    return cl.compare(sources, refine=False, transient=True, **options).data.to_dataset()
+def quick(sources: Any) -> xarray.Dataset:
+    return cl.compare(sources).data.to_dataset()
 
 
 def runs_of(*sources: Path) -> list[Run]:
-    return labelled(read_runs(sources), transient=False)
+    return read_runs(sources)
 
 
 def test_a_sweep_is_read_in_its_order_and_each_run_once(sweep: Path) -> None:
@@ -54,23 +54,17 @@ def test_a_sweep_is_read_in_its_order_and_each_run_once(sweep: Path) -> None:
     assert [run.label for run in runs_of(sweep, first, first / "run.nc")] == list(LAWS)
 
 
-def test_every_law_has_every_metric(data: xarray.Dataset) -> None:
+def test_the_values_are_the_metrics_of_the_records(
+    sweep: Path, data: xarray.Dataset, result: cl.Result
+) -> None:
     assert data["law"].values.tolist() == list(LAWS)
     assert set(data["metric"].values) == {*METRICS, *STEP_METRICS, *SENSITIVITIES}
-    value = data["value"].to_pandas()
-    for key in ("impulse_exponent", "rotor_velocity_by_friction", "rotor_velocity_by_basis"):
-        assert np.isfinite(value[key]).all(), key
-    # An impact has no largest force.
-    assert np.isfinite(value["peak_force_exponent"]).to_dict() == {
-        law: law == "hertz_penalty" for law in LAWS
-    }
-
-
-def test_laws_differ_by_more_than_their_numerical_errors(data: xarray.Dataset, result: cl.Result) -> None:
-    value, error = np.transpose([result.numbers[law] for law in LAWS])
-    assert np.all(error < 1e-2 * np.abs(value))
-    assert np.ptp(value) > 3.0 * error.sum()
-    np.testing.assert_array_equal(value, data["value"].sel(metric="final_rotor_velocity"))
+    for law, file in zip(LAWS, _files(sweep), strict=True):
+        metrics = assess(Run.of(read_run(file)))
+        np.testing.assert_equal(data["value"].sel(law=law, metric=[*metrics]).values, [*metrics.values()])
+        assert result.numbers[law].value == metrics["final_rotor_velocity"]
+    assert np.isnan(data["numerical_error"]).all()
+    assert result.setups == {}
 
 
 def test_all_files_are_there_and_agree(data: xarray.Dataset, output: Path) -> None:
@@ -124,9 +118,8 @@ def test_impacts_in_a_row_are_one_contact(tmp_path: Path) -> None:
 def test_motors_without_friction_are_compared(tmp_path: Path) -> None:
     """Their rotor stays at rest, without an error that a logarithmic axis could show."""
     smooth = [leave(tmp_path / law, law, contact__friction_coefficient=0.0) for law in LAWS[1:]]
-    data = cl.compare(smooth, output=tmp_path / "out", transient=True)
+    data = cl.compare(smooth, output=tmp_path / "out")
     assert (data["value"].sel(metric="final_rotor_velocity") == 0.0).all()
-    assert np.isnan(data["value"].sel(metric="rotor_velocity_by_friction")).all()
     assert (tmp_path / "out" / "rotor_velocity.png").stat().st_size > 5000
 
 
@@ -174,7 +167,7 @@ def test_a_file_of_ones_own_takes_part_as_it_is(sweep: Path, tmp_path: Path) -> 
     kept = read_run(_files(sweep)[2]).to_dataset(inherit=False)[["rotor_velocity", "gap"]]
     kept.attrs = {"title": "from the bench"}
     kept.to_netcdf(own)
-    data = cl.compare([_files(sweep)[0], own], output=tmp_path / "out", transient=True)
+    data = cl.compare([_files(sweep)[0], own], output=tmp_path / "out")
     assert data["law"].values.tolist() == ["lagrange_slip", "bench"]
     assert np.isfinite(data["value"].sel(law="bench", metric="final_rotor_velocity"))
     assert np.isnan(data["value"].sel(law="bench", metric=[*STEP_METRICS, *SENSITIVITIES])).all()
@@ -200,6 +193,15 @@ def test_richardson_gives_the_error_of_a_known_series() -> None:
         assert float(richardson(values, 2.0, order + 1.0)) == pytest.approx(1.0)
     growing = [np.asarray(x) for x in (1.0, 2.0, 4.0)]
     assert float(richardson(growing, 2.0, 1.0)) == pytest.approx(18.0)
+
+
+def test_the_command_compares_recorded_runs_and_nothing_beside_them(sweep: Path, command: Command) -> None:
+    assert command("compare", str(sweep), "law=newton")[0] == 2
+    assert not Path("compare").exists()
+    assert command("compare", *map(str, _files(sweep)))[0] == 0
+    written = cl.load("compare/compare.nc")
+    assert isinstance(written, cl.Result)
+    assert written.data["law"].values.tolist() == list(LAWS)
 
 
 def test_the_command_refuses_what_is_no_run(command: Command) -> None:

@@ -1,4 +1,4 @@
-"""The laws of a comparison: recorded runs or setups of one motor with one drive, and their labels."""
+"""The laws of a comparison: recorded runs, or setups at operating points, of one motor with one drive."""
 
 import re
 from collections import Counter
@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, final
 
+import numpy as np
 import xarray
 
+from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.metrics import Run, read_run
+from contactlab.motor import Motor
 from contactlab.results.files import DATASET
 from contactlab.results.netcdf import reached_end
 from contactlab.simulation import Solution
@@ -21,6 +24,9 @@ Source = str | Path | Solution | xarray.DataTree
 
 FREE: Final = ("law", "solver", "record", "hydra")
 """Sections of a configuration in which compared laws may differ."""
+
+POINT_KEYS: Final = 3
+"""Keys that the label of an operating point shows at most."""
 
 
 @final
@@ -33,10 +39,10 @@ class ComparisonError(ValueError):
 
 
 def read_runs(sources: Sequence[Source]) -> list[Run]:
-    """Read runs, each once, in the order of their sources.
+    """Read runs, each once, in the order of their sources, and label them.
 
     Raises:
-        ComparisonError: a source is missing, damaged or incomplete.
+        ComparisonError: a source is missing, damaged or incomplete, or runs cannot be compared.
     """
     faults: list[str] = []
     places: dict[Path | str, Path | xarray.DataTree] = {}
@@ -69,13 +75,23 @@ def read_runs(sources: Sequence[Source]) -> list[Run]:
             )
     if faults:
         raise ComparisonError(faults)
-    return runs
+    return labelled(runs)
 
 
-def run_of_setup(label: str, setup: Setup) -> Run:
+def _datasets(source: Path) -> list[Path]:
+    """Return the datasets at a place, which is a run or a folder of runs."""
+    if source.is_file():
+        return [source]
+    if (source / DATASET).exists():
+        return [source / DATASET]
+    # 10_... follows 9_..., as the jobs of a sweep are named.
+    return sorted(source.rglob(DATASET), key=lambda path: re.sub(r"\d+", lambda x: x[0].zfill(20), str(path)))
+
+
+def run_of_setup(source: str, setup: Setup, label: str = "") -> Run:
     """Return a setup as a run without records."""
-    law = setup.law
-    return Run({}, {}, setup.configuration, law.name, law.describe(), 0.0, source=label, label=law.name)
+    name, numbers = setup.law.name, setup.law.describe()
+    return Run({}, {}, setup.configuration, name, numbers, 0.0, source=source, label=label or name)
 
 
 @final
@@ -93,8 +109,18 @@ class Grid:
     cells: tuple[str, ...]
     setups: Mapping[tuple[str, str], Setup]
 
+    @property
+    def first(self) -> dict[str, Setup]:
+        """The setups at the first operating point by law."""
+        return {law: self.setups[law, self.cells[0]] for law in self.laws}
 
-def grid_of(setups: Iterable[Setup], *, transient: bool) -> Grid:
+    @property
+    def whole(self) -> bool:
+        """Whether the setups have configurations: those of a motor that was made in Python have not."""
+        return all("resonator" in setup.configuration for setup in self.setups.values())
+
+
+def grid_of(setups: Iterable[Setup]) -> Grid:
     """Return laws and operating points: setups that differ in more than the law are other points.
 
     Raises:
@@ -107,7 +133,7 @@ def grid_of(setups: Iterable[Setup], *, transient: bool) -> Grid:
     differing = [key for key in keys if len({shown(settings.get(key)) for _, settings in every}) > 1]
     basis = any(key.startswith("resonator.") for key in differing)
     # What follows from another resonator is no choice.
-    shown_keys = [key for key in differing if not (basis and key == "drive.frequency")][:3]
+    shown_keys = [key for key in differing if not (basis and key == "drive.frequency")][:POINT_KEYS]
     points: dict[tuple[str, ...], list[Setup]] = {}
     for setup, settings in every:
         points.setdefault(tuple(shown(settings.get(key)) for key in differing), []).append(setup)
@@ -117,9 +143,7 @@ def grid_of(setups: Iterable[Setup], *, transient: bool) -> Grid:
     for values, members in points.items():
         point = dict(zip(differing, values, strict=True))
         cells.append(", ".join(f"{key}={point[key]}" for key in shown_keys))
-        runs = labelled(
-            [run_of_setup(f"law {n}", each) for n, each in enumerate(members, 1)], transient=transient
-        )
+        runs = labelled([run_of_setup(f"law {n}", each) for n, each in enumerate(members, 1)])
         laws.append(tuple(run.label for run in runs))
         result |= {(run.label, cells[-1]): each for run, each in zip(runs, members, strict=True)}
     if len({frozenset(each) for each in laws}) > 1 or len(set(cells)) < len(cells):
@@ -129,45 +153,37 @@ def grid_of(setups: Iterable[Setup], *, transient: bool) -> Grid:
     return Grid(laws[0], tuple(cells), result)
 
 
-def labelled(runs: Sequence[Run], *, transient: bool) -> list[Run]:
-    """Return runs with distinct labels.
+def delassus_at_rest(motor: Motor) -> Array:
+    """Return D = G M^-1 G' at rest, normal and tangential [1/kg], shape (2, 2)."""
+    rows = np.stack([motor.modes.approach, motor.geometry.tip_length * motor.modes.tip_slope])
+    return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
 
-    Args:
-        runs: recorded, or of setups.
-        transient: whether they must last equally long.
+
+def labelled(runs: Sequence[Run]) -> list[Run]:
+    """Return runs, or setups as runs, with distinct labels.
 
     Raises:
-        ComparisonError: they differ in more than their laws, or one law occurs twice.
+        ComparisonError: they differ in more than their laws, recorded ones in their length, or one law
+            occurs twice.
     """
-    result = [replace(run, label=_label(run, runs)) for run in runs]
-    if faults := [*_differences(runs, transient=transient)] or [*_repeated(result)]:
-        raise ComparisonError(faults)
-    return result
-
-
-def _datasets(source: Path) -> list[Path]:
-    """Return the datasets at a place, which is a run or a folder of runs."""
-    if source.is_file():
-        return [source]
-    if (source / DATASET).exists():
-        return [source / DATASET]
-    # 10_... follows 9_..., as the jobs of a sweep are named.
-    return sorted(source.rglob(DATASET), key=lambda path: re.sub(r"\d+", lambda x: x[0].zfill(20), str(path)))
-
-
-def _differences(runs: Sequence[Run], *, transient: bool) -> Iterator[str]:
-    """Yield the differences of runs other than their laws."""
-    keys = dict.fromkeys(key for run in runs for key in run.settings)
-    for key in keys:
+    faults = list[str]()
+    for key in dict.fromkeys(key for run in runs for key in run.settings):
         section = key.partition(".")[0]
         if section not in FREE:
             values = [(run, run.settings.get(key)) for run in runs if section in run.configuration]
-            yield from _unequal(key, values)
-    if transient:
-        lengths = [
-            (run, float(run.time[-1]) if run.columns else run.setting("solver.duration")) for run in runs
-        ]
-        yield from _unequal("solver.duration [s]", lengths)
+            faults += _unequal(key, values)
+    faults += _unequal("solver.duration [s]", [(run, float(run.time[-1])) for run in runs if run.columns])
+    result = [replace(run, label=_label(run, runs)) for run in runs]
+    if not faults:
+        for label, count in Counter(run.label for run in result).items():
+            if count > 1:
+                names = ", ".join(f"'{run.source}'" for run in result if run.label == label)
+                faults.append(
+                    f"{label} occurs {count} times with equal parameters, in {names}; it must occur once."
+                )
+    if faults:
+        raise ComparisonError(faults)
+    return result
 
 
 def _unequal(key: str, values: Iterable[tuple[Run, Any]]) -> Iterator[str]:
@@ -219,10 +235,3 @@ def _law_keys(run: Run) -> Mapping[str, str | None]:
     law = {k.removeprefix("law."): x for k, x in run.settings.items() if k.startswith("law.")}
     values = (law or run.law_parameters).items()
     return {k.removesuffix(".name"): None if x is None else shown(x) for k, x in values}
-
-
-def _repeated(runs: Sequence[Run]) -> Iterator[str]:
-    for label, count in Counter(run.label for run in runs).items():
-        if count > 1:
-            names = ", ".join(f"'{run.source}'" for run in runs if run.label == label)
-            yield f"{label} occurs {count} times with equal parameters, in {names}; it must occur once."
