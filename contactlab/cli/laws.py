@@ -20,10 +20,7 @@ from contactlab.suggestion import suggestion
 
 STICK = {True: "tangentially rigid", False: "not rigid: it yields, creeps or chatters"}
 
-KERNELS = {
-    "limits": "a contact begins and ends at the gaps that it says, not at zero",
-    "moment": "a patch of some extent turns the tip",
-}
+KERNELS = {"limits": "a contact begins and ends at the gaps that it says, not at zero"}
 """What kernels that most have not say of a law or part."""
 
 HEADINGS = {

@@ -1,6 +1,6 @@
 """A law bound to the engine: one function of one signature for each kernel, whatever the kernel names.
 
-The engine evaluates every law by nine functions of fixed signatures. Here each is written from the names of
+The engine evaluates every law by eight functions of fixed signatures. Here each is written from the names of
 the law's own kernel, as a dataclass writes its methods, for example
 
     def force(gap, gap_rate, slip, impact_speed, row):
@@ -9,7 +9,7 @@ the law's own kernel, as a dataclass writes its methods, for example
 
 so that one compiled loop serves all laws. `row` holds, in this order,
 
-    tilt [rad], spin [rad/s], impact speed [m/s], internal variables, NaN, coefficients
+    impact speed [m/s], internal variables, NaN, coefficients
 
 with NaN between the coefficients of the parts of a composed law. A law without a kernel has one that does
 nothing.
@@ -35,7 +35,7 @@ from numba import types
 from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.compiler.kernels import INTERPRETED, fleeting_kernel, generated_kernel, remade
-from contactlab.engine.state import HEAD, SPEED, SPIN, TILT
+from contactlab.engine.state import HEAD, SPEED
 from contactlab.foreign import compiled_constants, is_own
 from contactlab.interrupts import is_of_a_signal
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -123,7 +123,6 @@ SIGNATURES: Final = {
     "guard": _real(_whole, *_state, _row),
     "jump": _real(_whole, _whole, *_state, _row),
     "limits": types.UniTuple(_real, 2)(_real, _row),
-    "moment": types.UniTuple(_real, 3)(_real, _real, _row),
 }
 """Signatures of the bound kernels by name, in the order in which the loop takes them."""
 
@@ -139,7 +138,6 @@ _ARGUMENTS: Final = {
     "guard": f"which, {_STATE}, row",
     "jump": f"which, event, {_STATE}, row",
     "limits": "gap_rate, row",
-    "moment": "gap, normal, row",
 }
 _IDLE: Final = {
     "force": "0.0, 0.0, 0.0, 0.0, 0.0",
@@ -150,14 +148,13 @@ _IDLE: Final = {
     "guard": "1.0",
     "jump": f"row[{HEAD} + which]",
     "limits": "0.0, 0.0",
-    "moment": "0.0, 0.0, 0.0",
 }
 """What a kernel returns that a law lacks: nothing acts, and internal variables keep their values."""
 
-_OF_FEW: Final = ("rate", "guard", "jump", "limits", "moment")
+_OF_FEW: Final = ("rate", "guard", "jump", "limits")
 """Kernels that few laws have: without any of them a law is plain."""
 
-_FROM_ROW: Final = {"tilt": f"row[{TILT}]", "spin": f"row[{SPIN}]", "impact_speed": f"row[{SPEED}]"}
+_FROM_ROW: Final = {"impact_speed": f"row[{SPEED}]"}
 _TYPES: Final = {"which": _whole, "event": _whole}
 """Types of arguments that are no real numbers."""
 
@@ -170,19 +167,17 @@ class Bound(NamedTuple):
         kernels: in the order of `SIGNATURES`; None for `impact` and `bound` of a compliant law, and for
             all kernels that few laws have of a plain law.
         callbacks: functions that the Python interpreter runs in place of some of them.
-        seen: quantities that kernels read from the head of the row.
-        plain: whether it has no rates, guards, jumps, limits and moments.
+        plain: whether it has no rates, guards, jumps and limits.
     """
 
     kernels: tuple[Any, ...]
     callbacks: tuple[Callback, ...]
-    seen: frozenset[str]
     plain: bool
 
 
 def row_of(law: ContactLaw) -> Array:
     """Return the row of a law before any contact."""
-    head = [0.0, 0.0, 0.0, *(v.initial for v in law.internal_variables)]
+    head = [0.0, *(v.initial for v in law.internal_variables)]
     values = [np.array(head, np.float64)]
     for part in _parts(law):
         coefficients = np.asarray(_coefficients(law, part)[1])
@@ -248,7 +243,6 @@ class _Part:
         self.word, self.owner = word, owner
         self.functions: dict[str, Any] = {}
         self.kinds: dict[str, tuple[Any, ...]] = {}
-        self.seen: set[str] = set()
         variables = getattr(owner, "internal_variables", ())
         self.count, self.coupled = len(variables), getattr(owner, "coupled", 0)
         self._known = {v.name: f"row[{HEAD + first + i}]" for i, v in enumerate(variables)}
@@ -298,8 +292,6 @@ class _Part:
                 )
             arguments.append(known[name])
             kinds.append(_row if ":" in known[name] else _TYPES.get(name, _real))
-            if known[name] == _FROM_ROW.get(name):
-                self.seen.add(name)
         word = f"{self.word}_{kernel}"
         self.functions[word], self.kinds[word] = function, tuple(kinds)
         return f"{word}({', '.join(arguments)})"
@@ -317,7 +309,6 @@ _OF_FORCE: Final = {**_CONTACT, "impact_speed": "impact_speed"}
 _WHICH, _EVENT = {"which": "which"}, {"which": "which", "event": "event"}
 _IMPACT: Final = {name: name for name in _ARGUMENTS["impact"].split(", ")[:-1]}
 _BOUND: Final = {"normal": "normal", "slip": "slip"}
-_MOMENT: Final = {"gap": "gap", "depth": "-gap", "normal": "normal"}
 _LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
 
@@ -353,8 +344,6 @@ def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
             made[name] = [f"return {part.call(name, {**_IN_CONTACT, **more})}"]
     if part.has("limits"):
         made["limits"] = [f"return {part.call('limits', _LIMITS)}"]
-    if isinstance(law, PenaltyLaw) and part.has("moment"):
-        made["moment"] = [f"return {part.call('moment', _MOMENT)}"]
     return made
 
 
@@ -461,7 +450,6 @@ def _bound(shape: _Shape) -> Bound:
     sources, parts = _written(law)
     kinds = {word: kind for part in parts for word, kind in part.kinds.items()}
     owners = {word: part.owner for part in parts for word in part.functions}
-    seen = frozenset[str]().union(*(part.seen for part in parts))
     plain = all(getattr(law, name, None) is None for name in _OF_FEW)
     kernels: list[Any] = []
     callbacks: list[Callback] = []
@@ -472,7 +460,7 @@ def _bound(shape: _Shape) -> Bound:
         kernel, callback = _compiled(name, *sources[name], kinds, owners, signature)
         kernels.append(kernel)
         callbacks += [callback] if callback else []
-    return Bound(tuple(kernels), tuple(callbacks), seen, plain)
+    return Bound(tuple(kernels), tuple(callbacks), plain)
 
 
 _bound_own = lru_cache(maxsize=256)(_bound)

@@ -38,16 +38,11 @@ from contactlab.engine.memory import (
     SLIP_ROUND_OFF,
     correct_memory,
     end_at,
-    first_moments,
-    fit_moments,
     guess_memory,
     jump,
-    missed_moments,
-    note_turn,
     open_step,
     recall,
     recall_start,
-    set_moments,
     solve_linear,
 )
 from contactlab.engine.plant import delassus
@@ -151,7 +146,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     kinked, outweighed = _kinked_force(run, known), _outweighed_error(run)
     if kinked >= 0.0:
         return max(0.5, outweighed * h / allowed) if kinked * h <= allowed else KINK
-    error = max(abs(state.normal.coefficient[0] - normal), missed_moments(run, law.memory), outweighed)
+    error = max(abs(state.normal.coefficient[0] - normal), outweighed)
     if not depends:
         error = max(error, abs(state.bound.coefficient[0] - bound), abs(state.bias.coefficient[0] - bias))
     if state.friction_kind != SET_VALUED:
@@ -224,7 +219,7 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
             state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
         # Only friction with an internal variable reads these.
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
-        push_node(run, law.memory, i)
+        push_node(run, i)
     guess_memory(run, law.memory)
 
 
@@ -318,7 +313,7 @@ def _sweep_normal(
     slides = state.mode != STICK and state.friction_kind != RATE_DEPENDENT
     for i in range(NODES):
         old_normal, old_friction = state.normal.node[i], state.friction.node[i]
-        change = max(change, _law_at_node(run, law, level, i))
+        _law_at_node(run, law, level, i)
         # Friction that would have to hold far more than the law lets it has the round-off of its size.
         most = max(most, state.normal.node[i], abs(old_friction))
         if stiff:
@@ -326,13 +321,13 @@ def _sweep_normal(
             continue
         if slides:
             state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
-        push_node(run, law.memory, i)
+        push_node(run, i)
         change = max(change, abs(state.normal.node[i] - old_normal))
         change = max(change, abs(state.friction.node[i] - old_friction))
     if stiff:
         change = max(change, _correct_normal(run, level, known, lean, slides))
         for i in range(NODES):
-            push_node(run, law.memory, i)
+            push_node(run, i)
     return change, most
 
 
@@ -374,7 +369,6 @@ def _collocate(
         fit(rule, step.push_u)
         fit(rule, step.push_th)
         fit(rule, step.push_r)
-        fit_moments(run, law.memory)
         return sweep
     return 0
 
@@ -397,14 +391,12 @@ def pushed_tip(run: Run, level: int, i: int) -> Tip:
 
 
 @inner_kernel
-def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
-    """Set motion and forces of node i; returns the change of its moments as a force on the rotor [N]."""
+def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
+    """Set motion and forces of node i."""
     state, step = run.state, run.step
     tip = pushed_tip(run, level, i)
-    _, th, _, th_rate, rotor = tip
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, tip)
-    normal, bound, bias, loss, turned = 0.0, 0.0, 0.0, 0.0, 0.0
-    note_turn(run, i, th, t_u, th_rate, rotor)
+    normal, bound, bias, loss = 0.0, 0.0, 0.0, 0.0
     recall(run, law, i)
     step.end[i] = end_at(run, law, law.memory, rate)
     if gap < step.end[i]:
@@ -412,12 +404,10 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> float:
         normal, least, most, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         bound, bias = 0.5 * (most - least), 0.5 * (most + least)
         normal = sound_normal(normal, bound)
-        turned = set_moments(run, law, law.memory, i, gap, normal)
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
     step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
     step.loss[i] = loss
-    return turned
 
 
 CLOCK = 64.0 * np.finfo(np.float64).eps
@@ -449,7 +439,6 @@ def step_compliant(run: Run, law: Law) -> int:
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
     open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
-    first_moments(run, law, law.memory, gap, known[0])
     if state.contact.duration == 0.0 or state.momentum == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         # Where adhesion balances the elastic force there is friction, and a normal force on the way in.
@@ -519,7 +508,6 @@ def _solve(
             jump(run, law, law.memory, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
             open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
-            first_moments(run, law, law.memory, gap, known[0])
         else:
             break
     else:

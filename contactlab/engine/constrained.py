@@ -471,7 +471,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
         state.normal.node[i], state.friction.node[i] = known
         state.bias.node[i] = known[1] / known[0]
         step.loss[i], step.end[i] = 0.0, 0.0
-        push_node(run, None, i)
+        push_node(run, i)
     guess_memory(run, law.memory)
     sweeps = _collocate(run, law, level)
     state.taken = 0.0
@@ -579,7 +579,7 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
             state.friction.node[i] += system[NODES + i, size]
         else:
             state.friction.node[i] = state.bias.node[i] * state.normal.node[i]
-        push_node(run, None, i)
+        push_node(run, i)
         change = abs(state.normal.node[i] - before_normal) + abs(state.friction.node[i] - before_friction)
         # NaN fails every comparison, and is passed on.
         most = change if not change <= most else most

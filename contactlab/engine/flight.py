@@ -19,7 +19,6 @@ from contactlab.engine.plant import ORDERS
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import locate
 from contactlab.engine.state import (
-    BETWEEN,
     FLIGHT,
     LAST,
     NOTHING,
@@ -76,7 +75,7 @@ def step_flight(run: Run, law: Law) -> int:
     note_limit(run, law.memory)
     tip = tip_motion(run.plant, START)
     before, rate_before, slip, _, _, _, _ = contact_of(run.plant, tip)
-    limit, limit_rate = limit_at(run, law, law.memory, START, 0.0, (before, rate_before, slip))
+    limit, limit_rate = limit_at(run, law, law.memory, 0.0, (before, rate_before, slip))
     before, widens = before - limit, rate_before - limit_rate
     coarse = coarseness(run, tip[1])
     h = step_length(run.propagator, level)
@@ -95,7 +94,7 @@ def step_flight(run: Run, law: Law) -> int:
     build_level(run.plant, run.propagator, level)
     free_response(run, level, LAST)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
-    last_limit, last_limit_rate = limit_at(run, law, law.memory, LAST, h, (gap, rate, slip))
+    last_limit, last_limit_rate = limit_at(run, law, law.memory, h, (gap, rate, slip))
     gap -= last_limit
     closes = rate - last_limit_rate
     end = h, gap, rate, last_limit, last_limit_rate
@@ -112,7 +111,7 @@ def step_flight(run: Run, law: Law) -> int:
     elif opening > 0.0:
         state.phase = OPEN
         before, rate_before, slip, _, _, _, _ = contact_after(run, opening)
-        limit, limit_rate = limit_at(run, law, law.memory, BETWEEN, opening, (before, rate_before, slip))
+        limit, limit_rate = limit_at(run, law, law.memory, opening, (before, rate_before, slip))
         opened = opening, before - limit, rate_before, limit, limit_rate
         touch = _first_touch(run, law, opened, end, bound, coarse)
     elif gap <= 0.0 and closes <= 0.0 and gap + closes < 0.0 and closes < widens:
@@ -258,6 +257,6 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
             halvings += 1
             b = 0.5 * (a + b)
             gap_b, gap_rate_b, slip, _, _, _, _ = contact_after(run, b)
-            limit_b, limit_rate_b = limit_at(run, law, law.memory, BETWEEN, b, (gap_b, gap_rate_b, slip))
+            limit_b, limit_rate_b = limit_at(run, law, law.memory, b, (gap_b, gap_rate_b, slip))
             gap_b -= limit_b
     return LOST

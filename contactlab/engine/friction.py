@@ -17,8 +17,8 @@ import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
-from contactlab.engine.memory import end_at, jump, memory_at, push_moments, recall, recall_start, solve_linear
-from contactlab.engine.state import HEAD, NODES, START, Law, Memory, Run, value_at
+from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start, solve_linear
+from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
 
@@ -36,13 +36,12 @@ HELD_SLIP = 1e-9
 
 
 @part_kernel
-def push_node(run: Run, memory: Memory | None, i: int) -> None:
-    """Set the generalised forces of node i from its normal force, friction and moments."""
+def push_node(run: Run, i: int) -> None:
+    """Set the generalised forces of node i from its normal force and friction."""
     step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
     step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
     step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
     step.push_r.node[i] = friction
-    push_moments(run, memory, i)
 
 
 @inner_kernel
@@ -161,7 +160,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
         state.friction.node[i] += change
         if state.coupled != 0 and not holds:
             step.memory[i, 0] += system[NODES + i, right]
-        push_node(run, law.memory, i)
+        push_node(run, i)
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
     if not holds:
         for i in range(NODES):

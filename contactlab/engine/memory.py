@@ -1,4 +1,4 @@
-"""Internal variables and moments of a law in the engine: their flow over a step, and reset maps.
+"""Internal variables of a law in the engine: their flow over a step, and reset maps.
 
 Over a step the variables flow as a polynomial through their values z at its start and at the nodes,
 
@@ -7,19 +7,15 @@ Over a step the variables flow as a polynomial through their values z at its sta
 solved one variable after the other by Newton's method with the variable's own derivative, so that a fast
 relaxation is no matter of the step; what couples variables is met by the sweeps of the step. In flight and in
 a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
-
-A contact of some extent has moments. M_t against the tilt, th less the angle a by which the tangent has
-turned, da/dt = v_T / |d|, acts on the tip as M_t - M_t/|d| along the tangent, and not on the rotor, as the
-pressure is normal to it. M_s against the spin thdot - Omega turns tip and rotor against each other.
 """
 
-from math import asin, copysign
+from math import copysign
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.kinematics import contact_after, contact_at, tip_motion
+from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
@@ -29,13 +25,10 @@ from contactlab.engine.state import (
     HELD,
     LAST,
     NODES,
-    SPIN,
     START,
-    TILT,
     Law,
     Memory,
     Run,
-    fit,
     internal_at,
     value_at,
 )
@@ -82,32 +75,10 @@ before: a fast exponential decays before the steps are too long for it, to an er
 
 
 @part_kernel
-def note_turn(run: Run, place: int, th: float, t_u: float, th_rate: float, rotor: float) -> None:
-    """Note tilt and spin at a place of the step, for laws that read them.
-
-    t_u of the contact's directions is the sine of the angle by which the tangent has turned; th_rate is in
-    rad/s, the rotor's rate -R Omega in m/s.
-    """
-    if run.state.turns != 0:
-        run.step.tilt[place] = th - asin(t_u)
-        run.step.spin[place] = th_rate + rotor / run.plant.geometry.radius
-
-
-@inner_kernel
-def note_turn_at(run: Run, place: int) -> None:
-    """Note tilt and spin at a place whose motion is known."""
-    if run.state.turns != 0:
-        _, th, _, th_rate, rotor = tip_motion(run.plant, place)
-        note_turn(run, place, th, contact_at(run.plant, place)[5], th_rate, rotor)
-
-
-@part_kernel
 def recall(run: Run, law: Law, place: int) -> None:
-    """Let the law's kernels read the internal variables, tilt and spin of a place of the step."""
+    """Let the law's kernels read the internal variables at a place of the step."""
     for k in range(run.state.variables):
         law.row[HEAD + k] = run.step.memory[place, k]
-    if run.state.turns != 0:
-        law.row[TILT], law.row[SPIN] = run.step.tilt[place], run.step.spin[place]
 
 
 @part_kernel
@@ -115,7 +86,6 @@ def recall_start(run: Run, law: Law) -> None:
     """Let the law's kernels read those where the step starts."""
     for k in range(run.state.variables):
         run.step.memory[START, k] = run.state.memory[k]
-    note_turn_at(run, START)
     recall(run, law, START)
 
 
@@ -216,7 +186,6 @@ def memory_at(run: Run, law: Law, memory: Memory | None, s: float) -> None:
         run.step.memory[BETWEEN, 0] = run.state.memory[0]
         if run.step.kind == COLLOCATED:
             run.step.memory[BETWEEN, 0] = internal_at(run.state, s / run.state.length)
-    note_turn_at(run, BETWEEN)
     recall(run, law, BETWEEN)
 
 
@@ -233,9 +202,6 @@ def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
         at = nodes[i] * s
         step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
         state.normal.node[i] = value_at(state.normal, at / state.length)
-        if state.turns != 0:
-            note_turn_at(run, BETWEEN)
-            step.tilt[i], step.spin[i] = step.tilt[BETWEEN], step.spin[BETWEEN]
     _flow_out(run, law, memory, s)
     for k in range(state.coupled, state.variables):
         step.memory[BETWEEN, k] = step.memory[LAST, k]
@@ -274,7 +240,6 @@ def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float
     recall_start(run, law)
     for i in range(NODES):
         step.gap[i], step.gap_rate[i], step.slip[i] = gap, rate, slip
-        step.tilt[i], step.spin[i] = step.tilt[START], step.spin[START]
         state.normal.node[i] = normal
         for k in range(state.variables):
             step.memory[i, k] = state.memory[k]
@@ -320,7 +285,7 @@ def note_limit(run: Run, memory: Memory | None) -> None:
     if memory is None:
         return
     state = run.state
-    run.step.limit_moves = 1 if state.turns != 0 and state.limited != 0 else 0
+    run.step.limit_moves = 0
     for k in range(state.coupled, state.variables):
         if run.step.memory_lasts[k] != 0.0:
             run.step.limit_moves = 1
@@ -328,27 +293,15 @@ def note_limit(run: Run, memory: Memory | None) -> None:
 
 @inner_kernel
 def limit_at(
-    run: Run, law: Law, memory: Memory | None, place: int, s: float, contact: tuple[float, float, float]
+    run: Run, law: Law, memory: Memory | None, s: float, contact: tuple[float, float, float]
 ) -> tuple[float, float]:
     """Return the gap at which the next contact begins [m] and its rate [m/s], at time s of a flight step.
 
-    The internal variables flow up to s under the gap [m], gap rate and slip [m/s] that there are at s, at a
-    place of the step.
+    The internal variables flow up to s under the gap [m], gap rate and slip [m/s] that there are at s.
     """
     if memory is None or run.step.limit_moves == 0:
         return run.state.begins, 0.0
-    return _moving_limit_at(run, law, memory, place, s, contact)
-
-
-@inner_kernel
-def _turning(run: Run, law: Law, place: int, gap: float, slip: float) -> float:
-    """Let the law's kernels read tilt and spin of a place; returns the rate of the tilt [rad/s]."""
-    if run.state.turns == 0:
-        return 0.0
-    note_turn_at(run, place)
-    law.row[TILT], law.row[SPIN] = run.step.tilt[place], run.step.spin[place]
-    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
-    return float(th_rate - (slip - rotor) / (run.plant.geometry.radius + gap))
+    return _moving_limit_at(run, law, memory, s, contact)
 
 
 @part_kernel
@@ -405,18 +358,15 @@ def stored_apart(run: Run, law: Law, memory: Memory | None) -> float:
 
 @inner_kernel
 def _moving_limit_at(
-    run: Run, law: Law, memory: Memory, place: int, s: float, contact: tuple[float, float, float]
+    run: Run, law: Law, memory: Memory, s: float, contact: tuple[float, float, float]
 ) -> tuple[float, float]:
     state, step = run.state, run.step
     gap, rate, slip = contact
     _relax(run, law, memory, s, gap, rate, slip)
     recall(run, law, LAST)
-    turning = _turning(run, law, place, gap, slip)
     begins = float(memory.limits(rate, law.parameters)[0])
     # The time in which one variable at most changes by a part NUDGE of itself.
-    dt, moves = np.inf, turning != 0.0
-    if moves:
-        dt = NUDGE * max(abs(step.tilt[place] / turning), step_length(run.propagator, 0))
+    dt, moves = np.inf, False
     for k in range(state.coupled, state.variables):
         step.memory_rate[k] = 0.0
         if step.memory_lasts[k] != 0.0:
@@ -431,7 +381,6 @@ def _moving_limit_at(
         dt = NUDGE * step_length(run.propagator, 0)
     for k in range(state.coupled, state.variables):
         law.row[HEAD + k] += dt * step.memory_rate[k]
-    law.row[TILT] += dt * turning
     after = memory.limits(rate, law.parameters)[0]
     if state.left < begins:
         return state.left, 0.0
@@ -530,86 +479,6 @@ def leave(run: Run, law: Law, memory: Memory | None) -> None:
 
 
 @inner_kernel
-def moments_at(
-    run: Run, law: Law, memory: Memory | None, gap: float, normal: float
-) -> tuple[float, float, float]:
-    """Return the moments against tilt and spin [N m] and what they store [J]; of what is recalled."""
-    if memory is None or run.state.moments == 0:
-        return 0.0, 0.0, 0.0
-    tilting, spinning, stored = memory.moment(gap, normal, law.parameters)
-    return tilting, spinning, stored
-
-
-@part_kernel
-def first_moments(run: Run, law: Law, memory: Memory | None, gap: float, normal: float) -> None:
-    """Take the moments at the start of a step, which is recalled."""
-    if memory is None or run.state.moments == 0:
-        return
-    moments = moments_at(run, law, memory, gap, normal)
-    run.step.first_tilting, run.step.first_spinning = moments[0], moments[1]
-
-
-@part_kernel
-def set_moments(run: Run, law: Law, memory: Memory | None, i: int, gap: float, normal: float) -> float:
-    """Set the moments at node i, see `moments_at`; returns their change as a force on the rotor [N]."""
-    if memory is None or run.state.moments == 0:
-        return 0.0
-    step = run.step
-    tilting, spinning, _ = moments_at(run, law, memory, gap, normal)
-    change = abs(tilting - step.tilting.node[i]) + abs(spinning - step.spinning.node[i])
-    step.tilting.node[i], step.spinning.node[i] = tilting, spinning
-    return float(change / run.plant.geometry.radius)
-
-
-@part_kernel
-def push_moments(run: Run, memory: Memory | None, i: int) -> None:
-    """Add the moments of node i to its generalised forces."""
-    if memory is None or run.state.moments == 0:
-        return
-    step, radius = run.step, run.plant.geometry.radius
-    tilting, spinning = step.tilting.node[i], step.spinning.node[i]
-    # What moves the tip along the rotor turns the tangent, too.
-    along = tilting / (radius + step.gap[i])
-    step.push_u.node[i] -= along * step.t_u[i]
-    step.push_th.node[i] += tilting + spinning - along * step.t_th[i]
-    # The rotor's row carries forces at its radius.
-    step.push_r.node[i] += spinning / radius
-
-
-@part_kernel
-def fit_moments(run: Run, memory: Memory | None) -> None:
-    """Lay the polynomials of the moments through their nodes."""
-    if memory is None or run.state.moments == 0:
-        return
-    fit(run.propagator.rule, run.step.tilting)
-    fit(run.propagator.rule, run.step.spinning)
-
-
-@part_kernel
-def missed_moments(run: Run, memory: Memory | None) -> float:
-    """Return what the moments' polynomials miss of them at the step's start, as a force on the rotor [N]."""
-    if memory is None or run.state.moments == 0:
-        return 0.0
-    step = run.step
-    tilting = abs(step.tilting.coefficient[0] - step.first_tilting)
-    spinning = abs(step.spinning.coefficient[0] - step.first_spinning)
-    return float(max(tilting, spinning) / run.plant.geometry.radius)
-
-
-@part_kernel
-def moment_power(run: Run, memory: Memory | None, place: int, x: float) -> float:
-    """Return the power of the moments at a place of the step, at x = s/h [W]."""
-    if memory is None or run.state.moments == 0:
-        return 0.0
-    _, _, _, th_rate, rotor = tip_motion(run.plant, place)
-    gap, _, slip, _, _, _, _ = contact_at(run.plant, place)
-    radius = run.plant.geometry.radius
-    tilt_rate = th_rate - (slip - rotor) / (radius + gap)
-    power = value_at(run.step.tilting, x) * tilt_rate
-    return float(power + value_at(run.step.spinning, x) * (th_rate + rotor / radius))
-
-
-@inner_kernel
 def press(run: Run, law: Law, memory: Memory | None) -> None:
     """Count what a contact that is pressed together at the start stores as brought along."""
     if memory is None:
@@ -617,8 +486,6 @@ def press(run: Run, law: Law, memory: Memory | None) -> None:
     state = run.state
     recall_start(run, law)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    normal, _, _, pressed, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
-    turned = moments_at(run, law, memory, gap, normal)[2]
+    pressed = law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
     state.total.contact_loss += pressed
-    state.total.friction_loss += turned
-    state.contact.energy_loss += pressed + turned
+    state.contact.energy_loss += pressed

@@ -255,7 +255,6 @@ def advance(
     guard: Any,
     jumps: Any,
     limits: Any,
-    moment: Any,
 ) -> None:
     """Run a law, start after start, until the end, an ending, full contact storage or so many steps.
 
@@ -263,10 +262,10 @@ def advance(
     that another call continues the runs. Impacts are integrated instead where there are any.
 
     Compiled once for each combination of None: impacts or budget, `impact` of compliant laws, all but one of
-    `compliant`, `stepped` and `constrained`, which name the contact, and the last five kernels of laws
+    `compliant`, `stepped` and `constrained`, which name the contact, and the last four kernels of laws
     without internal variables.
     """
-    law = Law(force, friction, impact, bound, parameters, row, _memory_of(rate, guard, jumps, limits, moment))
+    law = Law(force, friction, impact, bound, parameters, row, _memory_of(rate, guard, jumps, limits))
     if impacts is None:
         if budget is not None:
             run_law(
@@ -280,10 +279,10 @@ def advance(
 
 
 @inner_kernel
-def _memory_of(rate: Any, guard: Any, jumps: Any, limits: Any, moment: Any) -> Memory | None:
+def _memory_of(rate: Any, guard: Any, jumps: Any, limits: Any) -> Memory | None:
     if rate is None:
         return None
-    return Memory(rate, guard, jumps, limits, moment)
+    return Memory(rate, guard, jumps, limits)
 
 
 DEFAULT_TOLERANCE = 1e-7
@@ -479,15 +478,13 @@ class Prepared(NamedTuple):
         self._recall(state)
         if anew and not state["kept"]:
             self._part(state, state["touchdowns"] > 0)
-        state["coupled"] = state["moments"] = 0
+        state["coupled"] = 0
         if isinstance(law, PenaltyLaw):
             state["friction_kind"], state["coupled"] = law.friction_kind, law.coupled
             state["parity"] = law.internal_variables[0].parity if law.coupled else ODD
-            state["moments"] = law.moment is not None
         if isinstance(law, MultiplierLaw):
             state["projects"], state["sticks"] = law.projects, law.sticks
             state["constrained"] = self.constrained
-        state["turns"] = not self.bound.seen.isdisjoint(("tilt", "spin"))
         state["limited"] = law.limits is not None
         state["stepped"] = self.stepped
         # Of a compliant law the step in contact is a bound that a healthy run may never reach.

@@ -20,15 +20,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
-from contactlab.engine.memory import (
-    end_at,
-    memory_at,
-    moment_power,
-    moments_at,
-    note_turn_at,
-    stored_apart,
-    take_memory,
-)
+from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import BY_RECORD, build_level, step_length
 from contactlab.engine.state import (
@@ -43,10 +35,8 @@ from contactlab.engine.state import (
     HELD,
     LAST,
     NODES,
-    SPIN,
     STALLED,
     START,
-    TILT,
     WHOLE,
     Law,
     Records,
@@ -189,7 +179,6 @@ def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) 
         normal, _, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         if state.friction_kind != SET_VALUED:
             recovered = law.friction(gap, rate, slip, normal, law.parameters)[2]
-        recovered += moments_at(run, law, law.memory, gap, normal)[2]
     angle, lift = 0.0, 0.0
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
@@ -289,7 +278,6 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
                 slip = contact_at(run.plant, place)[2]
                 loss = _forces_at(run, law, place, at)[4]
         friction -= weight * tangential * slip
-        friction -= weight * moment_power(run, law.memory, place, at / state.length)
         contact += weight * loss
         p_n += weight * normal
         p_t += weight * tangential
@@ -302,12 +290,9 @@ def _forces_at(run: Run, law: Law, place: int, s: float) -> tuple[float, float, 
 
     Where the step was cut at the release, its last node may be clear of it by round-off.
     """
-    state, step = run.state, run.step
+    state = run.state
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, place)
     memory_at(run, law, law.memory, s)
-    if state.turns != 0:
-        note_turn_at(run, place)
-        law.row[TILT], law.row[SPIN] = step.tilt[place], step.spin[place]
     if gap >= end_at(run, law, law.memory, rate):
         return 0.0, 0.0, 0.0, 0.0, 0.0
     normal, least, most, stored, loss = law.force(gap, rate, slip, state.impact_speed, law.parameters)

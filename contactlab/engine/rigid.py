@@ -305,7 +305,7 @@ def _hold_forces(run: Run, normal: float, friction: float) -> None:
     """Hold forces [N] along the step's directions."""
     hold(run.state.normal, normal)
     hold(run.state.friction, friction)
-    push_node(run, None, 0)
+    push_node(run, 0)
     hold(run.step.push_u, run.step.push_u.node[0])
     hold(run.step.push_th, run.step.push_th.node[0])
     hold(run.step.push_r, run.step.push_r.node[0])

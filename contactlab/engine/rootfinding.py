@@ -7,7 +7,6 @@ from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at
 from contactlab.engine.state import (
-    BETWEEN,
     CONE,
     GUARD,
     NODES,
@@ -52,7 +51,7 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if event == SUMMIT:
         return rate
     if event == TOUCH:
-        return float(gap - limit_at(run, law, law.memory, BETWEEN, s, (gap, rate, slip))[0])
+        return float(gap - limit_at(run, law, law.memory, s, (gap, rate, slip))[0])
     memory_at(run, law, law.memory, s)
     end = end_at(run, law, law.memory, rate)
     if event == RELEASE:

@@ -133,7 +133,7 @@ STATE: Final = record(
     "most_steps steps_before "  # in contact in a window, and those taken before it
     "projects constrained compliant friction_kind parity variables coupled guards "  # of the law; whether a
     # rigid one has no step; whether the first variable is solved together with the friction
-    "sticks turns limited moments "  # may stick in time stepping; reads tilt or spin; has limits, moments
+    "sticks limited "  # whether it may stick in time stepping, and has limits
     "stepped signature "  # whether it is stepped in time; see `contactlab.engine.preparation.Prepared`
     "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
     # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
@@ -142,12 +142,11 @@ STATE: Final = record(
 
 STEP: Final = record(
     # Generalised forces along u and th [N, N m],
-    # and along the rotor's row, and the moments among them.
-    *((name, FORCE) for name in ("push_u", "push_th", "push_r", "tilting", "spinning")),
+    # and along the rotor's row.
+    *((name, FORCE) for name in ("push_u", "push_th", "push_r")),
     # The contact at the nodes [m, m/s, W]; `end` is the gap at which it ends; `sliding` is what must keep its
     # sign in slip: the slip, less what a spring of the friction takes of it [m/s].
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "end")),
-    *((n, float, PLACES) for n in ("tilt", "spin")),
     # The law's internal variables, their rates at the start, their first values, and whose life is the run.
     ("memory", float, (PLACES, MOST_VARIABLES)),
     *((n, float, MOST_VARIABLES) for n in ("memory_rate", "memory_first", "memory_lasts")),
@@ -160,8 +159,6 @@ STEP: Final = record(
     ("contacts", CONTACT, 512),
     # The state before the step that reaches the end.
     ("saved", STATE, (1,)),
-    # The moments where the step starts [N m].
-    real="first_tilting first_spinning",
     # Kind of the step; whether the gap at which the next contact begins moves in flight.
     whole="kind limit_moves",
 )
@@ -263,7 +260,7 @@ def state_from_value(value: State, prefix: str = "") -> tuple[Any, Array, Array]
     return leaves.view(STATE)[0], values["q"], values["v"]
 
 
-TILT, SPIN, SPEED = range(HEAD)
+(SPEED,) = range(HEAD)
 """Places in a law's row of what the engine writes there; internal variables begin at HEAD."""
 
 
@@ -283,7 +280,6 @@ class Memory(NamedTuple):
     guard: Kernel
     jump: Kernel
     limits: Kernel
-    moment: Kernel
 
 
 class Law(NamedTuple):

@@ -8,8 +8,7 @@ A kernel is a static method whose argument names say what it needs, in any order
 * coefficients: the fields of the class, or what `coefficients` derives from them;
 * internal variables by their names, see `contactlab.laws.memory`;
 * quantities of the contact. Compliant: gap and depth = -gap [m], gap_rate and depth_rate [m/s], slip [m/s],
-  impact_speed [m/s], the approach at which the contact began (zero where it was pressed together), tilt
-  [rad], the angle of the tip to the rotor's tangent, and spin [rad/s], its rate of turning less the rotor's;
+  impact_speed [m/s], the approach at which the contact began (zero where it was pressed together);
   once the normal force is known also normal [N]. Frictions of a composed law have besides
   normal_stiffness = dN/dd [N/m] and its rate normal_stiffness_rate [N m^-1 s^-1], its dampings elastic_force
   [N]. Rigid: see `MultiplierLaw.impact` and `MultiplierLaw.bound`;
@@ -173,19 +172,6 @@ class PenaltyLaw(ContactLaw):
         slip keeps F on the bound and z with it. In RATE_DEPENDENT friction z may be anything; the stiffness
         is not read. With a kernel `rate` or `jump` the friction is RATE_DEPENDENT and the kernel returns
         three numbers: the rates are those of `rate`.
-        """
-        return None
-
-    @property
-    def moment(self) -> Kernel | None:
-        """The kernel of the moments of an extended contact, else None.
-
-            moment(...) -> moment against tilt [N m], moment against spin [N m], stored energy [J]
-
-        Both moments turn the tip as th grows. The one against tilt shifts the pressure, which is normal to
-        the rotor and does not turn it; the one against spin turns the rotor the other way. Their power is
-        that of tilt rate and spin; what they do not store is lost as friction. Where the normal force
-        depends on the tilt, the energy that `force` stores is that without tilt.
         """
         return None
 

@@ -22,7 +22,7 @@ from contactlab.laws.memory import EVEN, EVENTS, MOST_VARIABLES, ODD, InternalVa
 KINDS = ("SET_VALUED", "ELASTOPLASTIC", "RATE_DEPENDENT")
 """Names of the kinds of friction, in their order."""
 
-HEAD = 3
+HEAD = 1
 """Place in a law's parameter vector where the internal variables begin, behind what the engine writes."""
 
 CANARIES, VALUES = 16, (nan, 1.0, -1.0)
@@ -46,7 +46,7 @@ BALANCE_DEPTHS, PROBE_SPEED = (1e-9, 1e-7, 1e-6), 0.01
 NUDGE, DIFFERENCE = 1e-4, 1e-3
 """Step of a central difference over the depth or stretch, and relative tolerance beyond its error [1]."""
 
-AT_REST = ("gap_rate", "depth_rate", "slip", "impact_speed", "tilt", "spin")
+AT_REST = ("gap_rate", "depth_rate", "slip", "impact_speed")
 """Quantities of a contact at rest."""
 
 COUNTS = {
@@ -147,7 +147,7 @@ def check_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     See `contactlab.engine.binding` for the kernels, in their order, and the parameter vector.
     """
     evaluate = partial(_evaluated, law.name, [guarded(parameters, canary) for canary in VALUES])
-    force, friction_force, impact, bound, rate, guard, jump, limits, _ = kernels
+    force, friction_force, impact, bound, rate, guard, jump, limits = kernels
     begin, end = (0.0, 0.0) if limits is None else evaluate("limits", limits, "at first", 0.0)
     if begin > end:
         raise LawError(

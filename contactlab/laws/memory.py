@@ -10,7 +10,7 @@ place of the variable or guard, `event` the number of a guard or one of the even
 
 Where a guard falls through zero a step ends and all variables jump; guards are evaluated in contact only. The
 stored energy that a jump takes, and that is left at a release, is a loss of the contact. Quantities are those
-of the contact with its normal force, `limits` has the gap rate and the tilt. In stick the slip is zero.
+of the contact with its normal force, `limits` has the gap rate. In stick the slip is zero.
 """
 
 from collections.abc import Callable

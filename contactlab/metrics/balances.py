@@ -36,8 +36,7 @@ def energy_residual(run: Run) -> float:
 
 @invariant(
     "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|)",
-    "angular momentum of the rotor that friction impulses, load and damping do not explain; not applicable "
-    "to laws with a moment, which is not recorded",
+    "angular momentum of the rotor that friction impulses, load and damping do not explain",
     bound=ROUND_OFF,
     reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
     "rigid law that projects corrects the angle by a step h of the change of velocity: the scale of a damped "
@@ -45,7 +44,6 @@ def energy_residual(run: Run) -> float:
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
-    needed(not any(declares(owner, "moment") for owner in run.law_classes.values()))
     inertia, radius = run.setting("rotor.inertia"), run.setting("rotor.radius")
     fastest, push = np.abs(run.series("rotor_velocity")).max(), run.contacts("friction_impulse")
     values = positive(radius * float(np.abs(push).sum()))

@@ -50,7 +50,7 @@ def positive(scale: float) -> float:
 
 
 def declares(owner: Any, kernel: str) -> bool:
-    """Return whether a law or a part defines an optional kernel: limits, or a moment."""
+    """Return whether a law or a part defines an optional kernel, limits."""
     result = getattr_static(owner, kernel, None)
     idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed, Damping)]
     return result is not None and result not in idle

@@ -92,14 +92,7 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
     names = [item.name for item in part.internal_variables]
     for gap, rate, _, _, kept in states_of(bench):
         depth, z = -gap, kept[count:].copy()
-        known: dict[str, Any] = {
-            "gap_rate": rate,
-            "depth_rate": -rate,
-            "slip": 0.0,
-            "impact_speed": 0.0,
-            "tilt": 0.0,
-            "spin": 0.0,
-        }
+        known: dict[str, Any] = {"gap_rate": rate, "depth_rate": -rate, "slip": 0.0, "impact_speed": 0.0}
         known |= {"z": z, **dict(zip(names, z.tolist(), strict=True))}
 
         def value(d: float, known: dict[str, Any] = known) -> tuple[float, ...]:
@@ -186,11 +179,10 @@ def _outputs(law: ContactLaw, bench: Bench) -> Array:
     evaluator = Evaluator(law)
     with np.errstate(all="ignore"):
         result = [value for longer in LONGER for value, _ in _named_outputs(law, bench, longer)]
-        # What units do not tell: the signs of guards, and moments, of which few laws have any.
+        # What units do not tell: the signs of guards.
         for gap, rate, slip, speed, kept in [] if bench.rigid else states_of(bench):
             normal = evaluator.force(gap, rate, slip, speed, kept)[0]
             result += evaluator.guards(gap, rate, slip, normal, kept).tolist()
-            result += evaluator.moments(1e-4, 0.1, gap, normal, kept)
         return np.array(result)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.engine.binding import functions_of, row_of
-from contactlab.engine.state import HEAD, SPEED, SPIN, TILT
+from contactlab.engine.state import HEAD, SPEED
 from contactlab.laws.base import ContactLaw, PenaltyLaw
 from contactlab.laws.consistency import CANARIES, guarded
 
@@ -51,11 +51,6 @@ class Evaluator:
     def friction(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Any:
         """Return friction [N], the rate of the friction's own variable, energy [J] and stiffness [N/m]."""
         return self._kernels["friction_force"](gap, rate, slip, normal, self._seen(kept))
-
-    def moments(self, tilt: float, spin: float, gap: float, normal: float, kept: Array) -> tuple[float, ...]:
-        """Return what `PenaltyLaw.moment` does."""
-        self._written[TILT], self._written[SPIN] = tilt, spin
-        return tuple(self._kernels["moment"](gap, normal, self._seen(kept)))
 
     def rates(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Return the rates of all internal variables."""

@@ -44,7 +44,7 @@ def forces_of_parts(
     """Return force, friction, rates, guards, limits and jumps of the parts of a law in one state."""
     part, drag = law.normal, law.friction
     state = {"gap": gap, "depth": -gap, "gap_rate": rate, "depth_rate": -rate, "slip": slip}
-    state |= {"impact_speed": speed, "tilt": 0.0, "spin": 0.0}
+    state |= {"impact_speed": speed}
     count = len(drag.internal_variables)
     bent, pressed = _variables_of(drag, kept[:count]), _variables_of(part, kept[count:])
     if part.force is None:

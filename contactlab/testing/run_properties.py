@@ -167,9 +167,6 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     w_j(s) = (exp(r1 s) - exp(r2 s))/(r1 - r2) and r^2 + c r + k = 0.
     """
     made, motor = bench.runs["motor"], bench.motor
-    if isinstance(bench.law, PenaltyLaw) and bench.law.moment is not None:
-        # A moment turns tip and rotor too, and is not among the records.
-        return
     rotor, geometry, radius = motor.rotor, motor.geometry, motor.geometry.rotor_radius
     series, push, end = made.series, made.contacts["friction_impulse"], made.time[-1]
     gained = rotor.inertia * (series["rotor_velocity"][-1] - rotor.initial_velocity)

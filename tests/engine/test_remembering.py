@@ -7,7 +7,6 @@ from support.closed_form_memory import (
     Cooling,
     FreshDent,
     Ledge,
-    Pad,
     RigidAgeing,
     Softening,
     TwoClocks,
@@ -17,10 +16,7 @@ from support.command_line import cases
 
 from contactlab.engine import Flow, simulate
 from contactlab.laws import ContactLaw
-from contactlab.motor import NormalModes
-from contactlab.motor.drive import Drive
-from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.motor.motor import Motor
 from contactlab.testing.flights import DURATION, random_flight
 from contactlab.testing.plants import attempt, block, paper_motor, run, way_of
 
@@ -97,59 +93,6 @@ def test_a_contact_ends_where_the_law_says() -> None:
     assert_allclose(made.contacts["separation_velocity"], rebound, rtol=1e-8)
     ends = made.contacts["start_time"] + made.contacts["duration"]
     assert_allclose(np.interp(ends, made.time, made.series["gap"]), law.end, rtol=1e-3)
-
-
-def rocking(tip: float, inertia: float, rotor: float, weight: float, tilt: float, turning: float) -> Motor:
-    """A body over a rotor that turns with no stiffness, pressed on; its tip has a length [m]."""
-    roots = np.sqrt([MASS, inertia])
-    modes = NormalModes(
-        stiffness=np.zeros(2),
-        damping=np.zeros(2),
-        coupling=np.zeros((2, 2)),
-        tip_displacement=np.array([1.0 / roots[0], 0.0]),
-        tip_slope=np.array([0.0, 1.0 / roots[1]]),
-        shape_coupling=np.zeros((2, 2)),
-    )
-    start = ModalState(roots * [weight / Pad().stiffness, tilt], np.array([0.0, roots[1] * turning]))
-    preload = np.array([weight / roots[0], 0.0])
-    return Motor(modes, Drive(), ContactGeometry(tip, 25e-3, 0.0), Rotor(rotor), preload=preload, start=start)
-
-
-def test_a_pad_that_tilts_rocks_the_tip_and_does_not_turn_the_rotor() -> None:
-    """With a tip so short that its slope moves it nowhere, I th'' = -k b^2/3 th."""
-    inertia, law, tilt = 1e-6, Pad(), 1e-4
-    rate = np.sqrt(law.stiffness * law.half_width**2 / 3.0 / inertia)
-    period = 2.0 * np.pi / rate
-    motor = rocking(1e-9, inertia, 1e-6, 10.0, tilt, 0.0)
-    made = run(motor, law, 3.0 * period, record_interval=period / 16.0)
-    assert_allclose(made.series["tip_slope"], tilt * np.cos(rate * made.time), atol=1e-6 * tilt)
-    assert np.abs(made.series["rotor_angle"]).max() < 1e-9 * tilt
-    assert np.abs(made.series["energy_residual"]).max() < 1e-8 * made.series["contact_energy"][0]
-    assert np.abs(made.series["friction_loss"]).max() < 1e-8 * made.series["contact_energy"][0]
-
-
-def test_a_pad_on_a_tip_of_some_length_keeps_its_energy() -> None:
-    """What moves along the rotor turns the tangent: the tilt is th (1 + L/R) and more than linear."""
-    motor = rocking(19e-3, 1e-5, 1e-6, 10.0, 1e-3, 0.0)
-    series = run(motor, Pad(), 3e-3, record_interval=1e-5).series
-    assert np.abs(series["tip_slope"]).min() < 1e-4
-    assert np.abs(series["energy_residual"]).max() < 1e-6 * series["contact_energy"][0]
-    assert np.abs(series["friction_loss"]).max() < 1e-6 * series["contact_energy"][0]
-
-
-def test_a_moment_against_spin_shares_the_angular_momentum_with_the_rotor() -> None:
-    """thdot - Omega decays at c (1/I + 1/J), I thdot + J Omega stays, and what is gone is friction's loss."""
-    inertia, rotor, drag, turning = 1e-6, 2e-6, 1e-3, 0.1
-    law = Pad(half_width=1e-9, drag=drag)
-    decay = drag * (1.0 / inertia + 1.0 / rotor)
-    made = run(
-        rocking(1e-9, inertia, rotor, 10.0, 0.0, turning), law, 3.0 / decay, record_interval=0.1 / decay
-    )
-    velocity = turning * inertia / (inertia + rotor) * (1.0 - np.exp(-decay * made.time))
-    assert_allclose(made.series["rotor_velocity"], velocity, atol=1e-8 * turning)
-    left = inertia * rotor / (inertia + rotor) * turning**2
-    expected = 0.5 * left * (1.0 - np.exp(-2.0 * decay * made.time))
-    assert_allclose(made.series["friction_loss"], expected, atol=1e-7 * left)
 
 
 def test_a_rigid_law_bounces_with_its_restitution_and_slides_to_rest_against_its_bound() -> None:

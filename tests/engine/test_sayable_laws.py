@@ -4,106 +4,13 @@ from dataclasses import dataclass
 from math import atan2, exp, pi, sqrt
 from typing import Annotated
 
-import numpy as np
 import pytest
-from numpy.testing import assert_allclose
-from scipy.integrate import solve_ivp
 
 import contactlab as cl
 from contactlab.compiler.kernels import kernel
-from contactlab.laws import Damping, Friction, NormalForce, PenaltyLaw
+from contactlab.laws import Damping, Friction, NormalForce
 from contactlab.parameter import not_negative, positive
-from contactlab.testing.plants import FLAT, block, first, last, run
-
-
-@dataclass(frozen=True)
-class Pad(PenaltyLaw):
-    """A flat pad on an elastic foundation whose edge lifts off where it tilts further than it is deep."""
-
-    name = "pad"
-    equation = "p(x) = k/(2 b) max(d + x tilt, 0), |x| <= b"
-    source = "Johnson, Contact Mechanics (1985), sec. 4.3"
-    default_contact_step = 4e-6
-
-    stiffness: Annotated[float, positive("k", "N m-1", "of the whole pad")] = 1e7
-    half_width: Annotated[float, positive("b", "m", "half width")] = 1e-3
-
-    @staticmethod
-    @kernel
-    def force(depth, depth_rate, tilt, stiffness, half_width):
-        lean = abs(tilt)
-        edge = depth + half_width * lean
-        flat = stiffness * max(depth, 0.0)
-        normal = flat
-        if half_width * lean > depth:
-            normal = 0.25 * stiffness / half_width * edge * edge / lean
-        return normal, 0.0, 0.5 * flat * max(depth, 0.0), (normal - flat) * depth_rate
-
-    @staticmethod
-    @kernel
-    def moment(tilt, depth, stiffness, half_width):
-        lean = abs(tilt)
-        if half_width * lean <= depth:
-            turning = stiffness * half_width**2 / 3.0
-            return -turning * tilt, 0.0, 0.5 * turning * tilt * tilt
-        edge = depth + half_width * lean
-        normal = 0.25 * stiffness / half_width * edge * edge / lean
-        stored = normal * edge / 3.0 - 0.5 * stiffness * max(depth, 0.0) ** 2
-        arm = half_width - edge / lean / 3.0
-        return -normal * arm if tilt > 0.0 else normal * arm, 0.0, stored
-
-    @staticmethod
-    @kernel
-    def limits(tilt, half_width):
-        return half_width * abs(tilt), half_width * abs(tilt)
-
-
-MASS, INERTIA, WEIGHT, LENGTH = 1.0, 1e-5, 10.0, 1e-3
-
-
-def rocker(lift: float, angle: float) -> cl.Motor:
-    """A body of a mass and a moment of inertia over a flat, at rest at a gap and an angle."""
-    modes = cl.NormalModes(
-        stiffness=np.zeros(2),
-        damping=np.zeros(2),
-        coupling=np.zeros((2, 2)),
-        tip_displacement=np.array([1.0 / sqrt(MASS), 0.0]),
-        tip_slope=np.array([0.0, 1.0 / sqrt(INERTIA)]),
-        shape_coupling=np.zeros((2, 2)),
-    )
-    return cl.Motor(
-        modes,
-        cl.Drive(np.empty(0), np.empty((2, 0), dtype=complex)),
-        cl.ContactGeometry(tip_length=LENGTH, rotor_radius=FLAT, clearance=0.0),
-        preload=np.array([WEIGHT / sqrt(MASS), 0.0]),
-        start=cl.ModalState(np.array([-sqrt(MASS) * lift, sqrt(INERTIA) * angle]), np.zeros(2)),
-    )
-
-
-def foundation(depth: float, tilt: float, law: Pad) -> tuple[float, float]:
-    """Force and moment of the foundation by quadrature over its width."""
-    x = np.linspace(-law.half_width, law.half_width, 20_001)
-    pressure = 0.5 * law.stiffness / law.half_width * np.maximum(depth + x * tilt, 0.0)
-    return float(np.trapezoid(pressure, x)), float(-np.trapezoid(pressure * x, x))
-
-
-@pytest.mark.parametrize("lift", [-1e-6, 3e-6])
-def test_a_pad_rocks_over_its_edges_as_its_foundation_does(lift: float) -> None:
-    """From rest with an edge in the air, or altogether above the flat."""
-    law, angle, duration = Pad(), 2e-3, 1.5e-3
-    made = run(rocker(lift, angle), law, duration, record_interval=1e-5)
-    assert np.abs(made.series["energy_residual"]).max() < 1e-5 * made.series["contact_energy"].max()
-
-    def motion(_: float, y: np.ndarray) -> list[float]:
-        normal, moment = foundation(y[0] - 0.5 * LENGTH * y[1] ** 2, y[1], law)
-        return [y[2], y[3], (WEIGHT - normal) / MASS, (moment + normal * LENGTH * y[1]) / INERTIA]
-
-    start = [-lift, angle, 0.0, 0.0]
-    expected = solve_ivp(motion, (0.0, duration), start, rtol=1e-9, atol=1e-13, t_eval=made.time)
-    assert_allclose(made.series["tip_slope"], expected.y[1], atol=2e-3 * angle)
-    touches = made.contact_mode != 0
-    # From above it touches with its edge, while its middle is still in the air.
-    assert (touches & (made.series["gap"] > 1e-7)).any() == (lift > 0.0)
+from contactlab.testing.plants import block, first, last, run
 
 
 @dataclass(frozen=True)

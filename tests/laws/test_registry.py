@@ -155,21 +155,9 @@ class Dented(NormalForce):
     jump = limits = guard = staticmethod(lambda *_: 0.0)
 
 
-@dataclass(frozen=True)
-class Turned(PenaltyLaw):
-    """A compliant law with a moment."""
-
-    name = "turned"
-    equation = source = "this test"
-    default_contact_step = 4e-6
-
-    force = moment = staticmethod(lambda *_: None)
-
-
 def test_the_listing_has_rows_for_what_only_some_laws_have() -> None:
     rows = {"tension", "internal variable creep", "limits", "guards"}
     assert rows <= {word for word, text in declared_rows(Dented).items() if text}
-    assert declared_rows(Turned)["moment"]
 
 
 @dataclass(frozen=True)

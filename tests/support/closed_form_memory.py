@@ -145,24 +145,6 @@ class Ledge(Spring):
 
 @final
 @dataclass(frozen=True)
-class Pad(Spring):
-    """A flat pad on an elastic foundation, 2 b wide, with a drag against spin: M = -k b^2/3 tilt - c spin."""
-
-    name = "pad"
-
-    stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7
-    half_width: Annotated[float, positive("b", "m", "half width")] = 2e-3
-    drag: Annotated[float, not_negative("c", "N m s", "drag against spin")] = 0.0
-
-    @staticmethod
-    @kernel
-    def moment(tilt, spin, stiffness, half_width, drag):
-        turning = stiffness * half_width**2 / 3.0
-        return -turning * tilt, -drag * spin, 0.5 * turning * tilt * tilt
-
-
-@final
-@dataclass(frozen=True)
 class RigidAgeing(MultiplierLaw):
     """A rigid law with cohesion and a restitution, that ages in stick and counts switches."""
 
