@@ -36,7 +36,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiler.notice import telling
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.preparation import SECONDS, kind_of
+    from contactlab.engine.preparation import LOOPS, SECONDS, kind_of
     from contactlab.impacts import velocities_after
     from contactlab.laws.base import is_stepped
 
@@ -55,7 +55,7 @@ def main(arguments: list[str]) -> int:
                     velocities_after(setup.law, [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
                 else:
                     setup.run(duration=DURATION, record_interval=DURATION)
-            done = "compiled" if "advance" in compiled.functions else "was there, loaded"
+            done = "compiled" if LOOPS & {*compiled.functions} else "was there, loaded"
             kind = kind_of(bind(setup.law), impacts, stepped)
             print(f"{kind:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
     seconds = perf_counter() - whole

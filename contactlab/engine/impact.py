@@ -17,6 +17,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.engine.compliant import step_compliant
 from contactlab.engine.loop import run_law
 from contactlab.engine.recorder import end_with_forces
 from contactlab.engine.rigid import remaining_slip
@@ -64,14 +65,14 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 
 
 @inner_kernel
-def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law, impact: Any) -> None:
+def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law) -> None:
     """Evaluate the kernel of a rigid law for every impact."""
     for i in range(impacts.outcomes.size):
         contact = impacts.contacts[i]
         for k in range(state.variables):
             law.row[HEAD + k] = run.step.memory_first[k]
         _touch(run, state, law, law.memory, contact)
-        _evaluate_impact(contact, impacts.outcomes[i], law.parameters, impact)
+        _evaluate_impact(contact, impacts.outcomes[i], law)
 
 
 @part_kernel
@@ -88,9 +89,9 @@ def _touch(run: Run, state: Any, law: Law, memory: Memory | None, contact: Array
 
 
 @inner_kernel
-def _evaluate_impact(contact: Array, outcome: Any, parameters: Array, impact: Any) -> None:
+def _evaluate_impact(contact: Array, outcome: Any, law: Law) -> None:
     rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
-    p_n, p_t = impact(rate, slip, nn, nt, tt, parameters)
+    p_n, p_t = law.impact(rate, slip, nn, nt, tt, law.parameters)
     outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
     outcome.normal_impulse, outcome.friction_impulse = p_n, p_t
     outcome.mode = STICK if remaining_slip(slip, p_n, p_t, nt, tt) == 0.0 else SLIP
@@ -114,14 +115,7 @@ def _give_up(outcome: Any, ending: int) -> None:
 
 @inner_kernel
 def integrate_impacts(
-    run: Run,
-    states: Any,
-    motions: Array,
-    records: Records,
-    impacts: ImpactBatch,
-    law: Law,
-    compliant: int,
-    waves: Array,
+    run: Run, states: Any, motions: Array, records: Records, impacts: ImpactBatch, law: Law, waves: Array
 ) -> None:
     """Integrate every impact of a compliant law.
 
@@ -142,7 +136,7 @@ def integrate_impacts(
             written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, compliant, None, None, None, NO_END, waves)
+            run_law(run, states[1:], motions, written, law, step_compliant, NO_END, waves)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

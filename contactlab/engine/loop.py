@@ -4,20 +4,18 @@ from typing import Any
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel
-from contactlab.engine.compliant import count_event, step_compliant, switch_friction
-from contactlab.engine.constrained import settle, step_constrained
+from contactlab.engine.compliant import count_event, switch_friction
+from contactlab.engine.constrained import settle
 from contactlab.engine.flight import step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
 from contactlab.engine.propagator import step_length
 from contactlab.engine.recorder import CRAWL, commit, end_with_forces
-from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
     CONE,
     FLIGHT,
     GUARD,
-    NOTHING,
     PRESSED,
     RELEASE,
     RELEASED,
@@ -45,14 +43,11 @@ def run_law(
     motions: Array,
     records: Records,
     law: Law,
-    compliant: int | None,
-    stepped: int | None,
-    constrained: int | None,
-    impact: Any,
+    step_contact: Any,
     budget: int,
     waves: Array,
 ) -> None:
-    """Run a law from starts, see `contactlab.engine.preparation.advance`."""
+    """Run a law from starts, see `contactlab.engine.preparation`; `step_contact` takes a step in contact."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         for j in range(run.plant.mode_count):
@@ -60,18 +55,7 @@ def run_law(
             mode.q[START], mode.v[START] = motions[i, 0, j], motions[i, 1, j]
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law, waves):
-            event = NOTHING
-            if each.state.phase != TOUCHING:
-                event = _step_free(each, law)
-            elif impact is None:
-                # The compiler leaves out what asks whether None is None, and nothing else.
-                if compliant is not None:
-                    event = step_compliant(each, law)
-            else:
-                if stepped is not None:
-                    event = step_rigid(each, law)
-                if constrained is not None:
-                    event = step_constrained(each, law)
+            event = step_contact(each, law) if each.state.phase == TOUCHING else _step_free(each, law)
             commit(each, law, records)
             _act(each, law, records.ends, event)
             left -= 1

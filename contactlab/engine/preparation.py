@@ -27,11 +27,14 @@ from contactlab.engine.binding import (
     law_errors,
     row_of,
 )
+from contactlab.engine.compliant import step_compliant
+from contactlab.engine.constrained import step_constrained
 from contactlab.engine.explanation import explain
 from contactlab.engine.impact import evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
 from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
+from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
     HEAD,
     LEAVES,
@@ -233,57 +236,142 @@ def kind_of(bound: Bound, impacts: bool, stepped: bool) -> str:
     return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
 
 
-@kernel
-def advance(
-    run: Run,
-    states: Any,
-    motions: Array,
-    records: Records,
-    impacts: ImpactBatch | None,
-    waves: Array,
-    parameters: Array,
-    row: Array,
-    budget: int | None,
-    compliant: int | None,
-    stepped: int | None,
-    constrained: int | None,
+class LoopData(NamedTuple):
+    """All that the compiled loops read and write beside the kernels of a law.
+
+    States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
+    that another call continues the runs.
+    """
+
+    run: Run
+    states: Any
+    motions: Array
+    records: Records
+    waves: Array
+    parameters: Array
+    row: Array
+
+
+@inner_kernel
+def law_of(
+    data: LoopData,
     force: Any,
     friction: Any,
     impact: Any,
     bound: Any,
     rate: Any,
     guard: Any,
-    jumps: Any,
+    jump: Any,
     limits: Any,
-) -> None:
-    """Run a law, start after start, until the end, an ending, full contact storage or so many steps.
-
-    States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
-    that another call continues the runs. Impacts are integrated instead where there are any.
-
-    Compiled once for each combination of None: impacts or budget, `impact` of compliant laws, all but one of
-    `compliant`, `stepped` and `constrained`, which name the contact, and the last four kernels of laws
-    without internal variables.
-    """
-    law = Law(force, friction, impact, bound, parameters, row, _memory_of(rate, guard, jumps, limits))
-    if impacts is None:
-        if budget is not None:
-            run_law(
-                run, states, motions, records, law, compliant, stepped, constrained, impact, budget, waves
-            )
-    elif impact is None:
-        if compliant is not None:
-            integrate_impacts(run, states, motions, records, impacts, law, compliant, waves)
-    else:
-        evaluate_impacts(run, states[0], impacts, law, impact)
+) -> Law:
+    """Return a law's kernels with its parameters."""
+    memory = _memory_of(rate, guard, jump, limits)
+    return Law(force, friction, impact, bound, data.parameters, data.row, memory)
 
 
 @inner_kernel
-def _memory_of(rate: Any, guard: Any, jumps: Any, limits: Any) -> Memory | None:
+def _memory_of(rate: Any, guard: Any, jump: Any, limits: Any) -> Memory | None:
     if rate is None:
         return None
-    return Memory(rate, guard, jumps, limits)
+    return Memory(rate, guard, jump, limits)
 
+
+@kernel
+def run_compliant(
+    data: LoopData,
+    budget: int,
+    force: Any,
+    friction: Any,
+    impact: Any,
+    bound: Any,
+    rate: Any,
+    guard: Any,
+    jump: Any,
+    limits: Any,
+) -> None:
+    """Run a compliant law until the end, an ending, full contact storage or so many steps of each start.
+
+    Each of these functions is compiled for laws with internal variables, and for those without, whose last
+    four kernels are None.
+    """
+    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    run_law(data.run, data.states, data.motions, data.records, law, step_compliant, budget, data.waves)
+
+
+@kernel
+def run_stepped(
+    data: LoopData,
+    budget: int,
+    force: Any,
+    friction: Any,
+    impact: Any,
+    bound: Any,
+    rate: Any,
+    guard: Any,
+    jump: Any,
+    limits: Any,
+) -> None:
+    """Run a rigid law in time stepping, see `run_compliant`."""
+    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    run_law(data.run, data.states, data.motions, data.records, law, step_rigid, budget, data.waves)
+
+
+@kernel
+def run_constrained(
+    data: LoopData,
+    budget: int,
+    force: Any,
+    friction: Any,
+    impact: Any,
+    bound: Any,
+    rate: Any,
+    guard: Any,
+    jump: Any,
+    limits: Any,
+) -> None:
+    """Run a rigid law in its limit of no step, see `run_compliant`."""
+    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    run_law(data.run, data.states, data.motions, data.records, law, step_constrained, budget, data.waves)
+
+
+@kernel
+def integrate_compliant(
+    data: LoopData,
+    impacts: ImpactBatch,
+    force: Any,
+    friction: Any,
+    impact: Any,
+    bound: Any,
+    rate: Any,
+    guard: Any,
+    jump: Any,
+    limits: Any,
+) -> None:
+    """Integrate impacts under a compliant law."""
+    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    integrate_impacts(data.run, data.states, data.motions, data.records, impacts, law, data.waves)
+
+
+@kernel
+def evaluate_rigid(
+    data: LoopData,
+    impacts: ImpactBatch,
+    force: Any,
+    friction: Any,
+    impact: Any,
+    bound: Any,
+    rate: Any,
+    guard: Any,
+    jump: Any,
+    limits: Any,
+) -> None:
+    """Evaluate impacts of a rigid law."""
+    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    evaluate_impacts(data.run, data.states[0], impacts, law)
+
+
+LOOPS: Final = {"run_compliant", "run_stepped", "run_constrained", "integrate_compliant", "evaluate_rigid"}
+"""Names of the compiled loops, one for each kind of contact."""
 
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
@@ -348,20 +436,17 @@ class Prepared(NamedTuple):
         room = kind, run.plant["phasors"].shape, run.plant["couplings"].shape
         if INTERPRETED or room in _compiled:
             return
-        arguments = run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), impacts, self.waves
         # Left to itself the compiler would take each law for a type of its own.
         kernels = [
             numba.types.none if each is None else numba.types.FunctionType(signature)
             for each, signature in zip(self.bound.kernels, SIGNATURES.values(), strict=True)
         ]
-        row = SIGNATURES["force"].args[-1]
-        rows = row, row.copy(readonly=False)
-        whole, none = numba.types.int64, numba.types.none
-        marks = [none if mark is None else whole for mark in self._marks(impacts, 1)]
-        loop: Any = advance
+        data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0))
+        last = 0 if impacts is None else impacts
+        loop: Any = self._loop(impacts)
         with telling(kind, SECONDS[kind]):
             loop.disable_compile(False)
-            loop.compile((*map(numba.typeof, arguments), *rows, *marks, *kernels))
+            loop.compile((numba.typeof(data), numba.typeof(last), *kernels))
             loop.disable_compile()
         _compiled.add(room)
 
@@ -377,19 +462,23 @@ class Prepared(NamedTuple):
         """Continue runs by a number of steps each."""
         self.prepare_loop(run, impacts)
         with signals_wait(), self.errors():
-            rows = self.parameters, self.row
-            marks = self._marks(impacts, budget)
-            advance(run, states, motions, records, impacts, self.waves, *rows, *marks, *self.bound.kernels)
+            last = budget if impacts is None else impacts
+            self._loop(impacts)(self._data(run, states, motions, records), last, *self.bound.kernels)
+
+    def _data(self, run: Run, states: Any, motions: Array, records: Records) -> LoopData:
+        return LoopData(run, states, motions, records, self.waves, self.parameters, self.row)
+
+    def _loop(self, impacts: ImpactBatch | None) -> Any:
+        """Return the compiled loop of the kind of contact."""
+        compliant = isinstance(self.law, PenaltyLaw)
+        if impacts is not None:
+            return integrate_compliant if compliant else evaluate_rigid
+        return run_compliant if compliant else run_stepped if self.stepped else run_constrained
 
     @property
     def constrained(self) -> bool:
         """Whether the law is rigid and taken in its limit of no step."""
         return isinstance(self.law, MultiplierLaw) and not self.stepped
-
-    def _marks(self, impacts: ImpactBatch | None, budget: int) -> tuple[int | None, ...]:
-        """Return the budget of a run, and which contact it has: compliant, stepped or constrained."""
-        chosen = isinstance(self.law, PenaltyLaw), self.stepped, self.constrained
-        return budget if impacts is None else None, *(1 if each else None for each in chosen)
 
     def explain(self, run: Run) -> tuple[Ending, str]:
         """Return the ending of a run that stopped by itself, and a sentence on it."""
