@@ -75,7 +75,7 @@ class _Integration:
         run = ready.run_of(states[1])
         states[0]["phase"] = PRESSED
         # With room for one contact the loop ends when that is over.
-        states[0]["stored"] = run.step["contacts"].size - 2
+        states[0]["contact_count"] = run.step["contacts"].size - 2
         motions = np.zeros((1, 2, 2))
         records = ready.records(history + 2 if history else 0, run)
         silent = records.series[:0]

@@ -127,7 +127,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     for i in range(NODES):
         tip = tip_motion(run.plant, i)
         step.u[i], step.th[i], step.u_rate[i], step.th_rate[i], step.rotor[i] = tip
-    depends = state.friction_kind == RATE_DEPENDENT
+    depends = state.law.friction_kind == RATE_DEPENDENT
     h = step_length(run.propagator, level)
     stretch = h / state.length
     state.length = h
@@ -138,18 +138,18 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         if sweeps == 0:
             _first_forces(run, law, stretch)
             sweeps = _collocate(run, law, level, fixed == 1, known, lean, stiff)
-    state.taken = 0.0
+    state.accepted_length = 0.0
     state.sweeps += sweeps
     if sweeps == 0:
         return np.inf
-    allowed = state.tolerance * state.momentum
+    allowed = state.tolerance * state.impulse_scale
     kinked, outweighed = _kinked_force(run, known), _outweighed_error(run)
     if kinked >= 0.0:
         return max(0.5, outweighed * h / allowed) if kinked * h <= allowed else KINK
     error = max(abs(state.normal.coefficient[0] - normal), outweighed)
     if not depends:
         error = max(error, abs(state.bound.coefficient[0] - bound), abs(state.bias.coefficient[0] - bias))
-    if state.friction_kind != SET_VALUED:
+    if state.law.friction_kind != SET_VALUED:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
         if depends:
             error = max(error, missed_between(run, law, mobility(run, level, FIRST, FIRST)))
@@ -165,7 +165,7 @@ def _highest_coefficient(run: Run, level: int) -> float:
     The residue v_0 of the step before takes the impulse v_0/D_tt, whatever the length of the step.
     """
     highest = float(run.state.friction.coefficient[NODES - 1])
-    if run.state.friction_kind != SET_VALUED:
+    if run.state.law.friction_kind != SET_VALUED:
         return highest
     slip, yielding = contact_at(run.plant, START)[2], 0.0
     for m in range(NODES):
@@ -180,7 +180,7 @@ def _kinked_force(run: Run, known: Known) -> float:
     most, ends = max(abs(normal), abs(known[3])), False
     for i in range(NODES):
         most = max(most, abs(forces[i]))
-        if run.state.friction_kind == RATE_DEPENDENT:
+        if run.state.law.friction_kind == RATE_DEPENDENT:
             # Friction that no bound ties to the normal force.
             most = max(most, abs(run.state.friction.node[i]))
         ends = ends or (normal > 0.0 and forces[i] == 0.0) or run.step.gap[i] >= run.step.end[i]
@@ -210,12 +210,12 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, nodes = run.state, run.propagator.rule.nodes
     for i in range(NODES):
-        x = state.taken + nodes[i] * stretch
+        x = state.accepted_length + nodes[i] * stretch
         state.normal.node[i] = max(value_at(state.normal, x), 0.0)
         state.bound.node[i] = max(value_at(state.bound, x), 0.0)
         state.bias.node[i] = value_at(state.bias, x)
         state.friction.node[i] = value_at(state.friction, x)
-        if state.mode == SLIP and state.friction_kind != RATE_DEPENDENT:
+        if state.mode == SLIP and state.law.friction_kind != RATE_DEPENDENT:
             state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
         # Only friction with an internal variable reads these.
         state.internal_rate.node[i] = value_at(state.internal_rate, x)
@@ -234,8 +234,8 @@ def _lean(run: Run, known: Known, stiffness: float) -> float:
     directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
     _, crossed, along = delassus(run.plant, *directions)
     if state.mode == STICK:
-        return -crossed / along if state.friction_kind == SET_VALUED else 0.0
-    if state.friction_kind == SET_VALUED:
+        return -crossed / along if state.law.friction_kind == SET_VALUED else 0.0
+    if state.law.friction_kind == SET_VALUED:
         friction = bias - state.sign * bound
     return ((friction / normal if normal > 0.0 else 0.0) - stiffness * crossed / along) / (1.0 + stiffness)
 
@@ -310,7 +310,7 @@ def _sweep_normal(
     Returns the largest change of a force and the largest force [N].
     """
     state, change, most = run.state, 0.0, 0.0
-    slides = state.mode != STICK and state.friction_kind != RATE_DEPENDENT
+    slides = state.mode != STICK and state.law.friction_kind != RATE_DEPENDENT
     for i in range(NODES):
         old_normal, old_friction = state.normal.node[i], state.friction.node[i]
         _law_at_node(run, law, level, i)
@@ -342,7 +342,7 @@ def _collocate(
     force that is `stiff` takes Newton steps too.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
-    kind, sticks = state.friction_kind, state.mode == STICK
+    kind, sticks = state.law.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
     least_slip = HELD_SLIP if at_zero_slip else LEAST_SLIP
     for sweep in range(1, MOST_ITERATIONS + 1):
@@ -353,7 +353,7 @@ def _collocate(
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
             return 0
-        least = 1e-3 * AGREEMENT * state.momentum
+        least = 1e-3 * AGREEMENT * state.impulse_scale
         if not (flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least)):
             continue
         if at_zero_slip:
@@ -439,12 +439,12 @@ def step_compliant(run: Run, law: Law) -> int:
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
     open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
-    if state.contact.duration == 0.0 or state.momentum == 0.0:
+    if state.contact.duration == 0.0 or state.impulse_scale == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         # Where adhesion balances the elastic force there is friction, and a normal force on the way in.
         inward = law.force(0.5 * gap, rate, slip, state.impact_speed, law.parameters)[0]
         load = max(abs(known[0]), abs(inward), known[1] + abs(known[2]), abs(known[3]))
-        state.momentum = impulse_scale(run, law, rate, load, mobility)
+        state.impulse_scale = impulse_scale(run, law, rate, load, mobility)
     if known[1] == 0.0 and state.mode == SLIP and slip != 0.0:
         # What has no say in the slip cannot have followed its sign.
         state.sign = 1 if slip > 0.0 else -1
@@ -457,7 +457,7 @@ def step_compliant(run: Run, law: Law) -> int:
     event, s = first_guard(run, law, law.memory, event, s)
     if s > remaining:
         event, s = NOTHING, remaining
-    state.taken = s
+    state.accepted_length = s
     track_extremes(run, law, gap, rate, normal)
     if s == state.length:
         add_collocated(run, level)
@@ -517,15 +517,15 @@ def _solve(
 
 @part_kernel
 def _guess(run: Run, known: Known) -> None:
-    """Make `taken` the place x = s/h of the step's start on the force polynomial of the step before.
+    """Make `accepted_length` the place x = s/h of the step's start on the last step's force polynomial.
 
     Where there is no such step, or a coarser one is to follow, the forces start constant.
     """
     state = run.state
     if state.contact.duration > 0.0 and state.level >= state.level_before:
-        state.taken /= state.length
+        state.accepted_length /= state.length
         return
-    state.taken = 0.0
+    state.accepted_length = 0.0
     hold(state.normal, known[0])
     hold(state.bound, known[1])
     hold(state.bias, known[2])
@@ -546,17 +546,17 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     seen = slip
     if state.mode == STICK:
         seen = 0.0
-    elif state.friction_kind == SET_VALUED and state.sign * slip < SLIP_ROUND_OFF:
+    elif state.law.friction_kind == SET_VALUED and state.sign * slip < SLIP_ROUND_OFF:
         # Slip that only begins: the law must not take it for stick.
         seen = state.sign * SLIP_ROUND_OFF
     normal, least, most, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
     bound = 0.5 * (most - least)
     normal = sound_normal(normal, bound)
     friction, steepness = 0.0, 0.0
-    if state.friction_kind != SET_VALUED:
+    if state.law.friction_kind != SET_VALUED:
         at = gap, rate, slip
         friction, steepness = friction_and_steepness(law, at, end, normal)
-    steepness = steepness if state.friction_kind == RATE_DEPENDENT else 0.0
+    steepness = steepness if state.law.friction_kind == RATE_DEPENDENT else 0.0
     # On the way of the gap, whose other side may be another branch of the law.
     way = -NUDGE if rate < 0.0 else NUDGE
     dg, dr = way * (abs(gap) + LEAST_DEPTH), way * (abs(rate) + LEAST_SLIP)
@@ -572,7 +572,8 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
         # What is remembered flows on past the release at another rate, whatever the force is by then.
-        small = state.tolerance * state.momentum * (REMEMBERED if state.variables > state.coupled else 1.0)
+        flows = state.law.variables > state.law.coupled
+        small = state.tolerance * state.impulse_scale * (REMEMBERED if flows else 1.0)
         finest = run.propagator.rule.level_count - 1
         while h * rate > -0.7 * gap and abs(normal) * h > small and level < finest:
             level += 1
@@ -617,25 +618,25 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
 @inner_kernel
 def most_events(state: Any) -> int:
     """Return how many events a window may have; each internal variable of a law with guards has its own."""
-    return int(EVENT_LIMIT * max(state.variables, 1) if state.guards > 0 else EVENT_LIMIT)
+    return int(EVENT_LIMIT * max(state.law.variables, 1) if state.law.guards > 0 else EVENT_LIMIT)
 
 
 @inner_kernel
 def count_event(state: Any) -> None:
     """Count a touch-down, friction switch or guard; too many in one window is chattering."""
-    state.calm = max(state.calm, state.time - state.last_event)
-    state.last_event = state.time
-    state.events += 1
-    if state.events > most_events(state):
+    state.watchdog.longest_quiet = max(state.watchdog.longest_quiet, state.time - state.watchdog.last_event)
+    state.watchdog.last_event = state.time
+    state.watchdog.events += 1
+    if state.watchdog.events > most_events(state):
         state.ending = CHATTERED
 
 
 @inner_kernel
 def switch_friction(state: Any, event: int) -> None:
     """Set the friction mode after a step that ended in REVERSAL or CONE; a rigid one has noted its sign."""
-    x = state.taken / state.length
+    x = state.accepted_length / state.length
     friction = value_at(state.friction, x) - value_at(state.bias, x)
-    _switch(state, event, friction if state.constrained == 0 else -state.sign)
+    _switch(state, event, friction if state.law.constrained == 0 else -state.sign)
 
 
 @inner_kernel
@@ -658,20 +659,20 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
     """
     state, step = run.state, run.step
     friction, sticks = state.friction.node[0] - state.bias.node[0], state.mode == STICK
-    if state.friction_kind == RATE_DEPENDENT:
+    if state.law.friction_kind == RATE_DEPENDENT:
         return False
     if sticks:
         denied = abs(friction) > state.bound.node[0] * (1.0 + CONE_ROUND_OFF)
         demanded = value_at(state.friction, 0.0) - value_at(state.bias, 0.0)
         denied = denied and value_at(state.bound, 0.0) <= abs(demanded)
-        if not denied and bound > 0.0 and state.friction_kind == SET_VALUED:
+        if not denied and bound > 0.0 and state.law.friction_kind == SET_VALUED:
             friction = value_at(state.friction, 0.0) - bias
             excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
             excess -= HIGHEST_SHARE * abs(state.friction.coefficient[NODES - 1])
-            denied = excess * state.length > state.tolerance * state.momentum
+            denied = excess * state.length > state.tolerance * state.impulse_scale
     else:
         denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0
-        if denied and state.friction_kind != SET_VALUED:
+        if denied and state.law.friction_kind != SET_VALUED:
             slip = event_value(run, law, 0.0, REVERSAL) if state.contact.duration > 0.0 else 0.0
         denied = denied and not state.sign * slip > SLIP_ROUND_OFF
     if denied:

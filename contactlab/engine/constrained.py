@@ -118,7 +118,7 @@ def step_constrained(run: Run, law: Law) -> int:
     through zero, or a rebound.
     """
     state, step, contact = run.state, run.step, run.state.contact
-    step.kind, state.taken = COLLOCATED, 0.0
+    step.kind, state.accepted_length = COLLOCATED, 0.0
     state.length = step_length(run.propagator, state.level)
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     if contact.duration == 0.0 and contact.normal_impulse == 0.0 and rate < 0.0:
@@ -131,8 +131,8 @@ def step_constrained(run: Run, law: Law) -> int:
         return _at_once(run, NOTHING)
     if normal <= 0.0:
         return _at_once(run, RELEASE)
-    if contact.duration == 0.0 or state.momentum == 0.0:
-        state.momentum = _momentum(run, law, normal)
+    if contact.duration == 0.0 or state.impulse_scale == 0.0:
+        state.impulse_scale = _momentum(run, law, normal)
     level, error = _solve(run, law, (normal, friction))
     if state.ending != RUNNING:
         return _at_once(run, NOTHING)
@@ -141,7 +141,7 @@ def step_constrained(run: Run, law: Law) -> int:
     _note_sign(run, event, s)
     if s > remaining:
         event, s = NOTHING, remaining
-    state.taken = s
+    state.accepted_length = s
     _note_peaks(run, law, normal)
     if s == state.length:
         add_collocated(run, level)
@@ -171,7 +171,7 @@ def _note_peaks(run: Run, law: Law, normal: float) -> None:
     if state.contact.start_time < state.run_start:
         # The first step of a run that goes on is that of the run before.
         first = max(state.run_start - state.time, 0.0)
-        _note_peak(run, law, state.part, first, value_at(state.normal, first / state.length))
+        _note_peak(run, law, state.contact_of_run, first, value_at(state.normal, first / state.length))
 
 
 @inner_kernel
@@ -181,7 +181,7 @@ def _note_peak(run: Run, law: Law, contact: Any, first: float, normal: float) ->
     What was taken counts from a time in the step on [s], with the normal force there [N].
     """
     state = run.state
-    peak, left, s = normal, first, state.taken
+    peak, left, s = normal, first, state.accepted_length
     for i in range(NODES):
         right = min(run.propagator.rule.nodes[i] * state.length, s)
         if right <= first:
@@ -200,7 +200,7 @@ def _note_peak(run: Run, law: Law, contact: Any, first: float, normal: float) ->
 @part_kernel
 def _at_once(run: Run, event: int) -> int:
     """Let the step take no time; returns the event that ends it."""
-    run.step.kind, run.state.taken = FLIGHT, 0.0
+    run.step.kind, run.state.accepted_length = FLIGHT, 0.0
     return event
 
 
@@ -285,7 +285,7 @@ def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
     contact.impact_energy_gain += max(-lost - rubbed, 0.0)
     _note_impact(contact, p_n)
     if contact.start_time < state.run_start <= state.time:
-        _note_impact(state.part, p_n)
+        _note_impact(state.contact_of_run, p_n)
 
 
 @inner_kernel
@@ -310,10 +310,10 @@ def _ends(run: Run, rebound: float, lost: float) -> bool:
     """Return whether the flights after a rebound [m/s], which lost a share of the speed, count as none."""
     state, longest = run.state, run.propagator.rule.longest
     pressing = -free_accelerations(run, START, 0.0)[0]
-    if lost < NEARLY_ELASTIC and longest <= state.calm:
+    if lost < NEARLY_ELASTIC and longest <= state.watchdog.longest_quiet:
         lost = 1.0
     high = coarseness(run, tip_motion(run.plant, START)[1]) * LEAST_HEIGHT * pressing
-    long = sqrt(state.tolerance) * min(longest, state.calm) * pressing * lost
+    long = sqrt(state.tolerance) * min(longest, state.watchdog.longest_quiet) * pressing * lost
     return bool(pressing > 0.0 and (2.0 * rebound <= long or 0.5 * rebound * rebound <= high))
 
 
@@ -390,7 +390,7 @@ def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bo
     if _jumps(law, side, normal, d):
         return bool(normal > 0.0 and abs(friction) <= bound * (1.0 + ROUND_OFF))
     excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
-    return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.momentum)
+    return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.impulse_scale)
 
 
 @inner_kernel
@@ -407,7 +407,7 @@ def _start(run: Run, law: Law) -> Known:
         a_n, a_t = free_accelerations(run, START, 0.0)
         recall_start(run, law)
         state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
-        if wedges(a_n, a_t, d_nn, d_nt, d_tt, state.friction_limit):
+        if wedges(a_n, a_t, d_nn, d_nt, d_tt, state.law.friction_limit):
             state.wedged_steps += 1
         slip = frame[2]
         if state.mode == STICK:
@@ -474,12 +474,12 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
         push_node(run, i)
     guess_memory(run, law.memory)
     sweeps = _collocate(run, law, level)
-    state.taken = 0.0
+    state.accepted_length = 0.0
     state.sweeps += sweeps
     if sweeps == 0:
         return inf
     error = max(abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1]))
-    return float(error * h / (state.tolerance * state.momentum))
+    return float(error * h / (state.tolerance * state.impulse_scale))
 
 
 @inner_kernel
@@ -507,7 +507,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
             return 0
-        least = 1e-3 * AGREEMENT * state.momentum
+        least = 1e-3 * AGREEMENT * state.impulse_scale
         if flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least):
             for i in range(NODES):
                 _bound_node(run, law, i, sticks)

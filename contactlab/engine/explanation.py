@@ -48,15 +48,15 @@ Forces = Callable[[Contact], dict[str, float]]
 def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float) -> tuple[Ending, str]:
     """Return the ending of a run that stopped by itself, and a sentence on it; the kernels are its law's."""
     state, rule = run.state, run.propagator.rule
-    time, pace = f"{state.time:.6g} s", f"within {state.window:.3g} s"
-    friction, critical = state.friction_limit, state.critical_friction
+    time, pace = f"{state.time:.6g} s", f"within {state.watchdog.window:.3g} s"
+    friction, critical = state.law.friction_limit, state.critical_friction
     shorter = f"a shorter contact step than {contact_step:.3g} s"
-    if state.constrained:
+    if state.law.constrained:
         shorter = f"a smaller tolerance than {state.tolerance:.3g}"
     way_out = "A larger tolerance takes shorter flights as none; give the law damping or restitution below 1."
-    if state.stepped:
+    if state.law.stepped:
         way_out = "Leave out the contact step: without one the law is solved in its limit, without chatter."
-    elif state.compliant:
+    elif state.law.compliant:
         way_out = "Give the law damping, or friction without a jump; a larger tolerance takes longer steps."
     endings = {
         CHATTERED: (
@@ -98,10 +98,10 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
             "answer every state of a contact with finite numbers and no negative friction bound; mend the "
             "law, or its parameters."
         )
-    reason = f"more than {state.most_steps} steps in contact {pace}, where a few hundred are usual"
+    reason = f"more than {state.watchdog.most_steps} steps in contact {pace}, where a few hundred are usual"
     if state.ending == UNSOLVED:
         reason = "no step in contact, however short, satisfies the law"
-    elif state.idle > IDLE_LIMIT:
+    elif state.watchdog.idle_steps > IDLE_LIMIT:
         reason = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
     why = (
         "A force that jumps with gap, gap rate or slip stalls the steps: check the law and its parameters, "
@@ -123,12 +123,12 @@ def balanced(
     """Return the ending of a run that reached its end: complete, or unbalanced with a sentence."""
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
-    seen = np.array([state.least_open, state.most_open]) - start
+    seen = np.array([state.least_remainder, state.most_remainder]) - start
     residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
-    share = openness(float(residual), float(state.turned_over), 0.0, start)
+    share = openness(float(residual), float(state.turnover), 0.0, start)
     # A ledger that is no number is not closed.
     if share <= LEDGER_LIMIT:
-        opened = _opened_by_contact(series, modes, float(state.turned_over))
+        opened = _opened_by_contact(series, modes, float(state.turnover))
         if opened <= LEDGER_LIMIT:
             return Ending.COMPLETE, ""
         return Ending.UNBALANCED, (
@@ -139,7 +139,7 @@ def balanced(
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
-        if state.compliant or state.constrained
+        if state.law.compliant or state.law.constrained
         else f"Choose a shorter solver.contact_step than {contact_step:.3g} s."
     )
     return Ending.UNBALANCED, (
@@ -190,7 +190,7 @@ def _runaway(run: Run) -> str:
 def _not_finite(run: Run, forces: Forces, reach: float) -> str:
     """Return the first inadmissible value along the step, in words; empty for none."""
     state = run.state
-    if not state.compliant:
+    if not state.law.compliant:
         impulses = {"normal": state.normal.node[0], "friction": state.friction.node[0]}
         values = [f"{name} impulse {p}" for name, p in impulses.items() if not np.isfinite(p)]
         return f"{' and '.join(values)} at {_contact_text(_contact_after(run, 0.0))}" if values else ""
@@ -223,7 +223,7 @@ def _forces_by_name(
         return {}
     values = kernels[0](*contact, run.state.impact_speed, parameters)
     forces = dict(zip(OF_FORCE, values, strict=True))
-    if run.state.friction_kind != SET_VALUED:
+    if run.state.law.friction_kind != SET_VALUED:
         friction = kernels[1](*contact, values[0], parameters)
         forces |= zip(OF_FRICTION, friction, strict=True)
     return forces

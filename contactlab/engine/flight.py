@@ -124,8 +124,8 @@ def step_flight(run: Run, law: Law) -> int:
     state.level = max(level - 1, coarsest) if level > coarsest else level
     # The end cuts a flight that was searched as if it went on: a run that goes on finds the same touch-down.
     s = h if touch == NO_TOUCH else max(touch, 0.0)
-    state.taken = _until_end(run, s, follows, coarse * CLEAR + limit)
-    return TOUCH if touch >= 0.0 and state.taken == s else NOTHING
+    state.accepted_length = _until_end(run, s, follows, coarse * CLEAR + limit)
+    return TOUCH if touch >= 0.0 and state.accepted_length == s else NOTHING
 
 
 @inner_kernel

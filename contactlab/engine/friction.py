@@ -94,7 +94,7 @@ def _nudge_of(slip: float, least: float) -> float:
 def _internal_rate(run: Run, i: int) -> float:
     """Return the rate at node i of the polynomial through the coupled internal variable."""
     total = 0.0
-    if run.state.coupled == 0:
+    if run.state.law.coupled == 0:
         return total
     for m in range(NODES):
         difference = run.step.memory[m, 0] - run.state.memory[0]
@@ -107,9 +107,9 @@ def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float
     """Return friction f [N], rate g of the coupled variable, and f_v, f_z, g_v, g_z at node i."""
     state, step = run.state, run.step
     gap, rate, slip = step.gap[i], step.gap_rate[i], step.slip[i]
-    z = step.memory[i, 0] if state.coupled != 0 else 0.0
+    z = step.memory[i, 0] if state.law.coupled != 0 else 0.0
     # The way of the slip, so that a mirrored step is the mirrored numbers; but for what a mirror leaves.
-    way = NUDGE if slip >= 0.0 or state.parity == EVEN else -NUDGE
+    way = NUDGE if slip >= 0.0 or state.law.parity == EVEN else -NUDGE
     dv = _nudge_of(slip, least)
     dz = way * (abs(z) + LEAST_INTERNAL)
     normal, end = state.normal.node[i], step.end[i]
@@ -117,11 +117,11 @@ def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float
     f, g, _, _ = friction_at(law, (gap, rate, slip), end, normal)
     f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal)
     f_z, g_z = f, g
-    if state.coupled != 0:
+    if state.law.coupled != 0:
         law.row[HEAD] = z + dz
         f_z, g_z, _, _ = friction_at(law, (gap, rate, slip), end, normal)
     f_v, f_z, g_v, g_z = (f_v - f) / dv, (f_z - f) / dz, (g_v - g) / dv, (g_z - g) / dz
-    if slip == 0.0 and state.parity == EVEN:
+    if slip == 0.0 and state.law.parity == EVEN:
         # What a mirror leaves has no slope there, but at most a kink.
         g_v = 0.0
     return f, g, f_v, f_z, g_v, g_z
@@ -158,7 +158,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
     for i in range(NODES):
         change = system[i, right]
         state.friction.node[i] += change
-        if state.coupled != 0 and not holds:
+        if state.law.coupled != 0 and not holds:
             step.memory[i, 0] += system[NODES + i, right]
         push_node(run, i)
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
@@ -192,11 +192,14 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
 def _spring_at_start(run: Run, law: Law) -> tuple[float, float]:
     """Return friction [N] and tangential stiffness [N/m] of an elastoplastic friction at the step's start."""
     state = run.state
-    if state.friction_kind != ELASTOPLASTIC:
+    if state.law.friction_kind != ELASTOPLASTIC:
         return 0.0, 0.0
     recall_start(run, law)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    end, normal = end_at(run, law, law.memory, rate), value_at(state.normal, state.taken / state.length)
+    end, normal = (
+        end_at(run, law, law.memory, rate),
+        value_at(state.normal, state.accepted_length / state.length),
+    )
     friction, _, _, stiffness = friction_at(law, (gap, rate, slip), end, normal)
     return friction, stiffness
 

@@ -69,7 +69,7 @@ def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law) -> No
     """Evaluate the kernel of a rigid law for every impact."""
     for i in range(impacts.outcomes.size):
         contact = impacts.contacts[i]
-        for k in range(state.variables):
+        for k in range(state.law.variables):
             law.row[HEAD + k] = run.step.memory_first[k]
         _touch(run, state, law, law.memory, contact)
         _evaluate_impact(contact, impacts.outcomes[i], law)
@@ -80,11 +80,11 @@ def _touch(run: Run, state: Any, law: Law, memory: Memory | None, contact: Array
     """Apply the reset map of a touch-down to the internal variables that are recalled."""
     if memory is None:
         return
-    for k in range(state.variables):
+    for k in range(state.law.variables):
         run.step.memory[BETWEEN, k] = memory.jump(
             k, AT_TOUCH, 0.0, contact[0], contact[1], 0.0, law.parameters
         )
-    for k in range(state.variables):
+    for k in range(state.law.variables):
         law.row[HEAD + k] = run.step.memory[BETWEEN, k]
 
 
@@ -126,13 +126,13 @@ def integrate_impacts(
     for i in range(impacts.outcomes.size):
         contact, outcome, state = impacts.contacts[i], impacts.outcomes[i], states[1]
         _set_body(run, contact)
-        unit = _time_scale(run, law, contact, states[0].begins)
+        unit = _time_scale(run, law, contact, states[0].limits.contact_gap)
         _set_ladder(run, STEP_SHARE * unit)
         # One pass tells how long the contact lasts, the other one records it.
         for k in range(2 if count > 0 else 1):
             states[1] = states[0]
-            state.end = state.window = LONGEST * unit
-            _throw(motions, contact, state.begins)
+            state.end = state.watchdog.window = LONGEST * unit
+            _throw(motions, contact, state.limits.contact_gap)
             written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
@@ -167,7 +167,7 @@ def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
 
     At the depth d the force at the speed of the approach, times d, is its energy u_n^2 / (2 D_nn).
     """
-    for k in range(run.state.variables):
+    for k in range(run.state.law.variables):
         law.row[HEAD + k] = run.step.memory_first[k]
     rate, slip, mobility = contact[0], contact[1], contact[2]
     energy, most, before = 0.5 * rate * rate / mobility, 0.0, 0.0
@@ -223,7 +223,7 @@ def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
     outcome.peak_normal_force, outcome.max_penetration = met.peak_normal_force, met.max_penetration
     outcome.released = 0 if state.phase == TOUCHING else 1
     # It switches from one to the other.
-    slips = contact[1] != 0.0 or state.friction_kind == RATE_DEPENDENT
+    slips = contact[1] != 0.0 or state.law.friction_kind == RATE_DEPENDENT
     outcome.mode = SLIP if slips == (state.friction_switches % 2 == 0) else STICK
     outcome.ending = state.ending
     if state.ending != RUNNING:

@@ -416,6 +416,6 @@ def checked(run: Run, event: int) -> int:
             state.ending = NOT_FINITE
     if state.ending == NOT_FINITE or state.ending == UNSOLVED:
         step.kind = FLIGHT
-        state.taken = 0.0
+        state.accepted_length = 0.0
         return NOTHING
     return event

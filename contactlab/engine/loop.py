@@ -71,7 +71,7 @@ def _step_free(run: Run, law: Law) -> int:
     What is recorded there is before its impact.
     """
     if run.state.phase == PRESSED:
-        run.step.kind, run.state.taken = FLIGHT, 0.0
+        run.step.kind, run.state.accepted_length = FLIGHT, 0.0
         return TOUCH
     return step_flight(run, law)
 
@@ -80,7 +80,7 @@ def _step_free(run: Run, law: Law) -> int:
 def _opens_step(run: Run, law: Law, waves: Array) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state, step = run.state, run.step
-    full = state.stored >= step.contacts.size - 1
+    full = state.contact_count >= step.contacts.size - 1
     if state.time >= state.end or state.ending != RUNNING or full:
         return False
     if state.end - state.time <= run.propagator.rule.longest:
@@ -89,12 +89,12 @@ def _opens_step(run: Run, law: Law, waves: Array) -> bool:
         for j in range(run.plant.mode_count):
             mode = run.plant.modes[j]
             mode.saved_q, mode.saved_v = mode.q[START], mode.v[START]
-    if state.phase == PRESSED and state.constrained == 0:
+    if state.phase == PRESSED and state.law.constrained == 0:
         _open_contact(run, law)
-        if state.compliant != 0:
+        if state.law.compliant != 0:
             press(run, law, law.memory)
     begin(run, waves)
-    if state.phase != TOUCHING or state.compliant != 0 or state.constrained != 0:
+    if state.phase != TOUCHING or state.law.compliant != 0 or state.law.constrained != 0:
         # Beyond its end a piece says nothing; a rigid contact's step is as short as its error wants it.
         finest = run.propagator.rule.level_count - 1
         while state.level < finest and step_length(run.propagator, state.level + 1) >= (
@@ -112,7 +112,7 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         leave(run, law, law.memory)
         _open_contact(run, law)
     elif event in (REVERSAL, CONE):
-        if state.constrained != 0:
+        if state.law.constrained != 0:
             # What collocation left of the slip within the step must not choose the way that the slip begins.
             settle(run)
         switch_friction(state, event)
@@ -125,9 +125,9 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
         count_event(state)
     elif event == RELEASE:
         _release(run, law, ends)
-    elif state.switched != 0:
-        jump(run, law, law.memory, state.switched)
-        state.switched = 0
+    elif state.due_event != 0:
+        jump(run, law, law.memory, state.due_event)
+        state.due_event = 0
     elif state.mode == FREE:
         leave(run, law, law.memory)
 
@@ -136,19 +136,19 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
 def _release(run: Run, law: Law, ends: Array) -> None:
     """End the contact, and store it where it was one."""
     state = run.state
-    if state.constrained != 0 and state.contact.duration > 0.0:
+    if state.law.constrained != 0 and state.contact.duration > 0.0:
         settle(run)
-    for k in range(state.variables):
-        ends[state.stored, k] = state.memory[k]
+    for k in range(state.law.variables):
+        ends[state.contact_count, k] = state.memory[k]
     note_release(run, law, law.memory)
     jump(run, law, law.memory, AT_RELEASE)
     state.contact.separation_velocity = contact_at(run.plant, START)[1]
-    if 0.0 < state.loaded < state.contact.duration:
+    if 0.0 < state.acting_time < state.contact.duration:
         end_with_forces(state)
-        state.contact.separation_velocity = state.loaded_rate
+        state.contact.separation_velocity = state.acting_end_rate
     if _is_contact(run):
-        run.step.contacts[state.stored] = state.contact
-        state.stored += 1
+        run.step.contacts[state.contact_count] = state.contact
+        state.contact_count += 1
     else:
         # Round-off alone tells a graze from a miss.
         state.touchdowns -= 1
@@ -163,7 +163,7 @@ def _is_contact(run: Run) -> bool:
     """Return whether what ends here was a contact, and not a touch by round-off without impulse."""
     contact, rule = run.state.contact, run.propagator.rule
     if contact.normal_impulse != 0.0 or contact.friction_impulse != 0.0:
-        return bool(contact.duration > 0.0 or run.state.constrained != 0)
+        return bool(contact.duration > 0.0 or run.state.law.constrained != 0)
     return bool(contact.duration >= CRAWL * step_length(run.propagator, rule.contact_level))
 
 
@@ -174,18 +174,18 @@ def _open_contact(run: Run, law: Law) -> None:
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.start_time, contact.approach_velocity, contact.separation_velocity = (state.time, rate, 0.0)
     contact.duration, contact.stick_duration, contact.energy_loss = 0.0, 0.0, 0.0
-    state.loaded, state.loaded_stick = 0.0, 0.0
+    state.acting_time, state.acting_stick_time = 0.0, 0.0
     contact.normal_impulse, contact.friction_impulse = 0.0, 0.0
     contact.peak_normal_force, contact.max_penetration = 0.0, 0.0
     contact.peak_lasting_force, contact.largest_impact, contact.impact_energy_gain = 0.0, 0.0, 0.0
     state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     law.row[SPEED] = state.impact_speed
-    state.mode = SLIP if slip != 0.0 or state.friction_kind == RATE_DEPENDENT else STICK
+    state.mode = SLIP if slip != 0.0 or state.law.friction_kind == RATE_DEPENDENT else STICK
     state.sign = 1 if slip > 0.0 else -1
     rule = run.propagator.rule
-    state.level = rule.contact_level + state.compliant * TOUCH_REFINEMENT
-    if state.constrained != 0:
+    state.level = rule.contact_level + state.law.compliant * TOUCH_REFINEMENT
+    if state.law.constrained != 0:
         state.level = max(state.level, rule.fresh_level)
     state.touchdowns += 1
     count_event(state)

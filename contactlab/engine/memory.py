@@ -77,14 +77,14 @@ before: a fast exponential decays before the steps are too long for it, to an er
 @part_kernel
 def recall(run: Run, law: Law, place: int) -> None:
     """Let the law's kernels read the internal variables at a place of the step."""
-    for k in range(run.state.variables):
+    for k in range(run.state.law.variables):
         law.row[HEAD + k] = run.step.memory[place, k]
 
 
 @part_kernel
 def recall_start(run: Run, law: Law) -> None:
     """Let the law's kernels read those where the step starts."""
-    for k in range(run.state.variables):
+    for k in range(run.state.law.variables):
         run.step.memory[START, k] = run.state.memory[k]
     recall(run, law, START)
 
@@ -93,12 +93,12 @@ def recall_start(run: Run, law: Law) -> None:
 def guess_memory(run: Run, memory: Memory | None) -> None:
     """Extrapolate the internal variables from the start at their rates; the coupled one at its own."""
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
-    if state.coupled != 0:
+    if state.law.coupled != 0:
         for i in range(NODES):
             step.memory[i, 0] = state.memory[0] + nodes[i] * state.length * state.internal_rate.node[i]
     if memory is None:
         return
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         for i in range(NODES):
             step.memory[i, k] = state.memory[k] + nodes[i] * state.length * step.memory_rate[k]
 
@@ -115,7 +115,7 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
     derivative = run.propagator.rule.derivative
     flies, sticks = step.kind == FLIGHT, state.mode == STICK
     most = 0.0
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         if flies and step.memory_lasts[k] == 0.0:
             continue
         first, size, moves = state.memory[k], abs(state.memory[k]), False
@@ -123,7 +123,7 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
             z, g_z = step.memory[i, k], 0.0
             recall(run, law, i)
             slip, normal = 0.0 if sticks else step.slip[i], state.normal.node[i]
-            if slip == 0.0 and state.mode == SLIP and state.friction_kind == SET_VALUED:
+            if slip == 0.0 and state.mode == SLIP and state.law.friction_kind == SET_VALUED:
                 # Where a slip ends exactly the law must not take it for stick.
                 slip = state.sign * SLIP_ROUND_OFF
             # Of a step that the release cuts, what lies beyond it goes on as at the release.
@@ -160,11 +160,11 @@ def _memory_at(run: Run, law: Law, memory: Memory, s: float) -> None:
         gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
         _relax(run, law, memory, s, gap, rate, slip)
     if step.kind != COLLOCATED or s == state.length:
-        for k in range(state.coupled, state.variables):
+        for k in range(state.law.coupled, state.law.variables):
             step.memory[BETWEEN, k] = step.memory[LAST, k]
     else:
         x = s / state.length
-        for k in range(state.coupled, state.variables):
+        for k in range(state.law.coupled, state.law.variables):
             first, total = state.memory[k], 0.0
             for d in range(NODES - 1, -1, -1):
                 coefficient = 0.0
@@ -182,7 +182,7 @@ def memory_at(run: Run, law: Law, memory: Memory | None, s: float) -> None:
     """Leave the internal variables at time s of the step BETWEEN, where its motion stands, recalled."""
     if memory is not None:
         _memory_at(run, law, memory, s)
-    if run.state.coupled != 0:
+    if run.state.law.coupled != 0:
         run.step.memory[BETWEEN, 0] = run.state.memory[0]
         if run.step.kind == COLLOCATED:
             run.step.memory[BETWEEN, 0] = internal_at(run.state, s / run.state.length)
@@ -193,9 +193,9 @@ def memory_at(run: Run, law: Law, memory: Memory | None, s: float) -> None:
 def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
     """Integrate over a time s again what an event truncated: it was solved across the event."""
     state, step, nodes = run.state, run.step, run.propagator.rule.nodes
-    if step.kind != COLLOCATED or not 0.0 < s < state.length or state.variables == state.coupled:
+    if step.kind != COLLOCATED or not 0.0 < s < state.length or state.law.variables == state.law.coupled:
         return
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         for i in range(NODES):
             step.memory[i, k] = state.memory[k] + nodes[i] * (step.memory[BETWEEN, k] - state.memory[k])
     for i in range(NODES):
@@ -203,7 +203,7 @@ def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
         step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
         state.normal.node[i] = value_at(state.normal, at / state.length)
     _flow_out(run, law, memory, s)
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         step.memory[BETWEEN, k] = step.memory[LAST, k]
 
 
@@ -211,12 +211,12 @@ def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
 def take_memory(run: Run, law: Law, memory: Memory | None, s: float) -> None:
     """Leave the state's internal variables at time s, where the step has been cut or ends."""
     state = run.state
-    if state.variables == 0:
+    if state.law.variables == 0:
         return
     memory_at(run, law, memory, s)
     if memory is not None:
         _flow_again(run, law, memory, s)
-    for k in range(state.variables):
+    for k in range(state.law.variables):
         state.memory[k] = run.step.memory[BETWEEN, k]
 
 
@@ -232,8 +232,8 @@ def _flow_out(run: Run, law: Law, memory: Memory, s: float) -> None:
 def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float, slip: float) -> None:
     """Integrate the variables over a time s in which gap [m], gap rate and slip [m/s] are constant."""
     state, step = run.state, run.step
-    if state.variables == state.coupled:
-        for k in range(state.variables):
+    if state.law.variables == state.law.coupled:
+        for k in range(state.law.variables):
             step.memory[LAST, k] = state.memory[k]
         return
     normal = state.normal.node[0] if step.kind == HELD else 0.0
@@ -241,7 +241,7 @@ def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float
     for i in range(NODES):
         step.gap[i], step.gap_rate[i], step.slip[i] = gap, rate, slip
         state.normal.node[i] = normal
-        for k in range(state.variables):
+        for k in range(state.law.variables):
             step.memory[i, k] = state.memory[k]
     left, h = s, s
     if step.kind == FLIGHT:
@@ -251,12 +251,12 @@ def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float
     while h < left:
         left -= h
         h = min(RELAXED_GROWTH * h, left)
-        for k in range(state.variables):
+        for k in range(state.law.variables):
             state.memory[k] = step.memory[LAST, k]
             for i in range(NODES):
                 step.memory[i, k] = state.memory[k]
         _flow_out(run, law, memory, h)
-    for k in range(state.variables):
+    for k in range(state.law.variables):
         state.memory[k] = step.memory[START, k]
 
 
@@ -266,7 +266,7 @@ def _fastest_relaxation(
 ) -> float:
     """Return the largest derivative of a variable's rate by the variable [1/s], in a flight over s."""
     most = 0.0
-    for k in range(run.state.coupled, run.state.variables):
+    for k in range(run.state.law.coupled, run.state.law.variables):
         if run.step.memory_lasts[k] == 0.0:
             continue
         z, g = law.row[HEAD + k], memory.rate(k, gap, rate, slip, 0.0, law.parameters)
@@ -286,7 +286,7 @@ def note_limit(run: Run, memory: Memory | None) -> None:
         return
     state = run.state
     run.step.limit_moves = 0
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         if run.step.memory_lasts[k] != 0.0:
             run.step.limit_moves = 1
 
@@ -300,14 +300,14 @@ def limit_at(
     The internal variables flow up to s under the gap [m], gap rate and slip [m/s] that there are at s.
     """
     if memory is None or run.step.limit_moves == 0:
-        return run.state.begins, 0.0
+        return run.state.limits.contact_gap, 0.0
     return _moving_limit_at(run, law, memory, s, contact)
 
 
 @part_kernel
 def end_at(run: Run, law: Law, memory: Memory | None, rate: float) -> float:
     """Return the gap at which the contact ends at a gap rate [m/s], of what is recalled [m]."""
-    if memory is None or run.state.limited == 0:
+    if memory is None or run.state.law.has_limits == 0:
         return 0.0
     return float(memory.limits(rate, law.parameters)[1])
 
@@ -320,7 +320,7 @@ def open_step(
     if memory is None:
         return
     recall_start(run, law)
-    for k in range(run.state.coupled, run.state.variables):
+    for k in range(run.state.law.coupled, run.state.law.variables):
         run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, law.parameters)
 
 
@@ -340,7 +340,7 @@ def guard_at(run: Run, law: Law, memory: Memory | None, s: float) -> float:
 @inner_kernel
 def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
     """Return what the law stores where a contact with the recalled variables would begin [J]."""
-    if run.state.compliant == 0:
+    if run.state.law.compliant == 0:
         return 0.0
     begins = memory.limits(0.0, law.parameters)[0]
     return float(law.force(begins, 0.0, 0.0, 0.0, law.parameters)[3])
@@ -350,9 +350,9 @@ def _stored_apart(run: Run, law: Law, memory: Memory) -> float:
 def stored_apart(run: Run, law: Law, memory: Memory | None) -> float:
     """Return what the contacts so far have left stored in flight [J]; of the recalled variables."""
     if memory is None:
-        return float(run.state.apart)
-    if run.state.variables == run.state.coupled or run.state.touchdowns == 0:
-        return float(run.state.apart)
+        return float(run.state.limits.stored_energy)
+    if run.state.law.variables == run.state.law.coupled or run.state.touchdowns == 0:
+        return float(run.state.limits.stored_energy)
     return _stored_apart(run, law, memory)
 
 
@@ -367,7 +367,7 @@ def _moving_limit_at(
     begins = float(memory.limits(rate, law.parameters)[0])
     # The time in which one variable at most changes by a part NUDGE of itself.
     dt, moves = np.inf, False
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         step.memory_rate[k] = 0.0
         if step.memory_lasts[k] != 0.0:
             step.memory_rate[k] = memory.rate(k, gap, rate, slip, 0.0, law.parameters)
@@ -376,14 +376,14 @@ def _moving_limit_at(
             if law.row[HEAD + k] != 0.0:
                 dt = min(dt, NUDGE * abs(law.row[HEAD + k] / step.memory_rate[k]))
     if not moves:
-        return min(begins, state.left), 0.0
+        return min(begins, state.limits.release_gap), 0.0
     if dt == np.inf:
         dt = NUDGE * step_length(run.propagator, 0)
-    for k in range(state.coupled, state.variables):
+    for k in range(state.law.coupled, state.law.variables):
         law.row[HEAD + k] += dt * step.memory_rate[k]
     after = memory.limits(rate, law.parameters)[0]
-    if state.left < begins:
-        return state.left, 0.0
+    if state.limits.release_gap < begins:
+        return state.limits.release_gap, 0.0
     return begins, float((after - begins) / dt)
 
 
@@ -400,17 +400,17 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     slip = 0.0 if state.mode == STICK else slip
     recall_start(run, law)
     normal, stored = state.normal.node[0], 0.0
-    if state.compliant != 0:
+    if state.law.compliant != 0:
         gap = min(gap, end_at(run, law, memory, rate))
         normal, _, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
-        stored = state.apart if event == AT_TOUCH else before
-    for k in range(state.coupled, state.variables):
+        stored = state.limits.stored_energy if event == AT_TOUCH else before
+    for k in range(state.law.coupled, state.law.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, law.parameters)
     recall_start(run, law)
     if event == AT_RELEASE:
-        state.apart = _stored_apart(run, law, memory)
-        stored -= state.apart
-    elif state.compliant != 0:
+        state.limits.stored_energy = _stored_apart(run, law, memory)
+        stored -= state.limits.stored_energy
+    elif state.law.compliant != 0:
         stored -= law.force(gap, rate, slip, state.impact_speed, law.parameters)[3]
     state.total.contact_loss += stored
     state.contact.energy_loss += stored
@@ -419,38 +419,38 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
 @part_kernel
 def note_release(run: Run, law: Law, memory: Memory | None) -> None:
     """Note the gap of a release below the gap at which the next contact would begin."""
-    if memory is None or run.state.limited == 0:
+    if memory is None or run.state.law.has_limits == 0:
         return
     gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
     recall_start(run, law)
     begins, ends = memory.limits(rate, law.parameters)
-    run.state.left = gap if ends < begins and gap < begins else np.inf
+    run.state.limits.release_gap = gap if ends < begins and gap < begins else np.inf
 
 
 @inner_kernel
 def _is_clear(run: Run, law: Law, memory: Memory | None) -> bool:
     """Set where the next contact begins; returns whether the gap exceeds that of a first one (BETWEEN)."""
-    if memory is None or run.state.limited == 0:
+    if memory is None or run.state.law.has_limits == 0:
         return True
     state = run.state
     gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
     recall_start(run, law)
-    begins = min(memory.limits(rate, law.parameters)[0], state.left)
-    for k in range(state.variables):
+    begins = min(memory.limits(rate, law.parameters)[0], state.limits.release_gap)
+    for k in range(state.law.variables):
         law.row[HEAD + k] = run.step.memory[BETWEEN, k]
     anew = memory.limits(rate, law.parameters)[0]
     if anew <= begins or gap > anew:
-        state.begins, state.kept, state.left = anew, 0, np.inf
+        state.limits.contact_gap, state.limits.remembered, state.limits.release_gap = anew, 0, np.inf
         return True
-    state.begins, state.kept = begins, 1
+    state.limits.contact_gap, state.limits.remembered = begins, 1
     return False
 
 
 @part_kernel
 def lose_earlier(run: Run, energy: float) -> None:
     """Count energy [J] as lost by the contact before."""
-    if run.state.stored > 0:
-        run.step.contacts[run.state.stored - 1].energy_loss += energy
+    if run.state.contact_count > 0:
+        run.step.contacts[run.state.contact_count - 1].energy_loss += energy
     else:
         run.state.earlier_loss += energy
 
@@ -463,19 +463,19 @@ def leave(run: Run, law: Law, memory: Memory | None) -> None:
     the last one puts off the next. What is stored while apart is lost as it goes, by the contact before.
     """
     state, step = run.state, run.step
-    for k in range(state.variables):
+    for k in range(state.law.variables):
         lasts = step.memory_lasts[k] != 0.0
         step.memory[BETWEEN, k] = state.memory[k] if lasts else step.memory_first[k]
     if _is_clear(run, law, memory):
-        for k in range(state.variables):
+        for k in range(state.law.variables):
             state.memory[k] = step.memory[BETWEEN, k]
-    if memory is None or state.variables == state.coupled:
+    if memory is None or state.law.variables == state.law.coupled:
         return
     recall_start(run, law)
     stored = stored_apart(run, law, memory)
-    state.total.contact_loss += state.apart - stored
-    lose_earlier(run, state.apart - stored)
-    state.apart = stored
+    state.total.contact_loss += state.limits.stored_energy - stored
+    lose_earlier(run, state.limits.stored_energy - stored)
+    state.limits.stored_energy = stored
 
 
 @inner_kernel

@@ -71,8 +71,8 @@ SMALLEST: Final = float(np.finfo(np.float64).tiny)
 """Duration of a contact that goes on, of which nothing is counted yet [s]."""
 
 GOES_ON: Final = (
-    *("phase", "mode", "sign", "impact_speed", "memory", "memory_of"),
-    *("left", "kept", "normal_before", "friction_before"),
+    *("phase", "mode", "sign", "impact_speed", "memory", "law.variables_mark"),
+    *("limits.release_gap", "limits.remembered", "normal_before", "friction_before"),
 )
 """What a contact, or the residual indentation that the last one has left, is continued from."""
 
@@ -203,7 +203,7 @@ def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
         )
     friction = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
     kind = isinstance(law, PenaltyLaw), friction, memory_mark(law)
-    state = start["compliant"], start["friction_kind"], start["memory_of"]
+    state = start["law.compliant"], start["law.friction_kind"], start["law.variables_mark"]
     if start["phase"] == TOUCHING and state != kind:
         raise ValueError(
             f"The start is a state in contact under a law of another kind than {law.name}; cut the run in "
@@ -493,7 +493,7 @@ class Prepared(NamedTuple):
         """
         if memory is None:
             return
-        on = state["phase"] == TOUCHING or state["kept"] != 0
+        on = state["phase"] == TOUCHING or state["limits"]["remembered"] != 0
         begun = [i for i, each in enumerate(self.law.internal_variables) if on or each.life == "run"]
         for i, value in zip(begun, memory, strict=True):
             state["memory"][i] = value
@@ -503,12 +503,13 @@ class Prepared(NamedTuple):
 
     def _part(self, state: Any, stores: bool) -> None:
         """Set where the next contact begins and, unless nothing is, what the law stores until then."""
-        state["begins"] = state["apart"] = 0.0
-        if self.bound.kernels[LIMITS] is not None:
+        limits, kernels = state["limits"], self.bound.kernels
+        limits["contact_gap"] = limits["stored_energy"] = 0.0
+        if kernels[LIMITS] is not None:
             with self.errors():
-                gap = state["begins"] = float(self.bound.kernels[LIMITS](0.0, self.parameters)[0])
+                gap = limits["contact_gap"] = float(kernels[LIMITS](0.0, self.parameters)[0])
                 if stores and isinstance(self.law, PenaltyLaw):
-                    state["apart"] = float(self.bound.kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
+                    limits["stored_energy"] = float(kernels[FORCE](gap, 0.0, 0.0, 0.0, self.parameters)[3])
 
     def end_at(self, rate: float) -> float:
         """Return the gap at which a contact ends at a gap rate [m/s], of what is recalled [m]."""
@@ -541,15 +542,15 @@ class Prepared(NamedTuple):
 
         If the step sizes changed, the step-size control is restarted.
         """
-        law, rule = self.law, self.propagator.rule
+        law, rule, known, limits = self.law, self.propagator.rule, state["law"], state["limits"]
         begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
         state["first"] = round((begins - state["origin"]) / interval)
         if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
             state["origin"], state["first"] = begins, 0
         state["run_start"], state["end"], state["interval"] = begins, begins + self.duration, interval
-        state["recorded"] = state["stored"] = 0
+        state["record_count"] = state["contact_count"] = 0
         state["earlier_loss"] = 0.0
-        state["compliant"], state["friction_limit"] = compliant, law.friction_limit
+        known["compliant"], known["friction_limit"] = compliant, law.friction_limit
         anew = state["signature"] != self.signature
         if anew:
             touching = state["phase"] == TOUCHING
@@ -557,31 +558,33 @@ class Prepared(NamedTuple):
                 rule.contact_level + compliant * TOUCH_REFINEMENT if touching else rule.fresh_level
             )
             state["level_before"] = state["level"] + 1
-            state["signature"], state["momentum"] = self.signature, 0.0
-            state["initial_energy"], state["least_open"], state["most_open"] = np.nan, np.inf, -np.inf
-        state["variables"], state["guards"] = len(law.internal_variables), law.guards
+            state["signature"], state["impulse_scale"] = self.signature, 0.0
+            state["least_remainder"], state["most_remainder"] = np.inf, -np.inf
+            state["initial_energy"] = np.nan
+        known["variables"], known["guards"] = len(law.internal_variables), law.guards
         # Internal variables continue under the same law, and are initialised under another.
-        if state["memory_of"] != (whose := memory_mark(law)):
-            state["memory_of"], state["kept"], state["left"] = whose, 0, np.inf
+        if known["variables_mark"] != (whose := memory_mark(law)):
+            known["variables_mark"], limits["remembered"], limits["release_gap"] = whose, 0, np.inf
             state["memory"][: len(law.internal_variables)] = [each.initial for each in law.internal_variables]
         self._recall(state)
-        if anew and not state["kept"]:
+        if anew and not limits["remembered"]:
             self._part(state, state["touchdowns"] > 0)
-        state["coupled"] = 0
+        known["coupled"] = 0
         if isinstance(law, PenaltyLaw):
-            state["friction_kind"], state["coupled"] = law.friction_kind, law.coupled
-            state["parity"] = law.internal_variables[0].parity if law.coupled else ODD
+            known["friction_kind"], known["coupled"] = law.friction_kind, law.coupled
+            known["parity"] = law.internal_variables[0].parity if law.coupled else ODD
         if isinstance(law, MultiplierLaw):
-            state["projects"], state["sticks"] = law.projects, law.sticks
-            state["constrained"] = self.constrained
-        state["limited"] = law.limits is not None
-        state["stepped"] = self.stepped
+            known["projects"], known["sticks"] = law.projects, law.sticks
+            known["constrained"] = self.constrained
+        known["has_limits"] = law.limits is not None
+        known["stepped"] = self.stepped
         # Of a compliant law the step in contact is a bound that a healthy run may never reach.
         watched = min(self.contact_step, law.default_contact_step) if compliant else self.contact_step
         watched = min(watched, float(rule.longest) * 0.5 ** int(rule.contact_level))
         pace = pace_of(self.plant, watched, self.stepped)
         # Rebounds without an end are taken as none by a rigid law itself.
-        state["window"], state["most_steps"] = (0.0, pace[1]) if self.constrained else pace
+        watchdog = state["watchdog"]
+        watchdog["window"], watchdog["most_steps"] = (0.0, pace[1]) if self.constrained else pace
         state["tolerance"] = self.tolerance
 
 
@@ -678,8 +681,10 @@ def overlap_at(gap: float, law: ContactLaw) -> str:
 def fresh_state() -> Any:
     """Return the state of a run at t = 0, whose phase is not set yet."""
     # A first step continues a polynomial of zeros, of some length.
-    unknown = {"left": np.inf, "least_open": np.inf, "most_open": -np.inf, "initial_energy": np.nan}
-    return new_record(STATE, length=1.0, **unknown)
+    unknown = {"least_remainder": np.inf, "most_remainder": -np.inf, "initial_energy": np.nan}
+    state = new_record(STATE, length=1.0, **unknown)
+    state["limits"]["release_gap"] = np.inf
+    return state
 
 
 def state_in_contact(contact: State) -> Any:

@@ -71,7 +71,7 @@ NOTHING_ADDED: Terms = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 def commit(run: Run, law: Law, records: Records) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, plant = run.state, run.plant
-    s = state.taken
+    s = state.accepted_length
     whole = s == state.length
     drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
     if not whole:
@@ -84,15 +84,15 @@ def commit(run: Run, law: Law, records: Records) -> None:
     now = state.end if state.end - start <= s else start + s
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
-    last, terms, index = -1.0, NOTHING_ADDED, state.first + state.recorded
+    last, terms, index = -1.0, NOTHING_ADDED, state.first + state.record_count
     # A run that goes on repeats a step whose first records another has: it comes by them, to the same bits.
-    while state.recorded == 0 and index > 0 and state.origin + (index - 1) * state.interval > start:
+    while state.record_count == 0 and index > 0 and state.origin + (index - 1) * state.interval > start:
         index -= 1
-    while state.recorded < records.series.size:
+    while state.record_count < records.series.size:
         on_grid = state.origin + index * state.interval
-        new = index == state.first + state.recorded
+        new = index == state.first + state.record_count
         # The last record lies at the end of the run.
-        due = state.end if new and state.recorded == records.series.size - 1 else on_grid
+        due = state.end if new and state.record_count == records.series.size - 1 else on_grid
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
@@ -126,10 +126,10 @@ def _add_to_contact(run: Run, law: Law, s: float, p_n: float, p_t: float, lost: 
     state, row = run.state, run.state.contact
     if run.step.kind == HELD and row.duration == 0.0:
         row.largest_impact, row.impact_energy_gain = p_n, max(-lost, 0.0)
-    acting = _acting_time(run, law, s) if state.compliant != 0 else s
+    acting = _acting_time(run, law, s) if state.law.compliant != 0 else s
     if acting > 0.0:
-        state.loaded = row.duration + acting
-        state.loaded_stick = row.stick_duration + (acting if state.mode == STICK else 0.0)
+        state.acting_time = row.duration + acting
+        state.acting_stick_time = row.stick_duration + (acting if state.mode == STICK else 0.0)
     row.duration += s
     row.stick_duration += s if state.mode == STICK else 0.0
     row.normal_impulse += p_n
@@ -174,17 +174,17 @@ def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) 
     stored, recovered = 0.0, 0.0
     if state.mode == FREE:
         stored = stored_apart(run, law, law.memory)
-        contact += state.apart - stored
+        contact += state.limits.stored_energy - stored
     if run.step.kind == COLLOCATED and gap < end_at(run, law, law.memory, rate):
         normal, _, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
-        if state.friction_kind != SET_VALUED:
+        if state.law.friction_kind != SET_VALUED:
             recovered = law.friction(gap, rate, slip, normal, law.parameters)[2]
     angle, lift = 0.0, 0.0
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
         angle -= mode.row_r * mode.q[BETWEEN] / lengths.radius
         lift += mode.row_w * mode.q[BETWEEN]
-    row = records.series[state.recorded]
+    row = records.series[state.record_count]
     row.tip_normal_displacement, row.rotor_normal_displacement = u + lift, lift
     row.tip_tangential_displacement = -lengths.tip_length * sin(th)
     row.tip_slope = th
@@ -200,9 +200,9 @@ def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) 
     row.contact_loss = total.contact_loss + contact
     row.load_work = total.load_work + load
     row.contact_mode = state.mode
-    state.held_energy = recovered
-    for k in range(state.variables):
-        records.traces[state.recorded, k] = run.step.memory[BETWEEN, k]
+    state.spring_energy = recovered
+    for k in range(state.law.variables):
+        records.traces[state.record_count, k] = run.step.memory[BETWEEN, k]
     for i in range(len(records.rows)):
         displacement, velocity = 0.0, 0.0
         for j in range(records.rows.shape[1]):
@@ -213,9 +213,9 @@ def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) 
             first, second = records.phasors[i, 0, k], records.phasors[i, 1, k]
             displacement += first.real * cosine - first.imag * sine
             velocity += second.real * cosine - second.imag * sine
-        records.outputs[state.recorded, i, 0] = displacement
-        records.outputs[state.recorded, i, 1] = velocity
-    state.recorded += 1
+        records.outputs[state.record_count, i, 0] = displacement
+        records.outputs[state.record_count, i, 1] = velocity
+    state.record_count += 1
 
 
 @part_kernel
@@ -302,8 +302,8 @@ def _forces_at(run: Run, law: Law, place: int, s: float) -> tuple[float, float, 
 @part_kernel
 def end_with_forces(state: Any) -> None:
     """Let the contact end where its forces did, if a damping let go before the gap opened."""
-    if 0.0 < state.loaded < state.contact.duration:
-        state.contact.duration, state.contact.stick_duration = state.loaded, state.loaded_stick
+    if 0.0 < state.acting_time < state.contact.duration:
+        state.contact.duration, state.contact.stick_duration = state.acting_time, state.acting_stick_time
 
 
 @inner_kernel
@@ -322,7 +322,7 @@ def _acting_time(run: Run, law: Law, s: float) -> float:
     """
     state = run.state
     # Before the first node it is as it was.
-    left, right = 0.0 if state.loaded == state.contact.duration else -1.0, s
+    left, right = 0.0 if state.acting_time == state.contact.duration else -1.0, s
     for i in range(NODES):
         at = run.propagator.rule.nodes[i] * state.length
         if at > s:
@@ -343,7 +343,7 @@ def _acting_time(run: Run, law: Law, s: float) -> float:
             right = middle
     flow_to(run, left)
     # Depth and rate vanish together where a damping takes all speed: what is left has any sign.
-    state.loaded_rate = max(contact_at(run.plant, BETWEEN)[1], 0.0)
+    state.acting_end_rate = max(contact_at(run.plant, BETWEEN)[1], 0.0)
     return left
 
 
@@ -362,14 +362,14 @@ def _energies(plant: Plant, place: int) -> tuple[float, float]:
 def _weigh(run: Run) -> None:
     """Update the extremes of work and ledger residual after a step; the residual in free flight only."""
     state, total = run.state, run.state.total
-    state.turned_over = max(state.turned_over, abs(total.drive_work), abs(total.load_work))
+    state.turnover = max(state.turnover, abs(total.drive_work), abs(total.load_work))
     if state.mode != FREE:
         return
     kinetic, strain = _energies(run.plant, START)
     left = total.load_work - total.drive_work + total.damping_loss
-    left += total.friction_loss + total.contact_loss + kinetic + strain + state.apart
-    state.least_open = min(state.least_open, left)
-    state.most_open = max(state.most_open, left)
+    left += total.friction_loss + total.contact_loss + kinetic + strain + state.limits.stored_energy
+    state.least_remainder = min(state.least_remainder, left)
+    state.most_remainder = max(state.most_remainder, left)
 
 
 @part_kernel
@@ -378,14 +378,16 @@ def _watch(run: Run, s: float) -> None:
     state = run.state
     step = step_length(run.propagator, run.propagator.rule.contact_level)
     # Where nothing vibrates the step of a rigid law is the whole run.
-    crawls = s <= CRAWL * (min(step, state.calm) if state.compliant == 0 and state.calm > 0.0 else step)
-    state.idle = state.idle + 1 if crawls else 0
+    usual = step
+    if state.law.compliant == 0 and state.watchdog.longest_quiet > 0.0:
+        usual = min(step, state.watchdog.longest_quiet)
+    state.watchdog.idle_steps = state.watchdog.idle_steps + 1 if s <= CRAWL * usual else 0
     steps = state.contact_steps + state.rejected_steps
-    if state.idle > IDLE_LIMIT:
-        state.ending = CHATTERED if state.events > IDLE_EVENTS else STALLED
-    elif state.time - state.window_start > _window(state, step):
-        state.window_start, state.events, state.steps_before = state.time, 0, steps
-    elif steps - state.steps_before > state.most_steps:
+    if state.watchdog.idle_steps > IDLE_LIMIT:
+        state.ending = CHATTERED if state.watchdog.events > IDLE_EVENTS else STALLED
+    elif state.time - state.watchdog.start > _window(state, step):
+        state.watchdog.start, state.watchdog.events, state.watchdog.steps_before = state.time, 0, steps
+    elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
     tip = tip_motion(run.plant, START)
     gap = contact_at(run.plant, START)[0]
@@ -397,8 +399,10 @@ def _watch(run: Run, s: float) -> None:
 @inner_kernel
 def _window(state: Any, step: float) -> float:
     """Return the present window of the stall watchdog [s]: of time stepping it hangs on the step alone."""
-    calm = max(state.calm, state.time - state.last_event, step)
-    return float(state.window if state.stepped != 0 else min(state.window, CALMS * calm))
+    calm = max(state.watchdog.longest_quiet, state.time - state.watchdog.last_event, step)
+    return float(
+        state.watchdog.window if state.law.stepped != 0 else min(state.watchdog.window, CALMS * calm)
+    )
 
 
 def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:
@@ -407,7 +411,7 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
     Impulses become mean forces, of which a run that goes on begins with those of its start; the ledger gets
     its residual, since t = 0.
     """
-    state, table = run.state, records[: run.state["recorded"]]
+    state, table = run.state, records[: run.state["record_count"]]
     steps = state["first"] + np.arange(table.size, dtype=np.float64)
     time = state["origin"] + steps * state["interval"]
     if table.size == records.size:

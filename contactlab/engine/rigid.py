@@ -56,12 +56,12 @@ def step_rigid(run: Run, law: Law) -> int:
     A contact that approaches and for which the law has no impulse ends the run as INCONSISTENT.
     """
     state, contact, level = run.state, run.state.contact, run.state.level
-    projects = state.projects != 0
+    projects = state.law.projects != 0
     run.step.kind = HELD
     gap, gap_rate, slip, _, _, _, _ = contact_at(run.plant, START)
     contact.max_penetration = max(contact.max_penetration, -gap)
     if contact.start_time < state.run_start <= state.time:
-        state.part.max_penetration = max(state.part.max_penetration, -gap)
+        state.contact_of_run.max_penetration = max(state.contact_of_run.max_penetration, -gap)
     impact = contact.duration == 0.0
     while True:
         p_n, p_t, mode, count = _attempt(run, law, level, gap_rate, slip)
@@ -84,13 +84,13 @@ def step_rigid(run: Run, law: Law) -> int:
     elif p_n <= 0.0:
         # The gap is closed still and opens by itself.
         normal, friction, mode = 0.0, 0.0, SLIP
-    state.taken, before = min(taken, state.end - state.time), state.mode
+    state.accepted_length, before = min(taken, state.end - state.time), state.mode
     # An impact that the end of the run cuts is over there.
-    stretch = taken / state.taken if impact and 0.0 < state.taken < taken else 1.0
+    stretch = taken / state.accepted_length if impact and 0.0 < state.accepted_length < taken else 1.0
     _hold_forces(run, normal * stretch, friction * stretch)
-    state.switched = 0
+    state.due_event = 0
     if mode != before and count != NONE and event == NOTHING:
-        state.switched = AT_STICK if mode == STICK else AT_SLIP
+        state.due_event = AT_STICK if mode == STICK else AT_SLIP
     state.mode = mode
     state.wedged_steps += 1 if count == SEVERAL else 0
     if count != NONE and event == NOTHING:
@@ -100,7 +100,7 @@ def step_rigid(run: Run, law: Law) -> int:
         contact.peak_lasting_force = max(contact.peak_lasting_force, lasting)
         if contact.start_time < state.run_start:
             # A force that is held over a step acts in all of its parts.
-            part = state.part
+            part = state.contact_of_run
             part.peak_normal_force = max(part.peak_normal_force, normal)
             part.peak_lasting_force = max(part.peak_lasting_force, lasting)
         # An impact's force says nothing about the one at which the contact will open. A release that finds
@@ -124,7 +124,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
     state.length = h
     _turn_frame(run, START)
     free_response(run, level, LAST)
-    if state.projects != 0:
+    if state.law.projects != 0:
         p_n, p_t, _, _ = _impulses(run, law, level, gap_rate, slip)
         _hold_forces(run, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
         add_constant(run, level, True, False)
@@ -168,7 +168,7 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
     normal_rate, tangential_rate = rates_in_frame(run, LAST)
     recall_start(run, law)
     rates, d = (normal_rate, tangential_rate), (nn, nt, tt)
-    if state.contact.duration == 0.0 or state.projects == 0:
+    if state.contact.duration == 0.0 or state.law.projects == 0:
         p_n, p_t, friction_mode = impact_impulses(run, law, gap_rate, rates, slip, d)
     else:
         p_n, p_t, friction_mode = lasting_impulses(run, law, rates, slip, d)
@@ -177,7 +177,7 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
     count = ONE
     if p_n <= 0.0 and normal_rate < -round_off:
         count = NONE
-    elif wedges(normal_rate, tangential_rate, nn, nt, tt, state.friction_limit):
+    elif wedges(normal_rate, tangential_rate, nn, nt, tt, state.law.friction_limit):
         count = SEVERAL
     return p_n, p_t, friction_mode, count
 
@@ -193,7 +193,7 @@ def impact_impulses(
         rates: gap rate and slip that the step ends with without contact [m/s].
         slip: at the start of the step [m/s].
     """
-    if run.state.projects == 0:
+    if run.state.law.projects == 0:
         # Moreau and Jean: 0 <= p _|_ gdot - w >= 0, w being the rebound of the impact at the step's start.
         rebound = 0.0
         if gap_rate < 0.0:
@@ -205,14 +205,14 @@ def impact_impulses(
         return lasting_impulses(run, law, rates, slip, d)
     # A law without stick has the friction of the slip at the start all over the step.
     p_n, p_t = law.impact(
-        approach, rates[1] if run.state.sticks != 0 else slip, d[0], d[1], d[2], law.parameters
+        approach, rates[1] if run.state.law.sticks != 0 else slip, d[0], d[1], d[2], law.parameters
     )
     left = remaining_slip(rates[1], p_n, p_t, d[1], d[2])
     rebound = rates[0] + d[0] * p_n + d[1] * p_t
     if rates[0] == approach or rebound >= 0.0:
         return p_n, p_t, STICK if left == 0.0 else SLIP
     # The forces end the rebound within the step.
-    start = left if run.state.sticks != 0 else slip
+    start = left if run.state.law.sticks != 0 else slip
     more_n, more_t, mode = lasting_impulses(run, law, (rebound, left), start, d)
     return p_n + more_n, p_t + more_t, mode
 
@@ -229,7 +229,7 @@ def lasting_impulses(
     h = run.state.length
     p_n, p_t = stick_impulse(rates[0], rates[1], d[0], d[1], d[2])
     s = -1.0 if p_t > 0.0 else 1.0 if p_t < 0.0 else 0.0
-    if run.state.sticks == 0:
+    if run.state.law.sticks == 0:
         s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
     elif p_n > 0.0 and (rates[0] < 0.0 or abs(slip) <= abs(rates[1] - slip)):
         # Slip that would reverse has ended: it meets static friction.
@@ -242,7 +242,7 @@ def lasting_impulses(
         if np.isfinite(ratio):
             p_n = -rates[0] / (d[0] + ratio * d[1])
             return p_n, ratio * p_n, SLIP
-        if run.state.sticks == 0:
+        if run.state.law.sticks == 0:
             break
     # No slip meets an approach; what opens by itself is released.
     return -abs(rates[0]) / d[0], 0.0, SLIP

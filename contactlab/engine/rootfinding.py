@@ -43,7 +43,7 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
         return value_at(state.bound, x) - abs(value_at(state.friction, x) - value_at(state.bias, x))
     if event == PEAK:
         return slope_at(state.normal, x)
-    if event == RELEASE and state.compliant == 0:
+    if event == RELEASE and state.law.compliant == 0:
         return value_at(state.normal, x)
     if event == GUARD:
         return float(guard_at(run, law, law.memory, s))
@@ -56,7 +56,7 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     end = end_at(run, law, law.memory, rate)
     if event == RELEASE:
         return float(gap - end)
-    if state.friction_kind == SET_VALUED or gap >= end:
+    if state.law.friction_kind == SET_VALUED or gap >= end:
         return slip
     normal = max(value_at(state.normal, x), 0.0)
     stretching = friction_at(law, (gap, rate, slip), end, normal)[1]
@@ -108,7 +108,7 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     state, step = run.state, run.step
     left, before = 0.0, rate
     sticks = state.mode == STICK
-    slides = largest(state.bound.node) > 0.0 and state.friction_kind != RATE_DEPENDENT and not sticks
+    slides = largest(state.bound.node) > 0.0 and state.law.friction_kind != RATE_DEPENDENT and not sticks
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
@@ -148,7 +148,7 @@ def first_guard(run: Run, law: Law, memory: Memory | None, event: int, s: float)
     if memory is None:
         return event, s
     state, chosen = run.state, run.state.guard
-    for guard in range(state.guards):
+    for guard in range(state.law.guards):
         state.guard = guard
         left, before = 0.0, guard_at(run, law, memory, 0.0)
         for i in range(NODES):
@@ -180,14 +180,14 @@ def track_extremes(run: Run, law: Law, gap: float, rate: float, normal: float) -
         if first > 0.0:
             gap, rate, _, _, _, _, _ = contact_after(run, first)
             normal = value_at(state.normal, first / state.length)
-        _track(run, law, state.part, first, gap, rate, normal)
+        _track(run, law, state.contact_of_run, first, gap, rate, normal)
 
 
 @inner_kernel
 def _track(run: Run, law: Law, contact: Any, first: float, gap: float, rate: float, normal: float) -> None:
     """Note the extremes in a row of contacts, from a time in the step on [s]."""
     state, step = run.state, run.step
-    s, h = state.taken, state.length
+    s, h = state.accepted_length, state.length
     peak, deepest = max(contact.peak_normal_force, normal), max(contact.max_penetration, -gap)
     left, before = first, rate
     for i in range(NODES):

@@ -104,9 +104,9 @@ def simulate(
     else:
         check_start(start, plant, law)
         parted = _go_on(states, ready, start, record_interval)
-    earlier = state["part"].copy()
+    earlier = state["contact_of_run"].copy()
     for name in EXTREMES:
-        state["part"][name] = 0.0
+        state["contact_of_run"][name] = 0.0
     run = ready.run_of(state)
     motions = np.stack([q, v])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
@@ -121,12 +121,12 @@ def simulate(
 
     def collect(kept: int) -> None:
         """Move all but the last finished contacts out of the run's storage."""
-        contacts, kept = run.step["contacts"], min(kept, state["stored"])
-        count = state["stored"] - kept
+        contacts, kept = run.step["contacts"], min(kept, state["contact_count"])
+        count = state["contact_count"] - kept
         finished.append(contacts[:count].copy())
         ends.append(records.ends[:count].copy())
         contacts[:kept], records.ends[:kept] = contacts[count:][:kept], records.ends[count:][:kept]
-        state["stored"] = kept
+        state["contact_count"] = kept
 
     ending, message = Ending.COMPLETE, ""
     try:
@@ -189,10 +189,10 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
     if touches:
         ready.touch(state, contact)
     else:
-        state["phase"] = phase_at(contact[0] - float(state["begins"]), contact[1])
-    if contact[0] - float(state["begins"]) <= AT_REST and contact[1] <= 0.0:
+        state["phase"] = phase_at(contact[0] - float(state["limits"]["contact_gap"]), contact[1])
+    if contact[0] - float(state["limits"]["contact_gap"]) <= AT_REST and contact[1] <= 0.0:
         # It was at rest before: flights of round-off from there are no motion to compare others with.
-        state["calm"] = np.inf
+        state["watchdog"]["longest_quiet"] = np.inf
 
 
 def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
@@ -209,21 +209,21 @@ def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
     ready.set_up(state, interval)
     if same:
         # What the cut step lost stands in the run before, and is lost again.
-        state["earlier_loss"] = start["apart"] - state["apart"]
+        state["earlier_loss"] = start["limits.stored_energy"] - state["limits"]["stored_energy"]
         return none
     inertia = root_inertia(ready.plant) / start["root_inertia"]
     q[-1], v[-1] = inertia * q[-1], inertia * v[-1]
     gap, rate, _ = contact_from(ready.plant, q, v)
-    moved, compliant = gap != state["gap"], state["compliant"] != 0
+    moved, compliant = gap != state["gap"], state["law"]["compliant"] != 0
     if moved and (fault := overlap_at(gap, ready.law)):
         raise ValueError(fault)
     if state["phase"] == TOUCHING:
         if gap < ready.end_at(rate) if compliant else not moved:
             return none
         state["mode"], state["contact"]["separation_velocity"] = FREE, rate
-        state["phase"] = phase_at(gap - float(state["begins"]), rate)
+        state["phase"] = phase_at(gap - float(state["limits"]["contact_gap"]), rate)
         return states["contact"].copy()
-    gap -= float(state["begins"])
+    gap -= float(state["limits"]["contact_gap"])
     if moved or (compliant and abs(gap) > CLEAR):
         state["phase"] = phase_at(gap, rate)
     return none
@@ -233,7 +233,7 @@ def _cut_contact(state: Any) -> Any:
     """Return the contact that the end of a run cuts, which has no separation; none, shape (0,), in flight."""
     cut = state.contact.copy().reshape(1)
     cut["separation_velocity"] = np.nan
-    cut["energy_loss"] -= state.held_energy
+    cut["energy_loss"] -= state.spring_energy
     return cut[: int(state.phase == TOUCHING)]
 
 
@@ -243,7 +243,7 @@ def _first_part(state: Any, earlier: Any, contacts: dict[str, Array]) -> dict[st
     if not begun.size or not begun[0] == earlier["start_time"] < state["run_start"]:
         return {}
     sums = {name: float(contacts[name][0] - earlier[name]) for name in contacts.keys() & SUMS}
-    extremes = {name: float(state["part"][name]) for name in contacts.keys() & EXTREMES}
+    extremes = {name: float(state["contact_of_run"][name]) for name in contacts.keys() & EXTREMES}
     return {"start_time": float(state["run_start"]), "approach_velocity": np.nan, **sums, **extremes}
 
 
@@ -266,11 +266,11 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any
     for name in ("normal_force", "friction_force", "energy_residual"):
         if series[name].size:
             state[name] = series[name][-1]
-    state["part"]["start_time"] = np.nan
+    state["contact_of_run"]["start_time"] = np.nan
     if cut.size:
-        state["part"] = cut[0]
+        state["contact_of_run"] = cut[0]
     before = run.step["saved"][0]
-    for name in ("normal_force", "friction_force", "initial_energy", "end", "part"):
+    for name in ("normal_force", "friction_force", "initial_energy", "end", "contact_of_run"):
         before[name] = state[name]
     end, start = state_as_value(state, q, v), state_as_value(before, modes["saved_q"], modes["saved_v"])
     other = [name for name in end if np.asarray(start[name]).tobytes() != np.asarray(end[name]).tobytes()]
@@ -343,7 +343,7 @@ class Flow:
             for state, contact in zip(states, contacts, strict=True):
                 ready.touch(state, contact)
         else:
-            begins = states["begins"].tolist()
+            begins = states["limits"]["contact_gap"].tolist()
             states["phase"] = [
                 phase_at(gap - begin, rate) for (gap, rate, _), begin in zip(contacts, begins, strict=True)
             ]
@@ -355,7 +355,7 @@ class Flow:
             # What waits here for Ctrl-C is as long as one run's wait, however many there are.
             some, moved = states[going], motions[going]
             ready.advance(run, some, moved, records, max(STEPS_PER_CALL // going.size, 1))
-            some["stored"] = 0
+            some["contact_count"] = 0
             states[going], motions[going] = some, moved
             going = going[(some["time"] < some["end"]) & (some["ending"] == RUNNING)]
         for i in np.flatnonzero(states["ending"] != RUNNING):
@@ -377,7 +377,7 @@ class Flow:
 
     def _elsewhere(self, state: Any) -> str:
         """Return why an end has not the contact of the starts; nothing where it has."""
-        touches, kept = bool(state["phase"] == TOUCHING), bool(state["kept"])
+        touches, kept = bool(state["phase"] == TOUCHING), bool(state["limits"]["remembered"])
         if self.contact is None:
             return "The run ends over what its last contact has left of a dent." if kept > touches else ""
         if self._touches:

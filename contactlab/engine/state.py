@@ -100,43 +100,97 @@ CONTACT: Final = record(real=" ".join(variable.name for variable in (*CONTACTS, 
 SAMPLE: Final = record(("contact_mode", np.int8), real=" ".join(each.name for each in (*SERIES, BEARING)))
 """A record of the series; the forces are impulses since the start until the run is read."""
 
+LAW: Final = record(
+    ("friction_limit", float),  # largest |F|/N that it allows [1]
+    ("compliant", int),  # whether it is a PenaltyLaw
+    ("stepped", int),  # whether it is rigid and stepped in time
+    ("constrained", int),  # whether it is rigid and in its limit of no step
+    ("projects", int),  # see MultiplierLaw
+    ("sticks", int),  # see MultiplierLaw
+    ("friction_kind", int),  # SET_VALUED, ELASTOPLASTIC or RATE_DEPENDENT
+    ("variables", int),  # number of internal variables
+    ("coupled", int),  # number of those that are solved together with the friction, 0 or 1
+    ("parity", int),  # ODD or EVEN, of the coupled one
+    ("variables_mark", int),  # identifies the internal variables, see `preparation.memory_mark`
+    ("guards", int),  # number of guards
+    ("has_limits", int),  # whether contact begins and ends at gaps of the law's own
+)
+"""What the kernels of the engine know of a law."""
+
+LIMITS: Final = record(
+    ("contact_gap", float),  # gap at which the next contact begins [m]
+    ("release_gap", float),  # gap at which the last contact ended, if below that of the next, else inf [m]
+    ("stored_energy", float),  # energy that the law stores while the contact is open [J]
+    ("remembered", int),  # whether the variables of the last contact are not reset yet
+)
+"""Beginning of the next contact: a residual indentation delays it."""
+
+WATCHDOG: Final = record(
+    ("window", float),  # time in which events and steps are counted [s]
+    ("start", float),  # start of the present window [s]
+    ("last_event", float),  # time of the last event [s]
+    ("longest_quiet", float),  # longest time without an event so far [s]
+    ("events", int),  # touch-downs, switches and guards in the window
+    ("idle_steps", int),  # steps in a row that hardly move the clock
+    ("most_steps", int),  # largest number of steps in contact in a window
+    ("steps_before", int),  # steps in contact before the window
+)
+"""Stall watchdog."""
+
 STATE: Final = record(
-    # Forces of the last step [N], of which the next begins its guess: friction lies within `bound` of `bias`;
-    # the rate of the coupled internal variable; the contact that goes on; the ledger since t = 0.
-    *((name, FORCE) for name in ("normal", "friction", "bound", "bias", "internal_rate")),
-    ("contact", CONTACT),
-    # That contact as the run before left it; in the run that goes on, the extremes since then.
-    ("part", CONTACT),
-    ("total", LEDGER),
-    ("memory", float, MOST_VARIABLES),  # internal variables of the law, see `contactlab.laws.memory`
-    real="time run_start end piece_end interval origin "  # [s], of run and piece of a waveform; records lie
-    # at origin + (first + i) interval
-    "window window_start last_event calm "  # of the stall watchdog; of the last event; longest time without
-    # one [s]
-    "tolerance "  # of a collocated step [1]
-    "length taken momentum "  # the last step and what was taken of it [s]; impulse scale of the contact [N s]
-    "impact_speed begins left apart "  # with which the contact began [m/s]; gap at which the next contact
-    # begins, and at which the last one ended if below that [m]; what the law stores while apart [J]
-    "earlier_loss "  # what a contact before the run has stored and the run lost [J]
-    "normal_before friction_before "  # of a rigid contact [N]
-    "loaded loaded_stick loaded_rate "  # of the contact until its forces ended, and gap rate there [s], [m/s]
-    "held_energy "  # what a spring of the friction holds at the last record [J]
-    "initial_energy least_open most_open "  # at t = 0; what the ledger's terms left so far [J]
-    "turned_over "  # largest work of drive or load [J]
-    "friction_limit critical_friction "  # largest |F|/N that the law allows; d_nn/|d_nt| of the last step,
-    # from which on a rigid contact may have several solutions or none [1]
-    "normal_force friction_force "  # mean over the last record interval [N]
-    "energy_residual gap root_inertia",  # at the end [J], [m]; root of the rotor's moment of inertia
-    whole="first phase mode sign "  # record of this run; ...; of the slip
-    "level level_before "  # of the next step, of the one before
-    "recorded stored ending events idle "  # records and contacts; in the window; steps without progress
-    "most_steps steps_before "  # in contact in a window, and those taken before it
-    "projects constrained compliant friction_kind parity variables coupled guards "  # of the law; whether a
-    # rigid one has no step; whether the first variable is solved together with the friction
-    "sticks limited "  # whether it may stick in time stepping, and has limits
-    "stepped signature "  # whether it is stepped in time; see `contactlab.engine.preparation.Prepared`
-    "memory_of guard switched kept " + COUNTS,  # whose the memory is; guard that falls; event of a rigid
-    # contact, see `contactlab.laws.memory`; whether the last contact is not forgotten yet
+    ("normal", FORCE),  # normal force of the last step [N]
+    ("friction", FORCE),  # friction of the last step [N], within `bound` of `bias`
+    ("bound", FORCE),  # half the width of the interval of set-valued friction [N]
+    ("bias", FORCE),  # middle of that interval [N]; of a rigid contact that slips the ratio F/N [1]
+    ("internal_rate", FORCE),  # rate of the coupled internal variable [1/s times its unit]
+    ("contact", CONTACT),  # the contact that goes on
+    ("contact_of_run", CONTACT),  # its extremes since this run began
+    ("total", LEDGER),  # energies and impulses since t = 0
+    ("law", LAW),
+    ("limits", LIMITS),
+    ("watchdog", WATCHDOG),
+    ("memory", float, MOST_VARIABLES),  # internal variables of the law
+    ("time", float),  # [s]
+    ("run_start", float),  # time at which this run began [s]
+    ("end", float),  # time at which it ends [s]
+    ("piece_end", float),  # end of the present piece of a waveform [s]
+    ("interval", float),  # record interval [s]
+    ("origin", float),  # records lie at origin + (first + i) interval [s]
+    ("first", int),
+    ("tolerance", float),  # error of a collocated step over the impulse of the contact [1]
+    ("length", float),  # length of the last step [s]
+    ("accepted_length", float),  # part of it up to its event [s]
+    ("impulse_scale", float),  # impulse of the contact that errors are relative to [N s]
+    ("impact_speed", float),  # approach with which the contact began [m/s]
+    ("earlier_loss", float),  # energy stored by a contact before this run and lost in it [J]
+    ("normal_before", float),  # normal force of the step before in time stepping [N]
+    ("friction_before", float),  # friction of the step before in time stepping [N]
+    ("acting_time", float),  # time in the contact until its forces end [s]
+    ("acting_stick_time", float),  # part of it in stick [s]
+    ("acting_end_rate", float),  # gap rate where the forces end [m/s]
+    ("spring_energy", float),  # energy in a spring of the friction at the last record [J]
+    ("initial_energy", float),  # energy at t = 0 [J]
+    ("least_remainder", float),  # least sum of energy and ledger so far [J]
+    ("most_remainder", float),  # largest sum of energy and ledger so far [J]
+    ("turnover", float),  # largest work of drive or load so far [J]
+    ("critical_friction", float),  # d_nn/|d_nt| of the last step, of Painleve's paradox [1]
+    ("normal_force", float),  # mean over the last record interval [N]
+    ("friction_force", float),  # mean over the last record interval [N]
+    ("energy_residual", float),  # of the ledger at the end [J]
+    ("gap", float),  # gap at the end [m]
+    ("root_inertia", float),  # root of the rotor's moment of inertia [kg^0.5 m]
+    ("phase", int),  # RELEASED, SEPARATING, OPEN, TOUCHING or PRESSED
+    ("mode", int),  # FREE, SLIP or STICK
+    ("sign", int),  # of the slip, 1 or -1
+    ("level", int),  # of the next step in the hierarchy of step sizes
+    ("level_before", int),  # of the last one
+    ("record_count", int),  # records of this run so far
+    ("contact_count", int),  # contacts that wait to be collected
+    ("ending", int),  # RUNNING, or why the run has ended
+    ("guard", int),  # guard that falls through zero
+    ("due_event", int),  # event whose reset map a rigid contact applies after the step, else 0
+    ("signature", int),  # digest of motor, law and steps, see `preparation.Prepared`
+    whole=COUNTS,
 )
 """All that a run goes on from, beside displacements and rates."""
 

@@ -313,7 +313,8 @@ def memory_at_end(run: Trajectory, variables: Sequence[InternalVariable] | None 
 def contact_at_end(run: Trajectory) -> State | None:
     """Return the contact in which a run ended, or whose indentation is still there; None in free flight."""
     state = run.state
-    return state if state["phase"] == TOUCHING or (state["kept"] and state["left"] == np.inf) else None
+    dented = state["limits.remembered"] and state["limits.release_gap"] == np.inf
+    return state if state["phase"] == TOUCHING or dented else None
 
 
 def continues(contact: State | None, law: ContactLaw) -> State | None:

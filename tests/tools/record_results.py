@@ -77,7 +77,7 @@ SCALED_TOGETHER = (
     r"(series|sum|curve)/(?:normal|friction)_force",
     r"(series|sum|curve)/(?:gap|tip_(?:normal|tangential)_displacement)",
     r"(series|sum|curve)/(?:rotor_velocity|rotor_angle)",
-    r"(state)/(?:least_open|most_open|total\.\w+_(?:work|loss))",
+    r"(state)/(?:least_remainder|most_remainder|total\.\w+_(?:work|loss))",
     r"(contacts|motion)/(?:normal|friction)_impulse",
     r"(contacts|motion)/(?:start_time|duration|stick_duration)",
     r"(contacts|motion)/(?:approach|separation)_velocity",
