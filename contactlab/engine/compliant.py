@@ -123,6 +123,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state, step = run.state, run.step
     normal, bound, bias, friction, steepness = known[:5]
     build_level(run.plant, run.propagator, level)
+    # The motion without contact at the nodes, from which eq. 3.4 starts.
     free_response(run, level, FIRST)
     for i in range(NODES):
         tip = tip_motion(run.plant, i)
@@ -134,6 +135,8 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     stiffness = steepness * mobility(run, level, FIRST, FIRST)
     lean, sweeps = _lean(run, known, stiffness), 0
     stiff = _is_damped(run, level, known, lean)
+    # Friction that is steep in the slip is solved with the slip held at zero first; else only where the plain
+    # iteration does not contract.
     for fixed in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
         if sweeps == 0:
             _first_forces(run, law, stretch)
@@ -146,6 +149,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     kinked, outweighed = _kinked_force(run, known), _outweighed_error(run)
     if kinked >= 0.0:
         return max(0.5, outweighed * h / allowed) if kinked * h <= allowed else KINK
+    # Eq. 3.10: a polynomial through the nodes misses what is known at the step's start.
     error = max(abs(state.normal.coefficient[0] - normal), outweighed)
     if not depends:
         error = max(error, abs(state.bound.coefficient[0] - bound), abs(state.bias.coefficient[0] - bias))
@@ -153,6 +157,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
         if depends:
             error = max(error, missed_between(run, law, mobility(run, level, FIRST, FIRST)))
+    # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
     return float(error * h / allowed)
@@ -346,6 +351,8 @@ def _collocate(
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
     least_slip = HELD_SLIP if at_zero_slip else LEAST_SLIP
     for sweep in range(1, MOST_ITERATIONS + 1):
+        # Eq. 3.4: the law's answers to the motion that the nodal forces cause; then friction by eq. 3.7 or
+        # 3.9, and the internal variables by eq. 5.2.
         change, most = _sweep_normal(run, law, level, known, lean, stiff)
         holds = at_zero_slip or (sticks and not follows)
         if holds or follows:
@@ -356,6 +363,7 @@ def _collocate(
         least = 1e-3 * AGREEMENT * state.impulse_scale
         if not (flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least)):
             continue
+        # The friction that holds the slip at zero is the start of Newton's method on the law's own.
         if at_zero_slip:
             at_zero_slip = False
             continue

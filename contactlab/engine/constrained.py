@@ -340,8 +340,11 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
     _become(run, law, STICK if left == 0.0 else SLIP, left)
     if rebound <= ROUND_OFF * abs(rate):
         return False
+    # The flights that follow the rebound are taken one by one, unless they are short enough to count as none
+    # (docs/theory/rigid.md, "Rebounds").
     if not _ends(run, rebound, 1.0 - rebound / abs(rate)):
         return True
+    # One impulse takes the rebound back, in stick or with the friction of the slip.
     if left == 0.0:
         p_n, p_t = stick_impulse(rebound, 0.0, d_nn, d_nt, d_tt)
     else:
@@ -404,6 +407,7 @@ def _start(run: Run, law: Law) -> Known:
         frame = settle(run)
         d = _matrix_of(run, frame)
         d_nn, d_nt, d_tt = d
+        # Eq. 4.13: the multipliers where the step starts are those of the accelerations without contact.
         a_n, a_t = free_accelerations(run, START, 0.0)
         recall_start(run, law)
         state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
@@ -414,6 +418,7 @@ def _start(run: Run, law: Law) -> Known:
             normal, friction = stick_impulse(a_n, a_t, d_nn, d_nt, d_tt)
             if _sticks(run, law, normal, friction, d):
                 return normal, friction
+            # Stick outside of its bound opens by itself or slides, against the friction that it would need.
             if normal <= 0.0 <= a_n:
                 return 0.0, 0.0
             _become(run, law, SLIP, -friction)
@@ -423,6 +428,8 @@ def _start(run: Run, law: Law) -> Known:
         if np.isfinite(ratio):
             normal = -a_n / (d_nn + ratio * d_nt)
             return max(normal, 0.0), ratio * max(normal, 0.0)
+        # Slip that presses the bodies together parts where it opens by itself; else an impact without
+        # approach stops it (Painleve), and the contact is looked at once more.
         if a_n >= 0.0 or _impact(run, law, -LASTING * abs(slip), slip) or state.ending != RUNNING:
             return 0.0, 0.0
     state.ending = INCONSISTENT
@@ -467,6 +474,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     h = step_length(run.propagator, level)
     state.length = h
     for i in range(NODES):
+        # The iteration starts from the forces known at the step's start, held over the step.
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
         state.normal.node[i], state.friction.node[i] = known
         state.bias.node[i] = known[1] / known[0]
@@ -503,6 +511,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
             if not sticks:
                 slides = state.sign * max(state.sign * slip, SLIP_ROUND_OFF)
                 state.bias.node[i] = friction_ratio(law, abs(state.normal.node[i]), slides)
+        # Eq. 4.12 at all nodes: gap rates, and in stick slips, to zero by the multipliers.
         change = _correct(run, level, sticks, size)
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
@@ -570,6 +579,8 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
                 s_u, s_th = step.t_u[m], step.t_th[m]
                 by_u, by_th = uu * s_u + mixed * s_th, mixed * s_u + thth * s_th
                 system[i, size] -= missing * (n_u * by_u + n_th * by_th)
+    # What the multipliers change in the rates is exact (eq. 3.3), so one solution would do but for the
+    # turning of the directions.
     solve_linear(system, size)
     most = 0.0
     for i in range(NODES):
@@ -679,6 +690,7 @@ def _first_event(run: Run, law: Law) -> tuple[int, float]:
         d = _matrix_of(run, contact_at(run.plant, START))
         normal = value_at(state.normal, 0.0)
         exact = _jumps(law, 1.0, normal, d) or _jumps(law, -1.0, normal, d)
+    # From node to node: the first interval in which a margin changes its sign has the earliest event.
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         first, s = NOTHING, right

@@ -80,6 +80,7 @@ def step_flight(run: Run, law: Law) -> int:
     coarse = coarseness(run, tip[1])
     h = step_length(run.propagator, level)
     bound = curvature_bound(run, tip, h)
+    # A gap that begins at zero and widens is open up to the highest point of its lower bound.
     opening = _certain_opening(before, widens, bound, h, coarse)
     follows = state.phase != OPEN
     if state.phase == RELEASED:
@@ -98,6 +99,7 @@ def step_flight(run: Run, law: Law) -> int:
     gap -= last_limit
     closes = rate - last_limit_rate
     end = h, gap, rate, last_limit, last_limit_rate
+    # A contact limit that moves in flight raises the gap that must be cleared by its steepest rate.
     if last_limit == limit and limit_rate == 0.0 and last_limit_rate == 0.0:
         run.step.limit_moves = 0
     elif opening > 0.0:
@@ -114,6 +116,7 @@ def step_flight(run: Run, law: Law) -> int:
         limit, limit_rate = limit_at(run, law, law.memory, opening, (before, rate_before, slip))
         opened = opening, before - limit, rate_before, limit, limit_rate
         touch = _first_touch(run, law, opened, end, bound, coarse)
+    # Not open for certain: closed and closing faster at the end is a touch-down, clear of round-off is open.
     elif gap <= 0.0 and closes <= 0.0 and gap + closes < 0.0 and closes < widens:
         touch = h
     elif gap > coarse * CLEAR:
@@ -227,6 +230,7 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
         rate_b = gap_rate_b - min(limit_rate_b, chord)
         bend = abs(limit_rate_b - limit_rate_a)
         indistinct = (bound * h + bend) * h < coarse * RESOLUTION or waiting >= step.wait_time.size
+        # Two lower bounds of the gap, with the largest curvature from either end; docs/theory/flight.md.
         # The parabolas from both ends have the same curvature, so they cross once.
         slope = bound * h - rate_a + rate_b
         least = gap_a + rate_a * h - 0.5 * bound * h * h
@@ -245,6 +249,8 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
             b, gap_b = step.wait_time[waiting], step.wait_gap[waiting]
             gap_rate_b = step.wait_rate[waiting]
             limit_b, limit_rate_b = step.wait_limit[waiting], step.wait_limit_rate[waiting]
+        # Closed at the end, and falling all along: one zero, which is located. Else the piece is halved, its
+        # second half waiting.
         elif gap_b <= 0.0 and gap_rate_a - min(limit_rate_a, limit_rate_b) + bound * h < 0.0:
             return locate(run, law, TOUCH, a, b, coarse * RESOLUTION)
         elif indistinct:

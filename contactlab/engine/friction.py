@@ -139,10 +139,12 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
     right = NODES if holds else 2 * NODES
     for i in range(NODES):
         if holds:
+            # Eq. 3.7: friction that ends the slip at every node.
             for m in range(NODES):
                 system[i, m] = mobility(run, level, i, m)
             system[i, right] = -step.slip[i]
             continue
+        # Eq. 3.9: the law's friction and the rate of its variable, both at once.
         f, g, f_v, f_z, g_v, g_z = _derivatives(run, law, i, least)
         for m in range(NODES):
             s = mobility(run, level, i, m)

@@ -136,6 +136,7 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
                 law.row[HEAD + k] = z + dz
                 g_z = (memory.rate(k, gap, rate, slip, normal, law.parameters) - g) / dz
             size = max(size, abs(z))
+            # Row i of eq. 5.2, linearised in the values of this variable alone.
             left = h * g
             for m in range(NODES):
                 left -= derivative[i, m] * (step.memory[m, k] - first)
@@ -247,6 +248,7 @@ def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float
     if step.kind == FLIGHT:
         fastest = _fastest_relaxation(run, law, memory, s, gap, rate, slip)
         h = RELAXED / fastest if fastest * s > RELAXED else s
+    # Steps grow geometrically from half the fastest relaxation: a decay is over before they are too long.
     _flow_out(run, law, memory, h)
     while h < left:
         left -= h
@@ -381,6 +383,7 @@ def _moving_limit_at(
         dt = NUDGE * step_length(run.propagator, 0)
     for k in range(state.law.coupled, state.law.variables):
         law.row[HEAD + k] += dt * step.memory_rate[k]
+    # The rate of the limit is a difference along the flow of the variables.
     after = memory.limits(rate, law.parameters)[0]
     if state.limits.release_gap < begins:
         return state.limits.release_gap, 0.0
@@ -407,6 +410,8 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     for k in range(state.law.coupled, state.law.variables):
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, law.parameters)
     recall_start(run, law)
+    # Eq. 5.4: what the jump takes from the stored energy is lost; at a release all but what stays stored
+    # while the contact is open.
     if event == AT_RELEASE:
         state.limits.stored_energy = _stored_apart(run, law, memory)
         stored -= state.limits.stored_energy

@@ -200,6 +200,7 @@ def impact_impulses(
             p_n, p_t = law.impact(gap_rate, slip, d[0], d[1], d[2], law.parameters)
             rebound = max(gap_rate + d[0] * p_n + d[1] * p_t, 0.0)
         return lasting_impulses(run, law, (rates[0] - rebound, rates[1]), slip, d)
+    # Eq. 4.8: the approach that the forces of the step have not taken away, without what they add.
     approach = min(max(gap_rate, rates[0]), 0.0)
     if approach == 0.0:
         return lasting_impulses(run, law, rates, slip, d)
