@@ -19,7 +19,7 @@ from contactlab.quantity import UnitError
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.ranges import Range
-from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
 
@@ -46,7 +46,10 @@ class Basins(Study):
         Variable("largest_share", (), "1", "s", "share of the starts in the largest basin"),
     )
 
-    over: Annotated[list[Range] | None, option("two coordinates, NAME=START..END")] = None
+    over: Annotated[
+        list[Range] | Mapping[str, Any] | None,
+        option("two coordinates, NAME=START..END; in Python values of each too"),
+    ] = None
     count: Annotated[int, option("starts along each coordinate", at_least=2, at_most=1000)] = 12
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -58,10 +61,12 @@ class Basins(Study):
         (setup,) = setups.values()
         return [Task("", _map, (setup, self._axes(setup)))]
 
-    def _axes(self, setup: Setup) -> dict[str, Array]:
+    def _axes(self, setup: Setup) -> Mapping[str, Array]:
         """Return the values of both coordinates."""
         if self.over is None:
             return default_axes(setup, self.count)
+        if isinstance(self.over, Mapping):
+            return self.over
         if len(self.over) != 2 or len({each.name for each in self.over} & {*COORDINATES}) != 2:
             raise ConfigurationError(
                 [
@@ -115,8 +120,8 @@ class Basins(Study):
         return {self.name: draw_basins(data.to_dataset())}
 
 
-def _map(setup: Setup, axes: Mapping[str, Array] | None, **options: Any) -> Part:
-    details = mapped(setup, axes, **options)
+def _map(setup: Setup, axes: Mapping[str, Array]) -> Part:
+    details = mapped(setup, axes)
     return Part(xarray.DataTree(details.to_xarray()), details)
 
 
@@ -126,7 +131,7 @@ def basins(
     *,
     law: ContactLaw | None = None,
     output: str | Path | None = None,
-    **options: Any,
+    progress: Progress | None = None,
 ) -> Result:
     """Map which of its steady states a motor comes to: the study `Basins`.
 
@@ -135,17 +140,11 @@ def basins(
         axes: values of two coordinates of the start, keys of `COORDINATES` in
             `contactlab.steady_state.basins`; None takes the default ones.
         law: what acts between tip and rotor; a setup has its own.
-        output: folder of the files; None writes none.
-        options: further ones of `contactlab.steady_state.basins.basins`.
+        output, progress: as of every study.
 
     Raises:
         ValueError: the axes are not two coordinates.
         NoPeriodError: the drive does not repeat itself.
         UnboundedError: an internal variable of the law comes to no steady value.
     """
-    setup = steady_setup(motor, law)
-    part = _map(setup, axes, **options)
-    result = Result.of(Basins(), {"": setup}, part.data, part.details)
-    if output is not None:
-        result.save(output)
-    return result
+    return Basins(over=axes)(steady_setup(motor, law), output=output, progress=progress)

@@ -363,6 +363,8 @@ def plain(value: Any) -> Any:
             return {name: plain(x) for name, x in value.items()}
         case np.generic():
             return value.item()
+        case np.ndarray():
+            return value.tolist()
         case _ if isinstance(value, Path) or hasattr(value, "of_text"):
             return str(value)
     return getattr(value, "content_digest", value)
