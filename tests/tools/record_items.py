@@ -222,7 +222,7 @@ def branch_items() -> Iterator[Item]:
             "id": f"basins_{name}",
             "study": "basins",
             "overrides": text,
-            "options": {"longest": LONGEST},
+            "options": {},
             "axes": axes,
         }
         text, options = (
