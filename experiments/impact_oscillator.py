@@ -19,11 +19,11 @@ from matplotlib.style import context
 from oscillator_with_stop import ImpactOscillator, doubling_between
 
 import contactlab as cl
-from contactlab.plot.orbits import LINES
 from contactlab.plot.style import STYLE
 from contactlab.steady_state.continuation import Followed, Mark, follow
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.shooting import orbit_from
+from contactlab.studies.orbit_figures import LINES
 
 AGREE = 1e-6
 """Relative difference up to which a bifurcation counts as the published one."""

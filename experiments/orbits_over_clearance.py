@@ -15,10 +15,10 @@ from matplotlib.style import context
 from variations import laws_of
 
 import contactlab as cl
-from contactlab.plot.orbits import MARKERS, draw_curve
 from contactlab.plot.style import STYLE
 from contactlab.steady_state.branches import family
 from contactlab.steady_state.continuation import Mark, follow
+from contactlab.studies.orbit_figures import MARKERS, draw_curve
 
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")
 START, LATE, END = 1e-6, 3.85e-6, 3.93e-6

@@ -115,7 +115,7 @@ class Basins(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return the map of the starts."""
         # Imported here: it brings matplotlib.
-        from contactlab.plot.orbits import draw_basins
+        from contactlab.studies.orbit_figures import draw_basins
 
         return {self.name: draw_basins(data.to_dataset())}
 

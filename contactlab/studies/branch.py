@@ -105,7 +105,7 @@ class Branch(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return velocity or torque and largest multiplier over the number."""
         # Imported here: it brings matplotlib.
-        from contactlab.plot.orbits import draw_branch
+        from contactlab.studies.orbit_figures import draw_branch
 
         return {self.name: draw_branch(data.to_dataset())}
 

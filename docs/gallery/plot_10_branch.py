@@ -9,7 +9,7 @@ ever show, because they are unstable. Solid lines are stable; marks are where so
 import matplotlib.pyplot as plt
 
 import contactlab as cl
-from contactlab.plot.orbits import draw_curve
+from contactlab.studies.orbit_figures import draw_curve
 
 # %%
 # As the clearance grows the tip reaches the rotor later and later, until it does not at all.

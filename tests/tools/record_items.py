@@ -218,13 +218,7 @@ def branch_items() -> Iterator[Item]:
     axes = {"rotor_velocity": [-3.0, -1.0, 1.0, 3.0], "drive_phase": [0.0, 0.25, 0.5, 0.75]}
     for name, wide, narrow in (("newton", 3.895e-6, 2.5e-6), ("hertz_penalty", 3.5e-6, 2.5e-6)):
         text = [*LAWS[name], f"contact.clearance={narrow!r}"]
-        yield {
-            "id": f"basins_{name}",
-            "study": "basins",
-            "overrides": text,
-            "options": {},
-            "axes": axes,
-        }
+        yield {"id": f"basins_{name}", "study": "basins", "overrides": text, "options": {}, "axes": axes}
         text, options = (
             [*LAWS[name], f"contact.clearance={wide!r}"],
             {"count": 4, "seed": SEED, "longest": LONGEST},

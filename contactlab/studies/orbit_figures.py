@@ -1,4 +1,4 @@
-"""Pictures of steady states: branches of periodic orbits, and basins of attraction."""
+"""Figures of branches of periodic orbits, and of basins of attraction."""
 
 from itertools import groupby
 from typing import Any, Final
@@ -10,12 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.style import context
 
 from contactlab.estimate import Estimate
 from contactlab.parameter import from_cf
-from contactlab.plot.style import STYLE
 from contactlab.results.summary import prefixed_unit
+from contactlab.studies.figures import THIN, drawing
 
 MARKERS: Final = {
     "fold": "s",
@@ -38,21 +37,18 @@ SPREAD: Final = 5.0
 
 def draw_branch(data: xarray.Dataset) -> Figure:
     """Draw mean rotor velocity and largest multiplier over the parameter, events marked."""
-    with context(STYLE):
-        figure = Figure(figsize=(5.2, 4.0), layout="constrained")
-        upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=(2.0, 1.0))
-        # A velocity that is given says nothing.
-        shown = "torque" if "belt" in (data.attrs["parameter"], *data.attrs) else "rotor_velocity"
-        draw_curve(upper, data, shown)
-        draw_curve(lower, data, "largest_multiplier")
-        upper.set_ylabel({"torque": "mean torque (N m)"}.get(shown, "mean rotor velocity (rad/s)"))
-        lower.set_ylabel("largest multiplier")
-        lower.axhline(1.0, color="0.5", linewidth=0.6, zorder=0)
-        if float(data.largest_multiplier.max()) > SPREAD:
-            lower.set_yscale("log")
-        lower.set_xlabel(data.attrs["parameter"] + _in_brackets(data["value"]))
-        handles, labels = upper.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=4)
+    figure, (upper, lower) = drawing(2, 1, 4.0, sharex=True, height_ratios=(2.0, 1.0))
+    # A velocity that is given says nothing.
+    shown = "torque" if "belt" in (data.attrs["parameter"], *data.attrs) else "rotor_velocity"
+    draw_curve(upper, data, shown)
+    draw_curve(lower, data, "largest_multiplier")
+    upper.set_ylabel({"torque": "mean torque (N m)"}.get(shown, "mean rotor velocity (rad/s)"))
+    lower.set_ylabel("largest multiplier")
+    lower.axhline(1.0, **THIN)
+    if float(data.largest_multiplier.max()) > SPREAD:
+        lower.set_yscale("log")
+    lower.set_xlabel(data.attrs["parameter"] + _in_brackets(data["value"]))
+    figure.legend(*upper.get_legend_handles_labels(), loc="outside upper center", ncols=4)
     return figure
 
 
@@ -79,31 +75,29 @@ def draw_curve(axes: Axes, data: xarray.Dataset, name: str, law: str = "", colou
 
 def draw_basins(data: xarray.Dataset) -> Figure:
     """Draw to which attractor starts go, over both of their coordinates."""
-    with context(STYLE):
-        figure = Figure(figsize=(5.2, 4.2), layout="constrained")
-        axes = figure.subplots()
-        labels = data["label"]
-        x, y = (data[name] for name in labels.dims)
-        colours = [UNKNOWN, *matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]]
-        count = data.sizes["attractor"]
-        chosen = [colours[0], *(colours[1 + i % (len(colours) - 1)] for i in range(count))]
-        axes.pcolormesh(
-            x.values / _unit(x)[1],
-            y.values / _unit(y)[1],
-            labels.values.T,
-            cmap=ListedColormap(chosen),
-            vmin=-1.5,
-            vmax=count - 0.5,
-            shading="nearest",
-            rasterized=True,
-        )
-        for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
-            set_label(each.attrs["long_name"] + _in_brackets(each))
-        handles = [Patch(color=chosen[1 + i], label=_label(data.isel(attractor=i))) for i in range(count)]
-        if int(data.attrs["unresolved"]):
-            share = int(data.attrs["unresolved"]) / labels.size
-            handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: not known"))
-        figure.legend(handles=handles, loc="outside upper center", ncols=1)
+    figure, (axes,) = drawing(1, 1, 4.2)
+    labels = data["label"]
+    x, y = (data[name] for name in labels.dims)
+    colours = [UNKNOWN, *matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]]
+    count = data.sizes["attractor"]
+    chosen = [colours[0], *(colours[1 + i % (len(colours) - 1)] for i in range(count))]
+    axes.pcolormesh(
+        x.values / _unit(x)[1],
+        y.values / _unit(y)[1],
+        labels.values.T,
+        cmap=ListedColormap(chosen),
+        vmin=-1.5,
+        vmax=count - 0.5,
+        shading="nearest",
+        rasterized=True,
+    )
+    for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+        set_label(each.attrs["long_name"] + _in_brackets(each))
+    handles = [Patch(color=chosen[1 + i], label=_label(data.isel(attractor=i))) for i in range(count)]
+    if int(data.attrs["unresolved"]):
+        share = int(data.attrs["unresolved"]) / labels.size
+        handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: not known"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=1)
     return figure
 
 
