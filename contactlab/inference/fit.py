@@ -168,7 +168,7 @@ def candidates_of(
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = truth_in(data, setup.configuration)
         truth = {item.name: numbers[item.name] for item in keys if item.name in numbers}
-        result.append(Candidate(label, problem, truth, origin, numbers_of(setup, keys, free)))
+        result.append(Candidate(label, problem, truth, origin, numbers_of(setup, keys, [*free, *known])))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return result

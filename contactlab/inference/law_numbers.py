@@ -129,12 +129,12 @@ def free_numbers(
     return result
 
 
-def numbers_of(setup: Setup, free: Sequence[FreeParameter], others: Free) -> str:
-    """Return a sentence on the free and fixed numbers of a law, and on free ones that it does not have."""
+def numbers_of(setup: Setup, free: Sequence[FreeParameter], keys: Collection[str]) -> str:
+    """Return a sentence on the free and fixed numbers of a law, and on those of some keys that it lacks."""
     names = {item.name for item in free}
     every = {key_of(name): value for name, value in setup.law.describe().items()}
     fixed = {key: value for key, value in every.items() if key not in names}
-    absent = [key for key in others if key.startswith(LAW) and key not in {*flat(setup.configuration)}]
+    absent = [key for key in keys if key.startswith(LAW) and key not in {*flat(setup.configuration)}]
     return " ".join(
         [
             f"Free: {'; '.join(map(str, free)) or 'nothing'}.",

@@ -13,9 +13,8 @@ from contactlab.config import ConfigurationError, build
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.inference.free_parameters import FreeParameter
-from contactlab.inference.impact_problem import STEP
-from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
-from contactlab.inference.series_problem import NOISE, root_mean_square, student_log_densities
+from contactlab.inference.problem import LOG_TWO_PI
+from contactlab.inference.series_problem import MotorProblem
 from contactlab.laws import LawError
 from contactlab.measured.points import VELOCITY, MeasuredPoints
 from contactlab.motor.table import MeasurementError
@@ -24,42 +23,18 @@ from contactlab.suggestion import suggestion
 
 
 @final
-@dataclass(frozen=True, eq=False)
-class PointsProblem(Problem):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointsProblem(MotorProblem):
     """See `Problem`.
 
     Args:
-        measured: the points.
-        configuration: of the motor by full key, without free numbers and those of the points.
         points: values of the keys of each point, in SI.
         units: of the first key.
-        keys: free numbers of law and motor, named by full keys.
-        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
     """
 
     measured: MeasuredPoints
-    configuration: Mapping[str, Any]
     points: tuple[Mapping[str, float], ...]
     units: str
-    keys: tuple[FreeParameter, ...]
-    degrees_of_freedom: float | None = inf
-
-    @property
-    def law(self) -> str:
-        """Name of the law."""
-        return str(self.configuration["law.name"])
-
-    @property
-    def parameters(self) -> tuple[FreeParameter, ...]:
-        """The free numbers of law and motor."""
-        return self.keys
-
-    @property
-    def nuisances(self) -> tuple[FreeParameter, ...]:
-        """Noise that is not stated, and degrees of freedom."""
-        name, size = f"{NOISE}.{VELOCITY}", root_mean_square(self.measured.values[VELOCITY])
-        noise = () if self.measured.errors else (size_prior(name, "rad s-1", size, "noise"),)
-        return (*noise, *self.free_tails)
 
     @property
     def data(self) -> xarray.Dataset:
@@ -69,56 +44,20 @@ class PointsProblem(Problem):
         velocity = ("point", self.measured.values[VELOCITY], {"units": "rad s-1"})
         return xarray.Dataset({VELOCITY: velocity}, {key: coordinate})
 
-    @property
-    def step(self) -> float | None:
-        """Step of differences of steady states, whose contacts are integrated to a tolerance."""
-        return STEP
-
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return the settled velocities by name; None where the motor has no steady state at a point."""
-        chosen = {item.name: float(value) for item, value in zip(self.keys, values, strict=False)}
+        chosen = self.chosen(values)
         try:
-            velocities = [
-                steady(build(nested({**self.configuration, **chosen, **point}))).velocity.value
-                for point in self.points
-            ]
+            velocities = [steady(build(nested({**chosen, **point}))).velocity.value for point in self.points]
         # Values that are admitted one by one need not be so together.
         except (ConfigurationError, LawError, NotSettledError, BrokenOffError, ValueError):
             return None
         return {VELOCITY: np.array(velocities)}
 
-    def residuals(self, values: Array) -> Array:
-        """Return measured minus predicted over the stated noise, or over the size of the velocities."""
-        predicted, measured = self.predict(values), self.measured.values[VELOCITY]
-        if predicted is None:
-            return np.full(measured.size, np.nan)
-        return (measured - predicted[VELOCITY]) / self.measured.errors.get(
-            VELOCITY, root_mean_square(measured)
-        )
-
-    def log_densities(
-        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
-    ) -> dict[str, Array]:
-        """Return the log density of each velocity."""
-        measured = self.measured.values if observed is None else observed
-        missed, noise = measured[VELOCITY] - predicted[VELOCITY], self._noise(values)
-        if (tails := self.tails(values)) < inf:
-            return {VELOCITY: student_log_densities(missed, noise, tails)}
-        return {VELOCITY: -0.5 * (LOG_TWO_PI + (missed / noise) ** 2) - np.log(noise)}
-
-    def replicate(
-        self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
-    ) -> dict[str, Array]:
-        """Draw velocities: prediction and noise."""
-        count = predicted[VELOCITY].size
-        noise = self._noise(values) * draws.standard_normal(count)
-        return {VELOCITY: predicted[VELOCITY] + noise * student_factor(draws, self.tails(values), count)}
-
-    def _noise(self, values: Array) -> Array:
-        """Return the standard deviation of the noise of each velocity [rad/s]."""
-        if self.measured.errors:
-            return self.measured.errors[VELOCITY]
-        return self.value(values, f"{NOISE}.{VELOCITY}", 0.0) * np.ones(len(self.points))
+    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
+        """Return the log density of each residual; points have no discrepancy."""
+        del amplitude
+        return np.asarray(-0.5 * (LOG_TWO_PI + (missed / noise) ** 2) - np.log(noise))
 
 
 def points_problem(
@@ -151,4 +90,11 @@ def points_problem(
     for point in points:
         build(nested({**settings, **point}))
     units = declared[measured.keys[0]].units
-    return PointsProblem(measured, settings, points, units, tuple(keys), degrees_of_freedom)
+    return PointsProblem(
+        measured=measured,
+        configuration=settings,
+        keys=tuple(keys),
+        points=points,
+        units=units,
+        degrees_of_freedom=degrees_of_freedom,
+    )

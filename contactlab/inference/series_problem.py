@@ -12,6 +12,7 @@ Sources: Uhlenbeck and Ornstein (1930), Phys. Rev. 36, 823; Kalman (1960), J. Ba
 discrepancy Kennedy and O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 """
 
+from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,11 +31,11 @@ from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
 from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
 from contactlab.laws import LawError
+from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MEASURABLE, MeasuredSeries
 from contactlab.motor.outputs import output_variables
 from contactlab.settling.criterion import PRECISION
 from contactlab.settling.verdict import configured_period
-from contactlab.trajectory import Trajectory
 
 ON_GRID: Final = 1e-3
 """Tolerance of equidistant times, as a share of the interval."""
@@ -48,27 +49,22 @@ ON_RECORDS: Final = ("normal_force", "friction_force")
 NOISE, DISCREPANCY = "noise", "discrepancy"
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class SeriesProblem(Problem):
-    """See `Problem`.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class MotorProblem(Problem):
+    """Quantities of a motor; see `Problem`.
 
     Args:
-        measured: the series.
-        configuration: of the run by full key, without the free numbers; times are those of the data.
+        measured: the quantities.
+        configuration: of the motor by full key, without the free numbers.
         keys: free numbers of law and motor, named by full keys.
-        interval: of the records [s].
-        places: indices of the records at the times of the data; None where they lie between records.
-        correlation: correlation time of the discrepancy [s], the drive's period; 0 for no discrepancy.
+        correlation: correlation time of the discrepancy [s]; 0 for no discrepancy.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
     """
 
-    measured: MeasuredSeries
+    measured: MeasuredSeries | MeasuredPoints
     configuration: Mapping[str, Any]
     keys: tuple[FreeParameter, ...]
-    interval: float
-    places: Array | None
-    correlation: float
+    correlation: float = 0.0
     degrees_of_freedom: float | None = inf
 
     @property
@@ -94,31 +90,95 @@ class SeriesProblem(Problem):
                 result.append(size_prior(f"{DISCREPANCY}.{name}", units, size, meaning))
         return (*result, *self.free_tails)
 
+    @property
+    def step(self) -> float | None:
+        """Step of differences of motions integrated to a tolerance."""
+        return STEP
+
+    def chosen(self, values: Array) -> dict[str, Any]:
+        """Return the configuration by full key with these values of law and motor."""
+        numbers = zip(self.keys, values, strict=False)
+        return {**self.configuration, **{item.name: float(value) for item, value in numbers}}
+
+    def residuals(self, values: Array) -> Array:
+        """Return measured minus predicted over the stated noise, or over the size of the quantity."""
+        predicted, measured, errors = self.predict(values), self.measured.values, self.measured.errors
+        if predicted is None:
+            return np.full(sum(x.size for x in measured.values()), np.nan)
+        return np.concatenate(
+            [(x - predicted[name]) / errors.get(name, root_mean_square(x)) for name, x in measured.items()]
+        )
+
+    def log_densities(
+        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
+    ) -> dict[str, Array]:
+        """Return the log density of each datum given those before it, by name."""
+        tails, result = self.tails(values), {}
+        for name, series in (self.measured.values if observed is None else observed).items():
+            missed, noise = series - predicted[name], self.noise(name, values)
+            if tails < inf:
+                result[name] = student_log_densities(missed, noise, tails)
+            else:
+                result[name] = self.normal_log_densities(missed, noise, self.amplitude(name, values))
+        return result
+
+    @abstractmethod
+    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
+        """Return the log densities of residuals with normal noise and a discrepancy."""
+
+    def replicate(
+        self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
+    ) -> dict[str, Array]:
+        """Draw data: prediction, discrepancy and noise."""
+        tails, made = self.tails(values), {}
+        for name, series in predicted.items():
+            noise = self.noise(name, values) * draws.standard_normal(series.size)
+            made[name] = series + noise * student_factor(draws, tails, series.size)
+            if (amplitude := self.amplitude(name, values)) > 0.0:
+                path = draws.standard_normal(series.size)
+                ornstein_uhlenbeck(path, self.data["time"].values, amplitude, self.correlation)
+                made[name] += path
+        return made
+
+    def noise(self, name: str, values: Array) -> Array:
+        """Return the standard deviation of the noise of each datum."""
+        if name in self.measured.errors:
+            return self.measured.errors[name]
+        return self.value(values, f"{NOISE}.{name}", 0.0) * np.ones(self.measured.values[name].size)
+
+    def amplitude(self, name: str, values: Array) -> float:
+        """Return the standard deviation of the discrepancy."""
+        return self.value(values, f"{DISCREPANCY}.{name}", 0.0)
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SeriesProblem(MotorProblem):
+    """See `Problem`; times are those of the data.
+
+    Args:
+        interval: of the records [s].
+        places: indices of the records at the times of the data; None where they lie between records.
+    """
+
+    measured: MeasuredSeries
+    interval: float
+    places: Array | None
+
     @cached_property
     def data(self) -> xarray.Dataset:
         """The series."""
         series = {n: ("time", x, {"units": MEASURABLE[n].units}) for n, x in self.measured.values.items()}
         return xarray.Dataset(series, {"time": self.measured.time})
 
-    @property
-    def step(self) -> float | None:
-        """Step of differences of runs integrated to a tolerance."""
-        return STEP
-
-    def run(self, values: Array) -> Trajectory | None:
-        """Run the motor with these values of law and motor; None if it does not reach the end."""
-        chosen = {item.name: float(value) for item, value in zip(self.keys, values, strict=False)}
+    def predict(self, values: Array) -> dict[str, Array] | None:
+        """Return the series of the run at the times of the data, by name; None if it ends before."""
         try:
-            run = build(nested({**self.configuration, **chosen})).run(record_interval=self.interval)
+            run = build(nested(self.chosen(values))).run(record_interval=self.interval)
         # Values that are admitted one by one need not be so together.
         except (ConfigurationError, LawError, ValueError):
             return None
-        return run if run.ending.reached_end else None
-
-    def predict(self, values: Array) -> dict[str, Array] | None:
-        """Return the series of the run at the times of the data, by name; None without a run."""
-        run = self.run(values)
-        if run is None:
+        if not run.ending.reached_end:
             return None
         series = {name: run.series[name] for name in self.measured.values}
         if self.places is None:
@@ -126,53 +186,12 @@ class SeriesProblem(Problem):
         places = self.places.astype(np.int64)
         return {name: x[places] for name, x in series.items()}
 
-    def residuals(self, values: Array) -> Array:
-        """Return measured minus predicted over the stated noise, or over the size of the series."""
-        predicted = self.predict(values)
-        if predicted is None:
-            return np.full(self.measured.time.size * len(self.measured.values), np.nan)
-        errors = self.measured.errors
-        series = self.measured.values.items()
-        return np.concatenate(
-            [(x - predicted[name]) / errors.get(name, root_mean_square(x)) for name, x in series]
-        )
-
-    def log_densities(
-        self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
-    ) -> dict[str, Array]:
-        """Return the log density of each datum given those before it, by name."""
-        time, tails, result = self.measured.time, self.tails(values), {}
-        for name, series in (self.measured.values if observed is None else observed).items():
-            noise, amplitude = self._noise(name, values)
-            missed = series - predicted[name]
-            if tails < inf:
-                result[name] = student_log_densities(missed, noise, tails)
-            else:
-                result[name] = terms = np.empty(time.size)
-                series_log_densities(missed, time, noise, amplitude, self.correlation or 1.0, terms)
-        return result
-
-    def replicate(
-        self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
-    ) -> dict[str, Array]:
-        """Draw series: prediction, discrepancy and noise."""
-        time, tails, made = self.measured.time, self.tails(values), {}
-        for name, series in predicted.items():
-            noise, amplitude = self._noise(name, values)
-            normal = draws.standard_normal(time.size)
-            made[name] = series + noise * normal * student_factor(draws, tails, time.size)
-            if amplitude > 0.0:
-                path = draws.standard_normal(time.size)
-                ornstein_uhlenbeck(path, time, amplitude, self.correlation)
-                made[name] += path
-        return made
-
-    def _noise(self, name: str, values: Array) -> tuple[Array, float]:
-        """Return the standard deviation of a series' noise at each time, and that of its discrepancy."""
-        amplitude = self.value(values, f"{DISCREPANCY}.{name}", 0.0)
-        if name in self.measured.errors:
-            return self.measured.errors[name], amplitude
-        return self.value(values, f"{NOISE}.{name}", 0.0) * np.ones(self.measured.time.size), amplitude
+    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
+        """Return the log density of each residual given those before it, by a Kalman filter."""
+        terms = np.empty(missed.size)
+        time, correlation = self.measured.time, self.correlation or 1.0
+        series_log_densities(missed, time, noise, amplitude, correlation, terms)
+        return terms
 
 
 def series_problem(
@@ -216,7 +235,7 @@ def series_problem(
     period = configured_period(configuration)
     if discrepancy and not period > 0.0:
         raise ConfigurationError(
-            ["The drive has no period, the discrepancy's correlation time. Leave --discrepancy out."]
+            ["The drive has no period, the discrepancy's correlation time. Leave discrepancy out."]
         )
     if discrepancy and degrees_of_freedom != inf:
         raise ConfigurationError(
@@ -227,8 +246,15 @@ def series_problem(
     settings = {**flat(configuration), **times, "record.interval": interval}
     step = settings.get("solver.contact_step")
     settings["solver.contact_step"] = None if step is None else min(step, duration)
-    correlation = period if discrepancy else 0.0
-    return SeriesProblem(measured, settings, tuple(keys), interval, places, correlation, degrees_of_freedom)
+    return SeriesProblem(
+        measured=measured,
+        configuration=settings,
+        keys=tuple(keys),
+        interval=interval,
+        places=places,
+        correlation=period if discrepancy else 0.0,
+        degrees_of_freedom=degrees_of_freedom,
+    )
 
 
 def records_at(time: Array) -> tuple[float, Array | None]:

@@ -136,6 +136,7 @@ def test_several_laws_have_free_numbers_of_their_own(impacts):
     assert {*newton} == {"contact.friction_coefficient", "law.restitution"}
     assert "law.normal.unloading_stiffness" in composed
     assert "law.normal.loading_stiffness" not in composed
+    assert "law.normal.loading_stiffness" in result.data["newton"].attrs["findings"]
 
 
 def test_no_odds_are_stated_where_the_stated_noise_is_far_too_small(impacts):

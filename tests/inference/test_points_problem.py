@@ -29,20 +29,24 @@ def written(path: Path, velocity: Array, error: float = 0.01) -> Path:
     return path
 
 
-def problem(path: Path, law: str) -> object:
+def problem(path: Path, law: str, *others: str) -> object:
     data = read_measurements(path)
     assert isinstance(data, MeasuredPoints)
-    (candidate,) = candidates_of(data, {"": cl.build([f"law={law}"])}, {"drive.voltage_1": (50, 150)})
+    (candidate,) = candidates_of(
+        data, {"": cl.build([f"law={law}", *others])}, {"drive.voltage_1": (50, 150)}
+    )
     return candidate.problem
 
 
-def test_predictions_are_the_settled_velocities(tmp_path: Path) -> None:
-    exact = velocities("hertz_penalty")
-    made = problem(written(tmp_path / "points.csv", exact), "hertz_penalty")
+@pytest.mark.parametrize("others", [[], ["contact.preload=5", "rotor.bearing_damping=300"]])
+def test_predictions_are_the_settled_velocities(tmp_path: Path, others: list[str]) -> None:
+    """Also of a motor that is pressed on its rotor and never leaves it."""
+    exact = velocities("hertz_penalty", *others)
+    made = problem(written(tmp_path / "points.csv", exact), "hertz_penalty", *others)
     predicted = made.predict(np.array([100.0]))  # type: ignore[attr-defined]
     assert predicted["rotor_velocity"] == pytest.approx(exact, rel=1e-12)
     missed = made.residuals(np.array([90.0]))  # type: ignore[attr-defined]
-    other = velocities("hertz_penalty", "drive.voltage_1=90")
+    other = velocities("hertz_penalty", "drive.voltage_1=90", *others)
     assert missed == pytest.approx((exact - other) / 0.01, rel=1e-9)
 
 
