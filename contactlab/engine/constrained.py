@@ -54,6 +54,7 @@ from contactlab.engine.memory import (
     guess_memory,
     jump,
     memory_at,
+    missed_flow,
     open_step,
     recall,
     recall_start,
@@ -462,7 +463,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     """Solve a step at a level; returns its error over the tolerance, infinite where it has no solution.
 
     The error is what the polynomials of the multipliers miss of their values at the step's start, as an
-    impulse.
+    impulse, and those of the internal variables of their rates.
     """
     state, step = run.state, run.step
     build_level(run.plant, run.propagator, level)
@@ -487,7 +488,8 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if sweeps == 0:
         return inf
     error = max(abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1]))
-    return float(error * h / (state.tolerance * state.impulse_scale))
+    missed = max(error * h / state.impulse_scale, missed_flow(run, law.memory))
+    return float(missed / state.tolerance)
 
 
 @inner_kernel
