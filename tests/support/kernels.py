@@ -18,9 +18,8 @@ def stepped(
     kernels, row = functions_of(law), row_of(law)
     row[HEAD : HEAD + len(variables)] = variables
     bound = SimpleNamespace(impact=kernels["impact"], bound=kernels["bound"], parameters=row)
-    run: Any = SimpleNamespace(
-        state=SimpleNamespace(length=step, mode=mode, sticks=law.sticks, projects=law.projects)
-    )
+    flags = SimpleNamespace(sticks=law.sticks, projects=law.projects)
+    run: Any = SimpleNamespace(state=SimpleNamespace(length=step, mode=mode, law=flags))
     rates, matrix = (normal_rate, tangential_rate), (d[0], d[1], d[2])
     if gap_rate < 0.0 or not law.projects:
         return impact_impulses(run, bound, gap_rate, rates, slip, matrix)  # type: ignore[arg-type]
