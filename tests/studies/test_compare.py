@@ -19,6 +19,7 @@ from contactlab.studies.compare.draws import (
     Distribution,
     Factor,
     Posteriors,
+    Prior,
     as_configured,
     configuration_of,
     drawn,
@@ -315,6 +316,9 @@ def test_laws_at_different_points_are_refused() -> None:
         cl.compare(setups)
     with pytest.raises(cl.ComparisonError, match="observe"):
         cl.compare(setups[:1], observe=["speed"])
+    twice = [Prior("rotor.inertia", 0.1), Prior("rotor.inertia", 0.2)]
+    with pytest.raises(cl.ComparisonError, match=r"rotor\.inertia"):
+        cl.compare(setups[:1], vary=twice)
 
 
 def test_the_other_basis_is_the_converged_one_whose_first_frequency_the_drive_follows() -> None:

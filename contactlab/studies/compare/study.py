@@ -124,6 +124,9 @@ class Compare(Study):
                 f"study.observe is {', '.join(self.observe)}; it must be {first}, then any of "
                 f"{', '.join(others)}."
             )
+        names = [prior.name for prior in self.vary or () if isinstance(prior, Prior)]
+        if twice := next((name for name in names if names.count(name) > 1), ""):
+            faults.append(f"vary has {twice} twice; it must occur once.")
         if not (self.runs or setups):
             faults.append("There is nothing to compare; there must be a run or a setup.")
         if faults:
