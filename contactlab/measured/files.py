@@ -71,19 +71,6 @@ def read_impacts(path: Path) -> MeasuredImpacts:
     return result
 
 
-def read_series(path: Path) -> MeasuredSeries:
-    """Read measured series of a motor from a CSV or netCDF file, or from a run.
-
-    Raises:
-        OSError: the file cannot be read.
-        MeasurementError: it contains no series, or faulty ones; file and column are in the message.
-    """
-    result = read_measurements(path)
-    if not isinstance(result, MeasuredSeries):
-        raise MeasurementError(f"'{path}': it has no series over time, but impacts or operating points.")
-    return result
-
-
 def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:
     """Write measured impacts as contact velocities, whole or not at all; read again they have the same bits.
 
@@ -104,16 +91,6 @@ def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:
             write_csv(data, partial)
     else:
         raise ValueError(f"'{path}' ends in '{path.suffix}'; it must end in .csv or .nc.")
-
-
-def write_series(measured: MeasuredSeries, path: Path) -> None:
-    """Write measured series as netCDF, whole or not at all.
-
-    Raises:
-        OSError: the folder is missing, not writable or full.
-    """
-    with whole_netcdf(path) as partial:
-        measured.to_xarray().to_netcdf(partial, engine="netcdf4")
 
 
 def to_xarray(impacts: MeasuredImpacts) -> xarray.Dataset:

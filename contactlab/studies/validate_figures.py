@@ -48,8 +48,8 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         axes.axvline(float(here["prediction_error"]), **THIN)
         at = (float(here["prediction_error"]), len(labels) - 0.5)
         if floor == floors["law"].values[0]:
-            overrides = "floor: best admissible impulse of each impact "
-            axes.annotate(overrides, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
+            text = "floor: best admissible impulse of each impact "
+            axes.annotate(text, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
     axes.set(xscale="log", xlabel="held-out prediction error")
@@ -94,11 +94,14 @@ def draw_differences(data: xarray.Dataset) -> Figure:
 
 def draw_residuals(data: xarray.Dataset) -> Figure:
     """Draw medians and quartiles of residuals over incidence, approach and slip velocity."""
-    chosen = _compared(data)
+    laws = laws_in(data)
+    # The best of the first four groups.
+    _, firsts = np.unique(laws["group"].values, return_index=True)
+    chosen = [str(laws["law"].values[place]) for place in firsts[:4]]
     across = abscissas(data)
     figure, panels = drawing(3, 3, 5.2, sharex="col", sharey="row")
     for number, law in enumerate(chosen):
-        for row, (overrides, missed) in enumerate(residuals_of(data, law).items()):
+        for row, (name, missed) in enumerate(residuals_of(data, law).items()):
             for column, (axis, x) in enumerate(across.items()):
                 axes = panels[3 * row + column]
                 result = binned(x, missed)
@@ -107,7 +110,7 @@ def draw_residuals(data: xarray.Dataset) -> Figure:
                     band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
                     axes.fill_between(result.at, result.low, result.high, **band)
                 if column == 0:
-                    axes.set_ylabel(overrides)
+                    axes.set_ylabel(name)
                 if row == 2:
                     axes.set_xlabel(axis)
                 if row:
@@ -126,9 +129,9 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
     figure.colorbar(dots, ax=axes, label="least error under any law", extend="max")
     odd = np.flatnonzero(data["unexplained"].values)
     if odd.size:
-        overrides = f"no law explains: {odd.size} of {rate.size}"
+        label = f"no law explains: {odd.size} of {rate.size}"
         ring = {"s": 26.0, "facecolor": "none", "edgecolor": COLOURS["fault"], "linewidth": 0.9}
-        axes.scatter(slip[odd], -rate[odd], label=overrides, **ring)
+        axes.scatter(slip[odd], -rate[odd], label=label, **ring)
         named: list[tuple[float, float]] = []
         spread = np.ptp(slip), np.ptp(rate)
         for place in odd[np.argsort(-least[odd])][:MOST_NUMBERED]:
@@ -142,13 +145,6 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
         legend_above(figure, axes)
     axes.set(xlabel="slip velocity before the impact (m/s)", ylabel="approach velocity (m/s)")
     return figure
-
-
-def _compared(data: xarray.Dataset) -> list[str]:
-    """Return the laws whose residuals are drawn: the best of the first four groups."""
-    laws = laws_in(data)
-    _, firsts = np.unique(laws["group"].values, return_index=True)
-    return [str(laws["law"].values[place]) for place in firsts[:4]]
 
 
 class Binned(NamedTuple):

@@ -8,9 +8,8 @@ import contactlab as cl
 from contactlab.measured.files import (
     MeasurementError,
     read_impacts,
+    read_measurements,
     read_measurements as read,
-    read_series,
-    write_series,
 )
 
 
@@ -32,7 +31,7 @@ def written(tmp_path, change=lambda data: data):
 
 
 def test_units_are_converted_and_one_error_stands_for_all_times(tmp_path):
-    result = read_series(written(tmp_path))
+    result = read_measurements(written(tmp_path))
 
     assert result.values["gap"][0] == pytest.approx(1e-6)
     np.testing.assert_allclose(result.errors["gap"], np.full(10, 1e-7))
@@ -41,9 +40,9 @@ def test_units_are_converted_and_one_error_stands_for_all_times(tmp_path):
 
 
 def test_what_is_written_is_read_again_to_the_last_bit(tmp_path):
-    first = read_series(written(tmp_path))
-    write_series(first, tmp_path / "again.nc")
-    second = read_series(tmp_path / "again.nc")
+    first = read_measurements(written(tmp_path))
+    first.to_xarray().to_netcdf(tmp_path / "again.nc")
+    second = read_measurements(tmp_path / "again.nc")
 
     assert second.values["gap"].tobytes() == first.values["gap"].tobytes()
     assert second.errors["gap"].tobytes() == first.errors["gap"].tobytes()
@@ -53,12 +52,12 @@ def test_what_is_written_is_read_again_to_the_last_bit(tmp_path):
 def test_a_run_is_a_file_of_measured_series(tmp_path):
     run = cl.simulate(cl.build(["solver.duration=2e-4", "record.interval=1e-5", "law=newton"]))
     run.save(tmp_path / "run.nc")
-    result = read_series(tmp_path / "run.nc").only(["gap", "normal_force"])
+    result = read_measurements(tmp_path / "run.nc").only(["gap", "normal_force"])
 
     assert result.values["gap"].tobytes() == run["gap"].values.tobytes()
     assert result.configuration["law"]["name"] == "newton"
     with pytest.raises(ValueError, match="rotor_velocty"):
-        read_series(tmp_path / "run.nc").only(["rotor_velocty"])
+        read_measurements(tmp_path / "run.nc").only(["rotor_velocty"])
 
 
 def renamed(**names):
@@ -94,7 +93,7 @@ def shifted(data):
 )
 def test_a_faulty_netcdf_is_refused(tmp_path, change, named):
     with pytest.raises(MeasurementError, match=rf"data\.nc.*{named}"):
-        read_series(written(tmp_path, change))
+        read_measurements(written(tmp_path, change))
 
 
 ROWS = "".join(f"{at},{-10 * at},{at / 4}\n" for at in range(10))
@@ -138,7 +137,7 @@ def test_a_faulty_series_in_csv_is_refused(tmp_path, head, rows, named):
 
 def test_a_file_of_no_kind_is_refused_with_the_columns_of_each(tmp_path):
     with pytest.raises(MeasurementError) as refused:
-        read_series(text(tmp_path, "t [s],omega [rad/s]\n" + "0,1\n1,1\n"))
+        read_measurements(text(tmp_path, "t [s],omega [rad/s]\n" + "0,1\n1,1\n"))
     for name in ("t, omega", "before_NAME", "time", "rotor_velocity", "rotor.load_torque"):
         assert name in str(refused.value)
 
