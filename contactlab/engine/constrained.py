@@ -54,7 +54,6 @@ from contactlab.engine.memory import (
     guess_memory,
     jump,
     memory_at,
-    missed_flow,
     open_step,
     recall,
     recall_start,
@@ -463,7 +462,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     """Solve a step at a level; returns its error over the tolerance, infinite where it has no solution.
 
     The error is what the polynomials of the multipliers miss of their values at the step's start, as an
-    impulse, and those of the internal variables of their rates.
+    impulse.
     """
     state, step = run.state, run.step
     build_level(run.plant, run.propagator, level)
@@ -488,8 +487,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if sweeps == 0:
         return inf
     error = max(abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1]))
-    missed = max(error * h / state.impulse_scale, missed_flow(run, law.memory))
-    return float(missed / state.tolerance)
+    return float(error * h / (state.tolerance * state.impulse_scale))
 
 
 @inner_kernel

@@ -327,28 +327,6 @@ def open_step(
 
 
 @inner_kernel
-def missed_flow(run: Run, memory: Memory | None) -> float:
-    """Return what the internal variables' polynomials miss of the rates at the step's start, over the step.
-
-    It is relative to the size of the variable [1].
-    """
-    most = 0.0
-    if memory is None:
-        return most
-    state, step, rule = run.state, run.step, run.propagator.rule
-    for k in range(state.law.coupled, state.law.variables):
-        slope, size = 0.0, abs(state.memory[k])
-        for m in range(NODES):
-            size = max(size, abs(step.memory[m, k]))
-            for i in range(NODES):
-                slope += rule.lagrange[m, 0] * rule.derivative[m, i] * (step.memory[i, k] - state.memory[k])
-        missed = abs(slope - state.length * step.memory_rate[k])
-        if missed > 0.0:
-            most = max(most, missed / size)
-    return most
-
-
-@inner_kernel
 def guard_at(run: Run, law: Law, memory: Memory | None, s: float) -> float:
     """Return the guard that is looked at, at time s of a collocated step."""
     if memory is None:

@@ -60,9 +60,12 @@ def test_what_is_stored_less_after_a_jump_is_lost_by_the_contact() -> None:
 
 @pytest.mark.parametrize("law", [Cooling(), RigidAgeing(time=2e-4)], ids=lambda law: law.name)
 def test_what_lives_for_the_run_flows_in_flight_and_in_contact(law: ContactLaw) -> None:
-    made = run(thrown(weight=5.0), law, 1e-3, record_interval=1e-5)
+    step = law.default_contact_step if isinstance(law, RigidAgeing) else None
+    made = run(thrown(weight=5.0), law, 1e-3, step, record_interval=1e-5)
     assert 0.0 < made.contacts["duration"].sum() < made.time[-1]
-    assert_allclose(made.series["internal_warmth"], np.exp(-made.time / 2e-4), rtol=1e-10)
+    # In time stepping memory is of the order of the step.
+    error = 1e-10 if law.name == "cooling" else 1e-4
+    assert_allclose(made.series["internal_warmth"], np.exp(-made.time / 2e-4), rtol=error)
 
 
 @pytest.mark.parametrize("number", cases(range(36), range(6)))
