@@ -10,7 +10,7 @@ from support.tensile_dashpot import TensileDashpot
 from contactlab.laws import LAWS, HertzPenalty, LagrangeSlip, LagrangeStick
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS, Flores, LinearDamping
-from contactlab.laws.friction import FRICTIONS, AgeingStick, Coulomb, LuGre, Mindlin
+from contactlab.laws.friction import FRICTIONS, AgeingStick, Coulomb, LuGre, Microslip, Mindlin
 from contactlab.laws.normal import NORMAL_FORCES, Line, Linear, WaltonBraun
 from contactlab.testing import LawContract
 from contactlab.testing.contract import PROPERTIES
@@ -37,6 +37,8 @@ HELD = {
     **{f"normal_{name}": Composed(normal=part()) for name, part in NORMAL_FORCES.items()},
     **{f"damping_{name}": Composed(damping=part()) for name, part in DAMPINGS.items()},
     **{f"friction_{name}": Composed(friction=part()) for name, part in FRICTIONS.items()},
+    # Each internal variable is changed by itself, and of twelve rings there are many.
+    "friction_microslip": Composed(friction=Microslip(rings=3)),
     "walton_braun_ageing_stick": Composed(WaltonBraun(), friction=AgeingStick()),
     "line_flores_mindlin": Composed(Line(), Flores(0.6), Mindlin(0.2)),
     "hertz_linear_lugre": Composed(damping=LinearDamping(0.7), friction=LuGre(0.4, 1.3)),
