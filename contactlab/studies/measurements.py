@@ -14,7 +14,7 @@ from contactlab.studies.study import Setups
 
 _Data = TypeVar("_Data")
 
-PATTERNS: Final[Mapping[str, re.Pattern[str]]] = {"data": re.compile(r"[^=]+")}
+PATTERNS: Final[Mapping[str, re.Pattern[str]]] = {"data": re.compile(r"(?!-)[^=]+")}
 """Arguments of the command: a word without a sign is the file of the data."""
 
 FreeNumbers = Free | list[Range] | None

@@ -382,8 +382,10 @@ def _built(configuration: Configuration) -> Setup:
         ConfigurationError: with every fault.
     """
     run = dict(configuration)
-    if "study" in run:
-        study_in(run.pop("study"))
+    if "study" in run and (study := study_in(run.pop("study"))).base:
+        raise ConfigurationError(
+            [f"study.data state a motor of their own; a sweep of {study.name} would not be of it."]
+        )
     return build(run)
 
 
