@@ -159,7 +159,12 @@ def test_ctrl_c_inside_the_law_interrupts_the_run(run_of: Runs) -> None:
             signal.raise_signal(signal.SIGINT)
         return interpreted(gap, gap_rate, slip, impact_speed, parameters)
 
-    made = run_of(interrupting, progress=under_way.append)
+    # Another package may have set a handler of its own.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        made = run_of(interrupting, progress=under_way.append)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert came
     assert made.ending is Ending.INTERRUPTED
     assert np.isfinite(made.series["normal_force"]).all()

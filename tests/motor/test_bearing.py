@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.config import rebuild
 from contactlab.engine.equilibrium import at_rest
 from contactlab.motor.bodies import FLAT, block
 from contactlab.motor.geometry import contact_frame
@@ -170,15 +169,6 @@ def test_a_fixed_axle_has_no_bearing(key: str) -> None:
         cl.build([f"rotor.{key}=1"])
     with pytest.raises(cl.ConfigurationError, match=rf"rotor\.{key}"):
         cl.build(["contact.preload=1", f"rotor.{key}=-1"])
-
-
-def test_a_configuration_without_a_bearing_is_one_of_before() -> None:
-    new = {("contact", "preload"), ("rotor", "mass"), ("rotor", "bearing_damping"), ("drive", "signal")}
-    configuration = {
-        group: {key: value for key, value in keys.items() if (group, key) not in new}
-        for group, keys in cl.build().configuration.items()
-    }
-    assert rebuild(configuration).motor.modes.stiffness.size == 4
 
 
 @pytest.mark.parametrize("stiffness", [0.0, 1e5])
