@@ -201,6 +201,25 @@ GROUPS: Final[dict[str, Section]] = {
 }
 """The groups of a run but that of the laws, in the order of a configuration."""
 
+ADDED: Final = frozenset(
+    {
+        "resonator.residual_mass",
+        "contact.preload",
+        "solver.changes",
+        "drive.signal",
+        "rotor.mass",
+        "rotor.bearing_stiffness",
+        "rotor.bearing_damping",
+        "resonator.damping_ratio",
+        "resonator.rod_length",
+        "solver.until",
+        "solver.precision",
+        "piezoceramic.loss_tangent",
+        "piezoceramic.free_permittivity",
+    }
+)
+"""Keys that an option file of one's own may leave out: their defaults are those of the motor of the paper."""
+
 
 @cache
 def keys_of_law(owner: Any) -> Keys:

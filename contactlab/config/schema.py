@@ -6,7 +6,7 @@ from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
 from contactlab.config.faults import unknown_key
-from contactlab.config.groups import GROUPS, LAW, Keys, Section, duration_for
+from contactlab.config.groups import ADDED, GROUPS, LAW, Keys, Section, duration_for
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
 from contactlab.laws.base import PenaltyLaw
@@ -152,8 +152,11 @@ class Examination:
             key = f"{before}{name}"
             try:
                 if name not in section:
-                    raise UnitError(f"{key} is missing; it must be in the configuration.")
-                if isinstance(below, Section):
+                    if key in ADDED and isinstance(below, DeclaredField):
+                        values[name] = below.default
+                    else:
+                        raise UnitError(f"{key} is missing; it must be in the configuration.")
+                elif isinstance(below, Section):
                     values[name] = {}
                     chosen, own = _chosen(below, section[name], key)
                     values[name] = self._values(own, section[name], f"{key}.", chosen)
@@ -175,6 +178,8 @@ def _chosen(section: Section, values: Any, path: str) -> tuple[str, Keys]:
     if not section.selector:
         return next(iter(section.options.items()))
     key, options = f"{path}.{section.selector}", section.labelled
+    if section.selector not in values and key in ADDED:
+        return next(iter(section.options.items()))
     if section.selector not in values:
         raise UnitError(f"{key} is missing; choose one by {group}=NAME.")
     label = values[section.selector]

@@ -322,4 +322,5 @@ def continues(contact: State | None, law: ContactLaw) -> State | None:
     if contact is None:
         return None
     kind = not isinstance(law, MultiplierLaw), getattr(law, "friction_kind", SET_VALUED), memory_mark(law)
-    return contact if kind == tuple(contact[n] for n in ("compliant", "friction_kind", "memory_of")) else None
+    names = "law.compliant", "law.friction_kind", "law.variables_mark"
+    return contact if kind == tuple(contact[name] for name in names) else None

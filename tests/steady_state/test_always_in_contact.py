@@ -66,3 +66,11 @@ def test_a_rotor_that_stands_has_no_velocity_but_round_off_on_a_branch() -> None
     assert (np.abs(data["rotor_velocity"]) <= data["rotor_velocity_error"]).all()
     assert (data["rotor_velocity_error"] < 1e-6).all()
     assert result.tables["events"]["rotor velocity"].tolist() == [0.0, 0.0]
+
+
+def test_its_contact_goes_on_at_finer_steps() -> None:
+    """Each step's search begins in the contact that the one before has left."""
+    result = cl.steady(cl.build(["contact.preload=5", "rotor.bearing_damping=300"]), refine=True)
+    assert result.kind == "periodic"
+    value, error = result.velocity
+    assert error <= 1e-5 * abs(value)
