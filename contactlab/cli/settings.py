@@ -13,7 +13,7 @@ from omegaconf import DictConfig
 from contactlab.checks import Checked
 from contactlab.config import ConfigurationError
 from contactlab.config.composition import resolved
-from contactlab.config.groups import Keys, Section, keys_of
+from contactlab.config.groups import Section, keys_of
 from contactlab.config.options import declare
 from contactlab.config.schema import Examination, Rule
 from contactlab.parameter import Parameter
@@ -40,7 +40,7 @@ class Sweep(Checked):
     workers: Annotated[int | None, _declared("processes at work", at_least=1, at_most=1000)] = None
 
 
-SECTIONS: Final[Keys] = {"sweep": Section({"default": keys_of(Sweep)}), "study": STUDIES}
+SECTIONS: Final[dict[str, Section]] = {"sweep": Section({"default": keys_of(Sweep)}), "study": STUDIES}
 
 RULES: Final = tuple(
     Rule(
@@ -52,7 +52,7 @@ RULES: Final = tuple(
 )
 
 # Workers of a launcher compose the command's configuration too: the task's module brings this with it.
-declare({name: section for name, section in SECTIONS.items() if isinstance(section, Section)})
+declare(SECTIONS)
 
 
 def of_run(config: DictConfig) -> dict[str, Any]:

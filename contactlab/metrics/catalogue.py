@@ -86,11 +86,6 @@ class Metric:
         """The unit as it is read, rad/s for rad s-1, with a space before it; nothing without one."""
         return "" if self.units == "1" else " " + re.sub(r" (\w+)-1$", r"/\1", self.units)
 
-    @property
-    def bracketed(self) -> str:
-        """The unit in brackets."""
-        return self.unit and f" [{self.unit[1:]}]"
-
     def verdict(self, value: float) -> str:
         """Return one of its `verdicts`, `absent` for a NaN, or REPORTED."""
         if isnan(value):
