@@ -71,11 +71,10 @@ def numpy_side(motor: Motor) -> RightHandSide:
 
 def compiled_side(motor: Motor) -> RightHandSide:
     """Return the compiled right-hand side."""
-    modes, shape, omega = motor.modes, motor.geometry, motor.drive.angular_frequency
+    modes, numbers, omega = motor.modes, motor.geometry.numbers, motor.drive.angular_frequency
     force = modes.coupling @ motor.drive.phasors
     in_phase, quadrature = force.real.copy(), force.imag.copy()
     k, c, row_u, row_th = modes.stiffness, modes.damping, modes.tip_displacement, modes.tip_slope
-    tip, radius, clearance = shape.tip_length, shape.rotor_radius, shape.clearance
     count = k.size
 
     @numba.njit(error_model="numpy")
@@ -85,7 +84,7 @@ def compiled_side(motor: Motor) -> RightHandSide:
         for j in range(count):
             u += row_u[j] * y[j]
             th += row_th[j] * y[j]
-        gap, n_u, n_th, _, _ = contact_frame(u, th, tip, radius, clearance)
+        gap, n_u, n_th, _, _ = contact_frame(u, th, *numbers)
         normal = STIFFNESS * (-gap) ** 1.5 if gap < 0.0 else 0.0
         for j in range(count):
             a = -c[j] * y[count + j] - k[j] * y[j] + normal * (n_u * row_u[j] + n_th * row_th[j])

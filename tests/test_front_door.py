@@ -109,7 +109,7 @@ def test_a_run_from_python_records_the_numbers_of_its_motor_and_law(solution: cl
     configuration = yaml.safe_load(solution.to_xarray().attrs["configuration"])
     assert configuration["law"] == {"name": "hertz_penalty", **law().describe()}
     assert configuration["contact"] == {
-        "tip_length": 19e-3, "clearance": 1e-6, "friction_coefficient": 0.3,
+        "tip_length": 19e-3, "clearance": 1e-6, "angle": 0.0, "friction_coefficient": 0.3,
     }  # fmt: skip
     assert configuration["rotor"]["radius"] == 25e-3
     assert configuration["drive"] == {"frequency": 3210.0}

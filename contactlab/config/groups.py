@@ -186,6 +186,7 @@ GROUPS: Final[dict[str, Section]] = {
                     at_least=0.0,
                     hint="A rotor that is pressed on the tip has a contact.preload.",
                 ),
+                "angle": _CONTACT["angle"],
                 "preload": _PRELOAD,
                 SHARED: _narrowed(
                     declared_fields(LagrangeSlip)[SHARED],
@@ -204,6 +205,7 @@ GROUPS: Final[dict[str, Section]] = {
 ADDED: Final = frozenset(
     {
         "resonator.residual_mass",
+        "contact.angle",
         "contact.preload",
         "solver.changes",
         "drive.signal",

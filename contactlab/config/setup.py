@@ -280,7 +280,7 @@ def _motor(values: dict[str, Any]) -> Motor:
         modes = _modes(tuple(flat({group: values[group] for group in ("resonator", *OF_BEAMS)}).items()))
     else:
         modes = _other_modes(values)
-    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"])
+    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"], contact["angle"])
     motor = Motor(modes, drive_of(values["drive"], modes), geometry, Rotor(**rotor))
     if contact["preload"] is None:
         return motor

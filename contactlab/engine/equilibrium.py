@@ -10,7 +10,6 @@ from contactlab.arrays import Array
 from contactlab.engine.binding import FORCE
 from contactlab.engine.preparation import AT_REST, take_in
 from contactlab.laws.base import ContactLaw, PenaltyLaw
-from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import ModalState, Motor
 
 DEEPEST: Final = 1e-3
@@ -39,12 +38,11 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
     modes, geometry = motor.modes, motor.geometry
-    k, row, clearance = modes.stiffness, modes.approach, geometry.clearance
+    k, row, clearance = modes.stiffness, -motor.rows_at_rest[0], geometry.clearance
     for _ in range(MOST_CORRECTIONS):
         q, force = _balanced(motor, law, row, clearance)
         u, th = float(modes.approach @ q), float(modes.tip_slope @ q)
-        lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
-        gap, n_u, n_th, _, _ = contact_frame(u, th, *lengths)
+        gap, n_u, n_th, _, _ = geometry.frame(u, th)
         if abs(gap - (clearance - float(row @ q))) <= CLOSED * OPEN:
             if force == 0.0 and gap < 0.0:
                 raise ValueError("A mode without stiffness gives way to the preload: nothing balances it.")

@@ -159,7 +159,8 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes. The
     answer from rest to a force f exp(i omega s) has |a(s)| <= |f| (1 + omega s), as its impulse response
     never moves faster than it began; that to a waveform's force has |a(s)| <= |f(0)| + int |fdot|. The rest
-    is geometry: |dn.L/dth| <= L_tip |th| (L_tip + R + |e|) / R and the centripetal terms.
+    is geometry: |dn.L/dth| <= L_tip (|th| (L_tip + R + |e|) + |sin beta| (R + g_0)) / R and the centripetal
+    terms.
     """
     plant, lengths = run.plant, run.plant.geometry
     u_acc, th_acc = 0.0, 0.0
@@ -192,6 +193,7 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     length, radius = lengths.tip_length, lengths.radius
     excess = lengths.clearance + u + 0.5 * length * th * th
     lever = length * th * (length + radius + excess) / radius
+    lever += length * abs(lengths.sine) * (radius + lengths.clearance) / radius
     speed = u_rate + length * th_rate
     return float(u_acc + lever * th_acc + length * th_rate * th_rate + speed * speed / radius)
 
@@ -212,7 +214,9 @@ def coarseness(run: Run, slope: float) -> float:
             part += abs(plant.phasors[j, k].steady_re) + abs(plant.phasors[j, k].steady_im)
         u += abs(mode.row_u) * part
         th += abs(mode.row_th) * part
-    lever = lengths.tip_length * abs(slope) * (1.0 + lengths.tip_length / lengths.radius)
+    lever = lengths.tip_length * (
+        abs(slope) * (1.0 + lengths.tip_length / lengths.radius) + abs(lengths.sine)
+    )
     return float(max((abs(u) + lever * th) / REACH, 1.0))
 
 

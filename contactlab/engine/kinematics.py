@@ -59,8 +59,10 @@ def tip_motion(plant: Plant, place: int) -> Tip:
 def contact_of(plant: Plant, tip: Tip) -> Contact:
     """Return the contact of a motion of the tip."""
     u, th, u_rate, th_rate, rotor = tip
-    lengths = plant.geometry
-    gap, n_u, n_th, t_u, t_th = contact_frame(u, th, lengths.tip_length, lengths.radius, lengths.clearance)
+    of = plant.geometry
+    gap, n_u, n_th, t_u, t_th = contact_frame(
+        u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
+    )
     rate = n_u * u_rate + n_th * th_rate
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 

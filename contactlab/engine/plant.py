@@ -44,7 +44,7 @@ ORDERS = MOST_DEGREE + 1
 ELECTRODES = 8
 """Electrodes with a waveform that every plant has room for; more compile the engine anew."""
 
-GEOMETRY = record(real="tip_length radius clearance")
+GEOMETRY = record(real="tip_length radius clearance cosine sine")
 MODE = record(
     ("q", float, PLACES),
     ("v", float, PLACES),
@@ -59,11 +59,11 @@ PHASOR = record(real="force_re force_im steady_re steady_im", whole="near")
 Plant = Any
 """A motor and where it is, a record; j runs over coordinates, k over tones.
 
-geometry [m]; mode_count, tone_count. modes[j]: coefficients and contact rows, displacement q and rate v at
-every place of a step; near, whether a tone is nearly resonant. tones[k]: omega [rad/s], amplitudes
-of the steady state at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force
-and steady-state displacement, the latter zero where mode and tone are `near`ly resonant. Real and imaginary
-parts stand apart because complex products are slow in compiled loops this short.
+geometry [m], cosine and sine of its angle; mode_count, tone_count. modes[j]: coefficients and contact rows,
+displacement q and rate v at every place of a step; near, whether a tone is nearly resonant. tones[k]: omega
+[rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of omega t at every place.
+phasors[j, k]: of force and steady-state displacement, the latter zero where mode and tone are `near`ly
+resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
 wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
 where it does not repeat itself; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e]
 [N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
@@ -116,7 +116,7 @@ def plant_of(motor: Motor) -> Plant:
     rooms = room_for(count, MODES), room_for(omega.size, TONES), room_for(electrodes, ELECTRODES)
     plant = new_record(plant_record(*rooms))
     plant["mode_count"], plant["tone_count"] = count, omega.size
-    plant["geometry"] = geometry.tip_length, geometry.rotor_radius, geometry.clearance
+    plant["geometry"] = geometry.numbers
     made, tones = modes_of(plant), plant["tones"][: omega.size]
     stiffness, damping = made["stiffness"], made["damping"]
     stiffness[:-1], damping[:-1] = modes.stiffness, modes.damping

@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
 from contactlab.metrics.run import Run, declares, needed, positive
-from contactlab.motor.geometry import contact_frame
+from contactlab.motor.geometry import ContactGeometry
 from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 from contactlab.window import CLOCK
 
@@ -201,13 +201,18 @@ def depth_deficit(run: Run) -> float:
     source="paper, eqs. 35-37",
 )
 def gap_mismatch(run: Run) -> float:
-    keys = ("contact.tip_length", "rotor.radius", "contact.clearance")
-    lengths = [run.setting(key) for key in keys]
+    geometry = ContactGeometry(
+        tip_length=run.setting("contact.tip_length"),
+        rotor_radius=run.setting("rotor.radius"),
+        clearance=run.setting("contact.clearance"),
+        # Runs of before the angle lack it.
+        angle=run.settings.get("contact.angle", 0.0),
+    )
     u, slope = run.series("tip_normal_displacement"), run.series("tip_slope")
     if "rotor_normal_displacement" in run.columns:
         u = u - run.series("rotor_normal_displacement")
     pairs = zip(u.tolist(), slope.tolist(), strict=True)
-    expected = np.array([contact_frame(rise, turn, *lengths)[0] for rise, turn in pairs])
+    expected = np.array([geometry.frame(rise, turn)[0] for rise, turn in pairs])
     return float(np.abs(run.series("gap") - expected).max()) / _motion(run)
 
 

@@ -43,7 +43,7 @@ def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
     It begins at rest: where the bearing's spring leaves the rotor, or on the tip, which it touches without
     force yet; what follows is part of the run. The drive and a start of the modes are kept.
     """
-    modes, root, clearance = motor.modes, sqrt(bearing.mass), motor.geometry.clearance
+    modes, root, geometry = motor.modes, sqrt(bearing.mass), motor.geometry
     count = modes.stiffness.size
     none = np.zeros(count)
     carried = none if modes.rotor_displacement is None else modes.rotor_displacement
@@ -60,7 +60,7 @@ def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
     way = 0.0
     if bearing.preload > 0.0:
         free = bearing.preload / bearing.stiffness if bearing.stiffness > 0.0 else inf
-        way = min(free, max(clearance, 0.0) * (1.0 - TOUCHING))
+        way = min(free, max(geometry.way_to_touch, 0.0) * (1.0 - TOUCHING))
     start = motor.start or ModalState(none, none)
     return replace(
         motor,

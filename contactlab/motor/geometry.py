@@ -1,62 +1,109 @@
 """Where tip and rotor touch, and every sign of the contact.
 
 The tip end is L = (-L_tip sin th, L_tip cos th + u); the rotor's centre lies at
-(0, L_tip + clearance + R) (eqs. 35-37). With d = L - centre:
+(0, L_tip) + (clearance + R) (sin beta, cos beta), straight above the tip in the paper, where beta = 0
+(eqs. 35-37). With d = L - centre:
 
     gap     g = |d| - R                        positive when open
-    normal  n = d / |d|                        from the rotor's centre to the tip, (0, -1) at rest
-    tangent t = n turned by +90 degrees        (1, 0) at rest; the paper's e_mu is -t (eqs. 43, 46)
+    normal  n = d / |d|                        from the rotor's centre to the tip, (0, -1) at rest, beta = 0
+    tangent t = n turned by +90 degrees        (1, 0) there; the paper's e_mu is -t (eqs. 43, 46)
     force on the tip   N n + F t,  N >= 0,  |F| <= mu N
     slip    v = t . Ldot - R Omega             friction opposes it: F = -mu N sign(v)
     rotor   J Omegadot = -R F - C_r Omega - tau   (eq. 48 prints the torque without R)
 """
 
 from dataclasses import dataclass
-from math import cos, sin, sqrt
+from functools import cached_property
+from math import cos, inf, pi, sin, sqrt
 from typing import Annotated, final
 
 from contactlab.checks import Checked
 from contactlab.compiler.kernels import kernel
 from contactlab.parameter import Parameter, positive
 
+_ANGLE = Parameter(
+    "beta",
+    "rad",
+    "angle from the tip's axis to the rotor's centre, seen from the tip, to positive x",
+    above=-0.5 * pi,
+    below=0.5 * pi,
+)
+
+Frame = tuple[float, float, float, float, float]
+"""Gap [m], n.dL/du [1], n.dL/dth [m], t.dL/du [1], t.dL/dth [m]."""
+
 
 @final
 @dataclass(frozen=True)
 class ContactGeometry(Checked):
-    """Lengths of the contact; a negative clearance, for compliant laws only, presses the tip on the rotor.
+    """Lengths of the contact, and how far the rotor lies off the tip's axis.
+
+    A negative clearance, for compliant laws only, presses the tip on the rotor. With an angle the normal
+    meets the tip's axis obliquely, as on a leg that leans, and a normal impulse changes the slip: D_nt of a
+    motor that mirrors itself is sin(beta) cos(beta) (1/m_u - L_tip^2/I_th) instead of zero.
 
     >>> import contactlab as cl
     >>> cl.ContactGeometry(tip_length=19e-3, rotor_radius=25e-3, clearance=0.5e-6)
-    ContactGeometry(tip_length=0.019, rotor_radius=0.025, clearance=5e-07)
+    ContactGeometry(tip_length=0.019, rotor_radius=0.025, clearance=5e-07, angle=0.0)
     """
 
     tip_length: Annotated[float, positive("L_tip", "m", "from the beam to the tip end")] = 19e-3
     rotor_radius: Annotated[float, positive("R", "m", "radius of the rotor")] = 25e-3
     clearance: Annotated[float, Parameter("g_0", "m", "gap at rest")] = 1e-6
+    angle: Annotated[float, _ANGLE] = 0.0
+
+    @cached_property
+    def numbers(self) -> tuple[float, float, float, float, float]:
+        """The last arguments of `contact_frame`."""
+        return self.tip_length, self.rotor_radius, self.clearance, cos(self.angle), sin(self.angle)
+
+    @property
+    def way_to_touch(self) -> float:
+        """How far the tip rises along its axis until it touches [m], infinite if it passes by the rotor.
+
+        The smaller root of u^2 - 2 u (R + g_0) cos beta + g_0 (2 R + g_0) = 0.
+        """
+        radius, gap = self.rotor_radius, self.clearance
+        half = (radius + gap) * cos(self.angle)
+        square = half * half - gap * (2.0 * radius + gap)
+        return gap * (2.0 * radius + gap) / (half + sqrt(square)) if square >= 0.0 else inf
+
+    def frame(self, u: float, th: float) -> Frame:
+        """Return gap and directions where the tip is displaced by u [m] and leans by th [rad]."""
+        result: Frame = contact_frame(u, th, *self.numbers)
+        return result
 
 
 @kernel
 def contact_frame(
-    u: float, th: float, tip_length: float, radius: float, clearance: float
-) -> tuple[float, float, float, float, float]:
+    u: float, th: float, tip_length: float, radius: float, clearance: float, cosine: float, sine: float
+) -> Frame:
     """Gap and the four partial derivatives that map tip rates to contact rates and forces back.
 
     Args:
         u: displacement of the beam's centre [m].
         th: slope of the beam's centre [rad].
         tip_length, radius, clearance: L_tip, R and clearance [m].
+        cosine, sine: of the angle beta.
 
     Returns:
         gap [m], n.dL/du [1], n.dL/dth [m], t.dL/du [1], t.dL/dth [m]. The gap is formed from
         |d|^2 - R^2 without cancellation, so it is good to round-off of itself, not of R.
     """
-    sine = sin(th)
-    cosine = cos(th)
+    sine_th = sin(th)
+    cosine_th = cos(th)
     half = sin(0.5 * th)
-    across = tip_length * sine
-    excess = clearance - u + 2.0 * tip_length * half * half
+    # How far the tip has come against x, and how far its leaning has drawn it back.
+    aside = tip_length * sine_th
+    back = 2.0 * tip_length * half * half
+    # In the axes of the contact at rest, along the line of centres and across it.
+    across = aside * cosine + (u - back) * sine
+    excess = clearance - u * cosine + back * cosine + aside * sine
     distance = sqrt(across * across + (radius + excess) * (radius + excess))
     gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
-    nx = -across / distance
-    ny = -(radius + excess) / distance
-    return (gap, ny, -tip_length * (cosine * nx + sine * ny), nx, tip_length * (cosine * ny - sine * nx))
+    aslant = -across / distance
+    straight = -(radius + excess) / distance
+    nx = aslant * cosine + straight * sine
+    ny = straight * cosine - aslant * sine
+    normal = -tip_length * (cosine_th * nx + sine_th * ny)
+    return (gap, ny, normal, nx, tip_length * (cosine_th * ny - sine_th * nx))

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Annotated, Final, final
 
 import numpy as np
@@ -11,7 +12,7 @@ from contactlab.arrays import Array
 from contactlab.checks import Checked, check_number, check_shape
 from contactlab.immutable import Immutable
 from contactlab.motor.drive import Drive
-from contactlab.motor.geometry import ContactGeometry, contact_frame
+from contactlab.motor.geometry import ContactGeometry
 from contactlab.parameter import Parameter, not_negative, positive
 
 ROUND_OFF: Final = 1e-9
@@ -229,7 +230,7 @@ class Motor(Checked, Immutable):
         A belt has neither damping nor load, and `BELT` times the mass that the tip has along it.
         """
         rotor, geometry = self.rotor, self.geometry
-        mobility = float(np.sum((geometry.tip_length * self.modes.tip_slope) ** 2))
+        mobility = float(np.sum(self.rows_at_rest[1] ** 2))
         light = rotor.inertia * mobility < BELT * (1.0 - 1e-9) * geometry.rotor_radius**2
         return None if light or rotor.damping or rotor.load_torque else rotor.initial_velocity
 
@@ -240,9 +241,15 @@ class Motor(Checked, Immutable):
         They have no stiffness, and move the tip along a flat contact alone, or not at all.
         """
         flat = min(self.geometry.tip_length, self.geometry.rotor_radius) >= FLAT
-        modes = self.modes
-        free = (modes.stiffness == 0.0) & (modes.approach == 0.0) & (flat | (modes.tip_slope == 0.0))
-        return np.asarray(free)
+        normal, tangential = self.rows_at_rest
+        return np.asarray((self.modes.stiffness == 0.0) & (normal == 0.0) & (flat | (tangential == 0.0)))
+
+    @cached_property
+    def rows_at_rest(self) -> tuple[Array, Array]:
+        """G at rest: gap rate and slip less the rotor's of unit rates [kg^-1/2], shape (mode,) each."""
+        _, n_u, n_th, t_u, t_th = self.geometry.frame(0.0, 0.0)
+        approach, slope = self.modes.approach, self.modes.tip_slope
+        return n_u * approach + n_th * slope, t_u * approach + t_th * slope
 
     @property
     def force_phasors(self) -> NDArray[np.complex128]:
@@ -280,7 +287,6 @@ def free_reach(motor: Motor) -> float:
         q = q + still[:, None]
     if not np.isfinite(q).all():
         return float("nan")
-    lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
     seen = zip((modes.approach @ q).tolist(), (modes.tip_slope @ q).tolist(), strict=True)
-    least = min(contact_frame(u, th, *lengths)[0] for u, th in seen)
+    least = min(geometry.frame(u, th)[0] for u, th in seen)
     return float(geometry.clearance - least)

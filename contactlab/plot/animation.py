@@ -274,7 +274,7 @@ def _pitch(film: Film) -> float:
 
 def _tip_outline(film: Film, number: int) -> Array:
     """Return the tip as seen from its end, which is a point: a wedge and a bar that leaves the picture."""
-    slope = film.magnification * film.slope[number]
+    slope = film.magnification * film.slope[number] + film.run.angle
     width, wedge, bottom = 0.022 * film.size, 0.05 * film.size, film.run.tip_length
     corners = ((0, 0), (-width, -wedge), (-width, -bottom), (width, -bottom), (width, -wedge))
     across, along = (np.cos(slope), np.sin(slope)), (-np.sin(slope), np.cos(slope))

@@ -103,9 +103,9 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     def at_frames(name: str) -> Array:
         return np.interp(edges[1:], time, recorded(name))
 
-    def motion(name: str) -> Array:
+    def motion(values: Array) -> Array:
         # What is larger than the motor itself has diverged.
-        values = np.where(np.abs(recorded(name)) < size, recorded(name), np.nan)
+        values = np.where(np.abs(values) < size, values, np.nan)
         if not np.isfinite(values).any():
             raise UnfitRunError(f"has diverged between {start:g} s and {end:g} s, there is nothing to draw")
         return values
@@ -121,7 +121,7 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
         # What is left of a difference of sums is no force.
         return np.where(np.abs(mean) > 1e-6 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
 
-    tangential, gap = motion("tip_tangential_displacement"), motion("gap")
+    tangential, gap = motion(drawable(run.path[0])), motion(recorded("gap"))
     reach = float(np.nanmax(np.abs((tangential, gap))))
     return Film(
         run=run,

@@ -169,15 +169,10 @@ def _draw_steady(axes: Axes, settling: Settling) -> None:
 def _draw_path(axes: Axes, window: Recording) -> None:
     """Draw the path of the tip end and the rotor's surface, both from the tip end's place at rest.
 
-    x = -L_tip sin th, y = u - w + L_tip (cos th - 1) with the rotor's way w; rotor: (0, clearance + R)
-    + R (sin, -cos).
+    The rotor is (0, clearance + R) + R (sin, -cos) in the axes of the contact at rest.
     """
     series, surface = window.series, window.clearance
-    x = drawable(series["tip_tangential_displacement"])
-    # 1 - cos th without cancellation.
-    versine = 2.0 * np.sin(0.5 * series["tip_slope"]) ** 2
-    rise, lift = series["tip_normal_displacement"], series.get("rotor_normal_displacement", 0.0)
-    y = drawable(rise - lift - window.tip_length * versine)
+    x, y = map(drawable, window.path)
     # A distant rotor would shrink the path to a dot.
     size = max(extent(x)[1], extent(y)[1])
     near = size == 0.0 or abs(surface - extent(y)[0]) <= 4.0 * size
@@ -201,7 +196,8 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     axes.set_title(title, loc="right", y=1.0, fontsize=7, pad=4)
     axes.locator_params(nbins=6)
     axes.set_xlabel(f"tangential displacement ({unit})")
-    label = "relative normal displacement" if np.any(lift) else "normal displacement"
+    moves = np.any(series.get("rotor_normal_displacement", 0.0))
+    label = "relative normal displacement" if moves else "normal displacement"
     axes.set_ylabel(f"{label} ({unit})")
 
 

@@ -47,6 +47,7 @@ class Recording:
         attributes: of the dataset.
         start, end: of the part [s].
         tip_length, radius, clearance: of tip end, rotor and the gap at rest [m].
+        angle: from the tip's axis to the rotor's centre [rad].
         period: of the first tone, or else of the first natural frequency; endless without both [s].
     """
 
@@ -58,12 +59,32 @@ class Recording:
     tip_length: float
     radius: float
     clearance: float
+    angle: float
     period: float
 
     @property
     def time(self) -> Array:
         """Times of the records [s]."""
         return np.asarray(self.series["time"], dtype=float)
+
+    @property
+    def path(self) -> tuple[Array, Array]:
+        """The tip end from its place at rest [m], across the line of centres there and along it to the rotor.
+
+        x = -L_tip sin th, y = u - w + L_tip (cos th - 1) with the rotor's way w, turned by the angle beta:
+        (x cos beta - y sin beta, x sin beta + y cos beta).
+        """
+        # 1 - cos th without cancellation.
+        versine = 2.0 * np.sin(0.5 * self.series["tip_slope"]) ** 2
+        x, lift = (
+            self.series["tip_tangential_displacement"],
+            self.series.get("rotor_normal_displacement", 0.0),
+        )
+        y = self.series["tip_normal_displacement"] - lift - self.tip_length * versine
+        cosine, sine = np.cos(self.angle), np.sin(self.angle)
+        # A run that has diverged may not be finite.
+        with np.errstate(invalid="ignore"):
+            return x * cosine - y * sine, x * sine + y * cosine
 
     @property
     def coarse(self) -> bool:
@@ -117,6 +138,7 @@ def recording_of(run: "xarray.DataTree | Groups") -> Recording:
     try:
         contact, radius = configuration["contact"], float(configuration["rotor"]["radius"])
         tip_length, clearance = float(contact["tip_length"]), float(contact["clearance"])
+        angle = float(contact.get("angle", 0.0))
         first = configuration.get("drive", {}).get("frequency")
         frequency = float(first or root["natural_frequency"].values[0])
     except (LookupError, TypeError, ValueError, AttributeError) as fault:
@@ -136,6 +158,7 @@ def recording_of(run: "xarray.DataTree | Groups") -> Recording:
         tip_length=tip_length,
         radius=radius,
         clearance=clearance,
+        angle=angle,
         period=1.0 / frequency if frequency else np.inf,
     )
 

@@ -208,7 +208,7 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
     parameters, geometry = law.describe(), motor.geometry
     settings: dict[str, dict[str, Any]] = {
         "law": {"name": law.name, **parameters},
-        "contact": {"tip_length": geometry.tip_length, "clearance": geometry.clearance},
+        "contact": {name: getattr(geometry, name) for name in ("tip_length", "clearance", "angle")},
         "rotor": {"radius": geometry.rotor_radius, **asdict(motor.rotor)},
     }
     if motor.drive.frequency.size:

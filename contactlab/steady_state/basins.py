@@ -167,7 +167,7 @@ def amplitudes(setup: Setup) -> Array:
 def reach(setup: Setup) -> float:
     """Return a bound of the free tip's velocity along the rotor, over the rotor's radius [rad/s]."""
     motor = setup.motor
-    along = motor.geometry.tip_length * np.abs(motor.modes.tip_slope) @ amplitudes(setup)
+    along = np.abs(motor.rows_at_rest[1]) @ amplitudes(setup)
     return float(along / motor.geometry.rotor_radius)
 
 

@@ -18,7 +18,6 @@ from contactlab.laws.base import SET_VALUED, STICK, ContactLaw, MultiplierLaw
 from contactlab.laws.memory import InternalVariable
 from contactlab.motor import ModalState, Motor
 from contactlab.motor.drive import NoPeriodError as NoPeriodError, period_of as period_of
-from contactlab.motor.geometry import contact_frame
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import INTERNAL
 
@@ -196,10 +195,8 @@ class PeriodMap:
         sticks = sticks and (rigid or getattr(law, "friction_kind", None) == SET_VALUED)
         if not (rigid or sticks):
             return modal, velocity
-        lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
         for _ in range(PROJECTIONS if rigid else 1):
-            frame = contact_frame(float(modes.approach @ q), float(modes.tip_slope @ q), *lengths)
-            gap, n_u, n_th, t_u, t_th = frame
+            gap, n_u, n_th, t_u, t_th = geometry.frame(float(modes.approach @ q), float(modes.tip_slope @ q))
             normal = n_u * modes.approach + n_th * modes.tip_slope
             if rigid:
                 q = q - normal * (gap / (normal @ normal))

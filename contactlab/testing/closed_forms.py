@@ -17,7 +17,6 @@ from contactlab.laws.damping import (
 )
 from contactlab.laws.friction import Coulomb, LuGre, Mindlin, Regularised
 from contactlab.laws.normal import NORMAL_FORCES, Linear
-from contactlab.motor.geometry import contact_frame
 from contactlab.testing.claim import Claims, at_most, close
 from contactlab.testing.plants import FLAT, HEAVY, block, coupled_body, first, last, run, way_of
 from contactlab.trajectory import Trajectory
@@ -99,10 +98,10 @@ def modal_impacts(seed: int = 1) -> Claims:
     m_eff = 1/(G M^-1 G'), frictionless; with stick, loss = v' D^-1 v / 2 with v = (gdot, slip).
     """
     motor = coupled_body(seed)
-    modes, rotor, radius = motor.modes, motor.rotor, motor.geometry.rotor_radius
-    _, *frame = contact_frame(0.0, 0.0, motor.geometry.tip_length, radius, 0.0)
-    g_n, g_t = np.reshape(frame, (2, 2)) @ [modes.approach, modes.tip_slope]
-    d_nn, d_nt, d_tt = g_n @ g_n, g_n @ g_t, g_t @ g_t + radius**2 / rotor.inertia
+    rotor, radius = motor.rotor, motor.geometry.rotor_radius
+    g_n, g_t = motor.rows_at_rest
+    d_nn, d_nt = float(g_n @ g_n), float(g_n @ g_t)
+    d_tt = float(g_t @ g_t) + radius**2 / rotor.inertia
     touch = first(run(motor, LagrangeStick(0.0), 1e-8, INSTANT), "start_time")
     for law, e in rigid_laws(0.0, 0.6):
         made, text = (run(motor, law, touch + INSTANT, INSTANT), f"modal impact, e = {e:g}, {law.name}")

@@ -67,10 +67,11 @@ def mirrors(bench: Bench) -> Claims:
     velocity, torque = -rotor.initial_velocity, -rotor.load_torque
     modes = replace(motor.modes, tip_slope=-motor.modes.tip_slope)
     turned = replace(rotor, initial_velocity=velocity, load_torque=torque)
+    geometry = replace(motor.geometry, angle=-motor.geometry.angle)
     moving = ("tip_tangential_displacement", "tip_slope", "rotor_velocity", "rotor_angle")
     odd = [f"internal_{each.name}" for each in bench.law.internal_variables if each.parity == ODD]
     signed = (*moving, "slip_velocity", "friction_force", "friction_impulse", *odd)
-    result = _differing(bench, replace(motor, modes=modes, rotor=turned), signed)
+    result = _differing(bench, replace(motor, modes=modes, rotor=turned, geometry=geometry), signed)
     yield at_most(f"quantities that differ in the mirror {result}", len(result), 0)
 
 

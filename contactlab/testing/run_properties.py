@@ -1,6 +1,5 @@
 """Properties of the runs of a law: its forces, what they cost, and convergence."""
 
-from dataclasses import astuple
 from functools import partial
 
 import numpy as np
@@ -10,7 +9,6 @@ from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import FREE
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.metrics.constraints import changes_side
-from contactlab.motor.geometry import contact_frame
 from contactlab.testing.claim import Claims, at_least, at_most, close
 from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flights import flight_of
@@ -183,7 +181,7 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     values = (*(series[name] for name in names), end - made.time)
     u, th, late = (0.5 * (each[1:] + each[:-1])[acting] for each in values)
     places = zip(u.tolist(), th.tolist(), strict=True)
-    frames = [contact_frame(*place, *astuple(geometry))[1:] for place in places]
+    frames = [geometry.frame(*place)[1:] for place in places]
     # Of both forces on u and on th.
     acted = np.einsum("ijk,ji->ki", np.reshape(frames, (-1, 2, 2)), impulses)
     first, second = flight.exponents[motor.drive.frequency.size :].reshape(2, -1, 1)

@@ -29,6 +29,7 @@ from contactlab.laws.normal import HertzPoint
 DURATION = 3e-3
 LOADED = "no clearance, loaded and damped, turning backwards"
 STRONG = "high voltages and friction"
+OBLIQUE = "rotor beside the tip's axis"
 
 MOTORS: dict[str, dict[str, float]] = {
     "placement 1": {**PLACEMENT_1, "frequency": 2019.9, "clearance": 0.5e-6, "phase": 0.4},
@@ -45,8 +46,9 @@ MOTORS: dict[str, dict[str, float]] = {
         "rotor_radius": 10e-3, "tip_length": 12e-3, "rotor_inertia": 4e-6, "mass_damping": 60.0,
         "stiffness_damping": 4e-6, "phase": -2.0,
     },
+    OBLIQUE: {"angle": 0.5, "friction_coefficient": 0.4, "phase": 0.2},
 }  # fmt: skip
-STIFFNESSES = dict(zip(MOTORS, (1e10, 1e10, 3e9, 1e9, 2e10, 1e9), strict=True))
+STIFFNESSES = dict(zip(MOTORS, (1e10, 1e10, 3e9, 1e9, 2e10, 1e9, 5e9), strict=True))
 
 STATIC = {216: 1.2, 291: 2.5}
 """Static over kinetic friction of random motors that once left their stick too early or slipped too late."""
@@ -82,7 +84,7 @@ def assert_hertz_agrees(
         assert final(made, name) == pytest.approx(end, abs=1e-6 * travel), name
 
 
-@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG)))
+@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG, OBLIQUE)))
 def test_hertz_ends_where_the_oracle_ends(name: str) -> None:
     assert_hertz_agrees(MOTORS[name], STIFFNESSES[name])
 

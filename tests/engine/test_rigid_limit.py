@@ -5,7 +5,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from engine.test_against_oracle import DURATION, LOADED, MOTORS, STRONG, friction_of
+from engine.test_against_oracle import DURATION, LOADED, MOTORS, OBLIQUE, STRONG, friction_of
 from numpy.testing import assert_allclose
 from oracle.composed import JudgedRun
 from oracle.rigid import Impact, RigidJudge, Rough, newton as newtons, plastic_ageing, process
@@ -53,7 +53,7 @@ def judged(name: str, law: str) -> tuple[JudgedRun, MultiplierLaw]:
 
 
 @pytest.mark.parametrize("law", JUDGED)
-@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG)))
+@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG, OBLIQUE)))
 def test_rigid_laws_end_where_the_oracle_ends(name: str, law: str) -> None:
     """Both are good to 1e-9 and better, but for the oracle's last rebounds: 1e-7 m/s of some 0.1 m/s."""
     reference, made = judged(name, law)

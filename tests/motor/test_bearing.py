@@ -10,7 +10,6 @@ import pytest
 import contactlab as cl
 from contactlab.engine.equilibrium import at_rest
 from contactlab.motor.bodies import FLAT, block
-from contactlab.motor.geometry import contact_frame
 
 SILENT = ["drive.voltage_1=0", "drive.voltage_2=0"]
 
@@ -189,8 +188,7 @@ def test_a_pressed_tip_that_leans_rests_at_the_gap_of_its_law(preload: float, st
     motor = at_rest(cl.on_bearing(motor, bearing), cl.law("newton"))
     assert motor.start is not None
     q, m = motor.start.displacement, motor.modes
-    lengths = geometry.tip_length, geometry.rotor_radius, geometry.clearance
-    gap, n_u, n_th, _, _ = contact_frame(float(m.approach @ q), float(m.tip_slope @ q), *lengths)
+    gap, n_u, n_th, _, _ = geometry.frame(float(m.approach @ q), float(m.tip_slope @ q))
     assert gap == pytest.approx(1e-15, rel=1e-2)
     # One force along the normal holds every coordinate.
     row = -n_u * m.approach - n_th * m.tip_slope

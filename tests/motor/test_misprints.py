@@ -9,7 +9,6 @@ from support.motors import case_a, run
 
 from contactlab.engine.plant import delassus, modes_of, plant_of
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
-from contactlab.motor.geometry import contact_frame
 from contactlab.motor.motor import Motor
 from contactlab.testing.plants import FLAT, block, impulses_of
 
@@ -19,9 +18,7 @@ Array = np.ndarray
 def contact_rows(motor: Motor, u: float, th: float) -> tuple[Array, Array]:
     """Normal and tangential row of resonator and rotor, mass-orthonormal coordinates [kg^-1/2]."""
     plant = plant_of(motor)
-    _, n_u, n_th, t_u, t_th = contact_frame(
-        u, th, plant.geometry.tip_length, plant.geometry.radius, plant.geometry.clearance
-    )
+    _, n_u, n_th, t_u, t_th = motor.geometry.frame(u, th)
     modes = modes_of(plant)
     u, th = modes["row_u"], modes["row_th"]
     return n_u * u + n_th * th, t_u * u + t_th * th + modes["row_r"]
@@ -52,7 +49,7 @@ def test_eq_48_without_the_radius_does_not_keep_the_angular_momentum() -> None:
 def test_eq_51_with_mu_twice_leaves_an_approach() -> None:
     mu, gap_rate = 0.3, -0.05
     plant = plant_of(case_a())
-    _, n_u, n_th, t_u, t_th = contact_frame(0.0, 1e-4, plant.geometry.tip_length, plant.geometry.radius, 1e-6)
+    _, n_u, n_th, t_u, t_th = case_a().geometry.frame(0.0, 1e-4)
     d_nn, d_nt, d_tt = delassus(plant, n_u, n_th, t_u, t_th)
     law = LagrangeSlip(mu)
 

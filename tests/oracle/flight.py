@@ -7,7 +7,7 @@ coefficients, whose matrix exponential is taken; the rotor has its own. No norma
 from __future__ import annotations
 
 from collections.abc import Callable
-from math import exp, pi
+from math import cos, exp, pi, sin
 
 import numpy as np
 from scipy.linalg import expm
@@ -65,10 +65,11 @@ class Flight:
         m, n = self.mechanics.motor, self.mechanics.shapes
         r = x[..., :n] / self.scale[:n]
         u, slope = r @ self.mechanics.resonator.tip[0], r @ self.mechanics.resonator.tip[1]
-        dx = -m.tip_length * np.sin(slope)
-        rise = u - m.clearance - 2.0 * m.tip_length * np.sin(0.5 * slope) ** 2
-        distance = np.hypot(dx, rise - m.rotor_radius)
-        return (dx * dx + rise * rise - 2.0 * m.rotor_radius * rise) / (distance + m.rotor_radius)
+        px, py = -m.tip_length * np.sin(slope), u - 2.0 * m.tip_length * np.sin(0.5 * slope) ** 2
+        away = m.rotor_radius + m.clearance
+        cx, cy = away * sin(m.angle), away * cos(m.angle)
+        square = px * px + py * py - 2.0 * (px * cx + py * cy) + m.clearance * (m.rotor_radius + away)
+        return square / (np.hypot(px - cx, py - cy) + m.rotor_radius)
 
     def state(self, y: np.ndarray, x: np.ndarray, s: float) -> np.ndarray:
         """The motor's state y a time s later, from the linear system's."""

@@ -57,6 +57,7 @@ class OracleMotor:
     preload: float = 0.0
     rotor_start: float = 0.0
     clearance: float = 1e-6
+    angle: float = 0.0
     friction_coefficient: float = 0.3
     voltage_1: float = 100.0
     voltage_2: float = 100.0
@@ -169,11 +170,14 @@ class Mechanics:
         u, slope, u_rate, slope_rate = (self.tip_map @ y[: 2 * self.shapes]).tolist()
         u_acc, slope_acc = (self.resonator.tip @ acceleration).tolist()
         sn, cs = sin(slope), cos(slope)
-        # |tip - centre|^2 - R^2 written without the cancellation of two nearly equal squares.
-        dx, rise = -arm * sn, u - m.clearance - 2.0 * arm * sin(0.5 * slope) ** 2
-        dy = rise - radius
+        # The tip's way p from rest and the centre's place c: |p - c|^2 - R^2 = p.p - 2 p.c + g_0 (2 R + g_0).
+        away = radius + m.clearance
+        px, py = -arm * sn, u - 2.0 * arm * sin(0.5 * slope) ** 2
+        cx, cy = away * sin(m.angle), away * cos(m.angle)
+        dx, dy = px - cx, py - cy
         distance = hypot(dx, dy)
-        gap = (dx * dx + rise * rise - 2.0 * radius * rise) / (distance + radius)
+        square = px * px + py * py - 2.0 * (px * cx + py * cy) + m.clearance * (radius + away)
+        gap = square / (distance + radius)
         nx, ny = dx / distance, dy / distance
         tx, ty = -ny, nx
         nu, ns = ny, -arm * (nx * cs + ny * sn)

@@ -68,7 +68,7 @@ def default_motor(**changes: float) -> Motor:
     motor = Motor(
         modes=default_resonator(**changes).modes,
         drive=drive,
-        geometry=ContactGeometry(p["tip_length"], p["rotor_radius"], p["clearance"]),
+        geometry=ContactGeometry(p["tip_length"], p["rotor_radius"], p["clearance"], p["angle"]),
         rotor=Rotor(p["rotor_inertia"], p["rotor_damping"], p["load_torque"], p["initial_velocity"]),
     )
     if not p["rotor_mass"]:

@@ -155,7 +155,7 @@ def grid_of(setups: Iterable[Setup]) -> Grid:
 
 def delassus_at_rest(motor: Motor) -> Array:
     """Return D = G M^-1 G' at rest, normal and tangential [1/kg], shape (2, 2)."""
-    rows = np.stack([motor.modes.approach, motor.geometry.tip_length * motor.modes.tip_slope])
+    rows = np.stack(motor.rows_at_rest)
     return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
 
 
