@@ -8,7 +8,10 @@ Each term of the energy ledger has its own quadrature along the flow:
     contact_loss  int normal loss dt                normal damping; for a rigid law -int N gdot dt
     load_work     -int sum_j a_j v_j dt = int tau Omega dt, and the work against a preload
 
-None is the difference of the others, so that the residual of the ledger measures the solution.
+None is the difference of the others, so that the residual of the ledger measures the solution. The motion of
+a step without contact, or under a force that is held, is exact: what its terms miss of its energy is the
+error of their quadrature, which is then refined. So it is where a waveform turns faster than every mode, and
+where a fast transient is over within the step.
 """
 
 from math import sin
@@ -61,6 +64,16 @@ ENDING = 1e-9
 HALVINGS = 50
 """Of the part of a step in which the forces of a contact end."""
 
+UNRESOLVED = 1e-6
+"""Energy that the terms of an exact step may miss, over what they add up to; more is refined."""
+
+NEGLIGIBLE = 1e-3
+"""Share of the motor's energy below which the terms of a step are compared with this share instead: of less,
+round-off decides."""
+
+PIECES = 256
+"""Pieces at most in which the terms of a step are summed."""
+
 Terms = tuple[float, float, float, float, float, float, float]
 """What a stretch of a step adds to a `LEDGER`, in its order [J], [N s]."""
 
@@ -73,34 +86,22 @@ def commit(run: Run, law: Law, records: Records) -> None:
     state, plant = run.state, run.plant
     s = state.accepted_length
     whole = s == state.length
-    drive, damping, friction, contact, load, p_n, p_t = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
+    added = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
     if not whole:
         # The records below leave another state there.
         for j in range(plant.mode_count):
             mode = plant.modes[j]
             mode.q[LAST], mode.v[LAST] = mode.q[BETWEEN], mode.v[BETWEEN]
+    refined = not _is_resolved(run, s, added)
+    if refined:
+        added = _refined_terms(run, law, 0.0, s)
     start = state.time
     # The step that reaches the end of the run must land on it, whatever start + s rounds to.
     now = state.end if state.end - start <= s else start + s
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
-    last, terms, index = -1.0, NOTHING_ADDED, state.first + state.record_count
-    # A run that goes on repeats a step whose first records another has: it comes by them, to the same bits.
-    while state.record_count == 0 and index > 0 and state.origin + (index - 1) * state.interval > start:
-        index -= 1
-    while state.record_count < records.series.size:
-        on_grid = state.origin + index * state.interval
-        new = index == state.first + state.record_count
-        # The last record lies at the end of the run.
-        due = state.end if new and state.record_count == records.series.size - 1 else on_grid
-        if due > now:
-            break
-        at = max(min(due - start, s), 0.0)
-        terms = _terms_until(run, law, last, at, due != on_grid, terms)
-        if new:
-            _write_record(run, law, records, at, terms)
-        last = at
-        index += 1
+    _write_records(run, law, records, s, now, refined)
+    drive, damping, friction, contact, load, p_n, p_t = added
     total = state.total
     total.drive_work += drive
     total.damping_loss += damping
@@ -118,6 +119,32 @@ def commit(run: Run, law: Law, records: Records) -> None:
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
     _watch(run, s)
     _weigh(run)
+
+
+@part_kernel
+def _write_records(run: Run, law: Law, records: Records, s: float, now: float, refined: bool) -> None:
+    """Write the records of a step up to its time s, at the time now, its quadrature refined or not."""
+    state, start = run.state, run.state.time
+    last, terms, index = -1.0, NOTHING_ADDED, state.first + state.record_count
+    # A run that goes on repeats a step whose first records another has: it comes by them, to the same bits.
+    while state.record_count == 0 and index > 0 and state.origin + (index - 1) * state.interval > start:
+        index -= 1
+    while state.record_count < records.series.size:
+        on_grid = state.origin + index * state.interval
+        new = index == state.first + state.record_count
+        # The last record lies at the end of the run.
+        due = state.end if new and state.record_count == records.series.size - 1 else on_grid
+        if due > now:
+            break
+        at = max(min(due - start, s), 0.0)
+        if refined:
+            terms = _sum_of(terms, _refined_terms(run, law, max(last, 0.0), at))
+        else:
+            terms = _terms_until(run, law, last, at, due != on_grid, terms)
+        if new:
+            _write_record(run, law, records, at, terms)
+        last = at
+        index += 1
 
 
 @inner_kernel
@@ -152,15 +179,86 @@ def _terms_until(run: Run, law: Law, last: float, s: float, apart: bool, before:
         build_level(run.plant, run.propagator, BY_RECORD)
     flow_on(run, last)
     added = _terms(run, law, last, interval, BY_INTERVAL)
+    return _sum_of(before, added)
+
+
+@part_kernel
+def _sum_of(first: Terms, second: Terms) -> Terms:
+    """Return the sum of two stretches' terms."""
     return (
-        before[0] + added[0],
-        before[1] + added[1],
-        before[2] + added[2],
-        before[3] + added[3],
-        before[4] + added[4],
-        before[5] + added[5],
-        before[6] + added[6],
+        first[0] + second[0],
+        first[1] + second[1],
+        first[2] + second[2],
+        first[3] + second[3],
+        first[4] + second[4],
+        first[5] + second[5],
+        first[6] + second[6],
     )
+
+
+@inner_kernel
+def _is_resolved(run: Run, s: float, terms: Terms) -> bool:
+    """Return whether the terms of a step up to time s explain the change of energy of an exact motion.
+
+    Of a force that is held it is the motion that the force brings, before a projection corrects it.
+    """
+    step = run.step
+    if step.kind == COLLOCATED or s == 0.0:
+        return True
+    place = LAST
+    if step.kind == HELD:
+        flow_to(run, s)
+        place = BETWEEN
+    return _explains(terms, _energy(run.plant, START), _energy(run.plant, place))
+
+
+@part_kernel
+def _energy(plant: Plant, place: int) -> float:
+    """Return kinetic and strain energy together [J] at a place."""
+    kinetic, strain = _energies(plant, place)
+    return kinetic + strain
+
+
+@part_kernel
+def _explains(terms: Terms, before: float, after: float) -> bool:
+    """Return whether terms explain that an energy before has become one after [J]."""
+    drive, damping, friction, contact, load, _, _ = terms
+    missing = after - before - drive + damping + friction + contact + load
+    size = abs(drive) + damping + abs(friction) + abs(contact) + abs(load)
+    return bool(abs(missing) <= UNRESOLVED * max(size, NEGLIGIBLE * max(before, after)))
+
+
+@inner_kernel
+def _refined_terms(run: Run, law: Law, start: float, end: float) -> Terms:
+    """Sum the terms of an exact step between two times, in pieces halved until each explains its energy.
+
+    The state at the end is left BETWEEN.
+    """
+    waiting_end, waiting_energy = run.step.wait_time, run.step.wait_gap
+    total, waiting, pieces = NOTHING_ADDED, 0, 1
+    left, right = start, end
+    flow_to(run, left)
+    before = _energy(run.plant, BETWEEN)
+    flow_to(run, right)
+    after = _energy(run.plant, BETWEEN)
+    while True:
+        added = _terms(run, law, left, right - left, BY_FLOW)
+        if pieces < PIECES and waiting < waiting_end.size and not _explains(added, before, after):
+            waiting_end[waiting], waiting_energy[waiting] = right, after
+            waiting += 1
+            pieces += 1
+            right = 0.5 * (left + right)
+            flow_to(run, right)
+            after = _energy(run.plant, BETWEEN)
+            continue
+        total = _sum_of(total, added)
+        if waiting == 0:
+            break
+        waiting -= 1
+        left, before = right, after
+        right, after = waiting_end[waiting], waiting_energy[waiting]
+    flow_to(run, end)
+    return total
 
 
 @inner_kernel

@@ -85,9 +85,10 @@ def step_rigid(run: Run, law: Law) -> int:
         # The gap is closed still and opens by itself.
         normal, friction, mode = 0.0, 0.0, SLIP
     state.accepted_length, before = min(taken, state.end - state.time), state.mode
-    # An impact that the end of the run cuts is over there.
+    # An impact that the end of the run cuts is over there: its impulse acts in a shorter time.
     stretch = taken / state.accepted_length if impact and 0.0 < state.accepted_length < taken else 1.0
-    _hold_forces(run, normal * stretch, friction * stretch)
+    normal, friction = normal * stretch, friction * stretch
+    _hold_forces(run, normal, friction)
     state.due_event = 0
     if mode != before and count != NONE and event == NOTHING:
         state.due_event = AT_STICK if mode == STICK else AT_SLIP

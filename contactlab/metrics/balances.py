@@ -40,7 +40,7 @@ def energy_residual(run: Run) -> float:
     bound=ROUND_OFF,
     reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
     "rigid law that projects corrects the angle by a step h of the change of velocity: the scale of a damped "
-    "rotor has C_r h / J of its impulses, where that is less than one",
+    "rotor has C_r h / J of its impulses, with the largest damping of the run, where that is less than one",
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
@@ -51,7 +51,8 @@ def rotor_momentum(run: Run) -> float:
     damped = run.integral("rotor.damping", "N m s rad-1", "rotor_angle")
     missing = inertia * run.gain("rotor_velocity") + radius * float(push.sum()) + load + damped
     projects = getattr(run.law_classes.get(""), "projects", False)
-    corrected = run.setting("rotor.damping") * run.contact_step / inertia if projects else 0.0
+    largest = max(value for value, _ in run.course("rotor.damping", "N m s rad-1"))
+    corrected = largest * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
     scale = max(values, inertia * float(fastest), abs(load), abs(damped))
     return abs(missing) / max(scale, corrected * values / ROUND_OFF)

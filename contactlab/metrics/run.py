@@ -183,19 +183,23 @@ class Run:
             raise NotApplicableError
         return float(value)
 
-    def integral(self, key: str, unit: str, name: str) -> float:
-        """Return the integral of a setting, which changes may change, over the increase of a series."""
-        value, first, total = self.setting(key), 0, 0.0
+    def course(self, key: str, unit: str) -> list[tuple[float, slice]]:
+        """Return the values of a setting one after the other, which changes may change, and their records."""
+        values, ends = [self.setting(key)], [0]
         changes = self.settings.get(CHANGES) or ()
         duration = self.setting("solver.duration") if changes else 0.0
         try:
             for time, later in changed(self.configuration, changes, duration):
-                last = int(np.argmin(np.abs(self.time - time)))
-                total += value * self.gain(name, slice(first, last + 1))
-                value, first = to_si(str(flat(later)[key]), unit), last
+                values.append(to_si(str(flat(later)[key]), unit))
+                ends.append(int(np.argmin(np.abs(self.time - time))))
         except (ConfigurationError, UnitError) as fault:
             raise NotApplicableError from fault
-        return total + value * self.gain(name, slice(first, None))
+        ends.append(self.time.size - 1)
+        return [(value, slice(ends[i], ends[i + 1] + 1)) for i, value in enumerate(values)]
+
+    def integral(self, key: str, unit: str, name: str) -> float:
+        """Return the integral of a setting over the increase of a series."""
+        return sum(value * self.gain(name, span) for value, span in self.course(key, unit))
 
     @cached_property
     def law_classes(self) -> dict[str, Any]:

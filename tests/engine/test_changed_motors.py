@@ -214,6 +214,10 @@ def test_an_impact_that_a_change_cuts_in_time_stepping_is_over() -> None:
             duration=1e-3, record_interval=1e-3, contact_step=step, start=first.state,
         )  # fmt: skip
         assert second.contacts["separation_velocity"] == pytest.approx([law.restitution], rel=1e-9)
+        # The impulse acts in the time that there is, and its force is the largest.
+        mean = first.contacts["normal_impulse"] / first.contacts["duration"]
+        assert first.contacts["duration"] == pytest.approx([share * step], rel=1e-6)
+        assert first.contacts["peak_normal_force"] == pytest.approx(mean, rel=1e-9)
 
 
 def test_a_waveform_goes_on_from_a_change() -> None:

@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from numpy.polynomial import Chebyshev, Polynomial
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PPoly
 
@@ -53,6 +54,27 @@ def test_a_sampled_sine_is_the_tone(law: list[str], periodic: bool) -> None:
     for name in ("gap", "rotor_velocity", "drive_work"):
         values = tones.series[name]
         assert samples.series[name] == pytest.approx(values, abs=1e-10 * np.abs(values).max()), name
+
+
+@pytest.mark.parametrize("law", [cl.MoreauJean(), cl.HertzPenalty()], ids=lambda law: law.name)
+def test_the_work_of_a_drive_that_turns_many_times_within_a_step_is_exact(law: cl.ContactLaw) -> None:
+    """One piece of degree 7 with six turns: the steps resolve the oscillator, which is slower than that."""
+    long = 0.02
+    swings = Chebyshev.basis(MOST_DEGREE, domain=[0.0, long]).convert(kind=Polynomial, domain=[0.0, long])
+    powers = swings.convert(domain=[-1.0, 1.0], window=[-1.0, 1.0]).coef[::-1]
+    piece = PPoly(powers[:, None, None], np.array([0.0, long]))
+    motor = forced(cl.Waveform(piece), damping=2.0, stiffness=100.0)
+    ran = simulate(motor, law, duration=0.03, record_interval=1e-3, contact_step=0.01)
+    assert ran.statistics["flight_steps"] <= 12
+
+    def motion(time: float, y: Array) -> list[float]:
+        force = float(swings(time)) if time <= long else 0.0
+        return [y[1], force - 2.0 * y[1] - 100.0 * y[0], force * y[1], 2.0 * y[1] ** 2]
+
+    exact = solve_ivp(motion, (0.0, 0.03), np.zeros(4), "DOP853", ran.time, rtol=1e-11, atol=1e-20)
+    work = np.abs(exact.y[2]).max()
+    assert ran.series["drive_work"] == pytest.approx(exact.y[2], abs=1e-5 * work)
+    assert ran.series["damping_loss"] == pytest.approx(exact.y[3], abs=1e-5 * work)
 
 
 @pytest.mark.parametrize("degree", [3, 5, 7])

@@ -114,6 +114,15 @@ def test_a_rotor_whose_load_and_damping_change_keeps_its_momentum() -> None:
     assert assess(other, {"rotor_momentum"})["rotor_momentum"] > 1e-3
 
 
+def test_the_angle_of_a_projection_is_judged_by_the_largest_damping_of_the_run() -> None:
+    # Light and damped after the first tenth of the run only: its angle is off by a step of each change.
+    changes = "0.2 ms; rotor.damping=1e-2"
+    keys = ["law=lagrange_slip", "solver.contact_step=1 us", "solver.duration=2 ms", "rotor.damping=0"]
+    keys += [f"solver.changes=['{changes}']", "rotor.inertia=2e-7", "contact.clearance=0"]
+    ran = cl.simulate(cl.build(keys)).tree
+    assert assess(ran, {"rotor_momentum"})["rotor_momentum"] <= INVARIANTS["rotor_momentum"].bound
+
+
 def test_a_run_of_one_record_is_judged() -> None:
     run = run_of()
     groups = {"/": run.to_dataset().isel(time=[0]), "/contacts": run["contacts"].to_dataset(inherit=False)}
