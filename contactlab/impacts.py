@@ -32,6 +32,7 @@ from contactlab.engine.preparation import (
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
 from contactlab.laws.base import ContactLaw, MultiplierLaw
+from contactlab.motor.geometry import ContactGeometry
 from contactlab.quantity import UnitError, in_si
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import code_attributes
@@ -46,7 +47,7 @@ PIECE: Final = 500
 def _body() -> tuple[Plant, Propagator]:
     """Return a free body over a plate, and its step responses, both set for each impact."""
     plant = new_record(plant_record(MODES, TONES))
-    plant["mode_count"], plant["geometry"] = 2, (WAY, WAY, 0.0)
+    plant["mode_count"], plant["geometry"] = 2, ContactGeometry(WAY, WAY, 0.0).numbers
     return plant, Workspace().propagator(plant, 1.0, 1.0, False)
 
 
