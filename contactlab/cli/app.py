@@ -132,9 +132,16 @@ class Check(Callback):
             return
         folder = Path(str(config.hydra.sweep.dir))
         collect_swept(folder)
-        states = {each.state for path in folder.rglob(STATE) if (each := run_state.read_state(path.parent))}
-        if states != {run_state.COMPLETE}:
-            sys.exit(REFUSED if run_state.REFUSED in states else INCOMPLETE)
+        if status := status_of_runs(path.parent for path in folder.rglob(STATE)):
+            sys.exit(status)
+
+
+def status_of_runs(folders: Iterable[Path]) -> int:
+    """Return the exit status of a sweep whose runs left these folders."""
+    states = {state.state if (state := run_state.read_state(folder)) else "" for folder in folders}
+    if states == {run_state.COMPLETE}:
+        return COMPLETE
+    return REFUSED if run_state.REFUSED in states else INCOMPLETE
 
 
 def _is_ours(config: DictConfig) -> bool:

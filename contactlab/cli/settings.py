@@ -15,7 +15,7 @@ from contactlab.config import ConfigurationError
 from contactlab.config.composition import resolved
 from contactlab.config.groups import Section, keys_of
 from contactlab.config.options import declare
-from contactlab.config.schema import Examination, Rule
+from contactlab.config.schema import Examination
 from contactlab.parameter import Parameter
 from contactlab.studies.keys import STUDIES, study_in
 from contactlab.studies.study import Study
@@ -34,22 +34,11 @@ class Sweep(Checked):
     series: Annotated[_Names, _declared("names of time series that are kept as well")] = None
     samples: Annotated[str | None, _declared("table whose columns are keys and whose rows are runs")] = None
     over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
-    chunk: Annotated[int | None, _declared("runs of a task, whose numbers are kept together", at_least=1)] = (
-        None
-    )
+    chunk: Annotated[int | None, _declared("runs of a task, which one process does", at_least=1)] = None
     workers: Annotated[int | None, _declared("processes at work", at_least=1, at_most=1000)] = None
 
 
 SECTIONS: Final[dict[str, Section]] = {"sweep": Section({"default": keys_of(Sweep)}), "study": STUDIES}
-
-RULES: Final = tuple(
-    Rule(
-        ("sweep.keep", f"sweep.{name}"),
-        lambda keep, value: keep == "metrics" or value is None,
-        f"sweep.{name} is {{1}}; it must come with sweep.keep=metrics (folders: hydra/launcher=joblib).",
-    )
-    for name in ("chunk", "workers")
-)
 
 # Workers of a launcher compose the command's configuration too: the task's module brings this with it.
 declare(SECTIONS)
@@ -70,7 +59,7 @@ def sweep_in(section: Mapping[str, Any]) -> Sweep:
     Raises:
         ConfigurationError: with every fault.
     """
-    examined = Examination({"sweep": section}, {"sweep": SECTIONS["sweep"]}, RULES)
+    examined = Examination({"sweep": section}, {"sweep": SECTIONS["sweep"]}, ())
     if examined.faults:
         raise ConfigurationError(examined.faults)
     return Sweep(**examined.values["sweep"])

@@ -1,15 +1,14 @@
-"""The sweep of a command line: every run checked before the first, what is complete skipped, all collected.
+"""The sweep of a command line: arguments as a plan, done as the study `contactlab.studies.sweep.study.Sweep`.
 
-Hydra's own sweeper hands every job to the launcher, so that a cluster would allocate a node to find a run
-complete. Here the launcher receives the jobs that are to run, where runs leave folders. A sweep that keeps
-numbers alone is the study `contactlab.studies.sweep.study.Sweep`.
+A launcher of Hydra may do the runs that leave folders. Hydra's own sweeper would hand it every job,
+unchecked, so that a cluster allocates nodes to find runs faulty or complete; here it receives what is left.
 """
 
 import random
 import re
 import sys
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
@@ -20,32 +19,34 @@ from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
 from hydra.core.plugins import Plugins
-from hydra.core.utils import JobReturn, run_job
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.checks import check_declared
 from contactlab.cli import terminal
-from contactlab.cli.app import announce, choices_of, idle_friction
+from contactlab.cli.app import announce, choices_of, idle_friction, status_of_runs
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.jobs import refusals, write_log
-from contactlab.cli.settings import of_run, sweep_in
+from contactlab.cli.jobs import refusals
+from contactlab.cli.settings import SECTIONS, sweep_in
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
-from contactlab.config import ConfigurationError, rebuild
-from contactlab.config.composition import faults_of, resolved
+from contactlab.config import ConfigurationError
+from contactlab.config.composition import as_written, faults_of, resolved
 from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value, quoted
 from contactlab.processes import WorkerError, processors
-from contactlab.results.files import LOG, STATE, check_file, error_text
+from contactlab.results.files import STATE, check_file, error_text
 from contactlab.studies.registry import RUN
+from contactlab.studies.run_folder import write_log
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
+from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep.dataset import summary
 from contactlab.studies.sweep.plan import (
     NOTHING,
     Configuration,
     Outputs,
     Plan,
+    faults_added,
     full_keys,
     planned,
     raise_faults,
@@ -70,10 +71,9 @@ class Arguments:
         self.columns: dict[str, list[Value]] = {}
         self.faults: list[str] = []
         self._lines: dict[str, str] = {}
-        self._shared: dict[tuple[str, ...], DictConfig] = {}
-        self._parser = OverridesParser.create(config_loader=self._loader)
+        self._composed: dict[tuple[Value, ...], DictConfig] = {}
         try:
-            overrides = self._parser.parse_overrides(list(lines))
+            overrides = OverridesParser.create(config_loader=self._loader).parse_overrides(list(lines))
             self.settings: dict[str, Any] = dict(OmegaConf.to_container(config.sweep, resolve=True))  # type: ignore[arg-type]
         # Hydra lets the errors of what it calls through.
         except Exception as error:
@@ -103,71 +103,49 @@ class Arguments:
         """Return the configuration with these options of groups, and of a study its section."""
         composed = self.composed(chosen)
         study = {} if composed.study.name == RUN else {"study": resolved(composed)["study"]}
-        return {**of_run(composed), **study}
+        return {group: keys for group, keys in as_written(composed).items() if group not in SECTIONS} | study
 
     def composed(self, chosen: Mapping[str, Value]) -> DictConfig:
-        """Return the configuration as Hydra composes it, its own part and references included."""
-        return self._loaded([*self.fixed, *(f"{group}={option}" for group, option in chosen.items())])
-
-    def _loaded(self, lines: list[str]) -> DictConfig:
-        try:
-            return self._loader.load_sweep_config(self._config, lines)
-        # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
-        except Exception as error:
-            raise ConfigurationError(faults_of(error, lines)) from error
+        """Return the configuration as Hydra composes it, once for the same options, its own part included."""
+        options = (*chosen.values(),)
+        if options not in self._composed:
+            lines = [*self.fixed, *(f"{group}={option}" for group, option in chosen.items())]
+            try:
+                self._composed[options] = self._loader.load_sweep_config(self._config, lines)
+            # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
+            except Exception as error:
+                raise ConfigurationError(faults_of(error, lines)) from error
+        return self._composed[options]
 
     def job(self, plan: Plan, cell: int) -> tuple[str, Job]:
-        """Return the name of a run's folder, as Hydra makes it, and its configuration.
+        """Return the name of a run's folder, by `hydra.sweep.subdir`, and its configuration.
 
         Raises:
             ConfigurationError: the run is faulty.
         """
-        lines = dict(self._lines)
+        setup, lines, values = plan.setup_at(cell), dict(self._lines), dict[str, Value]()
         for axis, place in zip(plan.axes, plan.places(cell), strict=True):
             column = self.columns.get(axis.key, axis.values)
             # Values as typed where they are listed.
-            values = axis.values if any(map(call_in, column)) else column
+            values[axis.key] = (axis.values if any(map(call_in, column)) else column)[place]
             before = lines.get(axis.key, axis.key).partition("=")[0]
-            lines[axis.key] = f"{before}={_text(values[place])}"
-        composed = self.of_job([*lines.values()], cell)
+            lines[axis.key] = f"{before}={_text(values[axis.key])}"
+        composed = self.composed({group: values.pop(group) for group in plan.groups})
+        hydra, task = composed.hydra, {k: line for k, line in lines.items() if not re.match(r"hydra\W", k)}
+        with read_write(hydra), open_dict(hydra):
+            for key, value in values.items():
+                OmegaConf.update(composed, key, value)
+            naming = hydra.job.config.override_dirname
+            named = sorted(line for key, line in task.items() if key not in naming.exclude_keys)
+            hydra.job.override_dirname = naming.item_sep.join(named).replace("=", naming.kv_sep)
+            hydra.job.num, hydra.job.id, hydra.overrides.task = cell, str(cell), [*task.values()]
         try:
             # For ${hydra:...} in the name.
             HydraConfig.instance().set_config(composed)
             name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
         except OmegaConfBaseException as error:
             raise ConfigurationError([f"hydra.sweep.subdir cannot be resolved: {one_line(error)}"]) from error
-        setup = rebuild(of_run(composed))
-        job = Job(key_of(setup), tuple(lines.values()), choices_of(composed.hydra), setup.configuration)
-        return name, job
-
-    def of_job(self, lines: Sequence[str], number: int) -> DictConfig:
-        """Return the configuration of a job, which the next call changes.
-
-        Jobs with the same options share one that Hydra has composed, in which the values are replaced.
-        """
-        overrides = self._parser.parse_overrides([*lines])
-        values = [each for each in overrides if self._is_value(each)]
-        options = tuple(line for line, each in zip(lines, overrides, strict=True) if not self._is_value(each))
-        if options not in self._shared:
-            self._shared[options] = self._loaded([*lines])
-        composed = self._shared[options]
-        hydra = composed.hydra
-        with read_write(hydra), open_dict(hydra):
-            for each in values:
-                OmegaConf.update(composed, each.key_or_group, each.value(), merge=True)
-            task = [each for each in overrides if not each.is_hydra_override()]
-            hydra.overrides.task = [each.input_line for each in task]
-            naming = hydra.job.config.override_dirname
-            named = sorted(str(e.input_line) for e in task if e.key_or_group not in naming.exclude_keys)
-            hydra.job.override_dirname = naming.item_sep.join(named).replace("=", naming.kv_sep)
-            hydra.job.num, hydra.job.id = number, str(number)
-        return composed
-
-    def _is_value(self, override: Override) -> bool:
-        """Return whether an override sets a swept number, text or truth value of a run, and no option."""
-        key = override.key_or_group
-        swept = key not in self._lines or key in self.columns
-        return swept and not key.startswith("hydra.") and not self.options(key)
+        return name, Job(key_of(setup), tuple(lines.values()), choices_of(hydra), setup.configuration)
 
     def _values(self, override: Override) -> list[Any]:
         """Return the values of an override."""
@@ -279,154 +257,145 @@ class Sweeping:
         except ConfigurationError as error:
             faults += error.faults
         raise_faults(faults)
-        study = str(self.config.study.name)
-        samples, is_run = settings.samples, study == RUN
-        keep = settings.keep if is_run else "metrics"
-        mine: Any = OmegaConf.to_container(composed, resolve=False)
-        if keep == "metrics" and "${" in str({key: mine[key] for key in mine if key != "hydra"}):
+        section, folder = self.config.study, Path(str(self.config.hydra.sweep.dir))
+        study, scheduler = "" if section.name == RUN else str(section.name), section.get("scheduler")
+        keep = "metrics" if study else settings.keep
+        if keep == "metrics" and re.search(r"\$\{[^}]*:", str(as_written(composed))):
             raise ConfigurationError(
-                ["A reference ${...} may depend on what is swept; write the value with sweep.keep=metrics."]
+                ["${NAME:...} may depend on what is swept; write the value with sweep.keep=metrics."]
             )
         plan = planned(
             arguments,
-            full_keys(table(samples), arguments) if samples else arguments.columns,
-            Outputs.named(settings.metrics, settings.series or (), "sweep.")
-            if is_run
-            else Outputs.of_study(study),
-            samples=samples is not None,
+            full_keys(table(settings.samples), arguments) if settings.samples else arguments.columns,
+            Outputs.of_study(study)
+            if study
+            else Outputs.named(settings.metrics, settings.series or (), "sweep."),
+            samples=settings.samples is not None,
             # A cell of a study takes seconds: every one is kept as it ends.
-            chunk=settings.chunk or (None if is_run else 1),
+            chunk=settings.chunk or (1 if study else None),
             keep=keep,
         )
-        set_keys = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
-        raise_faults(idle_friction(set_keys, [base["law"] for base in plan.bases]))
-        folder = Path(str(self.config.hydra.sweep.dir))
-        if keep == "metrics":
-            section = self.config.study
-            workers = settings.workers or (None if is_run else section.get("workers", 1)) or processors()
-            return self._numbers(
-                SweepStudy(plan=plan, workers=workers, scheduler=section.get("scheduler")), folder
-            )
-        status = self._folders(plan, folder, arguments)
-        collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
-        return status
-
-    def _folders(self, plan: Plan, folder: Path, arguments: Arguments) -> int:
-        """Run what leaves a folder each, but for what is complete; return the worst status."""
-        jobs: list[tuple[str, Job]] = []
-        faults: list[str] = []
-        with terminal.progress(plan.cells, "runs checked") as show:
-            for cell in range(plan.cells):
-                try:
-                    jobs.append(arguments.job(plan, cell))
-                except ConfigurationError as error:
-                    faults += error.faults
-                show(cell)
-        HydraConfig.instance().set_config(self.config)
-        raise_faults(faults)
-        counts = Counter(name for name, _ in jobs)
-        faults = [
-            f"hydra.sweep.subdir is '{name}' for {count} jobs; it must differ from job to job."
-            for name, count in counts.items()
-            if count > 1
-        ]
+        jobs = self._jobs(arguments, plan) if keep == "runs" else []
+        swept = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
+        faults += idle_friction(swept, [base["law"] for base in plan.bases])
         # Of folders that do not exist yet the longest name is tried.
-        tried = {*(folder / name for name in counts if (folder / name).exists())}
-        for path in {*tried, folder / max(counts, key=len)}:
-            faults += refusals(path, "hydra.sweep.dir")
+        names = [name for name, _ in jobs]
+        for name in {*(name for name in names if (folder / name).exists()), max(names, key=len, default="")}:
+            faults += refusals(folder / name, "hydra.sweep.dir")
+        if keep == "metrics" and not plan.axes:
+            faults.append(NOTHING)
+        own = keep == "metrics", settings.workers, settings.chunk, scheduler
+        if self._launcher != "basic" and any(own):
+            faults.append(
+                f"hydra/launcher is '{self._launcher}', for runs that leave a folder each; it must be left "
+                "out with sweep.keep=metrics, sweep.workers, sweep.chunk or study.scheduler."
+            )
         raise_faults(faults)
         begin(folder, plan)
-        is_pending, sentence = resume([(folder / name, job.key) for name, job in jobs])
-        print(sentence, flush=True)
-        pending = [job for job, is_to_run in zip(jobs, is_pending, strict=True) if is_to_run]
-        for name, job in pending:
-            (folder / name).mkdir(parents=True, exist_ok=True)
-            # A run that never begins is known by its state.
-            if not (folder / name / STATE).exists():
-                write_state(folder / name, State(ABSENT, job))
-        announce(job.configuration for _, job in pending)
-        if pending:
-            OmegaConf.save(self.config, folder / "multirun.yaml")
-        return self._launched(pending, folder, arguments)
-
-    def _launched(self, jobs: Sequence[tuple[str, Job]], folder: Path, arguments: Arguments) -> int:
-        """Run jobs, or have a launcher do it; return the worst status, and print why they cannot be run."""
-        status = COMPLETE
-        launch = self._launch_here if self._launcher == "basic" else self._launch
-        try:
-            # Between the jobs an exception, at which a launcher ends the processes that it has begun.
-            with terminal.raising():
-                for returned in launch(jobs, folder, arguments) if jobs else ():
-                    # The exception of a job that failed is raised by reading its value.
-                    status = max(status, int(returned.return_value or 0))
-        # A worker that is killed, a cluster that takes no jobs: launchers raise exceptions of any kind.
-        except Exception as error:
-            tell(
-                f"The sweep stopped: {type(error).__name__}: {one_line(error)} Complete runs are kept; the "
-                "same command continues.",
-                sys.stderr,
-            )
-            write_log(folder / LOG, error)
-            status = INCOMPLETE
-        return status
-
-    def _launch(
-        self, jobs: Sequence[tuple[str, Job]], folder: Path, arguments: Arguments
-    ) -> Iterator[JobReturn]:
-        """Have the launcher run jobs."""
-        del arguments
-        where = f"hydra.sweep.dir={quoted(str(folder))}"
-        batch = [[*job.overrides, where, f"hydra.sweep.subdir={quoted(name)}"] for name, job in jobs]
-        launcher = Plugins.instance().instantiate_launcher(
-            hydra_context=self.context, task_function=self.task, config=self.config
+        # A run that leaves a folder may need much memory: several at once are asked for.
+        usual = processors() if keep == "metrics" and not study else section.get("workers", 1)
+        sweep = SweepStudy(
+            plan=plan,
+            workers=settings.workers or usual,
+            scheduler=scheduler,
+            folders=self._pending(folder, jobs) if keep == "runs" else None,
         )
-        size = self.max_batch_size or len(batch)
-        for at in range(0, len(batch), size):
-            yield from launcher.launch(batch[at : at + size], initial_job_idx=at)
-
-    def _launch_here(
-        self, jobs: Sequence[tuple[str, Job]], folder: Path, arguments: Arguments
-    ) -> Iterator[JobReturn]:
-        """Run jobs in this process, one after the other; Hydra's launcher would compose each once more."""
-        print(f"Running {len(jobs)} jobs.", flush=True)
-        for number, (name, job) in enumerate(jobs):
-            print(f"#{number}: {' '.join(job.overrides)}", flush=True)
-            composed = arguments.of_job(job.overrides, number)
-            with read_write(composed.hydra):
-                composed.hydra.sweep.dir, composed.hydra.sweep.subdir = str(folder), name
-            yield run_job(self.task, composed, "hydra.sweep.dir", "hydra.sweep.subdir", self.context)
-
-    @property
-    def _launcher(self) -> str:
-        return str(self.config.hydra.runtime.choices["hydra/launcher"])
-
-    def _numbers(self, sweep: SweepStudy, folder: Path) -> int:
-        """Do what is left of a sweep that keeps numbers alone; return the exit status."""
-        faults = list(refusals(folder, "hydra.sweep.dir"))
-        if not sweep.plan.axes:
-            faults.append(NOTHING)
-        if self._launcher != "basic":
-            faults.append(
-                f"hydra/launcher is '{self._launcher}', for runs that leave folders; with sweep.keep=metrics "
-                "it must be left out. Take sweep.workers=N, or study.scheduler=ADDRESS of a Dask scheduler."
-            )
-        raise_faults(faults)
-        begin(folder, sweep.plan)
-        try:
-            cells, chunk = sweep.plan.cells, sweep.plan.chunk
-            with terminal.raising(), terminal.progress(cells, "runs", min(chunk, cells)) as show:
-                dataset = continued(sweep, folder, runs_of(sweep.plan, show))
-        except (WorkerError, OSError) as error:
-            tell(
-                f"The sweep stopped: {error_text(error) if isinstance(error, OSError) else str(error)}",
-                sys.stderr,
-            )
+        dataset = self._done(sweep, folder)
+        if keep == "runs":
+            collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
+            return status_of_runs(folder / name for name in names)
+        if dataset is None:
             return INCOMPLETE
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(
-                "Interrupted. Finished tasks are kept: the same command continues there."
-            ) from None
         print(summary(dataset, dataset.encoding["source"]))
         # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
         ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
         return COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE
+
+    def _jobs(self, arguments: Arguments, plan: Plan) -> list[tuple[str, Job]]:
+        """Return folder and job of every run; a ConfigurationError if one is faulty or two share a folder."""
+        jobs, faults = list[tuple[str, Job]](), list[str]()
+        with terminal.progress(plan.cells, "runs checked") as show:
+            for cell in range(plan.cells):
+                with faults_added(faults):
+                    jobs.append(arguments.job(plan, cell))
+                show(cell)
+        raise_faults(faults)
+        HydraConfig.instance().set_config(self.config)
+        raise_faults(
+            f"hydra.sweep.subdir is '{name}' for {count} jobs; it must differ from job to job."
+            for name, count in Counter(name for name, _ in jobs).items()
+            if count > 1
+        )
+        return jobs
+
+    def _pending(self, folder: Path, jobs: Sequence[tuple[str, Job]]) -> dict[int, tuple[Path, Job]]:
+        """Return the runs that are not complete, by cell, and make their folders."""
+        is_pending, sentence = resume([(folder / name, job.key) for name, job in jobs])
+        print(sentence, flush=True)
+        # Workers of a scheduler may have another working directory.
+        there = folder.absolute()
+        pending = {cell: (there / name, job) for cell, (name, job) in enumerate(jobs) if is_pending[cell]}
+        for place, job in pending.values():
+            place.mkdir(parents=True, exist_ok=True)
+            # A run that never begins is known by its state.
+            if not (place / STATE).exists():
+                write_state(place, State(ABSENT, job))
+        announce(job.configuration for _, job in pending.values())
+        OmegaConf.save(self.config, folder / "multirun.yaml")
+        return pending
+
+    def _done(self, sweep: SweepStudy, folder: Path) -> xarray.Dataset | None:
+        """Do what is left of a sweep; return its dataset, or none where runs leave folders or it stopped.
+
+        Raises:
+            KeyboardInterrupt: with a sentence.
+        """
+        cells = len(sweep.cells)
+        try:
+            # Between the jobs an exception, at which a launcher ends the processes that it has begun.
+            with terminal.raising():
+                if self._launcher != "basic":
+                    self._launch([*(sweep.folders or {}).values()], folder)
+                    return None
+                with terminal.progress(max(cells, 1), "runs", min(sweep.plan.chunk, max(cells, 1))) as show:
+                    progress = runs_of(sweep, show)
+                    if sweep.folders is None:
+                        return continued(sweep, folder, progress)
+                    done_parts(sweep, {}, None, progress)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(
+                "Interrupted. Finished runs are kept: the same command continues there."
+            ) from None
+        # A worker that is killed, a cluster that takes no jobs: launchers raise exceptions of any kind.
+        except Exception as error:
+            if self._launcher == "basic" and not isinstance(error, WorkerError | OSError):
+                raise
+            text = error_text(error) if isinstance(error, OSError) else one_line(error)
+            kind = "" if self._launcher == "basic" else f"{type(error).__name__}: "
+            tell(
+                f"The sweep stopped: {kind}{text} Finished runs are kept; the same command continues.",
+                sys.stderr,
+            )
+            if sweep.folders is not None:
+                write_log(folder, error)
+        return None
+
+    def _launch(self, jobs: Sequence[tuple[Path, Job]], folder: Path) -> None:
+        """Have a launcher of Hydra run jobs."""
+        launcher = Plugins.instance().instantiate_launcher(
+            hydra_context=self.context, task_function=self.task, config=self.config
+        )
+        folder, size = folder.absolute(), self.max_batch_size or len(jobs)
+        where = f"hydra.sweep.dir={quoted(str(folder))}"
+        for at in range(0, len(jobs), size or 1):
+            batch = [
+                [*job.overrides, where, f"hydra.sweep.subdir={quoted(str(place.relative_to(folder)))}"]
+                for place, job in jobs[at : at + size]
+            ]
+            for returned in launcher.launch(batch, initial_job_idx=at):
+                # The exception of a job that failed is raised by reading its value.
+                returned.return_value  # noqa: B018
+
+    @property
+    def _launcher(self) -> str:
+        return str(self.config.hydra.runtime.choices["hydra/launcher"])

@@ -247,11 +247,31 @@ def resolved(config: DictConfig) -> dict[str, Any]:
     Raises:
         ConfigurationError: a reference has no value, or is one to the environment.
     """
+    return with_references(as_written(config))
+
+
+def as_written(config: DictConfig) -> dict[str, Any]:
+    """Return a composed configuration without Hydra's part, its references as they are written.
+
+    Raises:
+        ConfigurationError: one is to the environment.
+    """
     mine = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
     written: Any = OmegaConf.to_container(mine, resolve=False)
     refuse_lines(f"{key}={value}" for key, value in flat(written).items() if ENVIRONMENT in str(value))
+    return written  # type: ignore[no-any-return]
+
+
+def with_references(written: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a configuration with the values that its references, `${drive.voltage_1}`, refer to.
+
+    Raises:
+        ConfigurationError: a reference has no value.
+    """
+    if not any("${" in str(value) for value in flat(written).values()):
+        return dict(written)
     try:
-        return OmegaConf.to_container(mine, resolve=True)  # type: ignore[return-value]
+        return OmegaConf.to_container(OmegaConf.create(dict(written)), resolve=True)  # type: ignore[return-value]
     except OmegaConfBaseException as error:
         fault = f"{one_line(error)} Correct the reference in ${{...}}."
         raise ConfigurationError([fault]) from None

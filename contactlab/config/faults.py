@@ -26,9 +26,9 @@ def one_line(error: BaseException) -> str:
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
 
-def failure_of(error: Exception) -> str:
+def failure_of(error: BaseException) -> str:
     """Return why a part of a study has no numbers, a sentence also where the exception has none."""
-    text = str(error)
+    text = " ".join(str(error).split())
     if text.endswith((".", "?", "!")):
         return text
     where = [f"{Path(each.filename).name}, line {each.lineno}" for each in extract_tb(error.__traceback__)]

@@ -49,6 +49,19 @@ def test_every_cell_is_the_run_of_its_configuration(command: Command) -> None:
             assert cell["total_impulse"] == run.contacts["normal_impulse"].sum()
 
 
+def test_a_reference_follows_what_is_swept(command: Command) -> None:
+    swept = ("drive.voltage_1=90,100", "drive.voltage_2=${drive.voltage_1}", "record.picture=false", SHORT)
+    expected = [
+        build([f"drive.voltage_{number}={voltage}" for number in (1, 2)]).run(duration=1e-3)
+        for voltage in (90, 100)
+    ]
+    for keep in ("metrics", "runs"):
+        status, _, err = command("-m", *swept, f"sweep.keep={keep}", f"hydra.sweep.dir={keep}")
+        assert status == 0, err
+        velocity = opened(Path(keep))["final_rotor_velocity"]
+        assert velocity.values.tolist() == [run.series["rotor_velocity"][-1] for run in expected]
+
+
 def test_the_same_command_finds_its_folder_and_runs_nothing_again(command: Command) -> None:
     arguments = (*METRICS_ALONE, SHORT, "drive.phase=0,1")
     assert command(*arguments)[0] == 0

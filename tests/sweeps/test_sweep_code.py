@@ -63,7 +63,7 @@ def test_a_law_that_raises_harms_no_other_and_is_run_again_when_it_is_mended(tmp
     lines = ("-m", "law=fragile,hertz_penalty", "solver.duration=0.5 ms", *QUICK)
     status, out, err = elsewhere.command(*lines)
     assert status == 1
-    assert "The run ended because the law fragile raised KeyError: 'FOUND'" in err
+    assert "The run ended because the law fragile raised KeyError: 'FOUND'" in out
     assert "Traceback" not in err
     assert "1 complete\n1 failed\n" in out
     place = tmp_path / "sweep/law=fragile,record.picture=false,solver.duration=0.5_ms"

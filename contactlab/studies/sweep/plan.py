@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import TypeAdapter
 
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config.composition import with_references
 from contactlab.config.nesting import Value, flat
 from contactlab.config.schema import KEYS, declared_in
 from contactlab.laws import ContactLaw
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from contactlab.studies.study import Study
 
 CHUNK: Final = 100
-"""Least number of runs in a task: a file of each is written."""
+"""Least number of runs in a task that keeps numbers: a file of each task is written."""
 
 MOST_TASKS: Final = 1000
 """Number of tasks from which on each has more runs."""
@@ -187,7 +188,7 @@ class Plan:
         """The number of runs."""
         return prod(self.shape)
 
-    def rows(self, cells: range) -> "Plan":
+    def rows(self, cells: Sequence[int]) -> "Plan":
         """Return the plan of some cells alone, as samples."""
         places = [self.places(cell) for cell in cells]
         axes = (
@@ -220,7 +221,7 @@ class Plan:
 
     def study_at(self, cell: int) -> "Study":
         """Return the study that is put to the setup of a cell."""
-        return study_in(self.configuration(cell)["study"])
+        return study_in(with_references(self.configuration(cell))["study"])
 
     def text(self) -> str:
         """Write the plan as JSON, the same for the same plan."""
@@ -232,9 +233,9 @@ class Plan:
         return TypeAdapter(cls).validate_json(text)
 
 
-def size_of_tasks(cells: int) -> int:
+def size_of_tasks(cells: int, keep: str = "metrics") -> int:
     """Return the number of runs in a task."""
-    return max(CHUNK, ceil(cells / MOST_TASKS))
+    return max(1 if keep == "runs" else CHUNK, ceil(cells / MOST_TASKS))
 
 
 class Composer(Protocol):
@@ -302,12 +303,12 @@ def planned(
         code=code_digest_of(bases),
         keep=keep,
     )
-    plan = replace(plan, chunk=chunk or size_of_tasks(plan.cells))
+    plan = replace(plan, chunk=chunk or size_of_tasks(plan.cells, keep))
     if plan.cells > (most := MOST_JOBS if keep == "runs" else MOST_RUNS):
         shown = f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs"
         raise ConfigurationError([f"The sweep has {shown}; it must have at most {most} (sweep.keep={keep})."])
     for cell in range(plan.cells if samples else 0):
-        with _faults_added(faults):
+        with faults_added(faults):
             plan.setup_at(cell)
     raise_faults(faults)
     return plan
@@ -353,13 +354,13 @@ def _numbers(
         faults.append(str(error))
         return []
     for number in numbers:
-        with _faults_added(faults):
+        with faults_added(faults):
             _sound([with_key(trial, key, number) for trial in trials])
     return numbers
 
 
 @contextmanager
-def _faults_added(faults: list[str]) -> Iterator[None]:
+def faults_added(faults: list[str]) -> Iterator[None]:
     """Add the faults of a ConfigurationError to others."""
     try:
         yield
@@ -381,7 +382,7 @@ def _built(configuration: Configuration) -> Setup:
     Raises:
         ConfigurationError: with every fault.
     """
-    run = dict(configuration)
+    run = with_references(configuration)
     if "study" in run and (study := study_in(run.pop("study"))).base:
         raise ConfigurationError(
             [f"study.data state a motor of their own; a sweep of {study.name} would not be of it."]

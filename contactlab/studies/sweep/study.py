@@ -1,5 +1,8 @@
 """The study `sweep`: many runs, or another study many times, whose numbers lie in one dataset.
 
+One task is some cells of a plan. A cell leaves its numbers, or a folder (`contactlab.studies.run_folder`), by
+whose state it is skipped where it is complete. Of numbers alone there are
+
     DIR/sweep.json        the plan of the runs, and the digest of the code
     DIR/tasks/*.nc        finished tasks, see `contactlab.studies.runner`
     DIR/sweep.nc          the dataset; the tasks are removed once it is on the disk
@@ -24,7 +27,7 @@ import xarray
 import yaml
 
 from contactlab.checks import accepts_units, check_kind
-from contactlab.config import ConfigurationError, Setup
+from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import compose, options_of
 from contactlab.config.faults import failure_of
 from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
@@ -40,7 +43,8 @@ from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
 from contactlab.simulation import setup_of
-from contactlab.studies.run_state import Status, status_of
+from contactlab.studies.run_folder import leave
+from contactlab.studies.run_state import INTERRUPTED, Job, Status, status_of
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
 from contactlab.studies.sweep.dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
@@ -76,14 +80,19 @@ class Sweep(Study):
         plan: of the runs.
         make: makes the setup of a cell from the plan.
         question: the study that is put to each setup, where the configuration does not name it.
+        folders: folder and job of the cells that leave one and are not complete; None leaves none.
     """
 
     name: ClassVar[str] = "sweep"
-    delay: ClassVar[float] = 2.0
-
     plan: Plan
     make: Maker = Plan.setup_at
     question: Study | None = None
+    folders: Mapping[int, tuple[Path, Job]] | None = None
+
+    @property
+    def delay(self) -> float:  # type: ignore[override]
+        """Processor time after which other processes are started [s]; at once where runs leave folders."""
+        return 2.0 if self.folders is None else 0.0
 
     @property
     def options(self) -> dict[str, Any]:
@@ -93,10 +102,16 @@ class Sweep(Study):
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return tasks of as many cells as the plan has in a chunk, whatever the number of workers."""
         del setups
-        plan = self.plan
-        for start in range(0, plan.cells, plan.chunk):
-            cells = range(start, min(start + plan.chunk, plan.cells))
-            yield Task(str(start), _done, (Cells(plan, cells, self.make, self.question),))
+        cells = self.cells
+        for start in range(0, len(cells), self.plan.chunk):
+            own = cells[start : start + self.plan.chunk]
+            folders = tuple(self.folders[cell] for cell in own) if self.folders is not None else ()
+            yield Task(str(own[0]), _done, (Cells(self.plan, own, self.make, self.question, folders),))
+
+    @property
+    def cells(self) -> Sequence[int]:
+        """The cells of the plan that are done."""
+        return range(self.plan.cells) if self.folders is None else [*self.folders]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the dataset of all runs, their time series included."""
@@ -115,13 +130,14 @@ class Cells:
     """Some cells of a plan; pickled they bring the values of these cells alone."""
 
     plan: Plan
-    cells: range
+    cells: Sequence[int]
     make: Maker
     question: Study | None
+    folders: tuple[tuple[Path, Job], ...] = ()
 
     def __reduce__(self) -> tuple[Any, ...]:
         rows = self.plan.rows(self.cells)
-        return Cells, (rows, range(rows.cells), self.make, self.question)
+        return Cells, (rows, range(rows.cells), self.make, self.question, self.folders)
 
 
 @final
@@ -143,7 +159,7 @@ def _done(work: Cells) -> Part:
     for done, cell in enumerate(work.cells):
         with part_of_progress(done / len(work.cells), (done + 1) / len(work.cells), f"run {cell + 1}: "):
             tell_progress("", 0.0)
-            runs.append(_outcome(work, cell))
+            runs.append(_left(*work.folders[done]) if work.folders else _outcome(work, cell))
     root = xarray.Dataset(
         {
             **{
@@ -164,6 +180,14 @@ def _done(work: Cells) -> Part:
         }
         groups["/series"] = xarray.Dataset({**rows, "times": ("time", time)})
     return Part(xarray.DataTree.from_dict(groups))
+
+
+def _left(folder: Path, job: Job) -> Outcome:
+    """Run one cell in its folder; its numbers are in its state, from which they are collected."""
+    state, _ = leave(rebuild(job.configuration), folder, job)
+    if state.state == INTERRUPTED:
+        raise KeyboardInterrupt(state.reason)
+    return Outcome(Status[state.state.upper()], state.reason)
 
 
 def _outcome(work: Cells, cell: int) -> Outcome:
@@ -347,9 +371,10 @@ def _digest_line(file: Path) -> str:
     return f"{digest_of_file(file)}  {DATASET}\n"
 
 
-def runs_of(plan: Plan, progress: Progress) -> Progress:
+def runs_of(study: Sweep, progress: Progress) -> Progress:
     """Return what converts finished tasks to finished runs."""
-    return lambda done, _: progress(min(done * plan.chunk, plan.cells), plan.cells)
+    chunk, total = study.plan.chunk, len(study.cells)
+    return lambda done, _: progress(min(done * chunk, total), total)
 
 
 @accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1")
@@ -461,7 +486,7 @@ def sweep(
         plan = replace(plan, chunk=1 if question else size_of_tasks(plan.cells))
     scheduler = study.scheduler if isinstance(study, Study) else None
     swept = replace(swept, plan=plan, question=question, workers=workers or processors(), scheduler=scheduler)
-    report = runs_of(plan, progress) if progress else None
+    report = runs_of(swept, progress) if progress else None
     if output is None:
         return combined(plan, done_parts(swept, {}, None, report)[0], with_series=True)
     begin(Path(output), plan)
