@@ -9,12 +9,7 @@ from typing import TYPE_CHECKING, Any, final, get_args
 from contactlab.checks import accepts_units, check_kind, check_number
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.made_in_python import KEYS
-from contactlab.engine.preparation import (
-    DEFAULT_TOLERANCE,
-    check_kinds,
-    default_contact_step,
-    default_record_interval,
-)
+from contactlab.engine.preparation import check_kinds
 from contactlab.laws.base import ContactLaw, is_stepped
 from contactlab.motor import Motor
 from contactlab.results.netcdf import configuration_of, state_of, to_datatree, write_tree
@@ -289,17 +284,9 @@ def setup_of(motor: Any, law: Any, settings: dict[str, Any]) -> Setup:
     check_kinds(motor, law)
     if "duration" not in settings:
         raise ValueError("The duration is missing; a motor and a law need one in seconds: duration=5e-3.")
-    duration, step = settings["duration"], settings.get("contact_step")
-    step = default_contact_step(motor, law, duration) if step is None else step
-    usual = Setup(
-        motor=motor,
-        law=law,
-        duration=duration,
-        record_interval=default_record_interval(motor, duration),
-        contact_step=step,
-        tolerance=None if is_stepped(law, step) else DEFAULT_TOLERANCE,
-    )
-    return changed(usual, settings)
+    numbers = {name: value for name, value in settings.items() if name in KEYS}
+    others = {name: value for name, value in settings.items() if name not in KEYS}
+    return replace(Setup.of(motor, law, **numbers), **others)
 
 
 def changed(setup: Setup, settings: dict[str, Any]) -> Setup:

@@ -53,11 +53,10 @@ class BasisConvergence(Experiment):
         *_, reference = modes.values()
         tones = reference.natural_frequency[0] * np.array([1.0, 2.0])
         motor = replace(setup.motor, drive=replace(setup.motor.drive, frequency=tones))
+        law = laws_of(setup)["hertz_penalty"]
         result = cl.sweep(
             {"basis": [*bases]},
-            motor=lambda basis: replace(motor, modes=modes[basis]),
-            law=laws_of(setup)["hertz_penalty"],
-            duration=setup.duration,
+            lambda basis: cl.Setup.of(replace(motor, modes=modes[basis]), law, setup.duration),
             metrics=("peak_force", "final_rotor_velocity"),
         )
         numbers = [

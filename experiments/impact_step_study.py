@@ -37,10 +37,7 @@ class ImpactStepStudy(Experiment):
         runs = [
             cl.sweep(
                 {"law": [*laws]},
-                motor=lambda **_: setup.motor,
-                law=lambda law: laws[law],
-                duration=setup.duration,
-                contact_step=step,
+                lambda law, step=step: cl.Setup.of(setup.motor, laws[law], setup.duration, contact_step=step),
                 metrics=("peak_force", "total_impulse"),
             )
             for step in steps

@@ -4,6 +4,7 @@ import sys
 from abc import abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import product
 from typing import Any, ClassVar
 
@@ -74,6 +75,8 @@ def swept(
     *,
     motor: Callable[..., cl.Motor] | None = None,
     laws: Mapping[str, cl.ContactLaw] | None = None,
+    duration: float | None = None,
+    record_interval: float | None = None,
     **options: Any,
 ) -> xarray.Dataset:
     """Return a sweep of transients under every law, which is the first dimension.
@@ -85,13 +88,18 @@ def swept(
         over: values by name.
         motor: makes the motor from them; None is the configured one.
         laws: by name; None is all three.
-        options: of `contactlab.sweep`; the duration is the setup's by default.
+        duration: that of the setup by default [s].
+        record_interval: as of `contactlab.simulate` [s].
+        options: of `contactlab.sweep`.
     """
     laws, runs = laws or laws_of(setup), []
+
+    def made(law: cl.ContactLaw, **values: Any) -> cl.Setup:
+        moved = motor(**values) if motor else setup.motor
+        return cl.Setup.of(moved, law, duration or setup.duration, record_interval)
+
     for name, law in laws.items():
-        data = cl.sweep(
-            over, motor=motor or (lambda **_: setup.motor), law=law, **{"duration": setup.duration, **options}
-        )
+        data = cl.sweep(over, partial(made, law), **options)
         report({f"{name}: {reason}" for reason in {*data.reason.values.ravel()} - {""}})
         runs.append(data.drop_vars(["status", "reason"]).where(data.status == Status.COMPLETE))
     every = xarray.concat(runs, pandas.Index([*laws], name="law")).drop_attrs(deep=False)

@@ -33,7 +33,7 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError
 from contactlab.config.composition import as_written, faults_of, resolved
 from contactlab.config.faults import one_line
-from contactlab.config.nesting import Value, quoted
+from contactlab.config.nesting import Value, flat, quoted
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import STATE, check_file, error_text
 from contactlab.studies.registry import RUN
@@ -98,6 +98,11 @@ class Arguments:
     def fixed(self) -> list[str]:
         """The overrides that all runs have."""
         return [line for key, line in self._lines.items() if key not in self.columns]
+
+    @property
+    def keys(self) -> dict[str, str]:
+        """All keys of the configuration, full."""
+        return {key: key for key in flat(self.compose({}))}
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Return the configuration with these options of groups, and of a study its section."""
@@ -266,7 +271,9 @@ class Sweeping:
             )
         plan = planned(
             arguments,
-            full_keys(table(settings.samples), arguments) if settings.samples else arguments.columns,
+            full_keys(table(settings.samples), arguments.keys, arguments.options)
+            if settings.samples
+            else arguments.columns,
             Outputs.of_study(study)
             if study
             else Outputs.named(settings.metrics, settings.series or (), "sweep."),
@@ -292,7 +299,7 @@ class Sweeping:
             )
         raise_faults(faults)
         begin(folder, plan)
-        # A run that leaves a folder may need much memory: several at once are asked for.
+        # A run that leaves a folder may need much memory: several at once must be chosen.
         usual = processors() if keep == "metrics" and not study else section.get("workers", 1)
         sweep = SweepStudy(
             plan=plan,

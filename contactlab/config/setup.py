@@ -11,7 +11,7 @@ from typing import Any, final
 
 import yaml
 
-from contactlab.checks import check_kind, check_records
+from contactlab.checks import accepts_units, check_kind, check_records
 from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
 from contactlab.config.drives import drive_of
@@ -25,6 +25,7 @@ from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import (
     DEFAULT_TOLERANCE,
+    check_kinds,
     default_contact_step,
     default_record_interval,
     take_in,
@@ -115,6 +116,37 @@ class Setup:
             configuration.setdefault(section, {})[key] = getattr(self, name)
         object.__setattr__(self, "configuration", frozen(configuration))
 
+    @classmethod
+    @accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1")
+    def of(
+        cls,
+        motor: Motor,
+        law: ContactLaw,
+        duration: float,
+        record_interval: float | None = None,
+        contact_step: float | None = None,
+        tolerance: float | None = None,
+    ) -> "Setup":
+        """Return the setup of a motor and a law made in Python, with the defaults of `contactlab.simulate`.
+
+            >>> import contactlab as cl
+            >>> cl.Setup.of(cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5), "20 ms").duration
+            0.02
+
+        Raises:
+            TypeError: the motor or the law is of another kind.
+        """
+        check_kinds(motor, law)
+        interval = default_record_interval(motor, duration) if record_interval is None else record_interval
+        step = default_contact_step(motor, law, duration) if contact_step is None else contact_step
+        usual = None if is_stepped(law, step) else DEFAULT_TOLERANCE
+        return cls(motor, law, duration, interval, step, usual if tolerance is None else tolerance)
+
+    @property
+    def made_in_python(self) -> bool:
+        """Whether motor or law are others than its configuration would give."""
+        return self.origin is None or not self.origin.is_of(self)
+
     def with_(self, *overrides: str) -> "Setup":
         """Return the setup with other values of keys, or other options of groups, composed and checked anew.
 
@@ -132,17 +164,20 @@ class Setup:
         Raises:
             ConfigurationError: with every fault.
         """
-        origin = self.origin
-        if origin is None or not origin.is_of(self):
+        if self.made_in_python:
             options, values = parsed(overrides)
             if options:
                 fault = f"{next(iter(options))} is an option; a motor made in Python must have KEY=VALUE."
                 raise ConfigurationError([fault])
             return reduce(lambda setup, item: with_number(setup, *item), values.items(), self)
-        return build(overridden(self._source(origin), overrides))
+        return build(overridden(self.source, overrides))
 
-    def _source(self, origin: "Origin") -> dict[str, Any]:
-        """Return the configuration of the origin as given, with the numbers that have changed since."""
+    @property
+    def source(self) -> dict[str, Any]:
+        """The configuration as given, with the numbers that have changed since; nothing of it is derived."""
+        origin = self.origin
+        if origin is None:
+            return {**self.configuration}
         source = {name: dict(section) for name, section in origin.source.items()}
         for name, (section, key) in PLACES.items():
             if getattr(self, name) != origin.configuration[section][key]:
@@ -152,10 +187,10 @@ class Setup:
         return source
 
     def __repr__(self) -> str:
-        if self.origin is None or not self.origin.is_of(self):
+        if self.made_in_python:
             numbers = ", ".join(f"{key}={value}" for key, value in flat(self.configuration).items())
             return f"<Setup of a motor made in Python: {numbers}>"
-        return f"contactlab.build({differences(self._source(self.origin))})"
+        return f"contactlab.build({differences(self.source)})"
 
     def run(self, *, keep_interrupted: bool = False, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own.

@@ -172,6 +172,6 @@ def test_evidence_left_has_an_estimate_that_ends_with_it(grows: float, points: i
 
 
 def test_the_runs_of_a_sweep_are_told() -> None:
-    over = {"contact.clearance": [1e-6, 2e-6]}
-    reports = reports_of(lambda: cl.sweep(over, duration=1e-4, metrics=["contact_count"], workers=1))
+    over, short = {"contact.clearance": [1e-6, 2e-6]}, ["solver.duration=1e-4"]
+    reports = reports_of(lambda: cl.sweep(over, short, metrics=["contact_count"], workers=1))
     assert [what for what, _ in reports] == ["run 1: ", "run 2: "]

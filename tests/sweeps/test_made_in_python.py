@@ -1,6 +1,6 @@
 """Sweeps, branches and data sheets of a motor and a law made in Python are those of their configuration."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, final
 
 import numpy as np
@@ -9,8 +9,7 @@ import pytest
 import contactlab as cl
 
 SETUP = cl.build(["law=newton"])
-SHORT: Any = {"duration": 1e-3, "workers": 1}
-OWN: Any = {"base": SETUP.motor, "law": SETUP.law, **SHORT, "contact_step": SETUP.contact_step}
+OWN = cl.Setup.of(SETUP.motor, SETUP.law, 1e-3, contact_step=SETUP.contact_step)
 
 
 @final
@@ -27,7 +26,7 @@ class Spring(cl.Friction):
 
 def test_the_numbers_of_a_motor_vary_as_the_keys_of_a_configuration_do() -> None:
     over = {"clearance": "linspace(0.5 um, 1 um, 2)", "law.restitution": [0.3, 0.6], "rotor.inertia": [4e-5]}
-    made, built = cl.sweep(over, **OWN), cl.sweep(over, base=SETUP, **SHORT)
+    made, built = (cl.sweep(over, base, workers=1) for base in (OWN, replace(SETUP, duration=1e-3)))
     assert dict(made.sizes) == dict(built.sizes) == {"clearance": 2, "law_restitution": 2, "inertia": 1}
     assert made["clearance"].attrs["units"] == "m"
     for name in ("final_rotor_velocity", "total_impulse", "contact_count"):
@@ -38,7 +37,7 @@ def test_the_rows_of_a_table_are_runs_of_it_and_parts_of_its_law_vary() -> None:
     law = cl.Composed(normal=cl.Linear(stiffness=1e7))
     rows = [{"law.normal.stiffness": 1e7, "friction_coefficient": 0.2}, {"law.normal.stiffness": 2e7}]
     rows[1]["friction_coefficient"] = 0.3
-    result = cl.sweep(rows, base=SETUP.motor, law=law, **SHORT)
+    result = cl.sweep(rows, cl.Setup.of(SETUP.motor, law, 1e-3), workers=1)
     for run, row in enumerate(rows):
         other = cl.Composed(
             cl.Linear(row["law.normal.stiffness"]), friction=cl.Coulomb(row["friction_coefficient"])
@@ -59,7 +58,7 @@ def test_the_rows_of_a_table_are_runs_of_it_and_parts_of_its_law_vary() -> None:
 )
 def test_what_it_does_not_have_or_admit_is_refused_by_its_key(over: dict[str, Any], key: str) -> None:
     with pytest.raises(ValueError, match=key.replace(".", r"\.")):
-        cl.sweep(over, **OWN)
+        cl.sweep(over, OWN)
 
 
 @pytest.mark.parametrize(
@@ -73,12 +72,11 @@ def test_what_it_does_not_have_or_admit_is_refused_by_its_key(over: dict[str, An
 def test_a_name_of_two_numbers_and_two_names_of_one_are_refused(over: dict[str, Any]) -> None:
     law = cl.Composed(normal=cl.Linear(), friction=Spring())
     with pytest.raises(cl.ConfigurationError, match=[*over][-1]):
-        cl.sweep(over, **OWN | {"law": law})
+        cl.sweep(over, cl.Setup.of(SETUP.motor, law, 1e-3))
 
 
 def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
-    numbers = {"base": SETUP.motor, "law": SETUP.law}
-    sheets = cl.characterise(SETUP), cl.characterise(numbers["base"], numbers["law"])
+    sheets = cl.characterise(SETUP), cl.characterise(SETUP.motor, SETUP.law)
     for name in ("stall_torque", "no_load_velocity", "velocity"):
         assert np.array_equal(*(sheet[name] for sheet in sheets), equal_nan=True)
     over: Any = ("contact.clearance", 1e-6, 1.01e-6)

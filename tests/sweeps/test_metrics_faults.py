@@ -16,7 +16,7 @@ FAULTS = [
     (["law=composed", "law.normal.name=linear", "drive.phase=1,2"], ["law.normal.name"]),
     ([f"drive.{key}=linspace(0,1,400)" for key in ("phase", "voltage_1", "voltage_2")], ["6.4e+07"]),
     (["drive.phase=1,2", "solver.duratio=1"], ["solver.duration"]),
-    (["drive.phase=1,2", "rotor.load_torque=${oc.decode:1e-3}"], ["${NAME:...}"]),
+    (["drive.phase=1,2", "rotor.load_torque=${oc.decode:'1e-3'}"], ["${NAME:...}"]),
     (["drive.phase=1,2", "sweep.metrics=peak_farce"], ["sweep.metrics", "peak_force"]),
     (["drive.phase=1,2", "sweep.series=gab"], ["sweep.series", "gab"]),
     (["solver.duration=1e-3,2e-3", "sweep.series=gap"], ["solver.duration"]),

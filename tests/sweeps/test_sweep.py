@@ -2,7 +2,8 @@
 
 import os
 import signal
-from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +36,13 @@ def motor_at(clearance: float, phase: float) -> Motor:
     return default_motor(clearance=clearance, phase=phase)
 
 
-def swept(law: ContactLaw | Callable[..., ContactLaw], **changes: Any) -> xarray.Dataset:
+def setup_at(clearance: float, phase: float, law: ContactLaw, interval: float | None = None) -> cl.Setup:
+    return cl.Setup.of(motor_at(clearance, phase), law, DURATION, interval)
+
+
+def swept(law: ContactLaw, interval: float | None = None, **options: Any) -> xarray.Dataset:
     over = {"clearance": CLEARANCES, "phase": PHASES}
-    return sweep(over, motor=motor_at, law=law, **{"duration": DURATION, **changes})
+    return sweep(over, partial(setup_at, law=law, interval=interval), **options)
 
 
 @pytest.mark.parametrize("law", every_law(), ids=lambda law: law.name)
@@ -64,7 +69,7 @@ def test_the_number_of_workers_changes_no_bit(workers: int, monkeypatch: pytest.
 
 def test_all_metrics_are_those_of_the_datasets() -> None:
     law = hertz()
-    result = swept(law, record_interval=1e-6, metrics=tuple(METRICS), workers=1)
+    result = swept(law, 1e-6, metrics=tuple(METRICS), workers=1)
     for clearance, phase in ((0.0, 2.0), (1e-6, -1.0)):
         motor = motor_at(clearance, phase)
         run = simulate(motor, law, duration=DURATION, record_interval=1e-6)
@@ -76,10 +81,9 @@ def test_all_metrics_are_those_of_the_datasets() -> None:
 
 
 def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
-    result = swept(
-        lambda clearance, phase: hertz(0.1 * (1.0 + clearance * 1e6) + 0.0 * phase),
-        duration=DURATION,
-        record_interval=3e-5,
+    result = sweep(
+        {"clearance": CLEARANCES, "phase": PHASES},
+        lambda clearance, phase: setup_at(clearance, phase, hertz(0.1 * (1.0 + clearance * 1e6)), 3e-5),
         series=["rotor_velocity", "gap"],
         workers=2,
     )
@@ -92,20 +96,13 @@ def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
 
 
 def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() -> None:
-    def motor(voltage: float) -> Motor:
+    def setup(voltage: float) -> cl.Setup:
         if voltage < 0.0:
             raise ValueError("no negative voltage here")
-        return default_motor(voltage_1=voltage, voltage_2=voltage)
+        motor = default_motor(voltage_1=voltage, voltage_2=voltage)
+        return cl.Setup.of(motor, hertz(stiffness=1e3), DURATION, 1e-5)
 
-    result = sweep(
-        {"voltage": [-1.0, 100.0, 1e5]},
-        motor=motor,
-        law=hertz(stiffness=1e3),
-        duration=DURATION,
-        record_interval=1e-5,
-        series=["gap"],
-        workers=2,
-    )
+    result = sweep({"voltage": [-1.0, 100.0, 1e5]}, setup, series=["gap"], workers=2)
     codes = [Status(code) for code in result["status"].values]
     assert codes == [Status.FAILED, Status.COMPLETE, Status.DIVERGED]
     assert "no negative voltage here" in result["reason"].values[0]
@@ -117,7 +114,7 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
 def test_an_axis_brings_its_unit() -> None:
     clearance = xarray.DataArray([*CLEARANCES], attrs={"units": "m"})
     over = {"clearance": clearance, "phase": PHASES}
-    result = sweep(over, motor=motor_at, law=LagrangeStick(0.3), duration=1e-4, workers=1)
+    result = sweep(over, partial(setup_at, law=LagrangeStick(0.3)), workers=1)
     assert result["clearance"].attrs == {"key": "clearance", "units": "m"}
     assert result["phase"].attrs == {"key": "phase"}
 
@@ -126,30 +123,30 @@ def test_an_axis_brings_its_unit() -> None:
 def test_a_worker_that_is_killed_ends_the_sweep(monkeypatch: pytest.MonkeyPatch) -> None:
     test = os.getpid()
 
-    def motor(phase: float) -> Motor:
+    def setup(phase: float) -> cl.Setup:
         if phase == 2.0 and os.getpid() != test:
             os.kill(os.getpid(), signal.SIGKILL)
-        return default_motor(phase=phase)
+        return cl.Setup.of(default_motor(phase=phase), hertz(), 1e-4)
 
     monkeypatch.setattr(Sweep, "delay", 0.0)
     monkeypatch.setattr("contactlab.studies.sweep.plan.CHUNK", 1)
     with pytest.raises(WorkerError):
-        sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=2)
+        sweep({"phase": PHASES}, setup, workers=2)
 
 
 def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
     def time_is_up(*_: object) -> None:
         raise TimeoutError("time is up")
 
-    def motor(phase: float) -> Motor:
+    def setup(phase: float) -> cl.Setup:
         if phase == 2.0:
             os.kill(os.getpid(), signal.SIGUSR2)
-        return default_motor(phase=phase)
+        return cl.Setup.of(default_motor(phase=phase), hertz(), 1e-4)
 
     before = signal.signal(signal.SIGUSR2, time_is_up)
     try:
         with pytest.raises(TimeoutError):
-            sweep({"phase": PHASES}, motor=motor, law=hertz(), duration=1e-4, workers=1)
+            sweep({"phase": PHASES}, setup, workers=1)
     finally:
         signal.signal(signal.SIGUSR2, before)
 
@@ -158,28 +155,34 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
     ("changes", "key"),
     [
         ({"metrics": ["peak_farce"]}, "peak_farce"),
-        ({"series": ["gab"], "record_interval": 1e-5}, "gab"),
+        ({"series": ["gab"]}, "gab"),
         ({"metrics": []}, "metric"),
-        ({"metrics": ["torque"]}, "record_interval"),
-        ({"series": ["gap"]}, "record_interval"),
+        ({"output": "here"}, "output"),
     ],
 )
-def test_what_cannot_be_kept_is_refused(changes: dict[str, list[str]], key: str) -> None:
+def test_what_cannot_be_kept_is_refused(changes: dict[str, Any], key: str) -> None:
     with pytest.raises(ValueError, match=key):
         swept(hertz(), **changes)
 
 
 def test_a_sweep_without_values_is_refused() -> None:
     with pytest.raises(ValueError, match="swept"):
-        sweep({}, motor=motor_at, law=hertz(), duration=1e-4)
+        sweep({}, motor_at)
     with pytest.raises(ValueError, match="phase"):
-        sweep({"phase": []}, motor=motor_at, law=hertz(), duration=1e-4)
+        sweep({"phase": []}, motor_at)
+
+
+def test_what_a_function_returns_beside_a_setup_is_a_failed_run() -> None:
+    result = sweep({"clearance": [1e-6], "phase": [0.0]}, motor_at, workers=1)
+    assert result["status"].item() == Status.FAILED
+    assert "Setup" in str(result["reason"].item())
 
 
 def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> None:
     """Names, values, units and bits are the same, so that both align."""
     values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
-    result = sweep(values, duration=1e-3, base=["drive.phase=1"], workers=1)
+    base = ["drive.phase=1", "solver.duration=1 ms"]
+    result = sweep(values, base, workers=1)
     lines = ["law=newton,hertz_penalty", "contact.clearance=linspace(0, 2 um, 3)", "drive.phase=1"]
     command(*METRICS_ALONE, *lines, "solver.duration=1 ms", "hydra.sweep.dir=here")
     with xarray.open_dataset("here/sweep.nc") as commanded:
@@ -187,8 +190,10 @@ def test_a_sweep_of_keys_is_the_one_of_the_command_line(command: Command) -> Non
         assert commanded["clearance"].attrs == result["clearance"].attrs
         assert commanded["clearance"].attrs["key"] == "contact.clearance"
         assert "clearance" in commanded["clearance"].attrs["long_name"] or commanded["clearance"].units == "m"
-    stored = sweep(values, duration=1e-3, base=["drive.phase=1"], output="mine", workers=2)
-    xarray.testing.assert_equal(stored, result)
+    xarray.testing.assert_equal(sweep(values, base, output="mine", workers=2), result)
+    # A setup is what it was made from: the steps of its law are not those of others.
+    for setup in (build(base), replace(build(base[:1]), duration=1e-3)):
+        xarray.testing.assert_equal(sweep(values, setup, workers=1), result)
 
 
 SAMPLES = [
@@ -199,7 +204,7 @@ SAMPLES = [
 
 @pytest.mark.long
 def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> None:
-    result = sweep(SAMPLES, duration=1e-3, workers=1)
+    result = sweep(SAMPLES, ["solver.duration=1 ms"], workers=1)
     assert result["clearance"].dims == ("run",)
     pandas.DataFrame(SAMPLES).to_csv("table.csv", index=False)
     short = ("sweep.samples=table.csv", "solver.duration=1 ms", "record.picture=false")
@@ -285,13 +290,13 @@ def test_the_folder_of_a_run_may_be_named_by_a_variable_of_the_environment(
 def test_a_study_is_swept_over_keys_and_over_the_numbers_of_a_motor() -> None:
     setup = build(["law=newton"])
     phases, study = [-1.0, 0.0], cl.Steady(refine=False)
-    keys = sweep(study, over={"drive.phase": phases}, base=["law=newton"], workers=1)
+    keys = sweep({"drive.phase": phases}, ["law=newton"], study=study, workers=1)
     alone = cl.steady(build(["law=newton", "drive.phase=0.0"]))
     assert keys["rotor_velocity"].sel(phase=0.0) == alone.velocity.value
     assert keys["rotor_velocity"].attrs["units"] == "rad s-1"
     numbers = {"rotor.inertia": [2e-5, 4e-5]}
-    made = sweep(study, numbers, base=setup.motor, law=setup.law, duration=1e-3, workers=1)
-    built = sweep(study, numbers, base=setup, workers=1)
+    made = sweep(numbers, cl.Setup.of(setup.motor, setup.law, 1e-3), study=study, workers=1)
+    built = sweep(numbers, setup, study=study, workers=1)
     assert np.allclose(made["rotor_velocity"], built["rotor_velocity"], rtol=1e-6)
     with pytest.raises(ValueError, match="metrics"):
-        sweep(study, numbers, metrics="all")
+        sweep(numbers, study=study, metrics="all")

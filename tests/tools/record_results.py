@@ -192,7 +192,10 @@ def sweep_values(item: Item) -> Values:
     import contactlab as cl
     from contactlab.metrics import METRICS
 
-    data = cl.sweep(item["over"], base=item["overrides"], metrics="all", workers=1, **item["options"])
+    options = item["options"]
+    lines = [f"solver.duration={options['duration']}", f"record.interval={options['record_interval']}"]
+    kept: dict[str, Any] = {"metrics": "all", "series": options["series"]}
+    data = cl.sweep(item["over"], [*item["overrides"], *lines], **kept, workers=1)
     return _of_dataset(data, "sweep", [key for key, metric in METRICS.items() if metric.units == "1"])
 
 

@@ -4,7 +4,7 @@ Every value is checked beforehand, and all faults are reported.
 """
 
 import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, field, replace
 from itertools import product
@@ -16,7 +16,7 @@ from pydantic import TypeAdapter
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.composition import with_references
-from contactlab.config.nesting import Value, flat
+from contactlab.config.nesting import Value
 from contactlab.config.schema import KEYS, declared_in
 from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
@@ -314,24 +314,33 @@ def planned(
     return plan
 
 
-def full_keys(columns: Columns, composer: Composer) -> dict[str, Sequence[Value]]:
+def full_keys(
+    columns: Columns, known: Mapping[str, object], options: Callable[[str], Sequence[str]] = lambda _: ()
+) -> dict[str, Sequence[Value]]:
     """Return columns by full key in place of a name that is the end of one: 'clearance'.
 
     The parts of a name may be joined as in the names of a dataset.
 
+    Args:
+        columns: values by name.
+        known: the full keys, each with what it stands for; keys of the same are one.
+        options: returns the options of a group, none for what is no group.
+
     Raises:
         ConfigurationError: a name is the end of several keys, or two names stand for one.
     """
-    known = flat(composer.compose({}))
     full: dict[str, Sequence[Value]] = {}
+    swept: set[object] = set()
     for name, column in columns.items():
-        whole = name in known or composer.options(name)
-        ends = [] if whole else [k for k in known if f"_{k.replace('.', '_')}".endswith(f"_{name}")]
-        if len(ends) > 1:
+        whole = name in known or options(name)
+        ends = [name] if whole else [k for k in known if f"_{k.replace('.', '_')}".endswith(f"_{name}")]
+        different = {known.get(key, key): key for key in reversed(ends)}
+        if len(different) > 1:
             raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
-        key = ends[0] if ends else name
-        if key in full:
+        what, key = next(iter(different.items()), (name, name))
+        if what in swept:
             raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
+        swept.add(what)
         full[key] = column
     return full
 

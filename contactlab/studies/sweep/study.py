@@ -26,23 +26,21 @@ import pandas
 import xarray
 import yaml
 
-from contactlab.checks import accepts_units, check_kind
+from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.config.composition import compose, options_of
+from contactlab.config.composition import compose, options_of, overridden
 from contactlab.config.faults import failure_of
-from contactlab.config.made_in_python import KEYS, variable_numbers, with_number
-from contactlab.config.nesting import Value
+from contactlab.config.made_in_python import variable_numbers, with_number
+from contactlab.config.nesting import Value, flat
 from contactlab.estimate import Estimate
 from contactlab.interrupts import is_of_a_signal
-from contactlab.laws import ContactLaw, LawError
+from contactlab.laws import LawError
 from contactlab.metrics import Run, assess
-from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
-from contactlab.simulation import setup_of
 from contactlab.studies.run_folder import leave
 from contactlab.studies.run_state import INTERRUPTED, Job, Status, status_of
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
@@ -58,11 +56,12 @@ from contactlab.studies.sweep.plan import (
     full_keys,
     planned,
     size_of_tasks,
-    with_key,
 )
 from contactlab.studies.sweep.values import SweepError, in_si, listed, spread
 
 Over: TypeAlias = Mapping[str, Any] | pandas.DataFrame | Sequence[Mapping[str, Any]]
+
+Base: TypeAlias = Sequence[str] | Configuration | Setup | Callable[..., Setup]
 
 Maker: TypeAlias = Callable[[Plan, int], Setup]
 """Makes the setup of a cell; a `ConfigurationError` makes the cell a refused one."""
@@ -377,18 +376,11 @@ def runs_of(study: Sweep, progress: Progress) -> Progress:
     return lambda done, _: progress(min(done * chunk, total), total)
 
 
-@accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1")
 def sweep(
-    study: Study | Over | None = None,
-    over: Over | None = None,
+    over: Over,
+    base: Base = (),
     *,
-    motor: Callable[..., Motor] | None = None,
-    law: ContactLaw | Callable[..., ContactLaw] | str | None = None,
-    base: Sequence[str] | Configuration | Setup | Motor = (),
-    duration: float | None = None,
-    record_interval: float | None = None,
-    contact_step: float | None = None,
-    tolerance: float | None = None,
+    study: Study | None = None,
     metrics: Sequence[str] | str | None = None,
     series: Sequence[str] = (),
     output: str | Path | None = None,
@@ -398,39 +390,35 @@ def sweep(
     """Run every combination of values, or every row of a table, and return the numbers of each.
 
         >>> values = {"law": ["newton", "hertz_penalty"], "clearance": "linspace(0, 2 um, 3)"}
-        >>> dict(sweep(values, duration=1e-3, workers=1).sizes)
+        >>> dict(sweep(values, ["solver.duration=1 ms"], workers=1).sizes)
         {'law': 2, 'clearance': 3}
 
     A motor and a law made in Python vary in the numbers of contact, rotor and law:
 
         >>> import contactlab as cl
-        >>> ball, law = cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5)
-        >>> swept = sweep({"law.restitution": [0.4, 0.6]}, base=ball, law=law, duration=0.02, workers=1)
+        >>> setup = cl.Setup.of(cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5), duration=0.02)
+        >>> swept = sweep({"law.restitution": [0.4, 0.6]}, setup, workers=1)
         >>> swept["law_restitution"].values
         array([0.4, 0.6])
 
+    With a function that returns the setup anything may vary:
+
+        sweep({"gap": gaps}, lambda gap: cl.Setup.of(Motor(..., ContactGeometry(clearance=gap)), law, 5e-3))
+
     Any study can be swept:
 
-        sweep(cl.Steady(), over={"drive.phase": "linspace(-3, 3, 100)"}, base=["law=newton"])
-
-    With a function that makes the motor anything may vary:
-
-        sweep({"gap": gaps}, motor=lambda gap: Motor(..., ContactGeometry(clearance=gap)), law=law, ...)
+        sweep({"drive.phase": "linspace(-3, 3, 100)"}, ["law=newton"], study=cl.Steady())
 
     Every number is that of the run alone to the last bit, whatever the number of workers.
 
     Args:
-        study: the study that is put to every setup; without one it is run, and the values may come first.
         over: values by name: a key of the configuration ('contact.clearance' or 'clearance'), a group
-            ('law'), or with `motor` an argument of functions. Values are a list, an array (a DataArray brings
+            ('law'), or an argument of the function. Values are a list, an array (a DataArray brings
             its unit), or a text as on the command line. A table (DataFrame, list of mappings) has a run in
             each row.
-        motor: function that makes the motor; an exception makes the run a failed one.
-        law: its name; with a motor in `motor` or `base` a law, or a function that makes it.
-        base: what all runs have: overrides, a configuration, a setup or a motor made in Python.
-        duration, record_interval: [s]; by default those of `base`. With `motor` and no interval only the last
-            record is kept, which is enough for metrics without records.
-        contact_step, tolerance: as for `contactlab.engine.simulate`.
+        base: what all runs have: overrides, a configuration or a setup; or a function of the values that
+            returns the setup, whose exception makes the run a failed one.
+        study: the study that is put to every setup; without one it is run.
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
         series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
             internal_NAME of internal variables, NaN under laws without them.
@@ -450,42 +438,38 @@ def sweep(
         SweepError: the folder contains another sweep.
         WorkerError: a worker process died.
     """
-    question = study if isinstance(study, Study) else None
-    if over is None and question is None:
-        over = study
     samples = not isinstance(over, Mapping)
     table: Any = pandas.DataFrame(over) if samples else over
     columns = {str(name): _values(table[name]) for name in table}
-    units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
     if not columns:
         raise ValueError(NOTHING)
-    outputs = Outputs.named(metrics, series) if question is None else Outputs.of_study(question.name)
-    if question is not None and (metrics is not None or series):
+    if study is not None and (metrics is not None or series):
         raise ValueError("A study has numbers of its own; metrics and series are those of runs.")
-    numbers = (duration, record_interval, contact_step, tolerance)
-    solver = {name: x for name, x in zip(KEYS, numbers, strict=True) if x is not None}
-    if isinstance(base, Motor):
-        if output is not None or motor is not None or duration is None:
-            raise ValueError("A motor as base needs law and duration, and neither output nor motor=.")
-        swept = _over_numbers(setup_of(base, law, solver), columns, samples, outputs)
-    elif motor is None:
-        composer = ScriptComposer(base, law, solver, question)
-        full, chunk = full_keys(columns, composer), 1 if question else None
-        swept = Sweep(plan=planned(composer, full, outputs, samples=samples, chunk=chunk))
-        question = None
-    else:
-        if output is not None or not isinstance(base, tuple) or duration is None or law is None:
-            raise ValueError("motor= needs law and duration, and neither base nor output.")
+    outputs = Outputs.named(metrics, series) if study is None else Outputs.of_study(study.name)
+    in_python = callable(base) or (isinstance(base, Setup) and base.made_in_python)
+    if in_python and output is not None:
+        raise ValueError("output is for sweeps over a configuration; a motor made in Python has no identity.")
+    chunk = None if study is None else 1
+    if callable(base):
+        units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
-        plan = Plan(axes=axes, samples=samples, outputs=outputs)
-        _refuse(plan, law, record_interval)
-        plan = replace(plan, outputs=outputs.of_laws(_laws(plan, law)))
-        swept = Sweep(plan=plan, make=partial(_setup, motor, law, solver))
-    plan = swept.plan
-    if not plan.code:
-        plan = replace(plan, chunk=1 if question else size_of_tasks(plan.cells))
-    scheduler = study.scheduler if isinstance(study, Study) else None
-    swept = replace(swept, plan=plan, question=question, workers=workers or processors(), scheduler=scheduler)
+        swept = _in_python(partial(_returned, base), axes, samples, outputs)
+    elif isinstance(base, Setup) and in_python:
+        swept = _in_python(partial(_with_numbers, base), _axes(base, columns, samples), samples, outputs)
+        for cell in range(swept.plan.cells):
+            swept.make(swept.plan, cell)
+    else:
+        composer = ScriptComposer(base, study)
+        full = full_keys(columns, composer.keys, composer.options)
+        swept = Sweep(plan=planned(composer, full, outputs, samples=samples, chunk=chunk))
+    plan = replace(swept.plan, chunk=chunk or size_of_tasks(swept.plan.cells))
+    swept = replace(
+        swept,
+        plan=plan,
+        question=study if in_python else None,
+        workers=workers or processors(),
+        scheduler=study.scheduler if study else None,
+    )
     report = runs_of(swept, progress) if progress else None
     if output is None:
         return combined(plan, done_parts(swept, {}, None, report)[0], with_series=True)
@@ -493,61 +477,23 @@ def sweep(
     return continued(swept, Path(output), report)
 
 
-def _over_numbers(setup: Setup, columns: Columns, samples: bool, outputs: Outputs) -> Sweep:
-    """Return a sweep over numbers of a motor made in Python; every value is checked before the first run."""
-    outputs = outputs.of_laws([setup.law])
-    plan = Plan(axes=_axes_of_numbers(setup, columns, samples), samples=samples, outputs=outputs)
-    for cell in range(plan.cells):
-        _with_numbers(setup, plan, cell)
-    return Sweep(plan=plan, make=partial(_with_numbers, setup))
-
-
-def _refuse(plan: Plan, law: object, record_interval: float | None) -> None:
-    """Refuse a sweep of functions without values, law or the records that it needs."""
+def _in_python(make: Maker, axes: Iterable[Axis], samples: bool, outputs: Outputs) -> Sweep:
+    """Return a sweep whose setups are made in Python; a ValueError if a parameter has no values."""
+    plan, laws = Plan(axes=tuple(axes), samples=samples, outputs=outputs), []
     if empty := [axis.key for axis in plan.axes if not axis.values]:
         raise ValueError(f"{', '.join(empty)} has no values; every parameter must have one at least.")
-    if not callable(law):
-        check_kind("The law", law, ContactLaw)
-    if plan.outputs.sampled and record_interval is None:
-        raise ValueError("record_interval is None; these series or metrics need records.")
-
-
-def _laws(plan: Plan, law: Any) -> Iterator[ContactLaw]:
-    """Yield the laws at both ends of a sweep; what a function raises there, its runs raise too."""
+    # What a function raises at both ends, its runs raise too.
     for cell in (0, plan.cells - 1):
         with suppress(Exception):
-            yield law(**plan.point(cell)) if callable(law) else law
+            laws.append(make(plan, cell).law)
+    return Sweep(plan=replace(plan, outputs=outputs.of_laws(laws)), make=make)
 
 
-def _setup(motor: Callable[..., Motor], law: Any, solver: dict[str, Any], plan: Plan, cell: int) -> Setup:
-    """Return the setup of a cell by functions of its values."""
-    point = plan.point(cell)
-    return setup_of(motor(**point), law(**point) if callable(law) else law, solver)
-
-
-def _axes_of_numbers(setup: Setup, columns: Columns, samples: bool) -> tuple[Axis, ...]:
-    """Return the axes of a sweep over numbers of a motor made in Python, by full key or its last part.
-
-    Raises:
-        ConfigurationError: a last part that several numbers have, or a number that is swept twice.
-    """
-    numbers, axes = variable_numbers(setup), list[Axis]()
-    keys: dict[tuple[str, ...], str] = {}
-    for name, column in columns.items():
-        ends = [name] if name in numbers else [key for key in numbers if key.rpartition(".")[2] == name]
-        # The friction coefficient that laws share has a key of the contact beside that of its law.
-        different = {numbers[key][0]: key for key in reversed(ends)}
-        if len(different) > 1:
-            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
-        path, key = next(iter(different.items()), ((name,), name))
-        if path in keys:
-            raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
-        keys[path] = key
-        declared = numbers[key][1].parameter if key in numbers else None
-        units, meaning = (declared.units, declared.meaning) if declared else ("", "")
-        values = column if samples else [x for value in column for x in spread(key, value, units)]
-        axes.append(Axis(key, tuple(in_si(value, units) for value in values), units, meaning))
-    return tuple(axes)
+def _returned(function: Callable[..., Setup], plan: Plan, cell: int) -> Setup:
+    """Return the setup of a cell by a function of its values."""
+    setup = function(**plan.point(cell))
+    check_kind("What the function returns", setup, Setup)
+    return setup
 
 
 def _with_numbers(setup: Setup, plan: Plan, cell: int) -> Setup:
@@ -555,6 +501,17 @@ def _with_numbers(setup: Setup, plan: Plan, cell: int) -> Setup:
     for key, value in plan.point(cell).items():
         setup = with_number(setup, key, value)
     return setup
+
+
+def _axes(setup: Setup, columns: Columns, samples: bool) -> Iterator[Axis]:
+    """Yield the axes of a sweep over numbers of a motor made in Python."""
+    numbers = variable_numbers(setup)
+    # The friction coefficient that laws share has a key of the contact beside that of its law.
+    for key, column in full_keys(columns, {key: path for key, (path, _) in numbers.items()}).items():
+        declared = numbers[key][1].parameter if key in numbers else None
+        units, meaning = (declared.units, declared.meaning) if declared else ("", "")
+        values = column if samples else [x for value in column for x in spread(key, value, units)]
+        yield Axis(key, tuple(in_si(value, units) for value in values), units, meaning)
 
 
 def _values(values: Any) -> list[Value]:
@@ -568,41 +525,22 @@ def _values(values: Any) -> list[Value]:
 
 @final
 class ScriptComposer:
-    """Composes configurations over a base, with a law by its name and values by `KEYS`.
-
-    See `plan.Composer`.
-    """
+    """Composes configurations over a base; see `plan.Composer`."""
 
     options = staticmethod(options_of)
 
-    def __init__(
-        self,
-        base: Sequence[str] | Configuration | Setup,
-        law: object = None,
-        solver: Mapping[str, float] | None = None,
-        question: Study | None = None,
-    ) -> None:
-        self._base = base.configuration if isinstance(base, Setup) else base
-        self._chosen = {} if law is None else {"law": law}
-        self._solver = solver or {}
-        self._question = question
-        if isinstance(self._base, str):
-            raise TypeError(f"base is {self._base!r}; it must be a list of overrides or a mapping.")
-        if not isinstance(law, str | None):
-            raise TypeError("law is an object; without a motor it must be a name, and its parameters keys.")
+    def __init__(self, base: Sequence[str] | Configuration | Setup, study: Study | None = None) -> None:
+        if isinstance(base, str):
+            raise TypeError(f"base is {base!r}; it must be a list of overrides or a mapping.")
+        base = base.source if isinstance(base, Setup) else base
+        self._base: Configuration = base if isinstance(base, Mapping) else compose(base)
+        self._study = {"study": {"name": study.name, **study.options, **ONE_PROCESS}} if study else {}
+
+    @property
+    def keys(self) -> dict[str, str]:
+        """All keys of the base, full."""
+        return {key: key for key in flat(self.compose({}))}
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Return the configuration with these options, all else as it is set."""
-        options = {**self._chosen, **chosen}
-        lines = [f"{group}={option}" for group, option in options.items()]
-        if isinstance(self._base, Mapping):
-            composed, tops = compose(lines), {group.partition("/")[0] for group in options}
-            whole: Configuration = {**self._base, **{top: composed[top] for top in tops}}
-        else:
-            whole = compose([*self._base, *lines])
-        for name, value in self._solver.items():
-            whole = with_key(whole, ".".join(KEYS[name]), value)
-        if self._question is not None:
-            question = {"name": self._question.name, **self._question.options, **ONE_PROCESS}
-            whole = {**whole, "study": question}
-        return whole
+        return overridden(self._base, [f"{group}={option}" for group, option in chosen.items()]) | self._study
