@@ -31,7 +31,7 @@ from contactlab.config.schema import FRICTION
 from contactlab.laws.registry import takes_shared
 from contactlab.results.files import STATE
 from contactlab.studies import run_state
-from contactlab.studies.registry import RUN, study_class
+from contactlab.studies.registry import SIMULATE, study_class
 from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
 
 RECORD_ON_DISK: Final = 85
@@ -63,7 +63,7 @@ def run(settings: DictConfig) -> int:
         # Only a sweeper that chooses its values while it runs gets here.
         write_state(directory, State(run_state.REFUSED, job, " ".join(error.faults)))
         return refuse(error.faults)
-    if not swept and settings.study.name != RUN:
+    if not swept and settings.study.name != SIMULATE:
         study, sweep = of_command(settings)
         over = sweep.over or []
         setups = setups_of(job.overrides, over, study.base) if over or study.base is not None else {"": setup}
@@ -183,7 +183,7 @@ def _folder_faults(config: DictConfig) -> Iterator[str]:
     except OmegaConfBaseException as error:
         yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
         return
-    yield from refusals(Path(folder), "hydra.run.dir" if config.study.name == RUN else "output")
+    yield from refusals(Path(folder), "hydra.run.dir" if config.study.name == SIMULATE else "output")
 
 
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:

@@ -9,7 +9,7 @@ from io import TextIOWrapper
 from contactlab.cli import terminal
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
-from contactlab.studies.registry import RUN, question_of, studies
+from contactlab.studies.registry import SIMULATE, question_of, studies
 from contactlab.suggestion import suggestion
 
 
@@ -57,7 +57,7 @@ def _perform(*line: str) -> int:
     if verb in VERBS:
         module = verb.replace("-", "_")
         return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
-    if verb in studies() and verb != RUN:
+    if verb in studies() and verb != SIMULATE:
         # Imported here: it brings the engine, which may take seconds.
         with terminal.progress(1.0, "tasks"):
             from contactlab.cli.study import as_overrides, help_on
@@ -66,11 +66,11 @@ def _perform(*line: str) -> int:
             print(help_on(verb))
             return 0
         arguments = tuple(as_overrides(verb, arguments))
-    elif verb.isidentifier() and verb != RUN:
+    elif verb.isidentifier() and verb != SIMULATE:
         known = sorted({*VERBS, *studies()})
         hint = suggestion(verb, known, f"It must be one of {', '.join(known)}.")
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
-    elif verb != RUN:
+    elif verb != SIMULATE:
         arguments = line
     # Imported here: it brings Hydra, which other verbs do not need, and where something runs all of it.
     with terminal.progress(1.0, "tasks"):
@@ -83,7 +83,8 @@ def _perform(*line: str) -> int:
 
 def _verbs() -> list[str]:
     """Return the lines that list every verb with what it does."""
-    every = dict(sorted({**VERBS, **{name: question_of(name) for name in studies() if name != RUN}}.items()))
+    questions = {name: question_of(name) for name in studies() if name != SIMULATE}
+    every = dict(sorted((VERBS | questions).items()))
     width = max(map(len, every))
     return [
         "contactlab [KEY=VALUE ...] simulates a motor; contactlab -m KEY=A,B ... simulates all combinations.",

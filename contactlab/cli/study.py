@@ -29,8 +29,8 @@ from contactlab.studies.sweep.values import listed
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
 
-PLAIN: Final = re.compile(r"(?!-)[^=]+")
-"""A word that is neither an option nor an override."""
+FILE: Final = re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
+"""A word that is neither an option nor an override; a folder of a sweep is named by them, two/law=newton."""
 
 FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
@@ -51,7 +51,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     place = FOLDER[sweeps]
     lines, others = [f"study={verb}"], list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
-    patterns = {**study.patterns, **dict(_patterns(options))}
+    patterns = {**dict(_patterns(options)), **({study.files: FILE} if study.files else {})}
     for word in _without_dashes(arguments, options):
         name, sign, value = word.partition("=")
         if word == "output=":
@@ -121,8 +121,8 @@ def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredFiel
             value = value if sign else rest.pop(0)
             yield f"{name}={value}"
             # Several files may follow their option.
-            while name != "output" and _takes_several(options[name]) and not sign and PLAIN.fullmatch(value):
-                if not (rest and PLAIN.fullmatch(rest[0])):
+            while name != "output" and _takes_several(options[name]) and not sign and FILE.fullmatch(value):
+                if not (rest and FILE.fullmatch(rest[0])):
                     break
                 yield f"{name}={rest.pop(0)}"
 

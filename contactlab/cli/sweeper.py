@@ -36,7 +36,7 @@ from contactlab.config.faults import one_line
 from contactlab.config.nesting import Value, flat, quoted
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import STATE, check_file, error_text
-from contactlab.studies.registry import RUN
+from contactlab.studies.registry import SIMULATE
 from contactlab.studies.run_folder import write_log
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
 from contactlab.studies.runner import done_parts
@@ -107,7 +107,7 @@ class Arguments:
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Return the configuration with these options of groups, and of a study its section."""
         composed = self.composed(chosen)
-        study = {} if composed.study.name == RUN else {"study": resolved(composed)["study"]}
+        study = {} if composed.study.name == SIMULATE else {"study": resolved(composed)["study"]}
         return {group: keys for group, keys in as_written(composed).items() if group not in SECTIONS} | study
 
     def composed(self, chosen: Mapping[str, Value]) -> DictConfig:
@@ -263,7 +263,7 @@ class Sweeping:
             faults += error.faults
         raise_faults(faults)
         section, folder = self.config.study, Path(str(self.config.hydra.sweep.dir))
-        study, scheduler = "" if section.name == RUN else str(section.name), section.get("scheduler")
+        study, scheduler = "" if section.name == SIMULATE else str(section.name), section.get("scheduler")
         keep = "metrics" if study else settings.keep
         if keep == "metrics" and re.search(r"\$\{[^}]*:", str(as_written(composed))):
             raise ConfigurationError(

@@ -1,6 +1,5 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -36,7 +35,7 @@ from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.points import MeasuredPoints
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
-from contactlab.studies.measurements import OF_MOTOR, PATTERNS, FreeNumbers, by_key, by_label, read_file
+from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_in
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
@@ -59,7 +58,7 @@ class Fit(Study):
     name: ClassVar[str] = "fit"
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = (*("record", "solver.duration", "solver.until", "solver.precision"),)
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
+    files: ClassVar[str] = "data"
 
     data: Annotated[
         str | Path | MeasuredSeries | MeasuredImpacts | MeasuredPoints,

@@ -1,6 +1,5 @@
 """Measurements and free numbers as options of the studies `fit` and `validate`."""
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,9 +12,6 @@ from contactlab.studies.ranges import Range
 from contactlab.studies.study import Setups
 
 _Data = TypeVar("_Data")
-
-PATTERNS: Final[Mapping[str, re.Pattern[str]]] = {"data": re.compile(r"(?!-)[^=]+")}
-"""Arguments of the command: a word without a sign is the file of the data."""
 
 FreeNumbers = Free | list[Range] | None
 """Ranges of free numbers, by key in Python, KEY=LOW..HIGH in a command or file."""

@@ -20,8 +20,10 @@ class Range:
         start, end: in SI, or texts with units.
     """
 
-    PATTERN: ClassVar[re.Pattern[str]] = re.compile(r"(?P<name>[\w.]+)=(?P<start>.+?)\.\.(?P<end>.+)")
-    """Words of a command that are one: KEY=START..END. No number ends in a point."""
+    PATTERN: ClassVar[re.Pattern[str]] = re.compile(
+        r"(?P<name>[\w.]+)=(?P<start>\s*[-+]?\.?\d.*?)\.\.(?P<end>\s*[-+]?\.?\d.*)"
+    )
+    """Words of a command that are one: KEY=START..END. Both are numbers, which no path is: a/../b."""
 
     name: str
     start: float | str

@@ -12,11 +12,11 @@ if TYPE_CHECKING:
 
 GROUP: Final = "contactlab.studies"
 
-RUN: Final = "simulate"
+SIMULATE: Final = "simulate"
 """The study that a command without a verb does."""
 
 OWN: Final = {
-    RUN: (
+    SIMULATE: (
         "contactlab.studies.simulate:Simulate",
         "What does the motor do from its start to the end of the configured duration?",
     ),

@@ -10,7 +10,6 @@ adds a study by an entry point:
 
 from __future__ import annotations
 
-import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
@@ -110,8 +109,8 @@ class Study(ABC):
     ignored: ClassVar[tuple[str, ...]] = ("record", "solver.changes")
     """Groups and keys of a configuration on which the study does not depend; they are refused."""
 
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {}
-    """Options that take words of the command line matching a pattern, as KEY=START..END."""
+    files: ClassVar[str] = ""
+    """Option that takes words of the command line which name files or folders."""
 
     delay: ClassVar[float] = 0.0
     """Processor time after which other processes are started, which takes seconds itself [s]."""

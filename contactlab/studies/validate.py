@@ -1,6 +1,5 @@
 """The study `validate`: contact laws against measured impacts to which they were not fitted."""
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -34,7 +33,7 @@ from contactlab.laws.registry import classes_of
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
-from contactlab.studies.measurements import OF_MOTOR, PATTERNS, FreeNumbers, by_key, by_label, read_file
+from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_of
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
@@ -62,7 +61,7 @@ class Validate(Study):
     name: ClassVar[str] = "validate"
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = OF_MOTOR
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = PATTERNS
+    files: ClassVar[str] = "data"
 
     data: Annotated[str | Path | MeasuredImpacts, option("file of measured impacts")] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None

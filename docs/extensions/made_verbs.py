@@ -8,14 +8,14 @@ from unittest.mock import patch
 
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.study import help_on
-from contactlab.studies.registry import OWN, RUN, question_of
+from contactlab.studies.registry import OWN, SIMULATE, question_of
 
 WIDTH = 92
 
 
 def verbs() -> str:
     """Return a chapter for every study and every other verb."""
-    about = {verb: question_of(verb) for verb in OWN if verb != RUN}
+    about = {verb: question_of(verb) for verb in OWN if verb != SIMULATE}
     about |= {verb: f"{text[0].upper()}{text[1:]}." for verb, text in VERBS.items()}
     return "\n".join(
         f"## `contactlab {verb}`\n\n{text}\n\n```text\n{help_of(verb)}\n```\n" for verb, text in about.items()

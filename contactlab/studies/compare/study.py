@@ -1,6 +1,5 @@
 """The study `compare`: contact laws in one motor, in pairs."""
 
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -62,10 +61,7 @@ class Compare(Study):
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = ("record.picture", "solver.changes")
     delay: ClassVar[float] = 10.0
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {
-        # A folder of a sweep is named by its overrides: two/law=newton.
-        "runs": re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
-    }
+    files: ClassVar[str] = "runs"
 
     runs: Annotated[list[str] | list[Source] | None, option("folders or files of recorded runs")] = None
     refine: Annotated[bool, option("whether numerical errors, draws and starts are computed")] = True

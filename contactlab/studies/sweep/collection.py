@@ -33,8 +33,8 @@ from contactlab.results.provenance import code_digest
 from contactlab.studies.run_state import RUNNING, Job, Status, is_of_other_code, read_state, status_of
 from contactlab.studies.sweep.dataset import (
     DATASET,
+    DIMENSION,
     REASONS,
-    RUN,
     SERIES,
     Axis,
     Slab,
@@ -133,7 +133,7 @@ def collect(
         texts = {name: "" for name, variable in dataset.variables.items() if variable.dtype.kind == "O"}
         empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_CONFIGURED}
         choices = {name: pandas.unique(dataset[name].values) for name in dims if name in texts}
-        dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(RUN, fill_value=empty)
+        dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(DIMENSION, fill_value=empty)
         # Choices keep the order in which the sweep names them.
         for axis in plan.axes if plan else ():
             if {*axis.values} >= {*choices.get(axis.key, (None,))}:
@@ -291,7 +291,7 @@ def dimensions(dataset: xarray.Dataset) -> list[str]:
     for name in table:
         if _different(table[[*chosen, name]]) > _different(table[chosen]):
             chosen.append(name)
-    cells, runs = prod(table[chosen].nunique()), dataset.sizes[RUN]
+    cells, runs = prod(table[chosen].nunique()), dataset.sizes[DIMENSION]
     if _different(table[chosen]) < runs or cells > MOST_EMPTY * runs:
         return []
     # Parameters that follow from an option belong to it; numbers that follow from a number are points

@@ -23,7 +23,7 @@ from contactlab.variables import Variable
 DATASET: Final = "sweep.nc"
 """File of a sweep, in its folder."""
 
-RUN: Final = "run"
+DIMENSION: Final = "run"
 """Dimension of runs that form no grid."""
 
 GROUP: Final = "series"
@@ -32,7 +32,7 @@ GROUP: Final = "series"
 SERIES: Final = {variable.name: variable for variable in variables.SERIES}
 """Series of every run; a law with internal variables has more, see `contactlab.results.netcdf`."""
 
-TAKEN: Final = frozenset({*METRICS, *SERIES, "status", "reason", "job", "time", RUN})
+TAKEN: Final = frozenset({*METRICS, *SERIES, "status", "reason", "job", "time", DIMENSION})
 """Names of a dataset that no parameter can have."""
 
 REASONS: Final = {
@@ -96,7 +96,7 @@ def dataset_of(
     """Return one dataset of many runs.
 
     Args:
-        axes: the parameters; each is a dimension, in this order, or all lie along `RUN`.
+        axes: the parameters; each is a dimension, in this order, or all lie along `DIMENSION`.
         columns: metrics, series over time, 'status' and 'reason', the first dimension that of the runs in C
             order over the axes.
         attributes: of the dataset, beside those that every sweep has.
@@ -108,7 +108,7 @@ def dataset_of(
     names = list(short_names([axis.key for axis in axes], taken).values())
     described = _ATTRIBUTES | {f"{each.name}_series": cf_attributes(each) for each in series}
     described |= {each.name: cf_attributes(each) for each in numbers}
-    dims, shape = ([RUN], [-1]) if samples else (names, [len(axis.values) for axis in axes])
+    dims, shape = ([DIMENSION], [-1]) if samples else (names, [len(axis.values) for axis in axes])
 
     def variable(name: str, values: NDArray[Any]) -> xarray.Variable:
         cells = values.astype(object) if values.dtype.kind == "U" else values
@@ -119,13 +119,13 @@ def dataset_of(
     for name, axis in zip(names, axes, strict=True):
         texts = {"key": axis.key, "units": axis.units, "long_name": axis.long_name}
         shown = {key: text for key, text in texts.items() if text}
-        coordinates[name] = ([RUN] if samples else [name], axis.coordinate, shown)
+        coordinates[name] = ([DIMENSION] if samples else [name], axis.coordinate, shown)
     status, time = columns["status"], columns.get("time", np.empty(0))
     if time.size:
         coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
     every = {
         **code_attributes(),
-        "title": f"Standing-wave piezoelectric motor over {', '.join(names) or RUN}",
+        "title": f"Standing-wave piezoelectric motor over {', '.join(names) or DIMENSION}",
         "complete": int(bool(np.all(status == Status.COMPLETE))),
         "runs": int(status.size),
         **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},
