@@ -4,7 +4,7 @@ To add a group is to add a line to `GROUPS`; what binds several keys together is
 `contactlab.config.schema`. Options that differ from the declared defaults are files in `conf/`.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Annotated, Any, Final, Literal, TypeAlias, final
@@ -108,6 +108,31 @@ class Section:
         return self.labels or {option: option for option in self.options}
 
 
+@final
+@dataclass(frozen=True)
+class Options(Mapping[str, Keys]):
+    """The keys of options by name, each imported when its keys are read.
+
+    Args:
+        names: returns the names.
+        keys: returns the keys of an option; a ValueError says of one that is broken what is wrong with it.
+    """
+
+    names: Callable[[], Collection[str]]
+    keys_by_name: Callable[[str], Keys]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names())
+
+    def __len__(self) -> int:
+        return len(self.names())
+
+    def __getitem__(self, name: str) -> Keys:
+        if name not in self.names():
+            raise KeyError(name)
+        return self.keys_by_name(name)
+
+
 def keys_of(owner: type, *without: str) -> Keys:
     """Return the keys that a class declares, those of objects in its fields included."""
     return {
@@ -147,24 +172,13 @@ _BEARING: Final = {
 _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 
 
-@final
-class _Resonators(Mapping[str, Keys]):
-    """The keys of resonators by name; that of another package is imported when its keys are needed."""
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(resonator_names())
-
-    def __len__(self) -> int:
-        return len(resonator_names())
-
-    def __getitem__(self, name: str) -> Keys:
-        if name not in resonator_names():
-            raise KeyError(name)
-        return named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS))
-
-
 GROUPS: Final[dict[str, Section]] = {
-    "resonator": Section(_Resonators(), "basis"),
+    "resonator": Section(
+        Options(
+            resonator_names, lambda name: named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS))
+        ),
+        "basis",
+    ),
     "piezoceramic": Section(
         {
             "pz26_identified": named("constants", "bending", keys_of(motor.Piezoceramic)),
@@ -231,30 +245,15 @@ def keys_of_law(owner: Any) -> Keys:
     return named("name", owner.name, keys)
 
 
-@final
-class _OfFamily(Mapping[str, Keys]):
-    """The keys of laws, or of the parts of a family, by name; one is imported when its keys are read.
-
-    A ValueError says of one that is broken what is wrong with it.
-    """
-
-    def __init__(self, family: str = "") -> None:
-        self.family = family
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(law_names(self.family))
-
-    def __len__(self) -> int:
-        return len(law_names(self.family))
-
-    def __getitem__(self, name: str) -> Keys:
-        if name not in law_names(self.family):
-            raise KeyError(name)
-        return keys_of_law(class_of(name, self.family))
+def _laws_of(family: str) -> Section:
+    """Return the section of the laws, or of the parts of a family."""
+    return Section(
+        Options(partial(law_names, family), lambda name: keys_of_law(class_of(name, family))), "name"
+    )
 
 
-FAMILIES: Final = {family: Section(_OfFamily(family), "name") for family in PARTS}
+FAMILIES: Final = {family: _laws_of(family) for family in PARTS}
 """The parts of the composed law."""
 
-LAW: Final = Section(_OfFamily(), "name")
+LAW: Final = _laws_of("")
 """The laws."""

@@ -1,31 +1,18 @@
 """The options of studies as keys of a configuration: the section `study` of a command or a sweep's cell."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any, Final, final
+from collections.abc import Mapping
+from typing import Any, Final
 
 from contactlab.config import ConfigurationError
-from contactlab.config.groups import Keys, Section, keys_of, named
+from contactlab.config.groups import Keys, Options, Section, keys_of, named
 from contactlab.config.schema import KEYS, Examination
 from contactlab.parameter import DeclaredField
 from contactlab.studies.registry import studies, study_class
 from contactlab.studies.study import Study
 
-
-@final
-class _OptionsOfStudies(Mapping[str, Keys]):
-    """The keys of studies by name; a study is imported when its keys are needed."""
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(sorted(studies()))
-
-    def __len__(self) -> int:
-        return len(studies())
-
-    def __getitem__(self, name: str) -> Keys:
-        return named("name", name, keys_of(study_class(name)))
-
-
-STUDIES: Final = Section(_OptionsOfStudies(), "name")
+STUDIES: Final = Section(
+    Options(lambda: sorted(studies()), lambda name: named("name", name, keys_of(study_class(name)))), "name"
+)
 """Every study, and its options."""
 
 WITH_STUDY: Final[Keys] = {**KEYS, "study": STUDIES}

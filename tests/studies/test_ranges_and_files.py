@@ -27,8 +27,7 @@ def test_a_path_or_a_number_is_no_range(value: str) -> None:
 
 
 def test_files_and_ranges_go_to_the_options_that_take_them() -> None:
-    words = ["a.csv", "law=newton", "contact.clearance=1e-6..2e-6"]
-    overrides = as_overrides("fit", words)
+    overrides = as_overrides("fit", ["a.csv", "law=newton", "contact.clearance=1e-6..2e-6"])
     assert "study.data='a.csv'" in overrides
     assert "study.free=['contact.clearance=1e-6..2e-6']" in overrides
     compared = as_overrides("compare", ["two/law=newton", "law/normal=linear", "three"])
