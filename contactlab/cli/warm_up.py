@@ -6,18 +6,13 @@ from typing import Final
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE
 
-STEP: Final = 1e-7
-"""Of time stepping [s]."""
-
 LAWS: Final = (
     ["law=hertz_penalty"],
     ["law=lagrange_stick"],
-    ["law=lagrange_stick", f"solver.contact_step={STEP}"],
     ["law=composed", "law/normal=walton_braun"],
     ["law=lagrange_ageing"],
-    ["law=lagrange_ageing", f"solver.contact_step={STEP}"],
 )
-"""A law of each kind that the engine is compiled for, once for runs and once for impacts."""
+"""A law of each kind that the engine is compiled for."""
 
 DURATION: Final = 2e-6
 """Of the run that loads a loop [s]."""
@@ -38,7 +33,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.engine.binding import bind
     from contactlab.engine.preparation import LOOPS, SECONDS, kind_of
     from contactlab.impacts import velocities_after
-    from contactlab.laws.base import is_stepped
+    from contactlab.laws.base import PenaltyLaw
 
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")
@@ -46,9 +41,8 @@ def main(arguments: list[str]) -> int:
     width, whole = max(map(len, SECONDS)), perf_counter()
     for overrides in LAWS:
         setup = build(overrides)
-        stepped = is_stepped(setup.law, setup.contact_step)
-        # An impact has no step.
-        for impacts in (False,) if stepped else (False, True):
+        # An impact of a compliant law is integrated as a run is.
+        for impacts in (False,) if isinstance(setup.law, PenaltyLaw) else (False, True):
             began = perf_counter()
             with telling() as compiled:
                 if impacts:
@@ -56,7 +50,7 @@ def main(arguments: list[str]) -> int:
                 else:
                     setup.run(duration=DURATION, record_interval=DURATION)
             done = "compiled" if LOOPS & {*compiled.functions} else "was there, loaded"
-            kind = kind_of(bind(setup.law), impacts, stepped)
+            kind = kind_of(bind(setup.law), impacts)
             print(f"{kind:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
     seconds = perf_counter() - whole
     print(f"The engine is ready after {seconds:.0f} s; its code is kept in {code_folder()}.")

@@ -61,7 +61,7 @@ from contactlab.engine.memory import (
 )
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
-from contactlab.engine.rigid import ROUND_OFF, friction_ratio, sliding_ratio, wedges
+from contactlab.engine.rigid import ROUND_OFF, friction_ratio, sliding_ratio, step_in_time, wedges
 from contactlab.engine.rootfinding import CONE_ROUND_OFF, TIME_DIGIT, locate
 from contactlab.engine.state import (
     BETWEEN,
@@ -111,7 +111,13 @@ Known = tuple[float, float]
 
 
 @inner_kernel
-def step_constrained(run: Run, law: Law) -> int:
+def step_rigid(run: Run, law: Law) -> int:
+    """Take a step through a rigid contact, in its limit of no step or in time stepping; returns the event."""
+    return step_in_time(run, law) if run.state.law.stepped != 0 else _step_constrained(run, law)
+
+
+@inner_kernel
+def _step_constrained(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through a rigid contact; returns the event that ends it.
 
     A contact that approaches has its impact first, which takes no time. RELEASE is a normal force that falls

@@ -28,13 +28,12 @@ from contactlab.engine.binding import (
     row_of,
 )
 from contactlab.engine.compliant import step_compliant
-from contactlab.engine.constrained import step_constrained
+from contactlab.engine.constrained import step_rigid
 from contactlab.engine.explanation import explain
-from contactlab.engine.impact import evaluate_impacts, integrate_impacts
+from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
 from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
-from contactlab.engine.rigid import step_rigid
 from contactlab.engine.state import (
     HEAD,
     LEAVES,
@@ -215,32 +214,29 @@ _compiled: set[object] = set()
 """Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
 
 SECONDS: Final = {
-    "runs under compliant laws": 17.0,
-    "runs under rigid laws": 17.0,
-    "runs under stepped rigid laws": 12.0,
-    "runs under compliant laws with internal variables": 23.0,
-    "runs under rigid laws with internal variables": 23.0,
-    "runs under stepped rigid laws with internal variables": 17.0,
-    "impacts under compliant laws": 19.0,
+    "compliant laws": 18.0,
+    "rigid laws": 20.0,
+    "compliant laws with internal variables": 24.0,
+    "rigid laws with internal variables": 27.0,
     "impacts under rigid laws": 1.0,
-    "impacts under compliant laws with internal variables": 25.0,
     "impacts under rigid laws with internal variables": 1.0,
 }
 """What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""
 
 
-def kind_of(bound: Bound, impacts: bool, stepped: bool) -> str:
-    """Return what the loop is compiled for."""
-    family = "compliant" if bound.kernels[IMPACT] is None else "stepped rigid" if stepped else "rigid"
-    with_memory = "" if bound.plain else " with internal variables"
-    return f"{'impacts' if impacts else 'runs'} under {family} laws{with_memory}"
+def kind_of(bound: Bound, impacts: bool) -> str:
+    """Return what the loop is compiled for; that of a compliant law serves runs and impacts."""
+    rigid = bound.kernels[IMPACT] is not None
+    family = "compliant laws" if not rigid else "impacts under rigid laws" if impacts else "rigid laws"
+    return family if bound.plain else f"{family} with internal variables"
 
 
 class LoopData(NamedTuple):
     """All that the compiled loops read and write beside the kernels of a law.
 
     States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
-    that another call continues the runs.
+    that another call continues the runs, by `budget` steps of each start. Where there are impacts, they are
+    integrated or evaluated instead.
     """
 
     run: Run
@@ -250,6 +246,14 @@ class LoopData(NamedTuple):
     waves: Array
     parameters: Array
     row: Array
+    budget: int
+    impacts: ImpactBatch
+
+
+NO_IMPACTS: Final = ImpactBatch(
+    np.zeros((0, 5)), np.zeros(0, OUTCOME), np.zeros((0, 0), MOMENT), Records.of(0, 0, 0).series
+)
+"""Impacts of a run: none."""
 
 
 @inner_kernel
@@ -279,7 +283,6 @@ def _memory_of(rate: Any, guard: Any, jump: Any, limits: Any) -> Memory | None:
 @kernel
 def run_compliant(
     data: LoopData,
-    budget: int,
     force: Any,
     friction: Any,
     impact: Any,
@@ -291,17 +294,23 @@ def run_compliant(
 ) -> None:
     """Run a compliant law until the end, an ending, full contact storage or so many steps of each start.
 
+    Impacts under it are integrated by the same code, most of which is that of a contact.
+
     Each of these functions is compiled for laws with internal variables, and for those without, whose last
     four kernels are None.
     """
     law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    run_law(data.run, data.states, data.motions, data.records, law, step_compliant, budget, data.waves)
+    if data.impacts.outcomes.size > 0:
+        integrate_impacts(data.run, data.states, data.motions, data.records, data.impacts, law, data.waves)
+    else:
+        run_law(
+            data.run, data.states, data.motions, data.records, law, step_compliant, data.budget, data.waves
+        )
 
 
 @kernel
-def run_stepped(
+def run_rigid(
     data: LoopData,
-    budget: int,
     force: Any,
     friction: Any,
     impact: Any,
@@ -311,51 +320,14 @@ def run_stepped(
     jump: Any,
     limits: Any,
 ) -> None:
-    """Run a rigid law in time stepping, see `run_compliant`."""
+    """Run a rigid law in its limit of no step or in time stepping, see `run_compliant`."""
     law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    run_law(data.run, data.states, data.motions, data.records, law, step_rigid, budget, data.waves)
-
-
-@kernel
-def run_constrained(
-    data: LoopData,
-    budget: int,
-    force: Any,
-    friction: Any,
-    impact: Any,
-    bound: Any,
-    rate: Any,
-    guard: Any,
-    jump: Any,
-    limits: Any,
-) -> None:
-    """Run a rigid law in its limit of no step, see `run_compliant`."""
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    run_law(data.run, data.states, data.motions, data.records, law, step_constrained, budget, data.waves)
-
-
-@kernel
-def integrate_compliant(
-    data: LoopData,
-    impacts: ImpactBatch,
-    force: Any,
-    friction: Any,
-    impact: Any,
-    bound: Any,
-    rate: Any,
-    guard: Any,
-    jump: Any,
-    limits: Any,
-) -> None:
-    """Integrate impacts under a compliant law."""
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    integrate_impacts(data.run, data.states, data.motions, data.records, impacts, law, data.waves)
+    run_law(data.run, data.states, data.motions, data.records, law, step_rigid, data.budget, data.waves)
 
 
 @kernel
 def evaluate_rigid(
     data: LoopData,
-    impacts: ImpactBatch,
     force: Any,
     friction: Any,
     impact: Any,
@@ -367,10 +339,10 @@ def evaluate_rigid(
 ) -> None:
     """Evaluate impacts of a rigid law."""
     law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    evaluate_impacts(data.run, data.states[0], impacts, law)
+    evaluate_impacts(data.run, data.states[0], data.impacts, law)
 
 
-LOOPS: Final = {"run_compliant", "run_stepped", "run_constrained", "integrate_compliant", "evaluate_rigid"}
+LOOPS: Final = {"run_compliant", "run_rigid", "evaluate_rigid"}
 """Names of the compiled loops, one for each kind of contact."""
 
 DEFAULT_TOLERANCE = 1e-7
@@ -432,7 +404,7 @@ class Prepared(NamedTuple):
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""
-        kind = kind_of(self.bound, impacts is not None, self.stepped)
+        kind = kind_of(self.bound, impacts is not None)
         room = kind, run.plant["phasors"].shape, run.plant["couplings"].shape
         if INTERPRETED or room in _compiled:
             return
@@ -441,12 +413,11 @@ class Prepared(NamedTuple):
             numba.types.none if each is None else numba.types.FunctionType(signature)
             for each, signature in zip(self.bound.kernels, SIGNATURES.values(), strict=True)
         ]
-        data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0))
-        last = 0 if impacts is None else impacts
-        loop: Any = self._loop(impacts)
+        data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0, NO_IMPACTS)
+        loop: Any = self._loop(impacts is not None)
         with telling(kind, SECONDS[kind]):
             loop.disable_compile(False)
-            loop.compile((numba.typeof(data), numba.typeof(last), *kernels))
+            loop.compile((numba.typeof(data), *kernels))
             loop.disable_compile()
         _compiled.add(room)
 
@@ -459,21 +430,23 @@ class Prepared(NamedTuple):
         budget: int,
         impacts: ImpactBatch | None = None,
     ) -> None:
-        """Continue runs by a number of steps each."""
+        """Continue runs by a number of steps each, or work impacts off."""
         self.prepare_loop(run, impacts)
+        data = self._data(run, states, motions, records, budget, impacts or NO_IMPACTS)
         with signals_wait(), self.errors():
-            last = budget if impacts is None else impacts
-            self._loop(impacts)(self._data(run, states, motions, records), last, *self.bound.kernels)
+            self._loop(impacts is not None)(data, *self.bound.kernels)
 
-    def _data(self, run: Run, states: Any, motions: Array, records: Records) -> LoopData:
-        return LoopData(run, states, motions, records, self.waves, self.parameters, self.row)
+    def _data(
+        self, run: Run, states: Any, motions: Array, records: Records, budget: int, impacts: ImpactBatch
+    ) -> LoopData:
+        waves, parameters, row = self.waves, self.parameters, self.row
+        return LoopData(run, states, motions, records, waves, parameters, row, budget, impacts)
 
-    def _loop(self, impacts: ImpactBatch | None) -> Any:
+    def _loop(self, impacts: bool) -> Any:
         """Return the compiled loop of the kind of contact."""
-        compliant = isinstance(self.law, PenaltyLaw)
-        if impacts is not None:
-            return integrate_compliant if compliant else evaluate_rigid
-        return run_compliant if compliant else run_stepped if self.stepped else run_constrained
+        if isinstance(self.law, PenaltyLaw):
+            return run_compliant
+        return evaluate_rigid if impacts else run_rigid
 
     @property
     def constrained(self) -> bool:

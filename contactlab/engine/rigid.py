@@ -50,7 +50,7 @@ Answer = tuple[float, float, int, int]
 
 
 @inner_kernel
-def step_rigid(run: Run, law: Law) -> int:
+def step_in_time(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through rigid contact; returns RELEASE or NOTHING.
 
     A contact that approaches and for which the law has no impulse ends the run as INCONSISTENT.

@@ -8,7 +8,6 @@ import benchmark_impacts
 import benchmark_sweep
 import benchmark_waits
 import pytest
-import sweep_endurance
 import work_precision
 
 from contactlab.laws import LAWS
@@ -54,10 +53,3 @@ def test_what_users_wait_for_is_timed(
     monkeypatch.setattr(sys, "argv", ["benchmark_waits", "1", "--only=help", f"--other={sys.executable}"])
     benchmark_waits.main()
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["help", "--help"]
-
-
-# The short form is the sweep that tests/sweeps kills.
-@pytest.mark.long
-def test_a_sweep_that_is_killed_has_the_same_bytes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "argv", ["sweep_endurance", "--runs=400", "--kills=1", "--workers=2"])
-    assert sweep_endurance.main() == 0

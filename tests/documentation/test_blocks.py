@@ -71,12 +71,6 @@ def test_every_block_of_a_page_runs_in_order_and_prints_what_the_page_shows(
         assert len(list(follow(ROOT / page, tmp_path, at))) == len(blocks(WITH_BLOCKS[page]))
 
 
-@pytest.mark.long
-def test_the_commands_for_contributors_pass_in_the_checkout() -> None:
-    with desk(ROOT) as at:
-        assert list(follow(ROOT / "CONTRIBUTING.md", ROOT, at))
-
-
 def test_blocks_share_a_shell_and_a_session_and_outputs_belong_to_the_block_before(tmp_path: Path) -> None:
     assert [type(item) for item in items(PAGE)] == [Block, Block, Picture]
     assert [block.output for block in blocks(PAGE)] == ["one two\n3.1... four\n", None]

@@ -91,6 +91,7 @@ COVERED = {
     "steady_states",
     "orbits_over_clearance",
     "identify_table1",
+    "published_motor",
 }
 """Experiments of seconds whose physics and whose parts other tests claim: these run in the long form."""
 

@@ -245,6 +245,7 @@ def test_a_table_of_tones_without_a_row_is_refused(tmp_path: Path) -> None:
         cl.build(["drive=tones", f"drive.file={path}"])
 
 
+@settings(max_examples=10)
 @given(st.text(min_size=61, max_size=400))
 def test_the_refusal_of_a_file_shows_60_of_its_characters_and_no_control(content: str) -> None:
     with TemporaryDirectory() as folder:

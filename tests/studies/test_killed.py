@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 TESTS = Path(__file__).parents[1]
-KILLS = 6
+KILLS = 2
 """Twenty of every study took fourteen minutes and passed."""
 
 LAWS = "law=hertz_penalty,newton"

@@ -1,5 +1,6 @@
 """Kernels of laws and parts, evaluated by themselves."""
 
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,12 +11,18 @@ from contactlab.laws import Friction, MultiplierLaw
 from contactlab.laws.base import SLIP
 
 
+@cache
+def _kernels_and_row(law: MultiplierLaw) -> Any:
+    return functions_of(law), row_of(law)
+
+
 def stepped(
     law: MultiplierLaw, *state: float, mode: int = SLIP, step: float = 1.0, variables: tuple[float, ...] = ()
 ) -> Any:
     """Impulses [N s] and mode of a step: rates at its end, rates at its start, D_nn, D_nt, D_tt."""
     normal_rate, tangential_rate, gap_rate, slip, *d = state
-    kernels, row = functions_of(law), row_of(law)
+    kernels, row = _kernels_and_row(law)
+    row = row.copy()
     row[HEAD : HEAD + len(variables)] = variables
     bound = SimpleNamespace(impact=kernels["impact"], bound=kernels["bound"], parameters=row)
     flags = SimpleNamespace(sticks=law.sticks, projects=law.projects)
