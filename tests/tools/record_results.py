@@ -5,7 +5,7 @@
     record_results.py compare BEFORE AFTER [--only REGEX] [--skip REGEX] [--round-off FOLDER]
 
 `record` writes one file an item, FOLDER/STUDY/ITEM.npz: all numbers of the dataset that the study gives, by
-flat names, and words such as the kind of a motion. An item that raises records the exception's type. Items
+flat names, and texts such as the kind of a motion. An item that raises records the exception's type. Items
 that are there are not computed again, so that a recording that was stopped goes on. What the items are (the
 study, overrides of the command line, options) is kept in FOLDER/items.json; `--items BEFORE` takes those of
 another record. `--share 0.1` takes a random tenth. `--nudge` makes every tip longer by 4 eps, to see what
@@ -13,7 +13,7 @@ round-off becomes.
 
 `compare` prints for every study how many arrays have the same bits and how many deviate by more than 1e-9
 of their quantity's scale; then the items beyond, each with the deviation by round-off if a record by
-`--nudge` is given, and the words, shapes and exceptions that changed. The exit status is 1 if there is any.
+`--nudge` is given, and the texts, shapes and exceptions that changed. The exit status is 1 if there is any.
 """
 
 import argparse
@@ -196,7 +196,7 @@ def result_of(item: Item) -> xarray.DataTree:
 
 
 def flat(tree: xarray.DataTree) -> dict[str, Any]:
-    """Return the numbers and single words of a dataset by flat names, one for each label of a dimension."""
+    """Return the numbers and single texts of a dataset by flat names, one for each label of a dimension."""
     values: dict[str, Any] = {}
     for node in tree.subtree:
         data = node.to_dataset(inherit=False)
@@ -208,10 +208,10 @@ def flat(tree: xarray.DataTree) -> dict[str, Any]:
                 labels = "".join(f"[{data[dim].values[i]}]" for dim, i in zip(inner, place, strict=True))
                 key = f"{node.path}/{'share/' * (variable.attrs.get('units') == '1')}{name}{labels}"
                 if array.dtype.kind in "OU":
-                    words = "|".join(map(str, np.ravel(array[place])))
+                    texts = "|".join(map(str, np.ravel(array[place])))
                     # Sentences may be worded anew.
-                    if " " not in words:
-                        values[key] = words
+                    if " " not in texts:
+                        values[key] = texts
                 elif array.dtype.kind in "fiub":
                     # Of a conjugate pair either may come first.
                     values[key] = abs(array[place]) if "imaginary" in key else array[place]
@@ -317,11 +317,11 @@ def deviations(old: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, floa
 
 
 def read(path: Path, skip: str = "") -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the arrays and the words in the file of an item, without names of a pattern."""
+    """Return the arrays and the texts in the file of an item, without names of a pattern."""
     with np.load(path, allow_pickle=False) as file:
         values = {name: file[name] for name in file if not (skip and re.search(skip, name))}
-    words = {name: str(x) for name, x in values.items() if x.dtype.kind == "U"}
-    return {name: x for name, x in values.items() if name not in words}, words
+    texts = {name: str(x) for name, x in values.items() if x.dtype.kind == "U"}
+    return {name: x for name, x in values.items() if name not in texts}, texts
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -333,14 +333,14 @@ def compare(options: argparse.Namespace) -> int:
         other = options.after / f"{name}.npz"
         if not other.exists() or not re.search(options.only, name):
             continue
-        (old, words), (new, others) = read(path, options.skip), read(other, options.skip)
+        (old, texts), (new, others) = read(path, options.skip), read(other, options.skip)
         sizes = deviations(old, new)
         beyond = {key: size for key, size in sizes.items() if size > TOLERANCE}
         count = counts[name.partition("/")[0]]
         bits = sum(np.array_equal(old[key], new[key], equal_nan=True) for key in sizes)
         for i, number in enumerate((1, len(sizes), bits, len(beyond))):
             count[i] += number
-        changed = [f"{key}: {words.get(key)} -> {others.get(key)}" for key in words.keys() | others.keys()]
+        changed = [f"{key}: {texts.get(key)} -> {others.get(key)}" for key in texts.keys() | others.keys()]
         changed = [each for each in changed if len({*each.partition(": ")[2].split(" -> ")}) > 1]
         if missing := sorted(old.keys() ^ new.keys()):
             changed.append(f"{len(missing)} quantities are missing or new: {', '.join(missing[:4])}")
