@@ -20,11 +20,17 @@ from contactlab.cli import main as cli
 collect_ignore = ["example_law", "example_study"]
 
 # The same examples in every run: a failure is one that everybody can repeat.
-settings.register_profile("repeatable", derandomize=True, deadline=None)
+settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
 settings.load_profile("repeatable")
 
 MOST_WORKERS = 8
 """Beyond these the longest modules set the pace, and each worker takes 0.4 GB."""
+
+LONGEST = (
+    *("test_contract.py", "test_compare.py", "test_own_study.py", "test_reading.py", "test_experiments.py"),
+    *("test_cross_validation.py", "test_collect.py", "test_sweep_jobs.py"),
+)
+"""Modules of tens of seconds: they run first, so that no worker has one left where the others have ended."""
 
 COMPILATIONS = ("archard", "lagrange_stick"), ("hertz_penalty", "lagrange_ageing")
 """Laws whose runs and impacts compile all loops of the engine, about as long in each of two processes."""
@@ -58,6 +64,11 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     if hasattr(os, "sched_getaffinity"):
         return min(len(os.sched_getaffinity(0)), MOST_WORKERS)
     return min(os.cpu_count() or 1, MOST_WORKERS)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with the longest modules."""
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:

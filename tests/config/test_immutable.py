@@ -175,7 +175,7 @@ KEYS = {
 }
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=6)
 @given(st.sets(st.sampled_from(sorted(KEYS)), max_size=4))
 def test_a_mapping_is_completed_from_the_defaults(keys: set[str]) -> None:
     assert cl.build(nested({key: KEYS[key] for key in keys})).configuration == cl.build().configuration

@@ -119,7 +119,7 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
 @pytest.mark.parametrize(
     ("overrides", "status", "key"),
     [
-        (["drive.frequency=3 kHz"], 0, "finding"),
+        pytest.param(["drive.frequency=3 kHz"], 0, "finding", marks=pytest.mark.long),
         # Patches of another length: not the numbers of Table 1.
         (["resonator.tip_mass=2 g"], 1, "finding"),
         (["contact.clearance=-1"], 2, "contact.clearance"),

@@ -187,12 +187,12 @@ def test_a_compliant_law_that_made_the_impacts_beats_the_rigid_ones() -> None:
 
 
 def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> None:
-    write_impacts(struck_discs(TRUTH, 60, seed=0, spread=SPREAD), Path("discs.csv"))
+    write_impacts(struck_discs(TRUTH, 30, seed=0, spread=SPREAD), Path("discs.csv"))
     overrides = [
         "law=newton,poisson",
         "contact.friction_coefficient=0.05..0.5",
         "--folds",
-        "3",
+        "2",
         "--output",
         "here",
     ]
@@ -200,7 +200,7 @@ def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> Non
     assert status == 0
     with xarray.open_dataset("here/validate.nc") as data:
         best = str(data["law"].values[0])
-        assert data.attrs["folds"] == 3
+        assert data.attrs["folds"] == 2
         assert len(data.attrs["data_digest"]) == 64
         limits = data["range"].sel(law="newton", parameter="friction_coefficient").values
         assert limits.tolist() == [0.05, 0.5]

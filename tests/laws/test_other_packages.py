@@ -204,6 +204,7 @@ for study in (fit, Validate(data="impacts.nc")):
 """
 
 
+@pytest.mark.long
 def test_what_was_computed_under_a_law_is_not_taken_for_that_of_the_edited_one(tmp_path: Path) -> None:
     pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
     (tmp_path / "packages").mkdir()

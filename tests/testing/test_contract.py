@@ -45,6 +45,9 @@ HELD = {
 }
 
 LONG = {
+    "hertz_penalty_without_friction",
+    "spring_dashpot",
+    "walton_braun_ageing_stick",
     "lagrange_stick_with_much_friction",
     "stronge_without_loss",
     "line_flores_mindlin",
