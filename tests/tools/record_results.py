@@ -146,8 +146,9 @@ def items() -> Iterator[Item]:
         "drive.phase": np.linspace(-3.0, 3.0, 10).tolist(),
         "contact.clearance": [0.0, 1e-6],
     }
-    options = {"duration": 1.5e-3, "record_interval": 2e-6, "series": ["rotor_velocity"], "metrics": "all"}
-    yield {"id": "sweep/phases", "overrides": [], "options": options | {"over": over, "workers": 1}}
+    lines = ["solver.duration=1.5e-3", "record.interval=2e-6"]
+    options = {"over": over, "series": ["rotor_velocity"], "metrics": "all", "workers": 1}
+    yield {"id": "sweep/phases", "overrides": lines, "options": options}
     pair = {"laws": ["newton", "hertz_penalty"], "options": {"samples": 8, "starts": 2}}
     yield {"id": "compare/settled", "overrides": [*short]} | pair
     few = {"points": 50, "starts": 4, "seed": SEED}
@@ -176,7 +177,7 @@ def result_of(item: Item) -> xarray.DataTree:
     text = item["overrides"]
     if study == "sweep":
         over, rest = options["over"], {key: x for key, x in options.items() if key != "over"}
-        return xarray.DataTree(cl.sweep(over, base=text, **rest))
+        return xarray.DataTree(cl.sweep(over, text, **rest))
     if study == "compare":
         return cl.compare([cl.build([*text, f"law={law}"]) for law in item["laws"]], **options).data
     setup = cl.build(text)
