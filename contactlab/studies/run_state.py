@@ -184,7 +184,12 @@ def _why(folder: Path, key: str) -> str:
         return CHANGED
     if state.state != COMPLETE:
         return state.state
+    return "" if is_as_left(folder, state) else LOST
+
+
+def is_as_left(folder: Path, state: State) -> bool:
+    """Return whether the dataset of a run is the one of its state."""
     try:
-        return "" if digest_of_file(folder / DATASET) == state.digest else LOST
+        return digest_of_file(folder / DATASET) == state.digest
     except OSError:
-        return LOST
+        return False

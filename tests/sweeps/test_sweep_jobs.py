@@ -19,6 +19,9 @@ from support.sweeps import QUICK, Simulations, folder, state_of
 from contactlab.config import build
 from contactlab.metrics import assess, read_run
 from contactlab.studies import run_state as state
+from contactlab.studies.runner import done_parts
+from contactlab.studies.sweep.plan import Outputs, planned
+from contactlab.studies.sweep.study import ScriptComposer, Sweep
 from contactlab.trajectory import Ending
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
@@ -193,6 +196,17 @@ def test_any_exception_of_a_run_is_a_reason_with_the_traceback_in_the_log(
     assert "Traceback" not in err
     assert type(error).__name__ in Path("here/run.log").read_text(encoding="utf-8")
     assert type(error).__name__ in state_of(Path("here"))["reason"]
+
+
+def test_a_run_that_can_no_longer_be_built_is_refused_alone(tmp_path: Path) -> None:
+    faulty = {**build().configuration, "law": "none of these"}
+    plan = planned(ScriptComposer(["law=newton"]), {"drive.phase": [0.0]}, Outputs(), keep="runs")
+    folders = {0: (tmp_path, state.Job(configuration=faulty))}
+    parts, _ = done_parts(Sweep(plan=plan, folders=folders), {})
+    assert parts["0"]["status"].values.tolist() == [state.Status.REFUSED]
+    left = state_of(tmp_path)
+    assert left["state"] == "refused"
+    assert "law" in left["reason"]
 
 
 def test_a_launcher_that_fails_is_a_sentence_and_what_there_is_is_collected(

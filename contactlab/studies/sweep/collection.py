@@ -5,7 +5,7 @@ Runs lie over their parameters as a grid where they form one, else one after the
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import prod
@@ -30,14 +30,24 @@ from contactlab.progress import tell_progress
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_digest
-from contactlab.studies.run_state import RUNNING, Job, Status, is_of_other_code, read_state, status_of
+from contactlab.studies.run_state import (
+    RUNNING,
+    Job,
+    Status,
+    is_as_left,
+    is_of_other_code,
+    read_state,
+    status_of,
+)
 from contactlab.studies.sweep.dataset import (
     DATASET,
     DIMENSION,
     REASONS,
     SERIES,
     Axis,
+    Outcome,
     Slab,
+    columns_of,
     dataset_of,
     text_of,
     write,
@@ -65,19 +75,13 @@ _GROUP: Final = re.compile(r"\w+(/\w+)*")
 
 @final
 @dataclass
-class Run:
-    """A run in a folder, by its name seen from the folder that is collected.
+class Run(Outcome):
+    """A run in a folder, by its name seen from the folder that is collected, its configuration if known."""
 
-    Its configuration may not be known; metrics are empty where it did not reach its end.
-    """
-
-    name: str
-    folder: Path
-    configured: bool
-    job: Job
-    status: Status = Status.COMPLETE
-    reason: str = ""
-    metrics: Mapping[str, float] = field(default_factory=dict)
+    name: str = ""
+    folder: Path = Path()
+    configured: bool = False
+    job: Job = field(default_factory=Job)
 
 
 def collect(
@@ -170,17 +174,17 @@ def discovered(directory: Path) -> Iterator[Run]:
 def _read_run(name: str, folder: Path) -> Run:
     """Return the run of a folder by its state, or by its dataset alone."""
     state = read_state(folder)
-    run = Run(name, folder, state is not None, state.job if state else Job())
+    run = Run(Status.COMPLETE, "", name=name, folder=folder, configured=state is not None)
     if state:
-        run.status = _OF_STATE.get(state.state, Status.FAILED)
+        run.job, run.status = state.job, _OF_STATE.get(state.state, Status.FAILED)
         run.reason = state.reason or REASONS.get(run.status, f"The run is {state.state}.")
     elif not (folder / files.DATASET).is_file():
         run.status = Status.FAILED
         run.reason = f"{files.STATE} cannot be read, and there is no {files.DATASET}. Run it again."
     if run.status not in _WITH_NUMBERS:
         return run
-    if state and state.code == code_digest() and not _changed(folder / files.DATASET, state.digest):
-        run.metrics = state.metrics
+    if state and state.code == code_digest() and is_as_left(folder, state):
+        run.numbers = state.metrics
         return run
     # A file can be anything, and the other runs are collected.
     try:
@@ -191,18 +195,10 @@ def _read_run(name: str, folder: Path) -> Run:
             status = _OF_STATE.get(str(tree.attrs.get("ending", "")), Status.FAILED)
             run.status = Status.FAILED if status is Status.COMPLETE else status
             run.reason = str(tree.attrs.get("message", "")) or "The dataset is not complete."
-        run.metrics = assess(tree) if run.status in _WITH_NUMBERS else {}
+        run.numbers = assess(tree) if run.status in _WITH_NUMBERS else {}
     except Exception as error:
         run.status, run.reason = Status.FAILED, failure_of(error)
     return run
-
-
-def _changed(file: Path, digest: str) -> bool:
-    """Return whether a dataset is missing, or is not that of a digest."""
-    try:
-        return files.digest_of_file(file) != digest
-    except OSError:
-        return True
 
 
 def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
@@ -213,12 +209,7 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         for key, value in (known[0] if known else {}).items()
         if all(key in settings and settings[key] == value for settings in known)
     }
-    columns = {
-        **{key: np.array([run.metrics.get(key, np.nan) for run in runs]) for key in metrics},
-        "status": np.array([run.status for run in runs], dtype=np.int8),
-        "reason": np.array([run.reason for run in runs]),
-        "job": np.array([run.name for run in runs]),
-    }
+    columns = columns_of(runs, metrics) | {"job": np.array([run.name for run in runs])}
     others = sum(
         bool(run.job.key) and run.status in _WITH_NUMBERS and is_of_other_code(run.job) for run in runs
     )

@@ -1,7 +1,7 @@
 """Many runs as one dataset: parameters as coordinates, numbers as variables, and the status of each run."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -82,6 +82,26 @@ class Axis:
         if any(isinstance(value, str | bool) for value in self.values):
             return np.array([text_of(value) for value in self.values], dtype=object)
         return np.asarray(self.values, dtype=np.float64)
+
+
+@dataclass
+class Outcome:
+    """Status of a run, the reason where it has no numbers, its numbers and its time series."""
+
+    status: Status = Status.FAILED
+    reason: str = ""
+    numbers: Mapping[str, float] = field(default_factory=dict)
+    time: Any = None
+    series: Mapping[str, Any] | None = None
+
+
+def columns_of(runs: Sequence[Outcome], numbers: Iterable[str]) -> dict[str, NDArray[Any]]:
+    """Return the columns of `dataset_of` for runs: numbers, NaN where a run has none, status and reason."""
+    return {
+        **{name: np.array([run.numbers.get(name, np.nan) for run in runs]) for name in numbers},
+        "status": np.array([run.status for run in runs], dtype=np.int8),
+        "reason": np.array([run.reason for run in runs], dtype=object),
+    }
 
 
 def dataset_of(

@@ -42,10 +42,20 @@ from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_folder import leave
-from contactlab.studies.run_state import INTERRUPTED, Job, Status, status_of
+from contactlab.studies.run_state import INTERRUPTED, REFUSED, Job, State, Status, status_of, write_state
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
-from contactlab.studies.sweep.dataset import DATASET, REASONS, SERIES, Axis, Slab, dataset_of, write
+from contactlab.studies.sweep.dataset import (
+    DATASET,
+    REASONS,
+    SERIES,
+    Axis,
+    Outcome,
+    Slab,
+    columns_of,
+    dataset_of,
+    write,
+)
 from contactlab.studies.sweep.plan import (
     NOTHING,
     ONE_PROCESS,
@@ -139,18 +149,6 @@ class Cells:
         return Cells, (rows, range(rows.cells), self.make, self.question, self.folders)
 
 
-@final
-@dataclass
-class Outcome:
-    """Status of a run, the reason where it has no numbers, its numbers and its time series."""
-
-    status: Status = Status.FAILED
-    reason: str = ""
-    numbers: Mapping[str, float] | None = None
-    time: Any = None
-    series: Mapping[str, Any] | None = None
-
-
 def _done(work: Cells) -> Part:
     """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
     outputs = work.plan.outputs
@@ -159,17 +157,8 @@ def _done(work: Cells) -> Part:
         with part_of_progress(done / len(work.cells), (done + 1) / len(work.cells), f"run {cell + 1}: "):
             tell_progress("", 0.0)
             runs.append(_left(*work.folders[done]) if work.folders else _outcome(work, cell))
-    root = xarray.Dataset(
-        {
-            **{
-                name: ("run", [each.numbers[name] if each.numbers else np.nan for each in runs])
-                for name in outputs.metrics
-            },
-            "status": ("run", np.array([each.status for each in runs], dtype=np.int8)),
-            "reason": ("run", np.array([each.reason for each in runs], dtype=object)),
-        }
-    )
-    groups = {"/": root}
+    root = {name: ("run", column) for name, column in columns_of(runs, outputs.metrics).items()}
+    groups = {"/": xarray.Dataset(root)}
     time = next((each.time for each in runs if each.time is not None), None)
     if time is not None:
         none = np.full(time.size, np.nan)
@@ -183,7 +172,13 @@ def _done(work: Cells) -> Part:
 
 def _left(folder: Path, job: Job) -> Outcome:
     """Run one cell in its folder; its numbers are in its state, from which they are collected."""
-    state, _ = leave(rebuild(job.configuration), folder, job)
+    try:
+        setup = rebuild(job.configuration)
+    # A file of the configuration may be gone since the plan was made.
+    except ConfigurationError as error:
+        write_state(folder, State(REFUSED, job, reason := " ".join(error.faults)))
+        return Outcome(Status.REFUSED, reason)
+    state, _ = leave(setup, folder, job)
     if state.state == INTERRUPTED:
         raise KeyboardInterrupt(state.reason)
     return Outcome(Status[state.state.upper()], state.reason)
@@ -234,11 +229,8 @@ def combined(
     plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
 ) -> xarray.Dataset:
     """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
-    columns: dict[str, Any] = {
-        **{key: np.full(plan.cells, np.nan) for key in plan.outputs.metrics},
-        "status": np.full(plan.cells, Status.ABSENT, dtype=np.int8),
-        "reason": np.full(plan.cells, REASONS[Status.ABSENT], dtype=object),
-    }
+    absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], plan.outputs.metrics)
+    columns: dict[str, Any] = {name: np.repeat(column, plan.cells) for name, column in absent.items()}
     scalars = [*columns]
     for key, part in parts.items():
         start = int(key)
