@@ -1,7 +1,5 @@
 """Laws and parts of other packages: installed they are like contactlab's own, broken they harm no other."""
 
-from pathlib import Path
-
 import pytest
 import xarray
 from support.command_line import EXAMPLE, Elsewhere
@@ -184,40 +182,3 @@ def test_no_law_of_another_package_is_imported_to_list_the_laws(elsewhere: Elsew
     )
     status, _, err = elsewhere.python("-c", code)
     assert status == 0, err
-
-
-KEYS = """
-import sys
-sys.path[:0] = {paths!r}
-import contactlab as cl
-from contactlab.measured.files import write_impacts
-from contactlab.studies.fit import Fit
-from contactlab.studies.run_state import key_of
-from contactlab.studies.validate import Validate
-from support.measured_impacts import drawn_impacts
-write_impacts(drawn_impacts(20, 1), "impacts.nc")
-law = ["law=power_law"]
-print(key_of(cl.build(law)))
-fit = Fit(data="impacts.nc", free={{"law.exponent": (1, 3)}})
-for study in (fit, Validate(data="impacts.nc")):
-    print([task.key for task in study.tasks({{"": cl.build(law)}})])
-"""
-
-
-@pytest.mark.long
-def test_what_was_computed_under_a_law_is_not_taken_for_that_of_the_edited_one(tmp_path: Path) -> None:
-    pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
-    (tmp_path / "packages").mkdir()
-    own = Elsewhere(tmp_path / "packages", tmp_path)
-    own.install(own.example())
-    source = tmp_path / "packages" / "power_law.py"
-
-    def keys() -> list[str]:
-        status, out, err = own.python("-c", KEYS.format(paths=[str(Path(__file__).parents[1])]))
-        assert status == 0, err
-        return out.splitlines()
-
-    before = keys()
-    assert keys() == before
-    source.write_text(source.read_text().replace("normal = load", "normal = 1.5 * load"))
-    assert all(now != then for now, then in zip(keys(), before, strict=True))

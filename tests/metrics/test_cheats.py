@@ -6,10 +6,9 @@ from typing import Annotated, final
 import pytest
 import xarray
 from support.configurations import of_law
-from support.motors import hertz
 
 from contactlab.compiler.kernels import kernel
-from contactlab.laws import ContactLaw, LagrangeStick, PenaltyLaw
+from contactlab.laws import LagrangeStick, PenaltyLaw
 from contactlab.laws.base import STICK
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.metrics import FAIL, METRICS, PASS, assess
@@ -108,13 +107,7 @@ def test_a_law_that_cheats_fails_on_exactly_its_line(line: str, interval: float)
 
 def test_a_stick_that_creeps_fails_on_exactly_its_line() -> None:
     tree = of_law(LagrangeStick(0.3), **STICKING)
+    assert METRICS["stick_slip"].verdict(assess(tree)["stick_slip"]) == PASS
     sticks = tree["contact_mode"].values == STICK
     tree["slip_velocity"].values[sticks] += CREEP * tree["friction_force"].values[sticks]
     assert failed(tree) == ["stick_slip"]
-
-
-@pytest.mark.parametrize("law", [hertz(), LagrangeStick(0.3)], ids=lambda law: law.name)
-def test_the_honest_laws_fail_none(law: ContactLaw) -> None:
-    tree = of_law(law, **STICKING)
-    assert failed(tree) == []
-    assert METRICS["stick_slip"].verdict(assess(tree)["stick_slip"]) == PASS
