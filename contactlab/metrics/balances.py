@@ -11,7 +11,7 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 from contactlab.window import CLOCK
 
-RESOLVED: Final = 1e-12  # share of the motor's energy below which round-off decides a graze
+RESOLVED: Final = 1e-12  # share of the motor's energy, or of the normal impulses, that is round-off
 
 STORED: Final = ("kinetic_energy", "strain_energy", "contact_energy")
 SPENT: Final = ("damping_loss", "friction_loss", "contact_loss", "load_work")
@@ -35,12 +35,14 @@ def energy_residual(run: Run) -> float:
 
 
 @invariant(
-    "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|)",
+    "|J dOmega + R sum p_t + tau T + C_r dalpha| / max(R sum|p_t|, J max|Omega|, |tau T|, |C_r dalpha|, "
+    f"{RESOLVED / ROUND_OFF:g} R sum|p_n|)",
     "angular momentum of the rotor that friction impulses, load and damping do not explain",
     bound=ROUND_OFF,
     reason="action equals reaction at any step: both sides add up the same impulses but for round-off. A "
     "rigid law that projects corrects the angle by a step h of the change of velocity: the scale of a damped "
-    "rotor has C_r h / J of its impulses, with the largest damping of the run, where that is less than one",
+    "rotor has C_r h / J of its impulses, with the largest damping of the run, where that is less than one. "
+    "Friction that is no digit of the normal force is round-off",
     source="Newton's third law; paper, eq. 48 with the radius",
 )
 def rotor_momentum(run: Run) -> float:
@@ -54,7 +56,8 @@ def rotor_momentum(run: Run) -> float:
     largest = max(value for value, _ in run.course("rotor.damping", "N m s rad-1"))
     corrected = largest * run.contact_step / inertia if projects else 0.0
     needed(corrected < 1.0)
-    scale = max(values, inertia * float(fastest), abs(load), abs(damped))
+    pressed = RESOLVED / ROUND_OFF * radius * float(np.abs(run.contacts("normal_impulse")).sum())
+    scale = max(values, inertia * float(fastest), abs(load), abs(damped), pressed)
     return abs(missing) / max(scale, corrected * values / ROUND_OFF)
 
 

@@ -123,6 +123,16 @@ def test_the_angle_of_a_projection_is_judged_by_the_largest_damping_of_the_run()
     assert assess(ran, {"rotor_momentum"})["rotor_momentum"] <= INVARIANTS["rotor_momentum"].bound
 
 
+def test_friction_that_is_no_digit_of_the_normal_force_is_no_momentum() -> None:
+    run = run_of()
+    rows, still = run["contacts"], np.zeros_like(run["rotor_velocity"].values)
+    rows["friction_impulse"].values[:] = 1e-15 * rows["normal_impulse"].values
+    run["rotor_velocity"].values[:], run["rotor_angle"].values[:] = still, still
+    assert assess(run, {"rotor_momentum"})["rotor_momentum"] <= INVARIANTS["rotor_momentum"].bound
+    rows["friction_impulse"].values[:] *= 1e6
+    assert assess(run, {"rotor_momentum"})["rotor_momentum"] > 1e-4
+
+
 def test_a_run_of_one_record_is_judged() -> None:
     run = run_of()
     groups = {"/": run.to_dataset().isel(time=[0]), "/contacts": run["contacts"].to_dataset(inherit=False)}
