@@ -54,6 +54,7 @@ from contactlab.engine.memory import (
     guess_memory,
     jump,
     memory_at,
+    missed_flow,
     open_step,
     recall,
     recall_start,
@@ -447,7 +448,10 @@ def _solve(run: Run, law: Law, known: Known) -> tuple[int, float]:
     """Shorten a step until it is accepted; returns its level and its error over the tolerance."""
     state, rule = run.state, run.propagator.rule
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+    # A slip that begins at zero has the rates of slip, as at the nodes: those of stick are of another flow,
+    # and no step is short enough to go on from them.
+    sliding = 0.0 if state.mode == STICK else state.sign * max(abs(slip), SLIP_ROUND_OFF)
+    open_step(run, law, law.memory, gap, rate, sliding, known[0])
     level, error = state.level, 0.0
     while level < rule.level_count:
         error = _attempt(run, law, level, known)
@@ -468,7 +472,7 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     """Solve a step at a level; returns its error over the tolerance, infinite where it has no solution.
 
     The error is what the polynomials of the multipliers miss of their values at the step's start, as an
-    impulse.
+    impulse, and those of the internal variables of their rates.
     """
     state, step = run.state, run.step
     build_level(run.plant, run.propagator, level)
@@ -493,7 +497,9 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if sweeps == 0:
         return inf
     error = max(abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1]))
-    return float(error * h / (state.tolerance * state.impulse_scale))
+    # The multipliers may not depend on the internal variables, as at rest: these have an error of their own.
+    flowed = missed_flow(run, law.memory) / state.tolerance
+    return float(max(error * h / (state.tolerance * state.impulse_scale), flowed))
 
 
 @inner_kernel

@@ -6,7 +6,7 @@ Over a step the variables flow as a polynomial through their values z at its sta
 
 solved one variable after the other by Newton's method with the variable's own derivative, so that a fast
 relaxation is no matter of the step; what couples variables is met by the sweeps of the step. In flight and in
-a rigid contact the motion is held meanwhile: there the flow is of the order of the rest.
+time stepping the motion is held meanwhile: there the flow is of the order of the rest.
 """
 
 from math import copysign
@@ -324,6 +324,30 @@ def open_step(
     recall_start(run, law)
     for k in range(run.state.law.coupled, run.state.law.variables):
         run.step.memory_rate[k] = memory.rate(k, gap, gap_rate, slip, normal, law.parameters)
+
+
+@inner_kernel
+def missed_flow(run: Run, memory: Memory | None) -> float:
+    """Return what the internal variables' polynomials miss of their rates at the step's start, over the step.
+
+    The polynomial's rates at the nodes are those of the law; extrapolated to the start, which no node is at,
+    they differ from the rate there as the multipliers do (eq. 4.12). It is relative to the variable [1], or
+    to its first value where it has decayed below that.
+    """
+    most = 0.0
+    if memory is None:
+        return most
+    state, step, rule = run.state, run.step, run.propagator.rule
+    for k in range(state.law.coupled, state.law.variables):
+        first, flow, slope = state.memory[k], state.length * step.memory_rate[k], 0.0
+        size = max(abs(first), abs(step.memory_first[k]), abs(flow))
+        for m in range(NODES):
+            size = max(size, abs(step.memory[m, k]))
+            for i in range(NODES):
+                slope += rule.lagrange[m, 0] * rule.derivative[m, i] * (step.memory[i, k] - first)
+        if abs(slope - flow) > most * size:
+            most = abs(slope - flow) / size
+    return most
 
 
 @inner_kernel

@@ -3,11 +3,14 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from scipy.integrate import solve_ivp
+from scipy.interpolate import PchipInterpolator
 from support.closed_form_memory import (
     Cooling,
     FreshDent,
     Ledge,
     RigidAgeing,
+    RigidRenewal,
     Softening,
     TwoClocks,
     softened_end,
@@ -58,14 +61,32 @@ def test_what_is_stored_less_after_a_jump_is_lost_by_the_contact() -> None:
     assert np.abs(made.series["energy_residual"]).max() < 1e-8 * 0.5 * MASS * SPEED**2
 
 
-@pytest.mark.parametrize("law", [Cooling(), RigidAgeing(time=2e-4)], ids=lambda law: law.name)
-def test_what_lives_for_the_run_flows_in_flight_and_in_contact(law: ContactLaw) -> None:
-    step = law.default_contact_step if isinstance(law, RigidAgeing) else None
-    made = run(thrown(weight=5.0), law, 1e-3, step, record_interval=1e-5)
+@pytest.mark.parametrize("law", [Cooling(), RigidAgeing(time=2e-4), RigidAgeing(time=1e-6)], ids=str)
+@pytest.mark.parametrize("weight", [5.0, 500.0])
+def test_what_lives_for_the_run_flows_in_flight_and_in_contact(law: ContactLaw, weight: float) -> None:
+    """Forces of a rigid contact at rest shorten no step: the relaxation itself does."""
+    made = run(thrown(weight=weight), law, 1e-3, record_interval=1e-5)
     assert 0.0 < made.contacts["duration"].sum() < made.time[-1]
-    # In time stepping memory is of the order of the step.
-    error = 1e-10 if law.name == "cooling" else 1e-4
-    assert_allclose(made.series["internal_warmth"], np.exp(-made.time / 2e-4), rtol=error)
+    time = 2e-4 if isinstance(law, Cooling) else law.time
+    assert_allclose(made.series["internal_warmth"], np.exp(-made.time / time), rtol=1e-10, atol=1e-8)
+    assert made.statistics["contact_steps"] + made.statistics["rejected_steps"] < 5000
+
+
+@pytest.mark.parametrize("distance", [1e-5, 1e-6])
+def test_a_variable_of_a_rigid_contact_is_that_of_an_integrator_over_its_slip(distance: float) -> None:
+    """Stick and slip alternate in a contact whose forces let it take long steps; each slip begins at zero."""
+    pushed = block(MASS, weight=5.0, push_amplitude=3.0, push_frequency=1000.0)
+    made = run(pushed, RigidRenewal(distance=distance), 2e-3, record_interval=1e-7)
+    assert made.contacts["duration"].size == 1
+    assert made.statistics["friction_switches"] >= 6
+    assert made.statistics["contact_steps"] + made.statistics["rejected_steps"] < 2000
+    slip = PchipInterpolator(made.time, np.abs(made.series["slip_velocity"]))
+    exact = solve_ivp(
+        lambda time, age: 1.0 - slip(time) * age / distance,
+        *((0.0, made.time[-1]), [0.0], "LSODA", made.time[::100]),
+        rtol=1e-9, atol=1e-16, max_step=1e-6,
+    )  # fmt: skip
+    assert_allclose(made.series["internal_age"][::100], exact.y[0], rtol=1e-4, atol=1e-10)
 
 
 @pytest.mark.parametrize("number", cases(range(16), range(6)))

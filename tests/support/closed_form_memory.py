@@ -257,3 +257,24 @@ class Swelling(Spring):
     @kernel
     def limits(rise):
         return rise, rise
+
+
+@final
+@dataclass(frozen=True)
+class RigidRenewal(MultiplierLaw):
+    """A rigid law whose age grows with time and is renewed by slip; friction does not depend on it."""
+
+    name = "rigid_renewal"
+    equation = "|F| <= mu N, da/dt = 1 - |v| a / D"
+    source = "Dieterich (1979), J. Geophys. Res. 84, 2161, of the ageing law"
+    internal_variables = (InternalVariable("age", "a", "s", "age of the contact"),)
+
+    friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
+    distance: Annotated[float, positive("D", "m", "slip that renews the contact")] = 1e-6
+
+    impact = staticmethod(stick_or_slip_impulse)
+
+    @staticmethod
+    @kernel
+    def rate(slip, age, distance):
+        return 1.0 - abs(slip) * age / distance
