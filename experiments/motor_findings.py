@@ -3,14 +3,13 @@
     python experiments/motor_findings.py [SECTION ...]
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
-motor; and a synthetic world, in which one law is true, with the rule of pairs beside the older rule on the
-same draws. It takes about twenty minutes on two cores.
+motor in two populations; and how often the rule of pairs is wrong in worlds of known truth. It takes about
+twenty minutes on two cores.
 """
 
 import json
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from itertools import combinations
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,12 +19,11 @@ from joblib import Parallel, delayed
 import contactlab as cl
 from contactlab.inference.paired import (
     AGREED,
-    EQUAL,
-    GREATER,
     INCONCLUSIVE,
-    LESS,
+    OUTCOMES,
     VARIES,
     VERDICTS,
+    bins_of,
     looks_up_to,
     orders,
 )
@@ -33,9 +31,7 @@ from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
 from contactlab.results.provenance import versions
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import Distribution, configuration_of, drawn, factors_of, observed
-from contactlab.studies.compare.laws import run_of_setup
-from contactlab.studies.compare.pairs import CLEAR, MARGIN
+from contactlab.studies.compare.draws import observed
 
 RESULTS: Final = Path(__file__).resolve().parents[1] / "docs" / "results" / "motor.json"
 
@@ -57,26 +53,21 @@ DAMPING: Final = (
 """The paper's damping per stiffness, and less; damping ratios of all modes."""
 
 BOTH: Final = ("rotor_velocity", "stall_torque")
-POOL: Final = 256
-REPETITIONS: Final = 200
-OUTCOMES: Final = (
-    "right",
-    "wrong",
-    "varies",
-    "inconclusive",
-    "false",
-    "older rule right",
-    "older rule wrong",
-)
-PRIORS: Final[dict[str, dict[str, Distribution]]] = {
-    "usual": {},
-    "phase -0.6 +- 0.15": {"drive.phase": cl.Estimate(-0.6, 0.15)},
-    "phase -0.6 to 0": {"drive.phase": (-0.6, 0.0)},
+REPETITIONS: Final = 1000
+POPULATIONS: Final = {
+    "by default": {},
+    "damping per stiffness 2e-6 to 2e-5 s": {"resonator.stiffness_damping": (2e-6, 2e-5)},
 }
-"""What is uncertain beside friction, stiffness, clearance, basis and start."""
+"""What is drawn beside the usual, in place of the damping ratio."""
 
-STIFFER: Final = 1.02
-"""Factor of the stiffness of a law that is hardly another one."""
+WORLDS: Final = {
+    "greater in 100 %": (1.0, 0.0, 0.0, 0.0),
+    "greater in 95 %, less in 5 %": (0.95, 0.05, 0.0, 0.0),
+    "greater in 80 %, less in 20 %": (0.8, 0.2, 0.0, 0.0),
+    "greater in 60 %, less in 4 %, else no steady state": (0.6, 0.04, 0.0, 0.36),
+    "greater in 40 %, less in 30 %, equal in 20 %": (0.4, 0.3, 0.2, 0.1),
+}
+"""Probabilities of the outcomes of every pair of laws."""
 
 
 def settled(overrides: list[str], names: tuple[str, ...] = ("rotor_velocity",)) -> dict[str, Any]:
@@ -138,92 +129,20 @@ def delayed_call(function: Callable[..., Any], *arguments: Any) -> Callable[[], 
     return partial(function, *arguments)
 
 
-def difference(result: cl.Result, a: str, b: str) -> dict[str, Any]:
-    """Return the paired difference of two laws in the settled velocity."""
-    here = result.data.to_dataset().sel(quantity="rotor_velocity", law=a, other_law=b).isel(cell=0)
-    shares = dict(zip(here["sign"].values.tolist(), here["sign_share"].values.tolist(), strict=True))
-    return {
-        "draws": int(result.data.sizes["draw"]),
-        "order": VERDICTS[int(here["order"])],
-        "bases": [
-            {"mean": float(mean), "deviation": float(deviation)}
-            for mean, deviation in zip(here["basis_mean"].values, here["basis_deviation"].values, strict=True)
-        ],
-        "shares": shares,
-        "numerical_error": float(here["difference_error"]),
-    }
-
-
-def pool_of(laws: Mapping[str, cl.Setup], priors: Mapping[str, Distribution]) -> np.ndarray:
-    """Return settled velocities over draws that serve all laws, shape (law, draw)."""
-    factors = factors_of([run_of_setup(name, setup) for name, setup in laws.items()], priors)
-    draws = drawn(factors, POOL)
-    cases = {
-        f"{name} {i}": delayed_call(velocity_of, configuration_of(setup, factors, draw))
-        for i, draw in enumerate(draws)
-        for name, setup in laws.items()
-    }
-    return np.reshape([*every(cases).values()], (POOL, len(laws))).T
-
-
-def velocity_of(configuration: dict[str, Any]) -> float:
-    """Return the settled velocity of a motor; NaN where there is none."""
-    try:
-        return observed(cl.build(configuration), ("rotor_velocity",))[1]["rotor_velocity"].value
-    except (BrokenOffError, NotSettledError):
-        return float("nan")
-
-
-def world(
-    laws: Mapping[str, cl.Setup], errors: Mapping[str, float], priors: Mapping[str, Distribution]
-) -> dict[str, Any]:
-    """Return how often the rule of pairs, and the older one, are wrong, by pair of laws and number of draws.
-
-    In each repetition one motor of the pool is the real one, where one law holds and others do not. A claim
-    of an order is false if it does not hold in `AGREED` of the pool; it is wrong in the real motor if that
-    has the other order, or none.
-    """
-    pool, names = pool_of(laws, priors), list(laws)
-    nominal = np.array([velocity_of(dict(setup.configuration)) for setup in laws.values()])
-    rng = np.random.default_rng(0)
-    result: dict[str, Any] = {}
-    for a, b in combinations(range(len(names)), 2):
-        numerical = errors[names[a]] + errors[names[b]]
-        apart, size = pool[a] - pool[b], np.maximum(np.abs(pool[a]), np.abs(pool[b]))
-        signs = np.where(np.abs(apart) <= np.maximum(CLEAR * numerical, MARGIN * size), 0.0, np.sign(apart))
-        signs[~np.isfinite(apart)] = np.nan
-        shares = {sign: float((signs == sign).sum() / np.isfinite(signs).sum()) for sign in (1.0, -1.0, 0.0)}
-        counts = {str(n): dict.fromkeys(OUTCOMES, 0) for n in (16, 32, 64)}
-        for _ in range(REPETITIONS):
-            chosen = rng.permutation(np.flatnonzero(np.isfinite(signs)))
-            true, rest = signs[chosen[0]], chosen[1:]
-            for n, count in counts.items():
-                some = rest[: int(n)]
-                verdict = sequential(signs[some], int(n))
-                claim = {GREATER: 1.0, LESS: -1.0, EQUAL: 0.0}.get(verdict)
-                if claim is None:
-                    count["varies" if verdict == VARIES else "inconclusive"] += 1
-                    count["false"] += int(verdict == VARIES and max(shares.values()) >= AGREED)
-                else:
-                    count["right" if claim == true else "wrong"] += 1
-                    count["false"] += int(shares[claim] < AGREED)
-                moved = np.abs(pool[[a, b]][:, some] - nominal[[a, b], None]).max()
-                if abs(nominal[a] - nominal[b]) > max(moved, CLEAR * numerical):
-                    old = np.sign(nominal[a] - nominal[b])
-                    count["older rule right" if old == true else "older rule wrong"] += 1
-        signed = {name: shares[sign] for name, sign in (("+", 1.0), ("-", -1.0), ("0", 0.0))}
-        result[f"{names[a]} less {names[b]}"] = {"shares": signed, "draws": counts}
-    return result
-
-
-def sequential(signs: np.ndarray, most: int) -> int:
-    """Return the verdict of looks at growing draws."""
-    looks = looks_up_to(most)
-    for look in looks:
-        verdict = int(orders(signs[None, :look], len(looks)).verdict[0])
-        if verdict != INCONCLUSIVE:
-            break
-    return verdict
+def rates(truth: Iterable[float], pairs: int) -> dict[str, float]:
+    """Return how often independent pairs with these outcomes get a false verdict, and any at all."""
+    rng, chances, looks = np.random.default_rng(0), np.array(list(truth)), looks_up_to(64)
+    true = np.append(chances > AGREED, [chances.max() <= AGREED, True])
+    wrong = known = 0.0
+    for _ in range(REPETITIONS):
+        outcomes = rng.choice(len(OUTCOMES), (pairs, looks[-1]), p=chances)
+        verdicts = np.full(pairs, INCONCLUSIVE)
+        for look in looks:
+            latest = orders(outcomes[:, :look], len(looks)).verdict
+            verdicts = np.where(verdicts >= VARIES, latest, verdicts)
+        wrong += bool(~true[verdicts].all()) / REPETITIONS
+        known += float((verdicts != INCONCLUSIVE).mean()) / REPETITIONS
+    return {"any wrong": wrong, "known": known}
 
 
 def four_shapes() -> dict[str, Any]:
@@ -260,21 +179,43 @@ def with_rod() -> dict[str, Any]:
     return {"natural_frequency": frequencies, **table(("stick", "newton", "hertz"), overrides, BOTH)}
 
 
-def pair_on_both_bases() -> dict[str, Any]:
-    """Return the paired comparison of the default motor."""
-    pair = [cl.build([f"law={law}"]) for law in ("lagrange_stick", "hertz_penalty")]
-    result = cl.compare(pair, samples=64, starts=1, workers=processors(), observe=["rotor_velocity"])
-    return difference(result, "lagrange_stick", "hertz_penalty")
+def pair_in_two_populations() -> dict[str, Any]:
+    """Return the paired comparison of the default motor on the converged beam."""
+    setups = [cl.build([*CONVERGED, f"law={law}"]) for law in ("lagrange_stick", "hertz_penalty")]
+    return {name: comparison(setups, vary) for name, vary in POPULATIONS.items()}
 
 
-def synthetic_world() -> dict[str, Any]:
-    """Return error rates of the rules on the converged beam, under several priors."""
-    setups = {law: cl.build([*CONVERGED, *LAWS[law]]) for law in ("stick", "newton", "poisson", "hertz")}
-    stiffness = setups["hertz"].configuration["law"]["stiffness"]
-    setups["stiffer"] = cl.build([*CONVERGED, *LAWS["hertz"], f"law.stiffness={STIFFER * stiffness!r}"])
-    here = table([law for law in LAWS if law in setups], CONVERGED, ("rotor_velocity",))
-    errors = {law: here.get(law, here["hertz"])["rotor_velocity_error"] for law in setups}
-    return {name: world(setups, errors, priors) for name, priors in PRIORS.items()}
+def comparison(setups: list[cl.Setup], vary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return outcomes and size of the difference of two laws in speed, and what turns the outcome."""
+    result = cl.compare(
+        setups, vary=dict(vary), starts=1, workers=processors(), observe=["rotor_velocity"], samples=64
+    )
+    here = result.data.to_dataset().sel(quantity="rotor_velocity").isel(law=0, other_law=1, cell=0)
+    outcome = here["outcome"].values
+    factor = int(here["factor_share"].values.argmax())
+    values = here["drawn"].values[:, factor]
+    bins = bins_of(values)
+    ends = {name: float(here[f"relative_{name}"]) for name in ("nominal", "other")}
+    ends |= {name: float(here[f"relative_difference{name}"]) for name in ("_low", "", "_high")}
+    return {
+        "prior": here["prior"].values.tolist(),
+        "outcomes": {name: int((outcome == kind).sum()) for kind, name in enumerate(OUTCOMES)},
+        "order": VERDICTS[int(here["order"])],
+        "relative": ends,
+        "factor": str(here["factor"].values[factor]),
+        "share": float(here["factor_share"][factor]),
+        "by chance": float(here["chance_share"]),
+        "quarters": [
+            {"up to": float(values[bins == n].max())}
+            | {name: int((outcome[bins == n] == kind).sum()) for kind, name in enumerate(OUTCOMES)}
+            for n in range(int(bins.max()) + 1)
+        ],
+    }
+
+
+def known_worlds() -> dict[str, Any]:
+    """Return error rates of the rule of pairs, of one pair and of ten."""
+    return {name: {str(n): rates(truth, n) for n in (1, 10)} for name, truth in WORLDS.items()}
 
 
 SECTIONS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
@@ -282,8 +223,8 @@ SECTIONS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
     "converged, by phase": by_phase,
     "converged, by damping ratio at equal free amplitude": by_damping,
     "converged, with a rod": with_rod,
-    "stick less hertz": pair_on_both_bases,
-    "synthetic world": synthetic_world,
+    "stick and hertz": pair_in_two_populations,
+    "known worlds": known_worlds,
 }
 
 

@@ -75,7 +75,9 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
             texts = [f"[{','.join(map(quoted, values))}]"]
         lines.append(f"study.{name}={texts[-1]}")
     several = [] if sweeps else _of_setups(study, others)
-    lines += [word for word in others if word not in several]
+    chosen = [word.partition("=")[0] for word in others]
+    free = [each for each in study.presets if {each.partition("=")[0], "experiment"}.isdisjoint(chosen)]
+    lines += [*free, *(word for word in others if word not in several)]
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.

@@ -1,31 +1,44 @@
-"""Paired comparison of laws: the sign of a difference over motors that are drawn alike for all laws.
+"""Paired comparison of laws: the outcome of a pair over motors that are drawn alike for all laws.
 
-Everything but the law is equal within a pair, so that a difference is the law's. What is open is whether its
-sign and size survive where the motor is not exactly known: the sign probability, that two laws differ in one
-sense in a motor drawn at random, has an exact interval (Clopper and Pearson 1934, Biometrika 26, 404), and
-an order is stated where the test of "at most `AGREED`" is rejected, corrected for the number of pairs.
+In every motor drawn a quantity of the first law is greater than that of the second by more than a margin, or
+less, or both are practically equal, or there is no such number: a motor without a steady state is an outcome
+too. An order is stated of a population where the test of "in at most `AGREED` of *all* its motors" is
+rejected (exact binomial test, corrected for all claims); intervals of probabilities are those of Clopper and
+Pearson (1934, Biometrika 26, 404).
 """
 
-from collections.abc import Sequence
 from typing import Final, NamedTuple, final
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from contactlab.arrays import Array
 from contactlab.inference.bootstrap import LEVEL
 from contactlab.inference.multiple import holm
 
 AGREED: Final = 0.8
-"""Share of motors in which two laws have one order, or none, before it counts as theirs. A single pair is
-decided by 14 draws of one sign, 66 pairs by 33 to 37 (by three looks)."""
+"""Share of the motors that must have one outcome before it is stated of a population. By three looks a single
+pair and quantity needs 22 draws of one outcome, five quantities 29, and 66 pairs of them 48."""
 
 FIRST_LOOK: Final = 16
 """Draws after which orders are tested for the first time; every further look has twice as many."""
 
-VERDICTS: Final = ("greater", "less", "equal", "varies", "inconclusive")
-"""Orders of two laws: the first is greater or less, they are equal, the sign varies over the motors drawn, or
-the draws are too few to tell."""
-GREATER, LESS, EQUAL, VARIES, INCONCLUSIVE = range(len(VERDICTS))
+OUTCOMES: Final = ("greater", "less", "equal", "none")
+"""Outcomes of a pair in a motor: the first is greater or less by more than the margin, both are equal within
+it, or one has no steady state, or too large an error to say so."""
+
+VERDICTS: Final = (*OUTCOMES, "varies", "inconclusive")
+"""What is stated of a pair in a population: its outcome, that none is that of most motors, or nothing."""
+GREATER, LESS, EQUAL, NONE, VARIES, INCONCLUSIVE = range(len(VERDICTS))
+
+UNTESTED: Final = -1
+"""Outcome of a pair in a motor that counts as no draw, as of a quantity that no law has."""
+
+BINS: Final = 4
+"""Parts of equal numbers of draws into which the range of a factor is divided."""
+
+PERMUTATIONS: Final = 500
+"""Permutations of the draws whose shares are those by chance."""
 
 
 @final
@@ -33,9 +46,9 @@ class Orders(NamedTuple):
     """Orders of pairs of laws.
 
     Args:
-        share: of draws in which the first law is greater, less, and equal, shape (..., 3).
+        share: of all draws, by outcome, shape (..., 4).
         low, high: 95 % interval of the probability of each, the same shape.
-        p_value: of "no order in more than `AGREED` of the motors", corrected, shape (...).
+        p_value: of "no outcome in more than `AGREED` of the motors", corrected, shape (...).
         verdict: place in `VERDICTS`, shape (...).
     """
 
@@ -54,94 +67,84 @@ def looks_up_to(most: int) -> list[int]:
     return looks if most > FIRST_LOOK else [most]
 
 
-def orders(signs: Array, looks: int = 1) -> Orders:
-    """Return the orders of pairs of laws.
-
-    Of each quantity, claims of an order are a family and claims that there is none another: in each, the
-    probability of a false claim is at most 5 % by Holm's correction for all pairs and operating points. Every
-    one of several looks at growing draws has an equal part of it.
-
-    Args:
-        signs: of the difference of a pair in a draw, 1, -1 or 0 where they are equal; NaN where one of the
-            two has no steady state. Shape (..., quantity, draw).
-        looks: number of looks that are planned.
-    """
+def binomial_interval(times: ArrayLike, count: ArrayLike) -> tuple[Array, Array]:
+    """Return the 95 % interval of a probability, of an event that came some times in a count."""
     # Imported here: a run needs no scipy.stats.
-    from scipy.stats import beta, binom
+    from scipy.stats import beta
 
-    count = np.isfinite(signs).sum(axis=-1)[..., None]
-    times = np.stack([(signs == sign).sum(axis=-1) for sign in (1, -1, 0)], axis=-1)
+    times, count = np.asarray(times), np.asarray(count)
     tail = 0.5 * (1.0 - LEVEL)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        share = times / count
     low = np.where(times > 0, beta.ppf(tail, np.maximum(times, 1), count - times + 1), 0.0)
     high = np.where(times < count, beta.ppf(1.0 - tail, times + 1, np.maximum(count - times, 1)), 1.0)
-    most = times.max(axis=-1)
-    agree, disagree = np.ones((2, *most.shape))
-    for quantity in range(most.shape[-1]):
-        here, trials = most[..., quantity], count[..., quantity, 0]
-        # Where a law has no steady state in any draw there is no test.
-        trials = np.where(trials > 0, trials, np.nan)
-        agree[..., quantity] = holm(binom.sf(here - 1, trials, AGREED))
-        disagree[..., quantity] = holm(binom.cdf(here, trials, AGREED))
-    level = (1.0 - LEVEL) / looks
-    verdict = np.where(
-        agree <= level, times.argmax(axis=-1), np.where(disagree <= level, VARIES, INCONCLUSIVE)
-    )
-    return Orders(share, low, high, agree, verdict)
+    return low, high
 
 
-def classes(equal: Array) -> Array:
-    """Return the class of each law: all pairs of laws of a class are equal, shape (law,).
+def orders(outcomes: Array, looks: int = 1) -> Orders:
+    """Return the orders of pairs of laws.
+
+    All that is claimed is one family: of every pair, operating point and quantity, that most motors have one
+    outcome, and that they have not. The probability of any false claim is at most 5 % by Holm's correction,
+    of which every one of several looks at growing draws has an equal part.
 
     Args:
-        equal: whether two laws are equal, shape (law, law).
+        outcomes: place in `OUTCOMES` of a pair in a draw, or `UNTESTED`; shape (..., draw).
+        looks: number of looks that are planned.
     """
-    if len(equal) < 2:
-        return np.ones(len(equal), dtype=int)
     # Imported here, as above.
-    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.stats import binom
 
-    apart = ~np.asarray(equal, dtype=bool)
-    # Complete linkage: equality of pairs is not transitive.
-    tree = linkage(apart[np.triu_indices(len(apart), 1)].astype(float), "complete")
-    return np.asarray(fcluster(tree, 0.5, "distance"))
+    count = (outcomes != UNTESTED).sum(axis=-1)
+    times = np.stack([(outcomes == each).sum(axis=-1) for each in range(len(OUTCOMES))], axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        share = times / count[..., None]
+    most, trials = times.max(axis=-1), np.where(count > 0, count, np.nan)
+    p_values = holm([binom.sf(most - 1, trials, AGREED), binom.cdf(most, trials, AGREED)])
+    stated, denied = p_values <= (1.0 - LEVEL) / looks
+    verdict = np.where(stated, times.argmax(axis=-1), np.where(denied, VARIES, INCONCLUSIVE))
+    return Orders(share, *binomial_interval(times, count[..., None]), p_values[0], verdict)
 
 
-def log_bayes_factors(values: Array, errors: Sequence[float]) -> Array:
-    """Return the expected log Bayes factor of one measurement for each law against each other.
+def bins_of(values: Array) -> Array:
+    """Return the number of the bin of each draw, by the rank of its value, shape (draw,)."""
+    return np.asarray(np.argsort(np.argsort(values, kind="stable")) * min(BINS, values.size) // values.size)
 
-    E[ln p_a(y) - ln p_b(y)] of y = x + e, where x is a draw of law a and e the normal error of the
-    measurement. The density p of a law is the kernel estimate of its draws by Scott's rule, without x itself,
-    widened by the error (Kass and Raftery 1995, J. Am. Stat. Assoc. 90, 773: 3 is strong evidence).
+
+def factor_shares(hits: Array, draws: Array) -> tuple[Array, Array]:
+    """Return the share of each factor in whether an event happens, and the largest share by chance.
+
+        S_i = Var(P(event | factor i)) / Var(event)
+
+    the first-order Sobol index of the event (Sobol 1993, Math. Model. Comput. Exp. 1, 407), over `BINS` of
+    the factor, less the variance that as many bins have by chance (epsilon squared, Kelley 1935, Proc. Natl.
+    Acad. Sci. 21, 554). By chance, the largest share of any factor is below the bound in 95 % of the
+    permutations of the draws.
 
     Args:
-        values: of the draws, shape (law, draw); NaN where there is none.
-        errors: standard deviations of the measurement.
+        hits: whether the event happened, shape (..., draw).
+        draws: shape (draw, factor).
 
     Returns:
-        Shape (error, law, law), NaN on the diagonal and where a law has fewer than three draws.
+        Shapes (..., factor) and (...); NaN of an event that always or never happens, and of fewer than eight
+        draws.
     """
-    # Imported here, as above.
-    from scipy.special import logsumexp
+    count, factors = draws.shape
+    if count < 2 * BINS or not factors:
+        nothing = np.full((*hits.shape[:-1], factors), np.nan)
+        return nothing, nothing.max(axis=-1, initial=-np.inf) * np.nan
+    members = np.stack([bins_of(column) == n for column in draws.T for n in range(BINS)]).astype(float)
+    members /= np.sqrt(members.sum(axis=1, keepdims=True))
+    events = hits.reshape(-1, count).astype(float)
+    centred = events - events.mean(axis=-1, keepdims=True)
+    total = (centred**2).sum(axis=-1)[:, None]
 
-    result = np.full((len(errors), len(values), len(values)), np.nan)
-    known = {law: each for law, row in enumerate(values) if (each := row[np.isfinite(row)]).size > 2}
-    # The mean over the error by Gauss and Hermite.
-    nodes, weights = np.polynomial.hermite_e.hermegauss(7)
-    weights = weights / weights.sum()
-    for number, error in enumerate(errors):
-        for a, own in known.items():
-            y = own[:, None] + error * nodes
+    def shares(order: NDArray[np.int_]) -> Array:
+        between = ((centred[:, order] @ members.T) ** 2).reshape(-1, factors, BINS).sum(axis=-1)
+        noise = (total - between) / (count - BINS)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray((between - (BINS - 1) * noise) / total)
 
-            def log_density(law: int, own: int = a, y: Array = y, error: float = error) -> Array:
-                centres = known[law]
-                width = np.hypot(error, np.std(centres) * centres.size**-0.2)
-                exponent = -0.5 * ((y[:, :, None] - centres) / width) ** 2
-                if law == own:
-                    exponent[np.arange(len(y)), :, np.arange(len(y))] = -np.inf
-                return np.asarray(logsumexp(exponent, axis=2) - np.log(width * (centres.size - (law == own))))
-
-            for b in known.keys() - {a}:
-                result[number, a, b] = np.mean((log_density(a) - log_density(b)) @ weights)
-    return result
+    rng = np.random.default_rng(0)
+    chance = [shares(rng.permutation(count)).max(axis=-1) for _ in range(PERMUTATIONS)]
+    bound = np.quantile(chance, LEVEL, axis=0)
+    own = shares(np.arange(count))
+    return own.reshape(*hits.shape[:-1], factors), bound.reshape(hits.shape[:-1])

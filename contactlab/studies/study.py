@@ -112,6 +112,9 @@ class Study(ABC):
     files: ClassVar[str] = ""
     """Option that takes words of the command line which name files or folders."""
 
+    presets: ClassVar[tuple[str, ...]] = ()
+    """Options of groups, 'GROUP=OPTION', by default instead of those of a run; an experiment has its own."""
+
     delay: ClassVar[float] = 0.0
     """Processor time after which other processes are started, which takes seconds itself [s]."""
 

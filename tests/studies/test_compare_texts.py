@@ -4,7 +4,6 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 
 import contactlab as cl
 from contactlab.config.faults import failure_of
@@ -12,16 +11,8 @@ from contactlab.metrics import Run
 from contactlab.motor.bodies import block, oscillator
 from contactlab.motor.motor import Motor, free_reach
 from contactlab.steady_state.means import _statistical_errors
-from contactlab.studies.compare.page import rounded_down
 from contactlab.studies.tables import as_text, table_of_quantities
 from contactlab.variables import Variable
-
-
-@given(value=st.floats(1e-3, 1e6), threshold=st.sampled_from([1.0, 3.0, 10.0]))
-def test_a_number_is_not_shown_beyond_a_threshold_that_it_is_below(value: float, threshold: float) -> None:
-    shown = float(rounded_down(value))
-    assert (shown >= threshold) == (value >= threshold * (1.0 - 1e-11))
-    assert shown == pytest.approx(value, rel=1.1e-2)
 
 
 @pytest.mark.parametrize("raised", [ZeroDivisionError("float division by zero"), KeyError("x"), ValueError()])

@@ -9,28 +9,30 @@ import xarray
 import contactlab as cl
 from contactlab.metrics import Run
 from contactlab.studies.characterise.study import Characterise
-from contactlab.studies.compare.figures import draw_contact, draw_pairs, draw_paths, draw_quantities
+from contactlab.studies.compare.figures import draw_contact, draw_differences, draw_pairs, draw_paths
 from contactlab.studies.compare.scorecard import CONTACTS, Reruns, motion
 from contactlab.studies.steady_figure import draw as draw_steady
 
 LAWS = ["newton", "hertz_penalty"]
+RANGE = ["relative_difference_low", "relative_difference_high"]
 
 
-def pairs_of(difference: float, error: float) -> xarray.Dataset:
-    """Two laws at one operating point, with this difference of their velocities and its numerical error."""
-    dims, shape = ("law", "other_law", "cell", "quantity"), (2, 2, 1, 1)
-    each = difference * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    numbers = {"difference": each, "difference_error": np.full((2, 2), error), "order": np.zeros((2, 2))}
+def pairs_of(difference: float) -> xarray.Dataset:
+    """Two laws and a third, at one operating point, with this relative difference of their velocities."""
+    dims, shape = ("law", "other_law", "cell", "quantity"), (3, 3, 1, 1)
+    each = difference * np.sign(np.subtract.outer(np.arange(3), np.arange(3)))
+    numbers = {"relative_difference": each.astype(float), "order": np.zeros((3, 3))}
     return xarray.Dataset(
         {name: (dims, values.reshape(shape)) for name, values in numbers.items()},
-        {"law": LAWS, "quantity": ["rotor_velocity"]},
+        {"law": [*LAWS, "poisson"], "quantity": ["rotor_velocity"]},
+        {"margin": 0.05},
     )
 
 
-@pytest.mark.parametrize(("error", "share"), [(1e-3, 1e-8), (1e-13, 1.0)])
-def test_a_difference_within_its_numerical_error_has_no_colour(error: float, share: float) -> None:
-    image = draw_pairs(pairs_of(1e-11, error)).axes[0].images[0]
-    assert 1e-11 / image.norm.vmax == pytest.approx(share)
+@pytest.mark.parametrize(("difference", "share"), [(1e-11, 2e-10), (0.2, 1.0)])
+def test_a_difference_far_within_the_margin_has_no_colour(difference: float, share: float) -> None:
+    image = draw_pairs(pairs_of(difference)).axes[0].images[0]
+    assert difference / image.norm.vmax == pytest.approx(share)
 
 
 @pytest.mark.parametrize(("pressed", "lines"), [((), 2), (("contact.preload=5",), 1)])
@@ -43,24 +45,20 @@ def test_a_rotor_that_a_preload_presses_on_the_tip_is_not_drawn_at_the_clearance
     assert len(draw_paths([shown]).axes[0].lines) == lines
 
 
-def test_a_quantity_that_no_law_has_takes_no_panel() -> None:
-    nominal = np.ones((2, 1, 1, 1, 2))
-    nominal[..., 1] = np.nan
+def test_every_motor_drawn_is_a_point_and_the_margin_a_band() -> None:
+    drawn = np.linspace(-0.4, 0.2, 16)
+    pair, both = ("law", "other_law", "cell", "quantity"), (2, 2, 1, 1)
+    numbers = {"order": 0.0, "relative_nominal": 0.1} | dict.fromkeys(RANGE, 0.2)
     data = xarray.Dataset(
-        {
-            "nominal": (("law", "cell", "basis", "step", "quantity"), nominal),
-            "drawn": (("draw", "factor"), np.empty((0, 1))),
-            "drawn_value": (("law", "cell", "draw", "quantity"), np.empty((2, 1, 0, 2))),
-        },
-        {
-            "law": LAWS,
-            "basis": ["as configured"],
-            "factor": ["basis"],
-            "quantity": ["rotor_velocity", "rms_current"],
-            "quantity_units": ("quantity", ["rad s-1", "A"]),
-        },
+        {name: (pair, np.full(both, x)) for name, x in numbers.items()}
+        | {"relative_drawn": ((*pair, "draw"), np.broadcast_to(drawn, (*both, 16)))},
+        {"law": LAWS, "other_law": LAWS, "quantity": ["rotor_velocity"]},
+        {"margin": 0.05},
     )
-    assert sum(axes.get_visible() for axes in draw_quantities(data).axes) == 1
+    (axes,) = draw_differences(data).axes
+    np.testing.assert_allclose(axes.lines[1].get_xdata(), 100.0 * drawn)
+    assert axes.patches[0].get_x() == -5.0
+    assert axes.patches[0].get_width() == 10.0
 
 
 def test_a_motor_without_a_curve_has_no_figure() -> None:

@@ -1,17 +1,17 @@
-"""What is uncertain of a motor and its laws, draws that serve all laws alike, and the quantities of a draw.
+"""The population of motors: what is uncertain of them and their laws, draws for all laws, and quantities.
 
-One draw of parameters, basis and start serves every law: common random numbers. Draws are points of a
-scrambled Sobol' sequence, whose first 16, 32, 64 points are designs of their own. They have the configured
-step; what that changes is computed for the motor as configured.
+One draw of parameters and start serves every law: common random numbers. Draws are points of a scrambled
+Sobol' sequence, whose first 16, 32, 64 points are designs of their own. They have the configured basis and
+step; what those change is computed for the motor as configured.
 """
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import isfinite, log
 from pathlib import Path
-from typing import Any, ClassVar, Final, Self, final
+from typing import Any, ClassVar, Final, NamedTuple, Self, final
 
 import numpy as np
 import xarray
@@ -26,7 +26,6 @@ from contactlab.config.schema import declared_in
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
-from contactlab.metrics.convergence import FINER, control_of
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
 from contactlab.results.files import digest_of_file
@@ -40,20 +39,12 @@ from contactlab.variables import Variable
 
 SEED: Final = 0
 
-SPREAD: Final[dict[str, tuple[tuple[str, ...], float]]] = {
-    "friction coefficient": (("contact.friction_coefficient",), 0.33),
-    "stiffness": (("law.stiffness", "law.normal.stiffness"), 0.3),
-    "clearance": (("contact.clearance",), 0.2),
-}
-"""What is uncertain by default, by name: its keys, of which a scale applies to those that a law has, and half
-of its range over the value. Dry steel has 0.2 to 0.4; a tip whose radius is half as large, or 1.7 times, has
-0.7 or 1.3 of the stiffness; lapped surfaces are 0.2 um and 1 um apart."""
-
-BASIS, START, POSTERIOR = "basis", "start", "posterior"
+START, POSTERIOR = "initial velocity", "posterior"
 FREQUENCY: Final = "drive.frequency"
+DAMPING: Final = "resonator.damping_ratio"
+"""Key of the damping ratio of the first mode, with which all others are scaled."""
 
-BASES, STEPS = LEVELS = 2, 3
-"""Numbers of bases and of steps."""
+STEPS: Final = 3
 
 CONVERGED: Final = "finite_element"
 """Option of the group `resonator` with the converged basis."""
@@ -71,14 +62,19 @@ OBSERVABLES: Final = {name: Variable(name, (), *rest) for name, *rest in (
 )}  # fmt: skip
 """Quantities of a settled motor; the first one decides when sampling ends."""
 
-USUAL: Final = tuple(name for name in OBSERVABLES if name != "start_time")
+OBSERVED: Final = tuple(name for name in OBSERVABLES if name != "start_time")
 """Those that are compared by default: a start takes as long as three steady states."""
 
 ORBIT: Final = {"tip_normal_amplitude", "tip_tangential_amplitude", "rms_current"}
 
 Distribution = float | str | Estimate | tuple[float | str, float | str]
 """What a number may be: within a share of its value, of which 0 is exact; normal, by mean and deviation; or
-uniform between two ends, in SI or texts with units."""
+uniform between two ends, in SI or texts with units, or in the logarithm: 'log(2e-6..2e-5)'."""
+
+LOG: Final = re.compile(r"log\((.+)\.\.(.+)\)")
+
+FORMS: Final = "LOW..HIGH", "log(LOW..HIGH)", "MEAN+-DEVIATION", "+-SHARE"
+"""A distribution as it is written in a command."""
 
 
 @final
@@ -95,9 +91,10 @@ class Prior:
     """
 
     PATTERN: ClassVar[re.Pattern[str]] = re.compile(
-        r"(?!(?:law|law/\w+)=)(?P<name>[\w.]+)=(?P<first>[^,\[(]*?)(?P<sign>\.\.|\+-)(?P<second>.+)"
+        r"(?!(?:law|law/\w+)=)(?P<name>[\w.]+)="
+        rf"(?:(?P<log>{LOG.pattern})|(?P<first>[^,\[(]*?)(?P<sign>\.\.|\+-)(?P<second>.+))"
     )
-    """Words of a command that are one: KEY=LOW..HIGH, KEY=MEAN+-DEVIATION, KEY=+-SHARE."""
+    """Words of a command that are one: KEY= and one of `FORMS`."""
 
     name: str
     value: Distribution
@@ -106,7 +103,9 @@ class Prior:
     def of_text(cls, text: str) -> Self:
         """Read a word; a ValueError if it is something else."""
         if not (word := cls.PATTERN.fullmatch(text)):
-            raise ValueError("it must be KEY=LOW..HIGH, KEY=MEAN+-DEVIATION or KEY=+-SHARE")
+            raise ValueError(f"it must be KEY={' or KEY='.join(FORMS)}")
+        if word["log"]:
+            return cls(word["name"], word["log"])
         ends: Any = [_number(word["first"]), _number(word["second"])]
         if word["sign"] == "..":
             return cls(word["name"], tuple(ends))
@@ -118,6 +117,8 @@ class Prior:
                 return f"{self.name}={mean}+-{deviation}"
             case (low, high):
                 return f"{self.name}={low}..{high}"
+            case str(text) if LOG.fullmatch(text):
+                return f"{self.name}={text}"
         return f"{self.name}=+-{self.value}"
 
 
@@ -131,52 +132,72 @@ def _number(text: str) -> float | str:
 @final
 @dataclass(frozen=True)
 class Factor:
-    """What is drawn: a number of a motor or a law, or a level.
+    """What is drawn: a number of a motor or a law, or several that are scaled together.
 
     Args:
         name: of the factor.
-        value: its distribution in SI, of a level the number of them.
+        kind: 'share' and 'shift' change the value by a factor and by a sum; 'uniform', 'log' and 'normal'
+            are distributions in its place.
+        a, b: share or shift at most; ends, or mean and deviation, in SI.
         keys: of the configuration; those that a law lacks are left out.
+        unit: as it is read, with a space before it.
     """
 
     name: str
-    value: float | Estimate | tuple[float, float]
+    kind: str
+    a: float
+    b: float = 0.0
     keys: tuple[str, ...] = ()
+    unit: str = ""
 
     def at(self, uniform: Array) -> Array:
         """Return values at numbers distributed evenly from 0 to 1; of a share, factors of the value."""
-        match self.value:
-            case Estimate(mean, deviation):
-                # Imported here: no other study needs scipy.stats.
-                from scipy.stats import norm
+        if self.kind == "normal":
+            # Imported here: no other study needs scipy.stats.
+            from scipy.stats import norm
 
-                return np.asarray(norm.ppf(np.clip(uniform, 1e-9, 1.0 - 1e-9), mean, deviation))
-            case (low, high) if low > 0.0 and high / low >= WIDE:
-                return np.asarray(low * np.exp(uniform * log(high / low)))
-            case (low, high):
-                return low + (high - low) * uniform
-            case share if self.keys:
-                return 1.0 + share * (2.0 * uniform - 1.0)
-        return np.floor(self.value * uniform)
+            return np.asarray(norm.ppf(np.clip(uniform, 1e-9, 1.0 - 1e-9), self.a, self.b))
+        if self.kind == "log":
+            return np.asarray(self.a * np.exp(uniform * log(self.b / self.a)))
+        if self.kind == "uniform":
+            return self.a + (self.b - self.a) * uniform
+        return float(self.kind == "share") + self.a * (2.0 * uniform - 1.0)
 
     @property
     def text(self) -> str:
         """The factor as in a sentence."""
-        match self.value:
-            case Estimate(mean, deviation):
-                return f"{self.name} {mean:g} +- {deviation:g}"
-            case (low, high):
-                return f"{self.name} {low:g} to {high:g}" if self.keys else self.name
-            case share if self.keys:
-                return f"{self.name} +-{100.0 * share:.3g} %"
-        return f"{self.name} ({self.value:g})"
+        match self.kind:
+            case "share":
+                return f"{self.name} +-{100.0 * self.a:.3g} %"
+            case "shift":
+                return f"{self.name} +-{self.a:g}{self.unit}"
+            case "normal":
+                return f"{self.name} {self.a:g} +- {self.b:g}{self.unit}"
+        ends = f"{self.name} {self.a:g} to {self.b:g}{self.unit}{' (log)' if self.kind == 'log' else ''}"
+        return ends if self.keys else self.name
+
+
+USUAL: Final = (
+    Factor("friction coefficient", "share", 0.33, keys=("contact.friction_coefficient",)),
+    Factor("contact stiffness", "share", 0.3, keys=("law.stiffness", "law.normal.stiffness")),
+    Factor("clearance", "share", 0.2, keys=("contact.clearance",)),
+    Factor(
+        "damping ratio", "log", 0.002, 0.2, (DAMPING, "resonator.mass_damping", "resonator.stiffness_damping")
+    ),
+    Factor("drive frequency", "share", 0.02, keys=(FREQUENCY,)),
+    Factor("phase", "shift", 0.3, keys=("drive.phase",), unit=" rad"),
+    Factor("voltage", "share", 0.2, keys=("drive.voltage_1", "drive.voltage_2")),
+)
+"""What is uncertain by default. Dry steel has a friction of 0.2 to 0.4; a tip whose radius is half as large,
+or 1.7 times, has 0.7 or 1.3 of the stiffness; lapped surfaces are 0.2 um and 1 um apart; steel has a damping
+ratio of 0.002, the paper's motor 0.13; a frequency drifts with the temperature."""
 
 
 def factors_of(runs: Sequence[Run], priors: Mapping[str, Distribution]) -> tuple[Factor, ...]:
-    """Return what is drawn for laws: what is uncertain by default, what a prior states, and levels.
+    """Return what is drawn for laws: what is uncertain by default and what a prior states.
 
-    Uncertain by default are those of `SPREAD`, what a law declares by `Parameter.spread`, the basis, and the
-    rotor velocity at the start.
+    Uncertain by default are `USUAL`, what a law declares by `Parameter.spread`, and the rotor velocity at the
+    start; not a damping that differs between operating points.
 
     Args:
         runs: with their configurations.
@@ -185,75 +206,86 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, Distribution]) -> tuple
     Raises:
         ComparisonError: a prior out of bounds, or of a key that is no number.
     """
-    every = {keys: Factor(name, spread, keys) for name, (keys, spread) in SPREAD.items()}
-
-    def scalable(factor: Factor) -> bool:
-        return any(is_scalable(run, key) for run in runs for key in factor.keys)
-
+    every = {x.keys: x for x in USUAL if DAMPING not in x.keys or not _differs(x, runs)}
     declared: dict[str, Parameter] = {}
     for run in runs:
         declared |= declared_in(dict(run.configuration))
+    # Every resonator has damping, if no key of it.
+    declared[DAMPING] = Parameter("zeta", "1", "damping ratio", above=0.0, below=1.0)
     for key, parameter in declared.items():
         if parameter.spread > 0.0 and not any(key in keys for keys in every):
-            every[key,] = Factor(key, parameter.spread, (key,))
+            every[key,] = Factor(key, "share", parameter.spread, keys=(key,))
     faults = []
     for key, prior in priors.items():
-        usual = next((factor for keys, factor in every.items() if key in keys), Factor(key, 0.0, (key,)))
+        usual = next((x for keys, x in every.items() if key in keys), Factor(key, "share", 0.0, keys=(key,)))
         if key not in declared:
             faults.append(f"vary has {key}; it must be the full key of a number, as contact.clearance.")
-        elif factor := _factor(usual, key, prior, declared[key]):
-            every[usual.keys] = factor
-            if isinstance(factor.value, float) and factor.value > 0.0 and not scalable(factor):
-                faults.append(f"vary has {Prior(key, prior)}, a share of nothing; it must have two ends.")
-        else:
+        elif not (factor := _factor(usual, key, prior, declared[key])):
             faults.append(
-                f"vary has {Prior(key, prior)}; it must be LOW..HIGH, MEAN+-DEVIATION or +-SHARE below 1, "
+                f"vary has {Prior(key, prior)}; it must be {' or '.join(FORMS)}, a share below 1, "
                 f"{declared[key].range}."
             )
+        elif factor.kind == "share" and factor.a > 0.0 and not _applies(factor, runs):
+            faults.append(f"vary has {Prior(key, prior)}, a share of nothing; it must have two ends.")
+        else:
+            every.pop(usual.keys, None)
+            every[factor.keys] = factor
     if faults:
         raise ComparisonError(faults)
     # A frequency relative to the resonance follows from the rest.
     ordered = sorted(every.values(), key=lambda factor: factor.keys == (FREQUENCY,))
-    parameters = [x for x in ordered if not isinstance(x.value, float) or (x.value > 0.0 and scalable(x))]
-    start = () if "rotor.initial_velocity" in priors else (Factor(START, (-1.0, 1.0)),)
-    return (*parameters, Factor(BASIS, BASES), *start)
+    start = () if "rotor.initial_velocity" in priors else (Factor(START, "uniform", -1.0, 1.0),)
+    some = (x for x in ordered if _applies(x, runs) and not (x.kind == "share" and x.a == 0.0))
+    return (*some, *start)
+
+
+def _differs(factor: Factor, runs: Sequence[Run]) -> bool:
+    """Return whether a number of a factor differs between runs, which are operating points of it."""
+    return any(len({run.settings.get(key) for run in runs}) > 1 for key in factor.keys)
+
+
+def _applies(factor: Factor, runs: Sequence[Run]) -> bool:
+    """Return whether a run has what a factor changes."""
+    if factor.kind not in ("share", "shift") or DAMPING in factor.keys:
+        return True
+    return any(is_scalable(run, key, factor.kind) for run in runs for key in factor.keys)
 
 
 def _factor(usual: Factor, key: str, prior: Distribution, declared: Parameter) -> Factor | None:
     """Return the factor of a prior, None of a faulty one; a share applies to all keys of the usual one."""
+    word = LOG.fullmatch(prior) if isinstance(prior, str) else None
     try:
-        if not isinstance(prior, tuple | list):
+        if not (word or isinstance(prior, tuple | list)):
             share = to_si(prior, "1") if isinstance(prior, str) else float(prior)
-            return Factor(usual.name, share, usual.keys) if 0.0 <= share < 1.0 else None
-        a, b = (to_si(x, declared.unit) if isinstance(x, str) else float(x) for x in prior)
+            return Factor(usual.name, "share", share, keys=usual.keys) if 0.0 <= share < 1.0 else None
+        both: Any = [_number(x) for x in word.groups()] if word else prior
+        a, b = (to_si(x, declared.unit) if isinstance(x, str) else float(x) for x in both)
     except (UnitError, OverflowError, TypeError, ValueError):
         return None
     normal = isinstance(prior, Estimate)
-    if not (isfinite(a) and isfinite(b) and declared.admits(a)):
+    if not (isfinite(a) and isfinite(b) and declared.admits(a)) or (word and a <= 0.0):
         return None
     if (normal and b <= 0.0) or not (normal or (a < b and declared.admits(b))):
         return None
-    return Factor(key, Estimate(a, b) if normal else (a, b), (key,))
+    kind = "normal" if normal else "log" if word or (a > 0.0 and b / a >= WIDE) else "uniform"
+    # The damping ratio is that of the first mode; other keys of damping are set by themselves.
+    name, keys = (usual.name, usual.keys) if key == DAMPING else (key, (key,))
+    return Factor(name, kind, a, b, keys, declared.label)
 
 
-def is_scalable(run: Run, key: str) -> bool:
-    """Return whether a run has a number under this key that a scale changes."""
+def is_scalable(run: Run, key: str, kind: str = "share") -> bool:
+    """Return whether a run has a number under this key that a scale, or a shift, changes."""
     value = run.settings.get(key)
-    return isinstance(value, float) and value != 0.0
+    return isinstance(value, float) and (value != 0.0 or kind == "shift")
 
 
 def left_fixed(run: Run, factors: Sequence[Factor], priors: Mapping[str, Distribution]) -> list[str]:
-    """Return the law's own numbers, and the damping of the resonator, that nothing varies."""
-    usual = {key for keys, _ in SPREAD.values() for key in keys}
-    treated = usual | {key for factor in factors for key in factor.keys} | set(priors)
-    if "resonator.damping_ratio" in treated or run.settings.get("resonator.damping_ratio") is not None:
-        treated |= {"resonator.mass_damping", "resonator.stiffness_damping"}
+    """Return the law's own numbers that nothing varies."""
+    treated = {key for factor in (*USUAL, *factors) for key in factor.keys} | set(priors)
     return [
         key.removeprefix("law.")
         for key in run.settings
-        if (key.startswith("law.") or ("resonator." in key and "damping" in key))
-        and key not in treated
-        and is_scalable(run, key)
+        if key.startswith("law.") and key not in treated and is_scalable(run, key)
     ]
 
 
@@ -268,39 +300,52 @@ def drawn(factors: Sequence[Factor], count: int) -> Array:
     return np.column_stack([factor.at(uniform[:, i]) for i, factor in enumerate(factors)])
 
 
-def as_configured(factors: Sequence[Factor], basis: int) -> Array:
-    """Return the draw of the motor as configured, on a basis, shape (factor,)."""
-    return np.array([basis if factor.name == BASIS else np.nan for factor in factors])
-
-
 def configuration_of(
-    setup: Setup, factors: Sequence[Factor], draw: Array, posterior: "Posteriors | None" = None, step: int = 0
+    setup: Setup, factors: Sequence[Factor], draw: Array, posterior: "Posteriors | None" = None
 ) -> dict[str, Any]:
-    """Return the configuration of a law's motor in a draw and at a step; NaN leaves a parameter."""
-    other = any(factor.name == BASIS and x for factor, x in zip(factors, draw, strict=True))
-    settings = flat(on_other_basis(setup)[0] if other else setup.configuration)
+    """Return the configuration of a law's motor in a draw, but for the damping of `damped`."""
+    settings = flat(setup.configuration)
     settings |= {FREQUENCY: None} if is_tuned(setup) else {}
     for factor, x in zip(factors, draw.tolist(), strict=True):
-        if factor.name == START and not np.isnan(x):
+        if factor.name == START:
             settings["rotor.initial_velocity"] = x * reach(setup)
-        elif factor.name == POSTERIOR and posterior and not np.isnan(x):
+        elif factor.name == POSTERIOR and posterior:
             settings |= posterior.values(setup, x)
-        elif not np.isnan(x):
+        elif DAMPING not in factor.keys:
             settings |= _changed(settings, factor, x)
-    control = control_of(setup)
-    settings[f"solver.{control}"] /= FINER[control][step]
     return nested(settings)
 
 
 def _changed(settings: Mapping[str, Any], factor: Factor, x: float) -> dict[str, float]:
     """Return the numbers that a factor changes; a law without a key has none."""
-    if not isinstance(factor.value, float):
+    if factor.kind not in ("share", "shift"):
         return {key: x for key in factor.keys if key in settings or not key.startswith("law.")}
     if factor.keys == (FREQUENCY,) and settings[FREQUENCY] is None:
         # Relative to the resonance, which other numbers of the draw may move.
         resonance = build(nested(dict(settings))).motor.modes.natural_frequency[0]
         return {FREQUENCY: x * float(resonance)}
-    return {key: settings[key] * x for key in factor.keys if isinstance(settings.get(key), float)}
+    some = {key: x0 for key in factor.keys if isinstance(x0 := settings.get(key), float)}
+    return {key: x0 * x if factor.kind == "share" else x0 + x for key, x0 in some.items()}
+
+
+def damped(setup: Setup, factors: Sequence[Factor], draw: Array) -> Setup:
+    """Return a setup with the damping ratio of a draw in its first mode, and others scaled with it.
+
+    Without damping all modes have that ratio.
+    """
+    for factor, x in zip(factors, draw.tolist(), strict=True):
+        if DAMPING in factor.keys:
+            modes = setup.motor.modes
+            elastic = modes.stiffness > 0.0
+            ratio = modes.damping[elastic][0] / (2.0 * np.sqrt(modes.stiffness[elastic][0]))
+            if factor.kind == "share":
+                damping = x * modes.damping
+            elif ratio > 0.0:
+                damping = x / ratio * modes.damping
+            else:
+                damping = 2.0 * x * np.sqrt(modes.stiffness)
+            setup = replace(setup, motor=replace(setup.motor, modes=replace(modes, damping=damping)))
+    return setup
 
 
 @final
@@ -380,14 +425,38 @@ def on_other_basis(setup: Setup) -> tuple[dict[str, Any], str]:
     return {**configuration, "resonator": other, "drive": drive | frequency}, change
 
 
-def do_draw(configurations: Mapping[str, Mapping[str, Any] | Setup], names: Sequence[str]) -> Part:
+@final
+class Drawn(NamedTuple):
+    """A motor to be computed under every law.
+
+    Args:
+        laws: setups, or their configurations, by law.
+        factors, draw: what is changed, and where to; nothing of a motor as configured.
+        posterior: of the laws' numbers.
+    """
+
+    laws: Mapping[str, Any]
+    factors: tuple[Factor, ...] = ()
+    draw: Array = np.empty(0)
+    posterior: "Posteriors | None" = None
+
+    def under(self, law: str) -> Setup:
+        """Return the motor under a law."""
+        setup: Setup = each if isinstance(each := self.laws[law], Setup) else build(each)
+        if not self.factors:
+            return setup
+        changed = build(configuration_of(setup, self.factors, self.draw, self.posterior))
+        return damped(changed, self.factors, self.draw)
+
+
+def do_draw(motor: Drawn, names: Sequence[str]) -> Part:
     """Return the quantities of one motor under every law, with statistical errors."""
-    values, errors = np.full((2, len(configurations), len(names)), np.nan)
+    values, errors = np.full((2, len(motor.laws), len(names)), np.nan)
     failures: list[str] = []
-    for row, each in enumerate(configurations.values()):
+    for row, law in enumerate(motor.laws):
         failures.append("")
         try:
-            _, numbers = observed(each if isinstance(each, Setup) else build(each), names)
+            _, numbers = observed(motor.under(law), names)
             values[row], errors[row] = np.transpose([numbers[name] for name in names])
         # A law of another package may fail in any way, and must not stop the others.
         except Exception as error:

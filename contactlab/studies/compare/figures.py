@@ -11,38 +11,34 @@ import xarray
 from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
+from contactlab.inference.paired import binomial_interval, bins_of
 from contactlab.metrics import NotApplicableError, needed
-from contactlab.parameter import from_cf
 from contactlab.plot.recording import drawable, envelope
 from contactlab.results.summary import prefixed_unit
-from contactlab.studies.compare.page import STRONG, median_factors
-from contactlab.studies.compare.pairs import RANGE, quantiles
 from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
 from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, drawing, legend_above, style
 
 CAPTIONS: Final = {
-    "settled_quantities": "Diamonds are the motor as configured under every law, bars 5 to 95 % of the "
-    "motors drawn, on each basis.",
-    "pairs": "Settled velocity of the row less that of the column, median over draws and operating points. "
-    "The order holds in at least 80 % of the motors: > greater, < less, = equal within numerical error; ~ it "
-    "varies; ? inconclusive. Several signs are those of several operating points.",
-    "classes": "Laws by the root mean square difference of their settled velocities over draws and operating "
-    "points, average linkage.",
-    "operating_points": "Settled velocity as configured over the operating points; below, the paired "
-    "difference from the first law, median and 5 to 95 % of the draws.",
-    "where_to_measure": "Expected natural log Bayes factor of one measurement for the median pair of laws "
-    "that are not equal, by its error over the size of the quantity; 3 is strong evidence. Several bars of "
-    "one error are operating points.",
-    "rotor_velocity": "Rotor velocity.",
+    "differences": "Difference of two laws over the larger of both, as configured (diamond) and in the "
+    "motors drawn: a point a motor, a bar from 5 to 95 %. In the grey band they are practically equal. Speed "
+    "and torque count in the sense in which the motor turns.",
+    "turning": "Where the order turns: share of the motors with each outcome, with 95 % intervals, over the "
+    "factor that has the largest share in it.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
     "rigid impacts, which grow without bound as the step falls, are off scale.",
+    "pairs": "Speed of the row less that of the column, over the larger: median over draws and operating "
+    "points. The outcome of most motors: > greater, < less, = equal within the margin, 0 without a steady "
+    "state; ~ it varies; ? inconclusive. Several signs are those of several operating points.",
+    "operating_points": "Settled velocity as configured over the operating points; below, the paired "
+    "difference from the first law, median and 5 to 95 % of the draws.",
+    "rotor_velocity": "Rotor velocity.",
     "tip_trajectory": "Path of the tip in the last two drive periods.",
     "energy_flow": "Destination of the work of the drive.",
     "phase_portrait": "Mean gap rate and slip velocity over the gap in the last two drive periods.",
 }
 """Captions of the figures, in their order."""
 
-SIGNS: Final = "><=~?"
+SIGNS: Final = "><=0~?"
 """Orders of two laws, in the order of `contactlab.inference.paired.VERDICTS`."""
 
 PERIODS: Final = 2.0
@@ -66,13 +62,12 @@ def draw_all(data: xarray.DataTree) -> dict[str, Figure]:
     card = data.to_dataset()
     motions = [child.to_dataset(inherit=False) for child in data.children.values()]
     every: dict[str, tuple[Callable[[Any], Figure], Any]] = {
-        "settled_quantities": (draw_quantities, card),
-        "pairs": (draw_pairs, card),
-        "classes": (draw_classes, card),
-        "operating_points": (draw_operating_points, card),
-        "where_to_measure": (draw_where_to_measure, card),
-        "rotor_velocity": (draw_velocities, [] if "limits" in card.attrs else motions),
+        "differences": (draw_differences, card),
+        "turning": (draw_turning, card),
         "contact_force": (draw_contact, motions),
+        "pairs": (draw_pairs, card),
+        "operating_points": (draw_operating_points, card),
+        "rotor_velocity": (draw_velocities, [] if "limits" in card.attrs else motions),
         "tip_trajectory": (draw_paths, motions),
         "energy_flow": (draw_energy, card),
         "phase_portrait": (draw_phases, motions),
@@ -90,35 +85,58 @@ def _labels(data: xarray.Dataset) -> list[str]:
     return [fill(str(label), LONGEST_LABEL // 2 + 6) for label in data["law"].values]
 
 
-def draw_quantities(data: xarray.Dataset) -> Figure:
-    """Draw every quantity of every law: as configured, and the range of the draws on each basis."""
-    needed("nominal" in data)
-    here, count = data.isel(cell=0), data.sizes["law"]
-    names = here["nominal"].dropna("quantity", how="all")["quantity"].values
-    needed(names.size)
-    rows = -(-len(names) // 2)
-    figure, axes = drawing(rows, 2, 0.9 + rows * (0.7 + 0.24 * count), sharey=True)
-    basis = here["drawn"].sel(factor="basis").values if here.sizes["draw"] else np.empty(0)
-    for panel, name in zip(axes, names, strict=False):
-        each = here.sel(quantity=name)
-        unit = from_cf(str(each["quantity_units"].item()))
-        unit, scale = (unit, 1.0) if "/" in unit else prefixed_unit(_size(each["nominal"].values), unit)
-        for level, label in enumerate(map(str, data["basis"].values)):
-            place = np.arange(count) + 0.16 * (2 * level - 1)
-            colour = style(level)["color"]
-            drawn = each["drawn_value"].values[:, basis == level] / scale
-            if drawn.shape[1] and np.isfinite(drawn).any():
-                low, high = quantiles(drawn, RANGE)
-                panel.hlines(place, low, high, color=colour, linewidth=4.0, alpha=0.35)
-            nominal = _last_known(each["nominal"].values[:, level]) / scale
-            panel.plot(nominal, place, "D", color=colour, markersize=3.0, label=label)
-        panel.set_xlabel(f"{_title(name)} ({unit})")
-        panel.axvline(0.0, **THIN)
-    for panel in axes[len(names) :]:
-        panel.set_visible(False)
-    axes[0].set_yticks(np.arange(count), _labels(data))
-    axes[0].set_ylim(count - 0.5, -0.5)
-    return legend_above(figure, axes[0])
+def draw_differences(data: xarray.Dataset) -> Figure:
+    """Draw relative differences over the draws: every quantity of two laws, the speed of several."""
+    needed("order" in data and data.sizes["law"] > 1 and data.sizes["draw"])
+    here = data.isel(cell=0)
+    if data.sizes["law"] == 2:
+        pairs = here.isel(law=0, other_law=1)
+        labels = list(map(_title, data["quantity"].values))
+        about = f"{pairs['law'].item()} less {pairs['other_law'].item()}"
+    else:
+        pairs = here.sel(quantity="rotor_velocity").isel(law=0, other_law=slice(1, None))
+        labels = [fill(str(law), LONGEST_LABEL) for law in pairs["other_law"].values]
+        about = f"speed of {pairs['law'].item()} less that of"
+    figure, axes, place = _bars(labels, 1.0 + 0.34 * len(labels))
+    margin = 100.0 * data.attrs["margin"]
+    axes.axvspan(-margin, margin, color="0.9", zorder=0)
+    axes.axvline(0.0, **THIN)
+    values = 100.0 * pairs["relative_drawn"].values
+    # Points of a row lie apart, in the order of the draws.
+    apart = np.linspace(-0.3, 0.3, values.shape[-1])
+    for row, here_drawn in zip(place, values, strict=True):
+        axes.plot(here_drawn, row + apart, ".", color=style(0)["color"], markersize=2.5, alpha=0.6)
+    low, high = (100.0 * pairs[f"relative_difference_{end}"].values for end in ("low", "high"))
+    axes.hlines(place, low, high, color=style(0)["color"], linewidth=4.0, alpha=0.35)
+    axes.plot(100.0 * pairs["relative_nominal"].values, place, "D", color="black", markersize=3.5)
+    axes.set_xlabel(fill(f"{about}, over the larger (%)", 60))
+    return figure
+
+
+def draw_turning(data: xarray.Dataset) -> Figure:
+    """Draw the probabilities of the outcomes over the factor with the largest share in them."""
+    needed("order" in data and data.sizes["law"] > 1 and data.sizes["draw"])
+    here = data.sel(quantity="rotor_velocity").isel(cell=0)
+    shares = here["factor_share"].where(here["factor_share"] > here["chance_share"])
+    needed(bool(shares.notnull().any()))
+    # Of several pairs, the one whose outcome a factor determines most.
+    law, other, factor = np.unravel_index(int(np.nanargmax(shares.values)), shares.shape)
+    here = here.isel(law=law, other_law=other, factor=factor)
+    values, bins = here["drawn"].values, bins_of(here["drawn"].values)
+    figure, (axes,) = drawing(1, 1, 2.6)
+    middle = [float(np.median(values[bins == n])) for n in range(bins.max() + 1)]
+    count = np.bincount(bins)
+    for kind, word in enumerate(map(str, data["outcome_kind"].values)):
+        times = np.bincount(bins, here["outcome"].values == kind)
+        if times.any():
+            ends = np.abs(np.array(binomial_interval(times, count)) - times / count)
+            look = {"marker": "o", "markersize": 3.5, "capsize": 2.5, **style(kind)}
+            axes.errorbar(middle, times / count, ends, label=word, **look)
+    axes.set(ylim=(-0.03, 1.03), ylabel="share of motors", xlabel=str(here["prior"].item()))
+    if here["logarithmic"]:
+        axes.set_xscale("log")
+    axes.set_title(f"{here['law'].item()} against {here['other_law'].item()}", fontsize=8)
+    return legend_above(figure, axes)
 
 
 def _title(quantity: object) -> str:
@@ -136,14 +154,14 @@ def _last_known(values: Array) -> Array:
 
 
 def draw_pairs(data: xarray.Dataset) -> Figure:
-    """Draw the difference of every pair of laws in the settled velocity, and its order."""
-    needed("order" in data and data.sizes["law"] > 1)
+    """Draw the relative difference in speed of every pair of laws, and its order."""
+    needed("order" in data and data.sizes["law"] > 2)
     here, count = data.sel(quantity="rotor_velocity"), data.sizes["law"]
-    difference, order = here["difference"].values, here["order"].values
+    difference, order = here["relative_difference"].values, here["order"].values
     figure, (axes,) = drawing(1, 1, 1.6 + 0.31 * count)
     middle = np.nanmedian(np.where(np.isfinite(difference), difference, 0.0), axis=2)
-    # What is below the numerical error has no colour.
-    size = max(_size(middle), float(np.nanmax(here["difference_error"].values, initial=0.0)))
+    # What is far below the margin has no colour.
+    size = max(_size(middle), data.attrs["margin"])
     image = axes.imshow(middle, cmap="RdBu_r", vmin=-size, vmax=size)
     for a in range(count):
         for b in range(count):
@@ -153,32 +171,7 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
             axes.text(b, a, signs if a != b else "", **text)
     axes.set_yticks(np.arange(count), _labels(data))
     axes.set_xticks(np.arange(count), _labels(data), rotation=60, ha="right", rotation_mode="anchor")
-    figure.colorbar(image, label="row less column (rad/s)", shrink=0.8)
-    return figure
-
-
-def draw_classes(data: xarray.Dataset) -> Figure:
-    """Draw the laws as a tree by the root mean square of their differences in the settled velocity."""
-    needed("order" in data and data.sizes["law"] > 2)
-    # Imported here: it takes a quarter of a second.
-    from scipy.cluster.hierarchy import dendrogram, linkage
-
-    here = data.sel(quantity="rotor_velocity")
-    values = np.concatenate([here["nominal"].values[:, :, :, -1].reshape(data.sizes["law"], -1),
-                             here["drawn_value"].values.reshape(data.sizes["law"], -1)], axis=1)  # fmt: skip
-    apart = values[:, None] - values[None]
-    counts = np.isfinite(apart).sum(axis=2)
-    needed((counts > 0).all())
-    distance = np.sqrt(np.nansum(apart**2, axis=2) / counts)
-    tree = linkage(distance[np.triu_indices(len(distance), 1)], "average")
-    # A logarithmic axis has no zero.
-    least = max(float(tree[tree[:, 2] > 0.0, 2].min(initial=1.0)) / 3.0, 1e-9)
-    tree[:, 2] = np.maximum(tree[:, 2], least)
-    figure, (axes,) = drawing(1, 1, 0.9 + 0.22 * data.sizes["law"])
-    shown = {"orientation": "right", "ax": axes, "color_threshold": 0.0, "above_threshold_color": "black"}
-    dendrogram(tree, labels=list(map(str, data["law"].values)), leaf_font_size=8, **shown)
-    axes.set(xscale="log", xlabel="root mean square difference of settled velocities (rad/s)")
-    axes.set_xlim(left=0.7 * least)
+    figure.colorbar(image, label="row less column, over the larger", shrink=0.8)
     return figure
 
 
@@ -193,7 +186,7 @@ def draw_operating_points(data: xarray.Dataset) -> Figure:
     place = np.array(numbers)[order] if single else order
     for number, law in enumerate(map(str, data["law"].values)):
         each = here.isel(law=number, cell=order)
-        middle = _last_known(each["nominal"].values[:, 0])
+        middle = _last_known(each["nominal"].values)
         above.plot(place, middle, marker=".", label=law, **style(number))
         if number:
             pair = here.isel(law=number, other_law=0, cell=order)
@@ -208,25 +201,6 @@ def draw_operating_points(data: xarray.Dataset) -> Figure:
     if not single:
         below.set_xticks(place, [fill(cell, 24) for cell in cells], rotation=60, ha="right", fontsize=6)
     return legend_above(figure, above)
-
-
-def draw_where_to_measure(data: xarray.Dataset) -> Figure:
-    """Draw the expected log Bayes factor of one measurement by quantity, operating point and error."""
-    needed("order" in data and data.sizes["draw"] > 0 and data.sizes["law"] > 1)
-    pairs = median_factors(data)
-    needed(bool(pairs.notnull().any()))
-    cells = [f", {cell}" if cell else "" for cell in data["cell"].values]
-    names = [fill(f"{_title(name)}{cell}", 26) for name in data["quantity"].values for cell in cells]
-    figure, axes, place = _bars(names, 1.3 + 0.36 * len(names))
-    height = 0.8 / data.sizes["measurement_error"]
-    for number, error in enumerate(data["measurement_error"].values):
-        values = pairs.sel(measurement_error=error).transpose("quantity", "cell").values.ravel()
-        there = place - 0.4 + height * (number + 0.5)
-        label, color = f"{100.0 * error:g} % error", style(number)["color"]
-        axes.barh(there, values, height=0.9 * height, color=color, label=label)
-    axes.axvline(STRONG, **THIN)
-    axes.set_xlabel("expected log Bayes factor of one measurement, median pair")
-    return legend_above(figure, axes)
 
 
 def _bars(labels: Any, height: float) -> tuple[Figure, Any, Any]:

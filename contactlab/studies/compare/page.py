@@ -1,8 +1,8 @@
-"""Findings and tables of a comparison: ten sentences at most for any number of laws."""
+"""Findings and tables of a comparison: some five sentences for any number of laws."""
 
 from collections.abc import Iterator
 from itertools import combinations, product
-from math import ceil, floor, inf, isfinite, log, log10
+from math import ceil, floor, isfinite, log, log10
 from typing import Any, Final
 
 import numpy as np
@@ -17,23 +17,36 @@ from contactlab.inference.paired import (
     GREATER,
     INCONCLUSIVE,
     LESS,
+    NONE,
+    OUTCOMES,
     VARIES,
     VERDICTS as ORDERS,
+    bins_of,
     looks_up_to,
 )
-from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, REPORTED, VERDICTS
-from contactlab.studies.compare.pairs import CLEAR, MARGIN
+from contactlab.metrics import (
+    FAIL,
+    INVARIANTS,
+    METRICS,
+    NOT_APPLICABLE,
+    REPORTED,
+    SENSITIVITIES,
+    STEP_METRICS,
+    VERDICTS,
+)
 from contactlab.studies.compare.scorecard import listed
 from contactlab.studies.tables import UNIT, table
 
 TRANSIENT: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics of transients whose differences are reported."""
 
-TYPICAL_ERROR: Final = 0.03
-"""Error of a measurement for which the best place to measure is named."""
+DIGITS: Final = 3
+"""Digits of a metric: what is uncertain of a motor moves the third."""
 
-STRONG: Final = 3.0
-"""Log Bayes factor of strong evidence."""
+ENDS: Final = {"5 %": "_low", "median": "", "95 %": "_high"}
+"""Quantiles of the population that are shown, by their heads."""
+
+NO_RESULT: Final = "without a steady state, or one that is known well enough,"
 
 MOST_PAIRS: Final = 30
 """Rows of the table of pairs beyond which it is one of reference."""
@@ -73,147 +86,161 @@ def _of_velocities(data: xarray.Dataset) -> Iterator[str]:
 
 
 def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
-    """Yield what was drawn, classes, orders, the operating grid, and where to measure."""
+    """Yield the orders in the motors drawn; size, factor and reversal of a difference; what has no order."""
     names, points = (list(map(str, data[x].values)) for x in ("law", "cell"))
-    draws = data.sizes["draw"]
-    velocity = data.sel(quantity="rotor_velocity")
-    fixed = data.attrs.get("not_varied", "")
-    where = f" at each of {len(points)} operating points" if len(points) > 1 else ""
-    yield (
-        f"{draws} motors were drawn{where}, each under every law: {listed(list(data['prior'].values))}."
-        + (f" Not varied: {fixed}." if fixed else "")
-        if draws
-        else "Nothing was drawn: the motor counts as exactly known, and no order of laws is shown."
-    )
-    yield from _classes(data, names)
+    draws, velocity = data.sizes["draw"], data.sel(quantity="rotor_velocity")
     pairs = [*combinations(range(len(names)), 2)]
     whole = {pair: _over_grid(velocity["order"].values[pair]) for pair in pairs}
-    if len(pairs) == 1:
-        yield from _pair(velocity, 0, 1)
-    else:
-        count = {
-            kind: [*whole.values()].count(kind) for kind in ("one", "equal", "reversed", "varies", "open")
-        }
-        tests, looks = len(pairs) * len(points), len(looks_up_to(draws))
+    sizes = np.nan_to_num(np.abs(velocity["relative_difference"].values).max(axis=-1))
+    # One pair stands for all: the two laws that are farthest apart.
+    a, b = sorted(map(int, np.unravel_index(int(sizes.argmax()), sizes.shape))) if sizes.any() else (0, 1)
+    here = velocity.isel(law=a, other_law=b, cell=0)
+    at = f" at {points[0]}" if len(points) > 1 else ""
+    drawn = f"In the motors drawn{at} ({population(data)})"
+    if not draws:
+        yield "Nothing was drawn: the motor counts as exactly known, and no order of laws is stated."
+    elif len(pairs) > 1:
+        count = {kind: [*whole.values()].count(kind) for kind in KINDS}
+        tests, looks = 2 * data["order"].isel(law=0, other_law=0).size * len(pairs), len(looks_up_to(draws))
         least = ceil(log((1.0 - LEVEL) / looks / tests) / log(AGREED))
-        yield (
-            f"Of {len(pairs)} pairs {count['one']} have one order of settled velocities in at least "
-            f"{100 * AGREED:.0f} % of the motors{where}, {count['equal']} are equal, in {count['reversed']} "
-            f"it reverses between operating points, in {count['varies']} it varies with what is drawn, and "
-            f"{count['open']} are inconclusive (95 % for all pairs, Holm)."
-            f"{f' {draws} draws can show no order: it takes {least} at least.' if draws < least else ''}"
-        )
-        sizes = np.abs(velocity["difference"].values).max(axis=-1)
-        # One pair stands for its classes: the two laws that are farthest apart.
-        if np.isfinite(sizes).any():
-            first, second = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
-            yield from _pair(velocity, *sorted((int(first), int(second))))
-    if reversed_pairs := [pair for pair, kind in whole.items() if kind == "reversed"]:
-        difference = velocity["difference"].values
-        a, b = max(
-            reversed_pairs, key=lambda pair: float(np.nanmax(difference[pair]) * -np.nanmin(difference[pair]))
-        )
-        order = velocity["order"].values[a, b]
-        up, down = (points[int(np.flatnonzero(order == kind)[0])] for kind in (GREATER, LESS))
-        yield (
-            f"{names[a]} has the greater velocity than {names[b]} at {up}, the smaller at {down}: no order "
-            "holds for the motor as such."
-        )
+        few = f" {draws} draws can show no order: it takes {least} at least." if draws < least else ""
+        where = f"{drawn}, at each of {len(points)} operating points" if at else drawn
+        kinds = listed([f"{n} {kind}" for kind, n in count.items() if n])
+        yield f"{where}: of {len(pairs)} pairs {kinds}.{few}"
+        drawn = "Farthest apart"
     if draws:
-        yield from _best_measurement(data, points)
+        yield _outcomes(data, here, drawn)
+    yield from _size(here)
+    if draws:
+        yield from _turns(here)
+    for a, b in (pair for pair, kind in whole.items() if kind == KINDS[3]):
+        up, down = (points[list(velocity["order"].values[a, b]).index(kind)] for kind in (GREATER, LESS))
+        yield f"{names[a]} is faster than {names[b]} at {up}, slower at {down}."
+        break
+    yield from _no_functions(data)
+    yield from _by_symmetry(data)
+
+
+KINDS: Final = (
+    "have one order in most motors",
+    "are practically equal in most",
+    "have no steady state in most",
+    "reverse their order between operating points",
+    "have an order that varies with what is drawn",
+    "are inconclusive",
+)
+"""What a pair of laws is over all operating points."""
 
 
 def _over_grid(order: Any) -> str:
-    """Return the order of a pair over all operating points."""
+    """Return the order of a pair over all operating points, one of `KINDS`."""
     kinds = set(order.tolist())
+    ordered, equal, without, turned, varies, unknown = KINDS
     if {GREATER, LESS} <= kinds:
-        return "reversed"
-    if kinds == {EQUAL}:
-        return "equal"
+        return turned
+    if len(kinds) == 1 and kinds & {EQUAL, NONE}:
+        return equal if EQUAL in kinds else without
     if not kinds & {VARIES, INCONCLUSIVE}:
-        return "one"
-    return "varies" if VARIES in kinds else "open"
+        return ordered if kinds <= {GREATER, LESS} else varies
+    return varies if VARIES in kinds else unknown
 
 
-def _classes(data: xarray.Dataset, names: list[str]) -> Iterator[str]:
-    """Yield the laws that are equal, with the reason where there is one."""
-    number = data["class"].sel(quantity="rotor_velocity").values
-    parts = []
-    for each in np.unique(number):
-        group = [names[i] for i in np.flatnonzero(number == each)]
-        coupling = data["normal_tangential_coupling"].sel(law=group)
-        reason = (
-            " (by symmetry: an impact's normal impulse does not change the slip, D_nt = "
-            f"{float(coupling.max()):.1g} of sqrt(D_nn D_tt))"
-        )
-        symmetric = bool((coupling < 1e-9).all() and data["rigid"].sel(law=group).all())
-        parts += [f"{listed(group)}{reason if symmetric else ''}"] if len(group) > 1 else []
-    if parts:
-        yield (
-            f"Equal in the settled velocity, within {CLEAR:g} numerical errors or {100.0 * MARGIN:g} % of "
-            f"the velocity: {'; '.join(parts)}."
-        )
+def population(data: xarray.Dataset) -> str:
+    """Return what the motors drawn differ in, and what they have as configured."""
+    fixed = [data.attrs.get("not_varied", ""), "load, preload, tip and dimensions"]
+    return f"{listed(list(data['prior'].values))}; {', '.join(filter(None, fixed))} as configured"
 
 
-def _pair(velocity: xarray.Dataset, a: int, b: int) -> Iterator[str]:
-    """Yield size and sign of the difference of one pair, at the first operating point."""
-    here = velocity.isel(law=a, other_law=b, cell=0)
-    first, second = (str(velocity["law"].values[i]) for i in (a, b))
-    at = f" at {velocity['cell'].values[0]}" if velocity.sizes["cell"] > 1 else ""
-    head = f"{first} less {second}{at}: {float(here['difference']):.3g} rad/s"
-    error = f"numerical error of the difference {float(here['difference_error']):.1g} rad/s"
-    if not velocity.sizes["draw"]:
-        yield f"{head}, {error}."
-        return
-    most = int(np.argmax(np.nan_to_num(here["sign_share"].values)))
-    drawn = velocity["drawn_value"].isel(cell=0, law=[a, b]).values
-    count = int(np.isfinite(drawn).all(axis=0).sum())
-    parts = [
-        f"{float(mean):.3g} +- {float(deviation):.2g} {'on the other basis' if n else 'as configured'}"
-        for n, (mean, deviation) in enumerate(
-            zip(here["basis_mean"].values, here["basis_deviation"].values, strict=True)
-        )
-        if isfinite(mean)
-    ]
-    share, low, high = (float(here[f"sign_{name}"][most]) for name in ("share", "low", "high"))
-    sign = {"+": "positive", "-": "negative", "0": "none"}[str(velocity["sign"].values[most])]
+def _percent(data: xarray.Dataset) -> str:
+    return f"{100.0 * data.attrs['margin']:.3g} %"
+
+
+def _outcomes(data: xarray.Dataset, here: xarray.Dataset, drawn: str) -> str:
+    """Return the outcomes of one pair in the motors drawn."""
+    first, second = str(here["law"].item()), str(here["other_law"].item())
+    times = [int((here["outcome"] == kind).sum()) for kind in range(len(OUTCOMES))]
+    beyond = f"by more than {_percent(data)}"
+    texts = f"faster {beyond}", f"slower {beyond}", f"equal within {_percent(data)}", NO_RESULT
+    parts = [f"{text} in {number}" for text, number in zip(texts, times, strict=True) if number]
+    most = f"that of at least {100 * AGREED:.0f} % of such motors"
     verdict = {
-        GREATER: "the order is the laws'",
-        LESS: "the order is the laws'",
-        EQUAL: "the two are equal",
-        VARIES: "the order depends on what is drawn",
-        INCONCLUSIVE: "whether the order is the laws' is inconclusive",
-    }[int(here["order"])]
-    correlation = np.nan_to_num(np.abs(here["rank_correlation"].values))
-    strongest = here["rank_correlation"].isel(factor=int(correlation.argmax()))
-    follows = (
-        f" Its size follows {strongest['factor'].item()} most (rank correlation {float(strongest):.2f})."
-    )
-    yield (
-        f"{head} ({'; '.join(parts)}; {error}); the sign is {sign} in {round(share * count)} of {count} "
-        f"draws, probability {low:.2f} to {high:.2f}: {verdict}.{follows if correlation.any() else ''}"
+        VARIES: f"none of them is {most}",
+        INCONCLUSIVE: f"inconclusive, as none is shown to be {most}",
+    }
+    which = int(np.argmax(times))
+    low, high = (float(here[f"outcome_{end}"][which]) for end in ("low", "high"))
+    return (
+        f"{drawn}, {first} is, against {second}, {listed(parts)} of {sum(times)}. "
+        f"The most frequent outcome has a probability of {low:.2f} to {high:.2f}: "
+        f"{verdict.get(int(here['order']), f'it is {most}')}."
     )
 
 
-def _best_measurement(data: xarray.Dataset, points: list[str]) -> Iterator[str]:
-    """Yield the quantity and operating point that distinguishes laws best."""
-    middle = median_factors(data).sel(measurement_error=TYPICAL_ERROR)
-    if not middle.notnull().any():
+def _size(here: xarray.Dataset) -> Iterator[str]:
+    """Yield the relative difference in speed of one pair."""
+    low, middle, high, configured, other = (
+        100.0 * float(here[f"relative_{name}"])
+        for name in (*(f"difference{end}" for end in ENDS.values()), "nominal", "other")
+    )
+    digits = _decimals(high - low)
+    text = f"{configured:+.{digits}f} % as configured"
+    text += f" and {other:+.{digits}f} % on the other basis" if isfinite(other) else ""
+    if isfinite(low):
+        ends = f"{low:+.{digits}f} to {high:+.{digits}f} in nine of ten"
+        text = f"{middle:+.{digits}f} % in the median motor ({ends}), {text}"
+    yield f"The difference in speed, in the sense in which the motor turns and over the larger, is {text}."
+
+
+def _turns(here: xarray.Dataset) -> Iterator[str]:
+    """Yield the factor that the most frequent outcome of one pair goes with."""
+    shares, chance = here["factor_share"], float(here["chance_share"])
+    if not shares.notnull().any():
         return
-    place = middle.fillna(-inf).argmax(["cell", "quantity"])
-    cell, quantity = int(place["cell"]), int(place["quantity"])
-    at = f" at {points[cell]}" if len(points) > 1 else ""
-    factor, name = float(middle[cell, quantity]), data["quantity_name"].values[quantity]
+    number = int(shares.values.argmax())
+    name, share = str(here["factor"].values[number]), float(shares[number])
+    if share <= chance:
+        yield f"What turns the outcome is not seen: no factor's share in it exceeds chance ({chance:.2f})."
+        return
+    values = here["drawn"].isel(factor=number).values
+    usual, bins = here["outcome"].values == int(here["outcome_share"].values.argmax()), bins_of(values)
+    parts = [
+        f"{usual[bins == n].sum()} of {(bins == n).sum()} up to {values[bins == n].max():.2g}"
+        for n in range(int(bins.max()) + 1)
+    ]
     yield (
-        f"Of the quantities compared, one measurement of the {name}{at} with {100 * TYPICAL_ERROR:g} % error "
-        f"distinguishes two laws best: its expected log Bayes factor is {rounded_down(factor)} for the "
-        f"median pair ({'strong' if factor >= STRONG else 'weak'} evidence)."
+        f"The outcome turns with the {name}: its share in the probability is {share:.2f}, by chance up to "
+        f"{chance:.2f}; the most frequent outcome is that of {listed(parts)}."
     )
 
 
-def median_factors(data: xarray.Dataset) -> xarray.DataArray:
-    """Return the log Bayes factor of one measurement for the median pair of laws that are not equal."""
-    return data["log_bayes_factor"].where(data["order"] != EQUAL).median(["law", "other_law"])
+def _decimals(width: float) -> int:
+    """Return the decimals that a width carries to its second digit."""
+    return max(1 - floor(log10(width)), 0) if width > 0.0 and isfinite(width) else 0
+
+
+def _no_functions(data: xarray.Dataset) -> Iterator[str]:
+    """Yield the laws whose settled velocity is no function of the inputs."""
+    spread = data["spread"].sel(quantity="rotor_velocity").max("cell")
+    wide = spread.where(spread > data.attrs["margin"]).dropna("law")
+    if wide.size:
+        each = [
+            f"{law} ({100.0 * x:.2g} %)" if isfinite(x) else f"{law} (with and without a steady state)"
+            for law, x in zip(wide["law"].values, wide.values.tolist(), strict=True)
+        ]
+        yield (
+            f"No order of {listed(each)} is stated: with a millionth more or less of friction, or from "
+            f"another start, the settled velocity differs by more than {_percent(data)}."
+        )
+
+
+def _by_symmetry(data: xarray.Dataset) -> Iterator[str]:
+    """Yield the reason why rigid laws that differ in impacts alone cannot differ in this motor."""
+    group = data["law"].values[(data["rigid"] == 1) & (data["normal_tangential_coupling"] < 1e-9)]
+    if len(group) > 1:
+        yield (
+            "The normal impulse of an impact does not change the slip in this motor (D_nt = 0): laws that "
+            f"differ in that alone are one, among {listed(group)}."
+        )
 
 
 def _of_transients(data: xarray.Dataset) -> Iterator[str]:
@@ -251,20 +278,19 @@ def _failed(judged: xarray.Dataset) -> str:
     return "; ".join(f"{law} fails {listed(keys)}" for law, keys in failures.items() if keys)
 
 
-def rounded_down(value: float) -> str:
-    """Write a number to three digits that reach no threshold which the number is below."""
-    digit = 10.0 ** (floor(log10(abs(value))) - 2) if value else 1.0
-    shown = round(value, 12 - floor(log10(digit))) if value else 0.0
-    return f"{digit * floor(shown / digit * (1.0 + 1e-12)):.3g}"
-
-
 def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
-    """Return scorecard, pairs of laws, where to measure, and the metrics."""
-    every = {"scorecard": _scorecard(data)}
-    if "order" in data:
+    """Return pairs of laws, plausibility, motion, where to measure, and the metrics."""
+    every: dict[str, pandas.DataFrame] = {}
+    if "order" in data and data.sizes["law"] > 1:
         every["pairs"] = _pairs(data)
-        if data.sizes["draw"] and data.sizes["law"] > 1:
-            every["where_to_measure"] = _where_to_measure(data)
+    keys = list(map(str, data["metric"].values))
+    judges = dict(zip(keys, data["judges_law"].values.astype(bool), strict=True))
+    parts = {
+        "invariants": [key for key in keys if key in INVARIANTS],
+        "plausibility": [key for key in keys if judges[key] and key not in INVARIANTS],
+        "motion": [key for key in keys if not judges[key]],
+    }
+    every |= {name: _scorecard(data, name, some) for name, some in parts.items()}
     names = {"metric": "metric", "symbol": "symbol", "meaning": "meaning", "must be": "threshold"}
     names |= {"reason": "reason", "beyond it": "conclusion", "source": "metric_source"}
     columns = {head: data[name].values for head, name in names.items()}
@@ -273,23 +299,27 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
     return every
 
 
-def _scorecard(data: xarray.Dataset) -> pandas.DataFrame:
-    """Return a row for each metric: value, error and verdict of each law."""
-    rows = []
-    for key in map(str, data["metric"].values):
+def _scorecard(data: xarray.Dataset, name: str, keys: list[str]) -> pandas.DataFrame:
+    """Return a row for each metric that a law has: value, error and verdict of each law."""
+    rows, catalogue = [], METRICS | STEP_METRICS | SENSITIVITIES
+    for key in keys:
         here = data.sel(metric=key)
-        row: dict[str, Any] = {
-            "metric": key,
-            UNIT: str(here["units"].item()),
-            "must be": str(here["threshold"].item()),
-        }
+        if not here["value"].notnull().any():
+            continue
+        threshold = str(here["threshold"].item())
+        row: dict[str, Any] = {"metric": catalogue[key].brief if key in catalogue else key}
+        row |= {UNIT: str(here["units"].item())} | ({"must be": threshold} if name != "motion" else {})
         for law in map(str, data["law"].values):
             cell = here.sel(law=law)
             verdict = VERDICTS[int(cell["verdict"])]
             row[law] = Estimate(float(cell["value"]), float(cell["numerical_error"]))
-            row[f"{law}: verdict"] = "" if verdict == REPORTED else verdict
-        rows.append(row)
-    return table(rows, caption="Scorecard")
+            if name != "motion":
+                row[f"{law}: verdict"] = "" if verdict == REPORTED else verdict
+        reason = {"reason": str(here["reason"].item())} if name == "plausibility" else {}
+        rows.append(row | reason | {"key": key})
+    frame = table(rows, caption=name.capitalize())
+    frame.attrs |= {"digits": DIGITS, "reference": name != "motion"}
+    return frame
 
 
 def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
@@ -298,57 +328,29 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
     places = product(range(data.sizes["quantity"]), range(data.sizes["cell"]))
     for (quantity, cell), (a, b) in product(places, combinations(range(data.sizes["law"]), 2)):
         pair = data.isel(quantity=quantity, cell=cell, law=a, other_law=b)
-        most = int(np.argmax(np.nan_to_num(pair["sign_share"].values)))
-        known = {
-            "difference": pair["difference"],
-            "5 %": pair["difference_low"],
-            "95 %": pair["difference_high"],
-            "numerical error": pair["difference_error"],
-        }
-        numbers = {name: Estimate(float(x), np.nan) for name, x in known.items()}
-        bases = {
-            str(basis): Estimate(*map(float, each))
-            for basis, *each in zip(
-                data["basis"].values, pair["basis_mean"].values, pair["basis_deviation"].values, strict=True
-            )
-        }
+        size = {f"{end} (%)": f"relative_difference{name}" for end, name in ENDS.items()}
         rows.append(
             {
                 "quantity": str(pair["quantity"].item()).replace("_", " "),
-                UNIT: str(pair["quantity_units"].item()),
                 **({"at": str(pair["cell"].item())} if data.sizes["cell"] > 1 else {}),
                 "law": str(pair["law"].item()),
-                "less": str(pair["other_law"].item()),
+                "against": str(pair["other_law"].item()),
                 "order": ORDERS[int(pair["order"])],
-                **numbers,
-                **bases,
-                "sign": str(data["sign"].values[most]),
-                "share of draws": float(pair["sign_share"][most]),
-                "at least": float(pair["sign_low"][most]),
+                **{head: 100.0 * float(pair[name]) for head, name in size.items()},
+                **dict(
+                    zip(
+                        map(str, data["outcome_kind"].values),
+                        (int((pair["outcome"] == kind).sum()) for kind in range(4)),
+                        strict=True,
+                    )
+                ),
                 "p": float(pair["p_value"]),
             }
         )
     caption = (
-        f"Differences of pairs of laws over {data.sizes['draw']} draws that serve all laws: median, 5 and "
-        "95 %, mean and deviation on each basis, most frequent sign with the lower end of its 95 % interval, "
-        "and p-value of no order, corrected for all pairs"
+        f"Pairs of laws in {data.sizes['draw']} motors drawn: difference over the larger, numbers of motors "
+        f"by outcome against the margin of {_percent(data)}, p-value of no order, corrected for all claims"
     )
     frame = table(rows, caption=caption)
-    frame.attrs["reference"] = len(rows) > MOST_PAIRS
+    frame.attrs |= {"digits": 2, "reference": len(rows) > MOST_PAIRS}
     return frame
-
-
-def _where_to_measure(data: xarray.Dataset) -> pandas.DataFrame:
-    """Return expected log Bayes factors by quantity and operating point, of the median and nearest pair."""
-    rows = []
-    factors = data["log_bayes_factor"].where(data["order"] != EQUAL)
-    for quantity, cell in product(map(str, data["quantity"].values), range(data.sizes["cell"])):
-        here = factors.sel(quantity=quantity).isel(cell=cell)
-        at = str(data["cell"].values[cell]) or "as configured"
-        row: dict[str, Any] = {"quantity": quantity.replace("_", " "), "at": at}
-        for error in data["measurement_error"].values:
-            each = here.sel(measurement_error=error)
-            row[f"{100.0 * error:g} %, median pair"] = float(each.median())
-            row[f"{100.0 * error:g} %, nearest pair"] = float(each.min())
-        rows.append(row)
-    return table(rows, caption="Expected log Bayes factor of one measurement by its error; 3 is strong")

@@ -1,58 +1,69 @@
-"""The paired comparison: motors as configured and drawn, and differences of laws over points and draws."""
+"""The paired comparison: motors as configured and drawn, and outcomes of pairs of laws over the draws."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
+from math import inf
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
+from contactlab.config import Setup
+from contactlab.config.nesting import flat, nested
 from contactlab.inference.paired import (
     EQUAL,
+    GREATER,
     INCONCLUSIVE,
+    LESS,
+    NONE,
+    OUTCOMES,
+    UNTESTED,
+    VARIES,
     VERDICTS,
-    classes,
-    log_bayes_factors,
+    Orders,
+    factor_shares,
     looks_up_to,
     orders,
 )
 from contactlab.laws import MultiplierLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
+from contactlab.steady_state.basins import reach
 from contactlab.studies.compare.draws import (
-    BASES,
-    BASIS,
-    LEVELS,
     OBSERVABLES,
     POSTERIOR,
     STEPS,
     Distribution,
+    Drawn,
     Factor,
     Posteriors,
-    as_configured,
-    configuration_of,
     do_draw,
     drawn,
     factors_of,
+    on_other_basis,
 )
 from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
 from contactlab.studies.study import Task
 
-NAMES_OF_BASES: Final = ("as configured", "other basis")
-
 CLEAR: Final = 3.0
-"""Numerical errors of a difference within which it is none."""
+"""Numerical errors within which the difference of two laws may lie anywhere."""
 
-MARGIN: Final = 1e-3
-"""Difference of two laws, over the size of their quantity, below which they count as equal: a measurement of
-such a motor hardly repeats to a tenth of a per cent."""
+TINY: Final = 1e-6
+"""Relative change of friction after which a function of the inputs has the same value."""
 
-MEASUREMENT_ERRORS: Final = (0.01, 0.03, 0.1)
-"""Standard deviations of a measurement over the median size of its quantity."""
+REPEATS: Final = ("less friction", "more friction", "backwards at the start", "forwards at the start")
+"""Motors that are the configured one but for `TINY` changes of friction, or the velocity of the start."""
 
-RANGE: Final = (0.05, 0.95)
+NEGLIGIBLE: Final = 1e-3
+"""Size below which a quantity counts as none, over its largest size in the population."""
+
+SIGNED: Final = {"rotor_velocity", "stall_torque"}
+"""Quantities that count in the sense in which the motor turns."""
+
+RANGE: Final = (0.05, 0.5, 0.95)
 """Quantiles of a distribution over draws that are shown."""
 
 PAIR: Final = ("law", "other_law", "cell", "quantity")
@@ -63,20 +74,20 @@ class Settled(NamedTuple):
     """Quantities of settled motors.
 
     Args:
-        nominal: as configured, on both bases and at three steps, shape (law, cell, basis, step, quantity).
-        drawn: of the draws, shape (law, cell, draw, quantity).
+        nominal: as configured, at three steps, shape (law, cell, step, quantity).
+        other: on the other basis, shape (law, cell, quantity).
+        repeats: of the motors of `REPEATS`, shape (law, cell, repeat, quantity).
+        drawn: of the draws, shape (law, cell, quantity, draw).
         errors: of the draws, statistical, the same shape.
         orders: of convergence of the laws in the step.
     """
 
     nominal: Array
+    other: Array
+    repeats: Array
     drawn: Array
     errors: Array
     orders: Sequence[float]
-
-
-_Place = tuple[str, Array, int]
-"""Operating point, draw and step of a motor."""
 
 
 @final
@@ -123,7 +134,7 @@ class Design:
                         "of the laws that are compared."
                     ]
                 )
-            factors = (*factors, Factor(POSTERIOR, (0.0, 1.0)))
+            factors = (*factors, Factor(POSTERIOR, "uniform", 0.0, 1.0))
         return cls(grid, factors, samples, tuple(names), posterior)
 
     @property
@@ -136,33 +147,42 @@ class Design:
         """All draws, shape (draw, factor)."""
         return drawn(self.factors, self.samples)
 
-    def nominal(self) -> dict[str, _Place]:
-        """Return the motors as configured, on each basis and at each step; made in Python, on one basis."""
-        bases = range(BASES if self.factors else 1)
+    def nominal(self) -> dict[str, Drawn]:
+        """Return the motors as configured by key: at each step, on the other basis, and `REPEATS`.
+
+        Motors made in Python have the steps alone.
+        """
+        works: dict[str, Callable[[Setup], Any]] = {
+            f"step {step}": partial(_refined, step=step) for step in range(STEPS)
+        }
+        if self.grid.whole:
+            works |= {"other basis": lambda setup: on_other_basis(setup)[0]}
+            works |= {name: partial(_repeated, repeat=name) for name in REPEATS}
         return {
-            f"as configured {cell} {basis} {step}": (cell, as_configured(self.factors, basis), step)
-            for cell, basis, step in product(self.grid.cells, bases, range(STEPS))
+            f"as configured {cell} {name}": Drawn(
+                {law: work(self.grid.setups[law, cell]) for law in self.grid.laws}
+            )
+            for name, work in works.items()
+            for cell in self.grid.cells
         }
 
-    def drawn(self, since: int, count: int) -> dict[str, _Place]:
+    def drawn(self, since: int, count: int) -> dict[str, Drawn]:
         """Return the motors of draws from a first to a number of them, those of a point together."""
         digest = self.posterior.digest if self.posterior else ""
+        motors = {
+            cell: {law: self.grid.setups[law, cell] for law in self.grid.laws} for cell in self.grid.cells
+        }
         return {
-            f"draw {number} {cell} {digest}": (cell, self.draws[number], 0)
+            f"draw {number} {cell} {digest}": Drawn(
+                motors[cell], self.factors, self.draws[number], self.posterior
+            )
             for cell, number in product(self.grid.cells, range(since, count))
         }
 
-    def tasks(self, motors: Mapping[str, _Place]) -> Iterator[Task]:
+    def tasks(self, motors: Mapping[str, Drawn]) -> Iterator[Task]:
         """Yield the tasks of motors by key: each is one motor under every law."""
-        for key, (cell, draw, step) in motors.items():
-            laws: dict[str, Any] = {law: self.grid.setups[law, cell] for law in self.grid.laws}
-            for law, setup in laws.items():
-                if self.factors:
-                    laws[law] = configuration_of(setup, self.factors, draw, self.posterior, step)
-                else:
-                    control = control_of(setup)
-                    laws[law] = replace(setup, **{control: getattr(setup, control) / FINER[control][step]})
-            yield Task(key, do_draw, (laws, self.names))
+        for key, motor in motors.items():
+            yield Task(key, do_draw, (motor, self.names))
 
     def spent(self, parts: Mapping[str, xarray.DataTree]) -> int:
         """Return the number of draws that are finished: a look's, or none."""
@@ -172,18 +192,20 @@ class Design:
         """Return the settled motors of a number of draws."""
         laws, cells, quantities = len(self.grid.laws), len(self.grid.cells), len(self.names)
 
-        def every(name: str, motors: Iterable[str], *shape: int) -> Array:
-            values = np.reshape(
-                [parts[key][name].values for key in motors], (cells, *shape, laws, quantities)
-            )
-            return np.moveaxis(values, -2, 0)
+        def every(name: str, motors: Iterable[str], number: int) -> Array:
+            values = np.array([parts[key].to_dataset()[name].values for key in motors])
+            return np.moveaxis(values.reshape(number, cells, laws, quantities), 2, 0)
 
-        nominal = np.full((laws, cells, *LEVELS, quantities), np.nan)
-        known = every("value", self.nominal(), -1, STEPS)
-        nominal[:, :, : known.shape[2]] = known
-        values, errors = (every(name, self.drawn(0, count), count) for name in ("value", "error"))
+        def by_draw(name: str) -> Array:
+            motors = [key for n in range(count) for key in self.drawn(n, n + 1)]
+            return np.moveaxis(every(name, motors, count), 1, 3)
+
+        configured = every("value", nominal := self.nominal(), len(nominal) // cells)
+        known = np.full((laws, STEPS + 1 + len(REPEATS), cells, quantities), np.nan)
+        known[:, : configured.shape[1]] = configured
+        steps, other, repeats = np.split(np.moveaxis(known, 1, 2), [STEPS, STEPS + 1], axis=2)
         orders = [setup.law.convergence_order for setup in self.grid.first.values()]
-        return Settled(nominal, values, errors, orders)
+        return Settled(steps, other[:, :, 0], repeats, by_draw("value"), by_draw("error"), orders)
 
     def failures(self, parts: Mapping[str, xarray.DataTree], count: int) -> str:
         """Return a sentence on the motors without a steady state; empty where there are none."""
@@ -199,162 +221,255 @@ class Design:
         )
 
 
-def step_errors(settled: Settled) -> Array:
-    """Return numerical errors of the differences, shape (law, law, cell, basis, step, quantity).
+def _refined(setup: Setup, step: int) -> Setup:
+    """Return a setup at one of three steps or tolerances."""
+    control = control_of(setup)
+    return replace(setup, **{control: getattr(setup, control) / FINER[control][step]})
+
+
+def _repeated(setup: Setup, repeat: str) -> dict[str, Any]:
+    """Return the configuration of a motor of `REPEATS`."""
+    settings, sign = flat(setup.configuration), -1.0 if repeat in REPEATS[::2] else 1.0
+    if repeat in REPEATS[:2]:
+        settings["contact.friction_coefficient"] *= 1.0 + sign * TINY
+    else:
+        settings["rotor.initial_velocity"] = sign * reach(setup)
+    return nested(settings)
+
+
+def step_errors(nominal: Array, orders: Sequence[float]) -> Array:
+    """Return numerical errors of the differences, shape (law, law, cell, step, quantity).
 
     That of the finest step is Richardson's of the difference itself, in which common errors cancel; those of
     coarser steps add the distance from it.
+
+    Args:
+        nominal: shape (law, cell, step, quantity).
+        orders: of convergence of the laws.
     """
-    difference = settled.nominal[:, None] - settled.nominal[None]
-    laws = len(difference)
+    difference = nominal[:, None] - nominal[None]
     error = np.full_like(difference, np.nan)
-    for a in range(laws):
-        for b in range(laws):
-            steps = np.moveaxis(difference[a, b], 2, 0)
-            for place in np.ndindex(steps.shape[1:]):
-                values, order = steps[:, *place], min(settled.orders[a], settled.orders[b])
-                finest = float(richardson(values, FINER["contact_step"][1], order))
-                error[a, b, place[0], place[1], :, place[2]] = np.abs(values - values[-1]) + finest
+    for a, b, cell, quantity in np.ndindex(*difference.shape[:3], difference.shape[4]):
+        steps = difference[a, b, cell, :, quantity]
+        finest = float(richardson(list(steps), FINER["contact_step"][1], min(orders[a], orders[b])))
+        error[a, b, cell, :, quantity] = np.abs(steps - steps[-1]) + finest
     return error
 
 
-def signs_of(settled: Settled, factors: Sequence[Factor], draws: Array) -> Array:
-    """Return the signs of differences, shape (law, law, cell, quantity, draw).
+def spreads(settled: Settled) -> Array:
+    """Return the range of each quantity over a motor and its `REPEATS`, over its size.
 
-    Zero is a difference within `CLEAR` numerical errors on the draw's basis, or within
-    `MARGIN`, with statistical errors of aperiodic motions added; NaN where a motor has no steady state or its
-    error is not known.
+    Infinite where some of them have no steady state; shape (law, cell, quantity).
     """
-    if not len(draws):
-        return np.empty((len(settled.nominal),) * 2 + (*settled.drawn.shape[1::2], 0))
-    basis = draws[:, [factor.name for factor in factors].index(BASIS)].astype(int)
-    numerical = np.moveaxis(step_errors(settled)[:, :, :, basis, 0], 3, 4)
-    values, statistical = (np.moveaxis(each, 2, 3) for each in (settled.drawn, settled.errors))
+    alike = np.concatenate([settled.nominal[:, :, :1], settled.repeats], axis=2)
+    known = np.isfinite(alike)
+    low, high = (
+        edge(np.where(known, alike, empty), axis=2) for edge, empty in ((np.min, inf), (np.max, -inf))
+    )
+    size = np.maximum(np.abs(low), np.abs(high))
+    with np.errstate(invalid="ignore"):
+        spread = np.where(high > low, (high - low) / size, 0.0)
+    spread = np.where(known.all(axis=2), spread, inf)
+    # Nothing is known of motors that were made in Python, or have no steady state at all.
+    return np.where(known[:, :, 1:].any(axis=2), spread, np.nan)
+
+
+def differences(values: Array, names: Sequence[str]) -> tuple[Array, Array, Array]:
+    """Return differences of laws, the sizes that they are held to, and the differences over these.
+
+    Of `SIGNED` they are in the sense in which the motor turns under the median law. The size is the larger of
+    both, and of `NEGLIGIBLE` of the largest there is.
+
+    Args:
+        values: of the quantities, shape (law, cell, quantity, motor).
+        names: of the quantities, the velocity first.
+
+    Returns:
+        Shapes (law, law, cell, quantity, motor).
+    """
+    middle = quantiles(np.moveaxis(values[:, :, 0], 0, -1), 0.5)
+    signed = np.array([name in SIGNED for name in names])[:, None]
+    values = np.where(signed & (middle < 0.0)[:, None], -1.0, 1.0) * values
     difference = values[:, None] - values[None]
+    largest = np.abs(values).max(axis=(0, 3), initial=0.0, where=np.isfinite(values))
     size = np.maximum(np.abs(values[:, None]), np.abs(values[None]))
-    threshold = np.maximum(CLEAR * numerical, MARGIN * size)
-    threshold += np.hypot(statistical[:, None], statistical[None])
-    signs = np.where(np.abs(difference) <= threshold, 0.0, np.sign(difference))
-    return np.where(np.isfinite(difference) & np.isfinite(threshold), signs, np.nan)
+    size = np.maximum(size, NEGLIGIBLE * largest[..., None])
+    return difference, size, np.divide(difference, size, out=np.zeros_like(difference), where=size != 0.0)
 
 
-def verdicts_of(signs: Array, looks: int) -> Any:
-    """Return `Orders` of all pairs, mirrored for the other sense, of signs (law, law, ..., draw)."""
-    first, second = np.triu_indices(len(signs), 1)
-    every = orders(signs[first, second], looks)
-    swapped = [1, 0, 2]
+@final
+class Population(NamedTuple):
+    """Pairs of laws in the motors drawn; shapes (law, law, cell, quantity, ...).
+
+    Args:
+        difference, relative: of `differences`, (..., draw).
+        outcome: place in `OUTCOMES`, (..., draw).
+        orders: of all pairs.
+    """
+
+    difference: Array
+    relative: Array
+    outcome: Array
+    orders: Orders
+
+
+def population_of(settled: Settled, names: Sequence[str], margin: float, looks: int) -> Population:
+    """Return the pairs of laws in the motors drawn.
+
+    An outcome counts if it holds anywhere within the error of the difference, which is `CLEAR` numerical
+    errors of the motor as configured and the statistical errors of irregular motions. No order is stated of a
+    law whose response is no function of its inputs: of one with `spreads` beyond the margin.
+
+    Args:
+        settled: with draws.
+        names: of the quantities.
+        margin: relative difference within which two laws are practically equal.
+        looks: number of looks that are planned.
+    """
+    difference, size, relative = differences(settled.drawn, names)
+    numerical = step_errors(settled.nominal, settled.orders)[:, :, :, 0]
+    error = CLEAR * numerical[..., None] + np.hypot(settled.errors[:, None], settled.errors[None])
+    outcome: Array = np.full(difference.shape, NONE)
+    outcome[difference - error > margin * size] = GREATER
+    outcome[difference + error < -margin * size] = LESS
+    outcome[np.abs(difference) + error <= margin * size] = EQUAL
+    # What no law has is no quantity of this motor, as the current of a resonator without capacitance.
+    absent = ~np.isfinite(settled.drawn[:, :, 1:]).any(axis=(0, 1, 3))
+    outcome[:, :, :, np.flatnonzero(absent) + 1] = UNTESTED
+    every = _orders_of(outcome, looks)
+    unsure = _unsure(settled, margin)
+    itself = np.eye(len(difference), dtype=bool)[:, :, None, None]
+    verdict = np.where(itself, EQUAL, np.where(unsure, INCONCLUSIVE, np.nan_to_num(every.verdict)))
+    return Population(difference, relative, outcome, every._replace(verdict=verdict))
+
+
+def _unsure(settled: Settled, margin: float) -> NDArray[np.bool_]:
+    """Return whether a law of a pair has a response that is no function, shape (law, law, cell, quantity)."""
+    wide = spreads(settled) > margin
+    return np.asarray(wide[:, None] | wide[None])
+
+
+def undecided(settled: Settled, pairs: Population, margin: float) -> bool:
+    """Return whether more draws may tell the order of two laws in the settled velocity, or what turns it."""
+    open_pairs = (pairs.orders.verdict >= VARIES) & ~_unsure(settled, margin)
+    return bool(open_pairs[..., 0].any())
+
+
+def _orders_of(outcome: Array, looks: int) -> Orders:
+    """Return `Orders` of all pairs, mirrored for the other sense, of outcomes (law, law, ..., draw)."""
+    first, second = np.triu_indices(len(outcome), 1)
+    every = orders(outcome[first, second], looks)
+    swapped = [LESS, GREATER, EQUAL, NONE]
     mirrored = every._replace(
         share=every.share[..., swapped],
         low=every.low[..., swapped],
         high=every.high[..., swapped],
-        verdict=np.where(every.verdict < EQUAL, 1 - every.verdict, every.verdict),
+        verdict=np.where(every.verdict < EQUAL, GREATER + LESS - every.verdict, every.verdict),
     )
     result = []
     for upper, lower in zip(every, mirrored, strict=True):
-        whole = np.full((len(signs), *signs.shape[1:-1], *upper.shape[len(signs.shape) - 2 :]), np.nan)
+        whole = np.full((len(outcome), len(outcome), *upper.shape[1:]), np.nan)
         whole[first, second], whole[second, first] = upper, lower
         result.append(whole)
-    return type(every)(*result)
+    return Orders(*result)
 
 
-def with_pairs(data: xarray.Dataset, design: Design, parts: Mapping[str, xarray.DataTree]) -> xarray.Dataset:
+def with_pairs(
+    data: xarray.Dataset, design: Design, parts: Mapping[str, xarray.DataTree], margin: float
+) -> xarray.Dataset:
     """Add the paired comparison to a scorecard.
 
     Args:
-        data: the scorecard, over `law`.
-        design: of the comparison.
+        data: the scorecard.
+        design: of the motors.
         parts: of its tasks.
+        margin: relative difference within which two laws are practically equal.
 
     Returns:
-        With `nominal` and `drawn_value` of the laws; over (law, other_law, cell, quantity) `difference` (its
-        median over the draws, without draws that as configured), `difference_low` and `difference_high` (5
-        and 95 %), `difference_error` (numerical, the largest of both bases at the finest step), `sign_share`,
-        `sign_low` and `sign_high` of the signs (+, -, 0), `p_value`, `order` (flags) and
-        `rank_correlation` with each factor; `basis_mean` and `basis_deviation` by basis;
-        `log_bayes_factor` by error of the measurement; `class` of the laws by quantity;
-        `normal_tangential_coupling` of the motor at rest.
+        The dataset with `nominal` values as configured at three steps, those on the `other_basis` and
+        `repeated`, with their `spread`; `drawn` factors and `drawn_value` quantities of all laws; over (law,
+        other_law, cell, quantity) the `outcome` of each draw, `difference` and `relative_difference` (their
+        medians over the draws where both have a steady state, without draws that as configured; `_low` and
+        `_high` are 5 and 95 %), `difference_error` (numerical), `outcome_share`, `outcome_low` and
+        `outcome_high`, `p_value`, `order` (flags), `factor_share` in whether the outcome is the most frequent
+        one, and `chance_share`; `normal_tangential_coupling` of the motor at rest.
     """
     count = design.spent(parts)
     settled, draws = design.settled(parts, count), design.draws[:count]
     names, factors = design.names, design.factors
-    laws, quantities = len(settled.nominal), [OBSERVABLES[name] for name in names]
-    error = step_errors(settled)[:, :, :, :, -1]
-    nominal = settled.nominal[:, None, :, :, -1] - settled.nominal[None, :, :, :, -1]
-    values = np.moveaxis(settled.drawn, 2, 3)
-    difference = values[:, None] - values[None]
-    middle, (low, high) = nominal[:, :, :, 0], np.full((2, *nominal[:, :, :, 0].shape), np.nan)
-    known = np.isfinite(difference).any(axis=-1)
-    if known.any():
-        middle = np.where(known, quantiles(difference, 0.5), middle)
-        low, high = quantiles(difference, RANGE)
-    outcome = verdicts_of(signs_of(settled, factors, draws), len(design.looks))
-    itself = np.eye(laws, dtype=bool)[:, :, None, None]
-    verdict = np.where(itself, EQUAL, np.nan_to_num(outcome.verdict, nan=INCONCLUSIVE)).astype(np.int8)
-    members = np.array([classes((verdict[..., n] == EQUAL).all(axis=2)) for n in range(len(names))])
-    basis = draws[:, [factor.name for factor in factors].index(BASIS)] if factors else np.empty(0)
-    by_basis = [difference[..., basis == level] for level in range(BASES)]
-    bayes = np.full((len(MEASUREMENT_ERRORS), laws, laws, *middle.shape[2:]), np.nan)
-    if values.size:
-        sizes = np.nanmedian(np.abs(values), axis=(0, 3))
-        for place in np.ndindex(sizes.shape):
-            deviations = [float(share * sizes[place]) for share in MEASUREMENT_ERRORS]
-            bayes[..., *place] = log_bayes_factors(values[:, *place], deviations)
+    quantities = [OBSERVABLES[name] for name in names]
+    pairs = population_of(settled, names, margin, len(design.looks))
+    # As configured at the finest step, and on the other basis at the configured one.
+    configured, _, relative = differences(
+        np.stack([settled.nominal[:, :, -1], settled.other], axis=-1), names
+    )
 
-    def pure(long_name: str) -> dict[str, str]:
-        return {"units": "1", "long_name": long_name}
+    def pure(long_name: str, **attributes: Any) -> dict[str, Any]:
+        return {"units": "1", "long_name": long_name, **attributes}
 
     def in_units(long_name: str) -> dict[str, str]:
         return {"comment": "units differ by quantity, see `quantity_units`", "long_name": long_name}
 
-    flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": " ".join(VERDICTS)}
-    on_bases, of_signs = (*PAIR, "basis"), (*PAIR, "sign")
-    motors, drawn_motors = ("law", "cell", "basis", "step", "quantity"), ("law", "cell", "draw", "quantity")
+    def flags(names: Sequence[str]) -> dict[str, Any]:
+        return {"flag_values": np.arange(len(names), dtype=np.int8), "flag_meanings": " ".join(names)}
+
+    shown: dict[str, Any] = {
+        "relative_drawn": ((*PAIR, "draw"), pairs.relative, pure("relative difference of each draw")),
+        "relative_nominal": (PAIR, relative[..., 0], pure("relative difference as configured")),
+        "relative_other": (PAIR, relative[..., 1], pure("relative difference on the other basis")),
+    }
+    for name, at_rest, values in (
+        ("difference", configured[..., 0], pairs.difference),
+        ("relative_difference", relative[..., 0], pairs.relative),
+    ):
+        about = {"long_name": f"{name}, law less other law".replace("_", " ")}
+        low, middle, high = quantiles(values, RANGE)
+        shown |= {f"{name}_low": (PAIR, low, about), f"{name}_high": (PAIR, high, about)}
+        shown[name] = PAIR, middle if count else at_rest, about
+    outcome, verdict = pairs.outcome, pairs.orders.verdict
+    # The most frequent outcome of a pair; that it happens is what factors have their shares in.
+    usual = np.nan_to_num(pairs.orders.share).argmax(axis=-1)
+    share, chance = factor_shares(outcome == usual[..., None], draws)
+
+    of_outcomes, of_law = (*PAIR, "outcome_kind"), ("law", "cell", "quantity")
     matrices = [delassus_at_rest(setup.motor) for setup in design.grid.first.values()]
     coupling = [float(abs(d[0, 1]) / np.sqrt(d[0, 0] * d[1, 1])) for d in matrices]
     rigid = [isinstance(setup.law, MultiplierLaw) for setup in design.grid.first.values()]
-    notes = [data.attrs["notes"], design.failures(parts, count)]
-    data = data.assign_attrs(notes="\n".join(filter(None, notes)))
-    equal = {"long_name": "laws that are equal at every operating point"}
-    factor_values = {"comment": "NaN: as configured; scales, values and levels"}
+    notes = "\n".join(filter(None, [data.attrs["notes"], design.failures(parts, count)]))
+    spread = pure("range over motors that differ by a millionth of friction, or the start, over its size")
+    error = step_errors(settled.nominal, settled.orders)[:, :, :, -1]
+    drawn_value = np.moveaxis(settled.drawn, 2, 3)
     return (
-        data.assign({"class": (("quantity", "law"), members, equal)})
+        data.assign_attrs(notes=notes, margin=margin)
+        .assign(shown)
         .assign(
-            nominal=(motors, settled.nominal, in_units("as configured")),
-            drawn=(("draw", "factor"), draws, factor_values),
-            drawn_value=(drawn_motors, settled.drawn, in_units("of the draws")),
-            difference=(PAIR, middle, in_units("law less other law, median over the draws")),
-            difference_low=(PAIR, low, in_units("5 % of the draws")),
-            difference_high=(PAIR, high, in_units("95 % of the draws")),
-            difference_error=(
-                PAIR,
-                np.fmax(error[:, :, :, 0], error[:, :, :, 1]),
-                in_units("numerical error"),
-            ),
-            basis_mean=(on_bases, _by(np.mean, by_basis), in_units("mean of the draws")),
-            basis_deviation=(on_bases, _by(np.std, by_basis), in_units("deviation of the draws")),
-            sign_share=(of_signs, outcome.share, pure("share of the draws")),
-            sign_low=(of_signs, outcome.low, pure("lower end of the 95 % interval")),
-            sign_high=(of_signs, outcome.high, pure("upper end of the 95 % interval")),
-            p_value=(PAIR, outcome.p_value, pure("p-value, corrected by Holm")),
-            order=(PAIR, verdict, flags),
-            rank_correlation=((*PAIR, "factor"), _correlations(difference, draws), pure("Spearman's")),
-            log_bayes_factor=(
-                ("measurement_error", *PAIR),
-                bayes,
-                pure("expected natural log Bayes factor of one measurement"),
-            ),
+            nominal=(("law", "cell", "step", "quantity"), settled.nominal, in_units("as configured")),
+            other_basis=(of_law, settled.other, in_units("as configured, on the other basis")),
+            repeated=(("law", "cell", "repeat", "quantity"), settled.repeats, in_units("as configured, but")),
+            spread=(of_law, spreads(settled), spread),
+            drawn=(("draw", "factor"), draws, {"comment": "scales, shifts and values"}),
+            drawn_value=(("law", "cell", "draw", "quantity"), drawn_value, in_units("of the draws")),
+            outcome=((*PAIR, "draw"), outcome.astype(np.int8), flags(OUTCOMES)),
+            difference_error=(PAIR, error, in_units("numerical error")),
+            outcome_share=(of_outcomes, pairs.orders.share, pure("share of all draws")),
+            outcome_low=(of_outcomes, pairs.orders.low, pure("lower end of the 95 % interval")),
+            outcome_high=(of_outcomes, pairs.orders.high, pure("upper end of the 95 % interval")),
+            p_value=(PAIR, pairs.orders.p_value, pure("p-value, corrected by Holm")),
+            order=(PAIR, verdict.astype(np.int8), flags(VERDICTS)),
+            factor_share=((*PAIR, "factor"), share, pure("share in whether the usual outcome happens")),
+            chance_share=(PAIR, chance, pure("largest share by chance, 95 %")),
         )
         .assign_coords(
             other_law=data["law"].values,
             cell=list(design.grid.cells),
-            basis=list(NAMES_OF_BASES),
-            sign=["+", "-", "0"],
+            repeat=list(REPEATS),
+            outcome_kind=list(OUTCOMES),
             quantity=list(names),
             quantity_units=("quantity", [each.units for each in quantities]),
             quantity_name=("quantity", [each.long_name for each in quantities]),
             factor=[factor.name for factor in factors],
             prior=("factor", [factor.text for factor in factors]),
-            measurement_error=list(MEASUREMENT_ERRORS),
+            logarithmic=("factor", np.array([factor.kind == "log" for factor in factors], np.int8)),
             normal_tangential_coupling=("law", coupling, pure("D_nt over sqrt(D_nn D_tt) at rest")),
             rigid=("law", np.array(rigid, np.int8)),
         )
@@ -364,34 +479,6 @@ def with_pairs(data: xarray.Dataset, design: Design, parts: Mapping[str, xarray.
 def quantiles(values: Array, share: float | Sequence[float]) -> Array:
     """Return quantiles over the last axis, NaN where nothing is known."""
     known = np.asarray(np.isfinite(values).any(axis=-1, keepdims=True))
+    values = values if values.shape[-1] else np.full_like(known, np.nan, float)
     every = np.nanquantile(np.where(known, values, 0.0), share, axis=-1)
     return np.where(known[..., 0], every, np.nan)
-
-
-def _by(function: Any, parts: Sequence[Array]) -> Array:
-    """Return a statistic of the known numbers of every part, shape (..., part)."""
-    result = []
-    for part in parts:
-        known = np.isfinite(part)
-        some = known.any(axis=-1)
-        value = np.full(part.shape[:-1], np.nan)
-        if some.any():
-            value[some] = function(part[some], axis=-1, where=known[some])
-        result.append(value)
-    return np.stack(result, axis=-1)
-
-
-def _correlations(difference: Array, draws: Array) -> Array:
-    """Return Spearman's rank correlations of differences with factors, shape (..., factor)."""
-    # Imported here: a run needs no scipy.stats.
-    from scipy.stats import rankdata
-
-    result = np.full((*difference.shape[:-1], draws.shape[1]), np.nan)
-    for place in np.ndindex(difference.shape[:-1]):
-        known = np.isfinite(difference[place])
-        if known.sum() < 3 or np.ptp(difference[place][known]) == 0.0:
-            continue
-        ranks = rankdata(np.column_stack([difference[place][known], draws[known]]), axis=0)
-        moving = np.ptp(ranks, axis=0) > 0.0
-        result[place][moving[1:]] = np.corrcoef(ranks[:, moving], rowvar=False)[0, 1:]
-    return result

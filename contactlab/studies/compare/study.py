@@ -7,7 +7,6 @@ from math import isclose
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
-import numpy as np
 import pandas
 import xarray
 
@@ -15,14 +14,21 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
 from contactlab.inference.calibration import Datum, calibrated
-from contactlab.inference.paired import INCONCLUSIVE
 from contactlab.laws import ContactLaw
 from contactlab.metrics import Run
 from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.simulation import Solution
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.compare.draws import OBSERVABLES, USUAL, Distribution, Posteriors, Prior, left_fixed
+from contactlab.studies.compare.draws import (
+    CONVERGED,
+    OBSERVABLES,
+    OBSERVED,
+    Distribution,
+    Posteriors,
+    Prior,
+    left_fixed,
+)
 from contactlab.studies.compare.laws import (
     ComparisonError as ComparisonError,
     Grid,
@@ -34,12 +40,15 @@ from contactlab.studies.compare.laws import (
     unchecked,
 )
 from contactlab.studies.compare.page import findings, tables
-from contactlab.studies.compare.pairs import Design, signs_of, verdicts_of, with_pairs
+from contactlab.studies.compare.pairs import Design, population_of, undecided, with_pairs
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
 from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
 
 SAMPLES: Final = 64
 """Draws at most, which take a minute or two for three laws."""
+
+MARGIN: Final = 0.05
+"""Relative difference that matters to few motors."""
 
 STARTS: Final = 6
 """Initial conditions of each law."""
@@ -47,19 +56,21 @@ STARTS: Final = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Compare(Study):
-    """Does the difference of contact laws survive where the motor is not exactly known?
+    """In which motors does the difference of contact laws survive?
 
     Laws are chosen by law=A,B; other listed values, drive.phase=-1,0,1, are operating points. The motors are
-    compared once they have settled, in pairs: a draw of all that is uncertain serves every law, so that a
-    difference within it is the law's. KEY=LOW..HIGH, KEY=MEAN+-DEVIATION and KEY=+-SHARE state what is
-    uncertain, beside friction, contact stiffness, clearance, basis and start. Draws continue until the order
-    of each pair is known, or `samples` are spent. Recorded runs of one motor with one drive, DIR..., folders
-    of runs, their run.nc, or folders of such folders, are compared from their start on, by the scorecard.
+    compared once they have settled, in pairs: a draw of all that is uncertain serves every law. Drawn are
+    friction, contact stiffness, clearance, damping, frequency, phase and amplitude of the voltages, and the
+    start; KEY=LOW..HIGH, KEY=log(LOW..HIGH), KEY=MEAN+-DEVIATION and KEY=+-SHARE state these or others. Draws
+    continue until the order of each pair in this population is known, or `samples` are spent. Recorded runs
+    of one motor with one drive, DIR..., folders of runs, their run.nc, or folders of such folders, are
+    compared from their start on, by the scorecard.
     """
 
     name: ClassVar[str] = "compare"
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = ("record.picture", "solver.changes")
+    presets: ClassVar[tuple[str, ...]] = (f"resonator={CONVERGED}",)
     delay: ClassVar[float] = 10.0
     files: ClassVar[str] = "runs"
 
@@ -71,8 +82,11 @@ class Compare(Study):
     starts: Annotated[int, option("initial conditions of each law", at_least=1, at_most=1000)] = STARTS
     vary: Annotated[
         Mapping[str, Distribution] | list[Prior] | None,
-        option("what is uncertain: KEY=LOW..HIGH, KEY=MEAN+-DEVIATION, KEY=+-SHARE; +-0 is exact"),
+        option("what is uncertain: KEY=LOW..HIGH, log(LOW..HIGH), MEAN+-DEVIATION, +-SHARE; +-0 is exact"),
     ] = None
+    margin: Annotated[
+        float, option("relative difference within which laws are practically equal", at_least=0.0, below=1.0)
+    ] = MARGIN
     posterior: Annotated[
         str | Path | None, option("file of a fit, whose posteriors the laws' numbers are drawn from")
     ] = None
@@ -80,7 +94,7 @@ class Compare(Study):
         Datum | None, option("datum of all laws: restitution=VALUE@SPEED or contact_time=VALUE@SPEED, in SI")
     ] = None
     observe: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
-        field(default_factory=lambda: [*USUAL])
+        field(default_factory=lambda: [*OBSERVED])
     )
     workers: Annotated[int, option("processes at work", at_least=1)] = processors()
 
@@ -129,7 +143,8 @@ class Compare(Study):
             raise ComparisonError(faults)
         # Read here: nothing is written where one cannot be.
         if self.recorded:
-            if any(setup.configuration != build().configuration for setup in setups.values()):
+            plain = [build().configuration, build(list(self.presets)).configuration]
+            if any(setup.configuration not in plain for setup in setups.values()):
                 raise ConfigurationError(
                     ["Recorded runs have configurations of their own; there must be no other keys."]
                 )
@@ -175,14 +190,13 @@ class Compare(Study):
         return every
 
     def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
-        """Return twice as many draws while the order of two laws in the settled velocity is not known."""
+        """Return twice as many draws while two laws have no order in the settled velocity."""
         design = None if self.runs else self._design(grid_of(setups.values()))
         if not design or not (spent := design.spent(parts)) or spent == design.looks[-1]:
             return ()
         settled = design.settled(parts, spent)
-        signs = signs_of(settled, design.factors, design.draws[:spent])[:, :, :, :1]
-        undecided = verdicts_of(signs, len(design.looks)).verdict == INCONCLUSIVE
-        if not (undecided & np.isfinite(signs).any(-1)).any():
+        pairs = population_of(settled, design.names, self.margin, len(design.looks))
+        if not undecided(settled, pairs, self.margin):
             return ()
         return design.tasks(design.drawn(spent, 2 * spent))
 
@@ -201,15 +215,11 @@ class Compare(Study):
             data = scorecard(laws, [*self._left_alone(grid)])
             data.attrs["limits"] = "\n".join(limits_of(laws))
             if design := self._design(grid):
-                data = with_pairs(data, design, parts)
+                data = with_pairs(data, design, parts, self.margin)
                 fixed = {law: left_fixed(run, design.factors, self.priors) for law, run in runs.items()}
+                names = dict.fromkeys(name for names in fixed.values() for name in names)
                 data.attrs["not_varied"] = listed(
-                    [
-                        name
-                        if name.startswith("resonator")
-                        else f"{name} of {listed([law for law in fixed if name in fixed[law]])}"
-                        for name in dict.fromkeys(name for names in fixed.values() for name in names)
-                    ]
+                    [f"{name} of {listed([law for law in fixed if name in fixed[law]])}" for name in names]
                 )
         motions = {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
         return xarray.DataTree(data, motions)
