@@ -109,36 +109,36 @@ def bins_of(values: Array) -> Array:
     return np.asarray(np.argsort(np.argsort(values, kind="stable")) * min(BINS, values.size) // values.size)
 
 
-def factor_shares(hits: Array, draws: Array) -> tuple[Array, Array]:
-    """Return the share of each factor in whether an event happens, and the largest share by chance.
+def factor_shares(outcomes: Array, draws: Array) -> tuple[Array, Array]:
+    """Return the share of each factor in the outcome, and the largest share by chance.
 
-        S_i = Var(P(event | factor i)) / Var(event)
+        S_i = sum_k Var(P(outcome k | factor i)) / sum_k Var(outcome k)
 
-    the first-order Sobol index of the event (Sobol 1993, Math. Model. Comput. Exp. 1, 407), over `BINS` of
-    the factor, less the variance that as many bins have by chance (epsilon squared, Kelley 1935, Proc. Natl.
-    Acad. Sci. 21, 554). By chance, the largest share of any factor is below the bound in 95 % of the
-    permutations of the draws.
+    the first-order Sobol index of the outcome (of several outputs: Gamboa et al. 2014, Electron. J. Stat. 8,
+    575), over `BINS` of the factor, less the variance that as many bins have by chance (epsilon squared,
+    Kelley 1935, Proc. Natl. Acad. Sci. 21, 554). The largest share by chance is the one that no factor
+    exceeds in 95 % of the permutations of the draws.
 
     Args:
-        hits: whether the event happened, shape (..., draw).
+        outcomes: place in `OUTCOMES`, shape (..., draw).
         draws: shape (draw, factor).
 
     Returns:
-        Shapes (..., factor) and (...); NaN of an event that always or never happens, and of fewer than eight
-        draws.
+        Shapes (..., factor) and (...); NaN where all outcomes are the same, and of fewer than eight draws.
     """
     count, factors = draws.shape
     if count < 2 * BINS or not factors:
-        nothing = np.full((*hits.shape[:-1], factors), np.nan)
+        nothing = np.full((*outcomes.shape[:-1], factors), np.nan)
         return nothing, nothing.max(axis=-1, initial=-np.inf) * np.nan
     members = np.stack([bins_of(column) == n for column in draws.T for n in range(BINS)]).astype(float)
     members /= np.sqrt(members.sum(axis=1, keepdims=True))
-    events = hits.reshape(-1, count).astype(float)
+    events = outcomes.reshape(-1, 1, count) == np.arange(len(OUTCOMES))[:, None]
     centred = events - events.mean(axis=-1, keepdims=True)
-    total = (centred**2).sum(axis=-1)[:, None]
+    total = (centred**2).sum(axis=(1, 2))[:, None]
 
     def shares(order: NDArray[np.int_]) -> Array:
-        between = ((centred[:, order] @ members.T) ** 2).reshape(-1, factors, BINS).sum(axis=-1)
+        each = (centred[..., order] @ members.T) ** 2
+        between = each.sum(axis=1).reshape(-1, factors, BINS).sum(axis=-1)
         noise = (total - between) / (count - BINS)
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray((between - (BINS - 1) * noise) / total)
@@ -147,4 +147,4 @@ def factor_shares(hits: Array, draws: Array) -> tuple[Array, Array]:
     chance = [shares(rng.permutation(count)).max(axis=-1) for _ in range(PERMUTATIONS)]
     bound = np.quantile(chance, LEVEL, axis=0)
     own = shares(np.arange(count))
-    return own.reshape(*hits.shape[:-1], factors), bound.reshape(hits.shape[:-1])
+    return own.reshape(*outcomes.shape[:-1], factors), bound.reshape(outcomes.shape[:-1])

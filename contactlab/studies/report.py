@@ -24,6 +24,9 @@ from contactlab.studies.tables import as_csv, as_html, as_latex
 
 PAGE: Final = "report.html"
 
+MOST_ROWS: Final = 16
+"""Rows of a table that is unfolded."""
+
 FORMATS: Final[dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}}
 """Formats of figures, each with the metadata that would differ from run to run."""
 
@@ -86,15 +89,11 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
         title=attributes.get("title") or question,
         question=question,
         findings=result.findings,
-        **{
-            part: [
-                (frame.attrs.get("caption") or name, as_html(frame))
-                for name, frame in result.tables.items()
-                if bool(frame.attrs.get("reference")) is (part == "references")
-            ]
-            for part in ("tables", "references")
-        },
-        pictures={caption: b64encode(data).decode() for caption, data in pictures.items()},
+        tables=[
+            (frame.attrs.get("caption") or name, as_html(frame), _is_open(frame))
+            for name, frame in sorted(result.tables.items(), key=lambda pair: _is_reference(pair[1]))
+        ],
+        pictures=[(caption, b64encode(data).decode()) for caption, data in pictures.items()],
         options=yaml.safe_dump({"study": {"name": study.name, **study.options}}, sort_keys=False),
         configurations={
             label or "configuration": yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
@@ -104,6 +103,15 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
         revision=attributes["git_revision"],
     )
     return str(text)
+
+
+def _is_reference(frame: Any) -> bool:
+    return bool(frame.attrs.get("reference"))
+
+
+def _is_open(frame: Any) -> bool:
+    """Return whether a table is shown without being unfolded: a short one, but for reference."""
+    return len(frame) <= MOST_ROWS and not _is_reference(frame)
 
 
 @cache

@@ -2,13 +2,14 @@
 
 A cell is a text, a number or an `Estimate`. `frame.attrs["units"]` has the units of columns in the words of
 the CF conventions and `frame.attrs["caption"]` a sentence; `frame.attrs["reference"]` marks a table of long
-texts, which stands at the end of the page. All may be missing.
+texts, which stands at the end of the page; `frame.attrs["digits"]` is what is uncertain beside the errors: no
+number is shown with more digits. All may be missing.
 """
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable, Iterable, Mapping
+from html import escape
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -29,6 +30,9 @@ WITHOUT_PREFIX: Final = ("rad/s", "1", "1/m", "V A")
 
 DIGITS: Final = 5
 """Digits of a number without an error."""
+
+MOST_COLUMNS: Final = 12
+"""Columns of a table on a page, beyond which every row is a block of its own."""
 
 
 def table(rows: Any, *, units: Mapping[str, str] | None = None, caption: str = "") -> pandas.DataFrame:
@@ -53,21 +57,25 @@ def table_of_quantities(
     return table(rows, caption=caption)
 
 
-def shown(cell: object, plus_minus: str = "+-") -> str:
-    """Return a cell as text; see `Estimate.text`.
+def shown(cell: object, plus_minus: str = "+-", digits: int | None = None) -> str:
+    """Return a cell as text, with so many digits at most; see `Estimate.text`.
 
     >>> shown(Estimate(-2.19118, 0.00213)), shown(0.1 + 0.2), shown(float("nan"))
     ('-2.1912 +- 0.0021', '0.3', '')
+    >>> shown(Estimate(-2.19118, 0.00213), digits=3), shown(Estimate(2.0, 0.3), digits=3)
+    ('-2.19', '2.00 +- 0.30')
     """
     match cell:
         case Estimate(_, error) if np.isinf(error):
             return "no limit"
-        case Estimate() if np.isfinite(cell).all() and cell.error > 0.0:
-            return cell.text(plus_minus)
+        case Estimate(value, error) if np.isfinite(cell).all() and error > 0.0:
+            carried = digits is None or error > 10.0 ** (1 - digits) * abs(value)
+            return cell.text(plus_minus) if carried else shown(float(value), plus_minus, digits)
         case Estimate(value, _):
-            return shown(float(value), plus_minus)
+            return shown(float(value), plus_minus, digits)
         case float() | np.floating():
-            return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else f"{cell:.{DIGITS}g}"
+            text = f"{cell:.{digits or DIGITS}g}"
+            return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else text
         case None:
             return ""
     return str(cell)
@@ -106,7 +114,7 @@ def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
 
 def as_text(frame: pandas.DataFrame) -> str:
     """Return a table for a terminal."""
-    written = _as_written(frame, shown)
+    written = _as_written(frame, lambda cell: shown(cell, digits=frame.attrs.get("digits")))
     return str(written.to_string(index=False))
 
 
@@ -132,7 +140,7 @@ def as_latex(frame: pandas.DataFrame) -> str:
     special = str.maketrans({**{sign: f"\\{sign}" for sign in "&%$#_{}"}, "^": r"\^{}", "~": r"\~{}"})
 
     def write(cell: object) -> str:
-        return shown(cell, "\0").translate(special).replace("\0", r"$\pm$")
+        return shown(cell, "\0", frame.attrs.get("digits")).translate(special).replace("\0", r"$\pm$")
 
     written = _as_written(frame, write)
     lines = [" & ".join(row) + r" \\" for row in written.itertuples(index=False, name=None)]
@@ -142,10 +150,13 @@ def as_latex(frame: pandas.DataFrame) -> str:
 
 
 def as_html(frame: pandas.DataFrame) -> str:
-    """Return a table as HTML."""
-    written = _as_written(frame, lambda cell: shown(cell, "\u00b1"))
-    stream = io.StringIO()
-    written.to_html(
-        stream, index=False, border=0, classes="reference" if frame.attrs.get("reference") else None
-    )
-    return stream.getvalue()
+    """Return a table as HTML; cells know their heads, for a page too narrow for columns."""
+    written = _as_written(frame, lambda cell: shown(cell, "\u00b1", frame.attrs.get("digits")))
+    head = [escape(str(name), quote=True) for name in written]
+    kinds = ["reference"] * bool(frame.attrs.get("reference")) + ["wide"] * (len(head) > MOST_COLUMNS)
+    lines = [f'<table class="{" ".join(kinds)}">', "<thead><tr>", *(f"<th>{name}</th>" for name in head)]
+    lines += ["</tr></thead>", "<tbody>"]
+    for row in written.itertuples(index=False, name=None):
+        cells = zip(head, map(escape, row), strict=True)
+        lines += ["<tr>", *(f'<td data-head="{name}">{cell}</td>' for name, cell in cells), "</tr>"]
+    return "\n".join([*lines, "</tbody>", "</table>", ""])

@@ -110,6 +110,9 @@ def test_the_share_of_a_step_is_that_of_the_closed_form() -> None:
     shares, chance = factor_shares(hits, draws)
     assert shares[0] == pytest.approx((1.0 - q) ** 2 / 4.0 / (p * (1.0 - p)), abs=0.04)
     assert abs(shares[2]) < chance < 0.01
+    # A third outcome in one half of the range has its own part: Var(P) over the sum of three variances.
+    three = np.where(draws[:, 0] < 0.5, 2, draws[:, 1] < 0.5)
+    assert factor_shares(three, draws)[0][0] == pytest.approx(0.375 / 0.625, abs=0.03)
 
 
 def test_noise_has_a_share_beyond_chance_in_a_twentieth_of_all_comparisons() -> None:

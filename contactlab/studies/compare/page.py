@@ -192,7 +192,7 @@ def _size(here: xarray.Dataset) -> Iterator[str]:
 
 
 def _turns(here: xarray.Dataset) -> Iterator[str]:
-    """Yield the factor that the most frequent outcome of one pair goes with."""
+    """Yield the factor that the outcome of one pair goes with."""
     shares, chance = here["factor_share"], float(here["chance_share"])
     if not shares.notnull().any():
         return
@@ -201,15 +201,16 @@ def _turns(here: xarray.Dataset) -> Iterator[str]:
     if share <= chance:
         yield f"What turns the outcome is not seen: no factor's share in it exceeds chance ({chance:.2f})."
         return
-    values = here["drawn"].isel(factor=number).values
-    usual, bins = here["outcome"].values == int(here["outcome_share"].values.argmax()), bins_of(values)
+    values, outcome = here["drawn"].isel(factor=number).values, here["outcome"].values
+    bins = bins_of(values)
     parts = [
-        f"{usual[bins == n].sum()} of {(bins == n).sum()} up to {values[bins == n].max():.2g}"
+        f"{(outcome[bins == n] == GREATER).sum()} and {(outcome[bins == n] == LESS).sum()} of "
+        f"{(bins == n).sum()} up to {values[bins == n].max():.2g}"
         for n in range(int(bins.max()) + 1)
     ]
     yield (
-        f"The outcome turns with the {name}: its share in the probability is {share:.2f}, by chance up to "
-        f"{chance:.2f}; the most frequent outcome is that of {listed(parts)}."
+        f"The outcome turns with the {name}, whose share in it is {share:.2f} (by chance {chance:.2f}): "
+        f"faster and slower are {listed(parts)}."
     )
 
 

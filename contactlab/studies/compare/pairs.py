@@ -391,8 +391,8 @@ def with_pairs(
         other_law, cell, quantity) the `outcome` of each draw, `difference` and `relative_difference` (their
         medians over the draws where both have a steady state, without draws that as configured; `_low` and
         `_high` are 5 and 95 %), `difference_error` (numerical), `outcome_share`, `outcome_low` and
-        `outcome_high`, `p_value`, `order` (flags), `factor_share` in whether the outcome is the most frequent
-        one, and `chance_share`; `normal_tangential_coupling` of the motor at rest.
+        `outcome_high`, `p_value`, `order` (flags), `factor_share` in the outcome, and the largest by chance,
+        `chance_share`; `normal_tangential_coupling` of the motor at rest.
     """
     count = design.spent(parts)
     settled, draws = design.settled(parts, count), design.draws[:count]
@@ -427,9 +427,7 @@ def with_pairs(
         shown |= {f"{name}_low": (PAIR, low, about), f"{name}_high": (PAIR, high, about)}
         shown[name] = PAIR, middle if count else at_rest, about
     outcome, verdict = pairs.outcome, pairs.orders.verdict
-    # The most frequent outcome of a pair; that it happens is what factors have their shares in.
-    usual = np.nan_to_num(pairs.orders.share).argmax(axis=-1)
-    share, chance = factor_shares(outcome == usual[..., None], draws)
+    share, chance = factor_shares(outcome, draws)
 
     of_outcomes, of_law = (*PAIR, "outcome_kind"), ("law", "cell", "quantity")
     matrices = [delassus_at_rest(setup.motor) for setup in design.grid.first.values()]
@@ -456,7 +454,7 @@ def with_pairs(
             outcome_high=(of_outcomes, pairs.orders.high, pure("upper end of the 95 % interval")),
             p_value=(PAIR, pairs.orders.p_value, pure("p-value, corrected by Holm")),
             order=(PAIR, verdict.astype(np.int8), flags(VERDICTS)),
-            factor_share=((*PAIR, "factor"), share, pure("share in whether the usual outcome happens")),
+            factor_share=((*PAIR, "factor"), share, pure("share in the outcome")),
             chance_share=(PAIR, chance, pure("largest share by chance, 95 %")),
         )
         .assign_coords(
