@@ -97,7 +97,7 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
 
 
 def prefixed_unit(size: float, symbol: str, smallest: float = 1.0) -> tuple[str, float]:
-    """Find the unit in which a quantity is a handy number, from the unit itself down to its nano-part.
+    """Find the unit in which a quantity is a handy number, from a million of it down to its nano-part.
 
     Args:
         size: of the quantity in the unit without a prefix.
@@ -107,7 +107,7 @@ def prefixed_unit(size: float, symbol: str, smallest: float = 1.0) -> tuple[str,
     Returns:
         The symbol with its prefix, and its size in the unit without one.
     """
-    for prefix, scale in (("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
+    for prefix, scale in (("M", 1e6), ("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
         # A hair below counts, so that a round-off does not turn 1 ms into 1000 µs.
         if size >= 0.999 * smallest * scale:
             return f"{prefix}{symbol}", scale

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from contactlab.estimate import Estimate
+from contactlab.estimate import MOST_DIGITS, Estimate
 from contactlab.parameter import from_cf
 from contactlab.results.summary import prefixed_unit
 from contactlab.variables import Variable
@@ -63,7 +63,7 @@ def shown(cell: object, plus_minus: str = "+-", digits: int | None = None) -> st
     >>> shown(Estimate(-2.19118, 0.00213)), shown(0.1 + 0.2), shown(float("nan"))
     ('-2.1912 +- 0.0021', '0.3', '')
     >>> shown(Estimate(-2.19118, 0.00213), digits=3), shown(Estimate(2.0, 0.3), digits=3)
-    ('-2.19', '2.00 +- 0.30')
+    ('-2.19', '2.00 +- 0.3')
     """
     match cell:
         case Estimate(_, error) if np.isinf(error):
@@ -74,7 +74,7 @@ def shown(cell: object, plus_minus: str = "+-", digits: int | None = None) -> st
         case Estimate(value, _):
             return shown(float(value), plus_minus, digits)
         case float() | np.floating():
-            text = f"{cell:.{digits or DIGITS}g}"
+            text = f"{float(f'{cell:.{digits or DIGITS}g}'):.{MOST_DIGITS if digits else DIGITS}g}"
             return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else text
         case None:
             return ""

@@ -64,27 +64,30 @@ def test_how_far_the_laws_lie_apart() -> None:
         assert (min if slowest else max)(speeds, key=speeds.__getitem__) == "hertz"
 
 
-def test_the_pair_on_both_bases() -> None:
-    pair = RESULTS["stick less hertz"]
-    ritz, converged = (f"{each['mean']:.2g} +- {each['deviation']:.1g}" for each in pair["bases"])
-    expected = f"{ritz} rad/s on the four shapes and {converged} rad/s on the converged beam"
-    assert expected in text_of("howto/compare.md")
-    assert f"in all of {pair['draws']} draws" in text_of("howto/compare.md")
-    assert pair["shares"]["-"] == 1.0
-
-
-def test_the_error_rates_in_a_synthetic_world() -> None:
-    pairs = [pair["draws"] for world in RESULTS["synthetic world"].values() for pair in world.values()]
+def test_the_pair_in_two_populations() -> None:
+    """Both have no order; the motors that are damped most have one."""
     page = text_of("howto/compare.md")
-    for count in ("16", "32", "64"):
-        every = [pair[count] for pair in pairs]
-        names = ("right", "wrong", "varies", "inconclusive", "older rule right")
-        shares = [100.0 * sum(each[name] for each in every) / (200 * len(every)) for name in names]
-        assert f"| {count} | {' | '.join(f'{share:.1f} %' for share in shares)} |" in page
-        assert all(each["false"] == each["older rule wrong"] == 0 for each in every)
-        assert all(sum(each[name] for name in names[:4]) == 200 for each in every)
-    assert 200 * len(pairs) == 6000
-    assert f"more than {max(count['wrong'] for pair in pairs for count in pair.values())} of 200" in page
+    for name, pair in RESULTS["stick and hertz"].items():
+        times, quarters = pair["outcomes"], pair["quarters"]
+        counts = " | ".join(str(times[kind]) for kind in ("greater", "less", "equal", "none"))
+        damped = "; ".join(f"{each['greater']}, {each['less']}" for each in quarters)
+        label = "damping ratio 0.002 to 0.2" if name == "by default" else name
+        assert f"| {label} | {counts} | {pair['order']} | {damped} |" in page
+        assert sum(times.values()) == 64
+        assert pair["order"] == "varies"
+        assert quarters[-1]["less"] <= 1
+        assert f"faster by {100.0 * pair['relative']['nominal']:.0f} %" in page
+
+
+def test_the_error_rates_in_known_worlds() -> None:
+    page = text_of("howto/compare.md")
+    for name, world in RESULTS["known worlds"].items():
+        for pairs, rates in world.items():
+            row = (
+                f"| {name} | {pairs} | {100.0 * rates['any wrong']:.1f} % | {100.0 * rates['known']:.0f} % |"
+            )
+            assert row in page
+            assert rates["any wrong"] <= 0.05
 
 
 def test_the_tip_as_a_rod() -> None:

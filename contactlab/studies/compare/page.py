@@ -43,10 +43,11 @@ TRANSIENT: Final = ("final_rotor_velocity", "peak_force", "stick_share", "fricti
 DIGITS: Final = 3
 """Digits of a metric: what is uncertain of a motor moves the third."""
 
-ENDS: Final = {"5 %": "_low", "median": "", "95 %": "_high"}
+ENDS: Final = {"low": "_low", "median": "", "high": "_high"}
 """Quantiles of the population that are shown, by their heads."""
 
-NO_RESULT: Final = "without a steady state, or one that is known well enough,"
+NO_RESULT: Final = "without a steady state that is known well enough"
+"""An outcome in words."""
 
 MOST_PAIRS: Final = 30
 """Rows of the table of pairs beyond which it is one of reference."""
@@ -345,13 +346,12 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
                         strict=True,
                     )
                 ),
-                "p": float(pair["p_value"]),
             }
         )
     caption = (
-        f"Pairs of laws in {data.sizes['draw']} motors drawn: difference over the larger, numbers of motors "
-        f"by outcome against the margin of {_percent(data)}, p-value of no order, corrected for all claims"
+        f"Pairs of laws in {data.sizes['draw']} motors drawn: median, 5 and 95 % of the difference over "
+        f"the larger, numbers of motors by outcome against the margin of {_percent(data)}"
     )
     frame = table(rows, caption=caption)
-    frame.attrs |= {"digits": 2, "reference": len(rows) > MOST_PAIRS}
+    frame.attrs |= {"digits": DIGITS, "reference": len(rows) > MOST_PAIRS}
     return frame
