@@ -76,6 +76,10 @@ def test_the_pair_in_two_populations() -> None:
         assert sum(times.values()) == 64
         assert pair["order"] == "varies"
         assert quarters[-1]["less"] <= 1
+        assert "damping" in pair["factor"]
+        assert pair["share"] > pair["by chance"]
+        assert f"{pair['share']:.3f}" in page
+        assert f"{pair['by chance']:.3f}" in page
         assert f"faster by {100.0 * pair['relative']['nominal']:.0f} %" in page
 
 
