@@ -248,6 +248,7 @@ def test_laws_that_symmetry_makes_equal_are_equal(three: cl.Result) -> None:
     assert (data["normal_tangential_coupling"] < 1e-12).all()
     outcome = data["outcome"].sel(quantity="rotor_velocity", law="newton", other_law="poisson")
     assert (outcome == EQUAL).all()
+    assert 4 <= len(three.findings) <= 9
 
 
 def test_priors_are_those_of_the_option_in_place_of_the_usual() -> None:

@@ -241,7 +241,7 @@ def _by_symmetry(data: xarray.Dataset) -> Iterator[str]:
     if len(group) > 1:
         yield (
             "The normal impulse of an impact does not change the slip in this motor (D_nt = 0): laws that "
-            f"differ in that alone are one, among {listed(group)}."
+            f"differ in that alone are one, among {listed(group.tolist())}."
         )
 
 
