@@ -43,6 +43,7 @@ BEYOND = (
     "optimise_motor",
     "steady_states",
     "published_motor",
+    "when_laws_matter",
 )
 """Experiments beyond it."""
 

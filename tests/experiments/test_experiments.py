@@ -79,6 +79,15 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     ),
     # A foot that friction does not disturb: the speed is the median of its free velocity.
     "published_motor": (lambda d: float(d.constant_load_run[0] / d.constant_load[0]), 1.0, 0.02),
+    # Largest difference of two laws' means over the root of the mean variance, by plain sums.
+    "when_laws_matter": (
+        lambda d: float(
+            (np.ptp(d.value[0, :, :, 0].mean("neighbour")) / d.ratio[0, 0]) ** 2
+            / d.value[0, :, :, 0].var("neighbour").mean()
+        ),
+        1.0,
+        1e-9,
+    ),
     # The configured motor's stall torque [N m], as a run of its own on a belt at rest has it.
     "optimise_motor": (lambda d: float(d.stall_torque.sel(motor=-1)), 5.2094e-3, 1e-6),
 }
