@@ -6,7 +6,7 @@ from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.compliant import count_event, switch_friction
 from contactlab.engine.constrained import settle
-from contactlab.engine.flight import step_flight
+from contactlab.engine.flight import RESOLUTION, step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
@@ -162,6 +162,9 @@ def _release(run: Run, law: Law, ends: Array) -> None:
 def _is_contact(run: Run) -> bool:
     """Return whether what ends here was a contact, and not a touch by round-off without impulse."""
     contact, rule = run.state.contact, run.propagator.rule
+    # Less deep than the digits of the gap; a contact that only pulls is not deep at all.
+    if run.state.law.compliant != 0 and 0.0 < contact.max_penetration < RESOLUTION:
+        return False
     if contact.normal_impulse != 0.0 or contact.friction_impulse != 0.0:
         return bool(contact.duration > 0.0 or run.state.law.constrained != 0)
     return bool(contact.duration >= CRAWL * step_length(run.propagator, rule.contact_level))
