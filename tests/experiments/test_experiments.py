@@ -82,7 +82,7 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     # Largest difference of two laws' means over the root of the mean variance, by plain sums.
     "when_laws_matter": (
         lambda d: float(
-            (np.ptp(d.value[0, :, :, 0].mean("neighbour")) / d.ratio[0, 0]) ** 2
+            (np.ptp(d.value[0, :, :, 0].mean("neighbour").values) / d.ratio[0, 0]) ** 2
             / d.value[0, :, :, 0].var("neighbour").mean()
         ),
         1.0,
