@@ -2,16 +2,20 @@
 
     python experiments/all.py [output=DIR]
 
-The page, index.html, contains its pictures. Exit status 1 if a finding does not hold.
+The page, index.html, contains its pictures. Claims, findings and tables are written to
+docs/results/experiments.json too, from which docs/paper.md has them. Exit status 1 if a finding does not
+hold.
 """
 
 import sys
 from base64 import b64encode
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from experiment import CONTRADICTED, DONE, OUTPUTS, REFUSED, Experiment, class_of, perform
 from jinja2 import Environment
+from results_store import PHYSICS, put
 from tqdm import tqdm
 
 from contactlab.processes import processors
@@ -86,6 +90,19 @@ def page(results: Sequence[tuple[Result, Path]]) -> str:
     return Environment(autoescape=True).from_string(PAGE).render(sections=sections)
 
 
+def store(name: str, make: Callable[[], Result]) -> Result:
+    """Put an experiment's finding and table into docs/results/experiments.json; returns its result."""
+    results: list[Result] = []
+
+    def section() -> dict[str, object]:
+        results.append(make())
+        about, rows = results[0].data.attrs, results[0].tables["table"].to_dict("records")
+        return {**{key: about[key] for key in ("says", "finding", "holds")}, "rows": rows}
+
+    put("experiments", name, name, section, PHYSICS)
+    return results[0]
+
+
 def main(arguments: Sequence[str]) -> int:
     """Run everything, write the page and return the exit status."""
     folder = OUTPUTS
@@ -98,7 +115,8 @@ def main(arguments: Sequence[str]) -> int:
     names = [class_of(name).name for name in (*PAPER, *BEYOND)]
     results = []
     for name in tqdm(names, unit=" experiments", disable=None):
-        results.append((perform(name, folder / name, workers=processors()), folder / name))
+        result = store(name, partial(perform, name, folder / name, workers=processors()))
+        results.append((result, folder / name))
         holds = results[-1][0].data.attrs["holds"]
         tqdm.write(f"{name}: {'holds' if holds else 'DOES NOT HOLD'}")
     (folder / "index.html").write_text(page(results), encoding="utf-8")

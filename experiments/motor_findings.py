@@ -4,17 +4,17 @@
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
 motor in two populations; and how often the rule of pairs is wrong in worlds of known truth. It takes about
-twenty minutes on two cores.
+twenty minutes on two cores, and writes docs/results/motor.json.
 """
 
-import json
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 from joblib import Parallel, delayed
+from results_store import PHYSICS, put
 
 import contactlab as cl
 from contactlab.inference.paired import (
@@ -29,11 +29,8 @@ from contactlab.inference.paired import (
 )
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
-from contactlab.results.provenance import versions
 from contactlab.steady_state import BrokenOffError, NotSettledError
 from contactlab.studies.compare.draws import observed
-
-RESULTS: Final = Path(__file__).resolve().parents[1] / "docs" / "results" / "motor.json"
 
 LAWS: Final = {
     "stick": ["law=lagrange_stick"],
@@ -42,7 +39,17 @@ LAWS: Final = {
     "hertz": ["law=hertz_penalty"],
     "mindlin": ["law=composed", "law/friction=mindlin"],
 }
+PICTURED: Final = {
+    "stick": ["law=lagrange_stick"],
+    "slip": ["law=lagrange_slip"],
+    "newton": ["law=newton"],
+    "hertz": ["law=hertz_penalty"],
+    "mindlin": ["law=composed", "law/damping=none", "law/friction=mindlin"],
+}
+"""Laws of the picture of README: without damping under `mindlin`."""
+
 CONVERGED: Final = ["resonator=finite_element"]
+BASES: Final = {"four shapes": [], "converged": CONVERGED}
 PHASES: Final = (None, 0.0, 0.524)
 """Phases of the first tone [rad]; None is the configured one."""
 
@@ -124,8 +131,6 @@ def table(names: Iterable[str], overrides: list[str], quantities: tuple[str, ...
 
 def delayed_call(function: Callable[..., Any], *arguments: Any) -> Callable[[], Any]:
     """Return a call without arguments that other processes can receive."""
-    from functools import partial
-
     return partial(function, *arguments)
 
 
@@ -145,9 +150,34 @@ def rates(truth: Iterable[float], pairs: int) -> dict[str, float]:
     return {"any wrong": wrong, "known": known}
 
 
-def four_shapes() -> dict[str, Any]:
-    """Return three laws on the paper's basis."""
-    return table(("stick", "newton", "hertz"), [], BOTH)
+def default_motor() -> dict[str, Any]:
+    """Return the laws of the picture on both bases, with the time in which the motor settles by e."""
+    return {
+        basis: every({law: delayed_call(with_time, [*overrides, *PICTURED[law]]) for law in PICTURED})
+        for basis, overrides in BASES.items()
+    }
+
+
+def with_time(overrides: list[str]) -> dict[str, Any]:
+    """Return kind, velocity and settling time of a settled motor."""
+    steady = cl.converged(cl.build(overrides))
+    best, velocity = steady.best, steady.velocity
+    time = None if best.orbit is None else best.orbit.settling_time
+    numbers = {"rotor_velocity": velocity.value, "rotor_velocity_error": velocity.error}
+    return {"kind": best.kind, **numbers, "settling_time": time}
+
+
+def first_run() -> dict[str, Any]:
+    """Return the rotor velocity at the end of the default run, and its time."""
+    run = cl.simulate(cl.build())
+    return {"time": float(run["time"][-1]), "rotor_velocity": float(run["rotor_velocity"][-1])}
+
+
+def driven_modes() -> dict[str, Any]:
+    """Return damping ratios and natural frequencies of the two driven modes on both bases."""
+    names = ("damping_ratio", "natural_frequency")
+    modes = {basis: cl.build(overrides).motor.modes for basis, overrides in BASES.items()}
+    return {basis: {name: getattr(own, name)[:2].tolist() for name in names} for basis, own in modes.items()}
 
 
 def by_phase() -> dict[str, Any]:
@@ -218,24 +248,28 @@ def known_worlds() -> dict[str, Any]:
     return {name: {str(n): rates(truth, n) for n in (1, 10)} for name, truth in WORLDS.items()}
 
 
-SECTIONS: Final[dict[str, Callable[[], dict[str, Any]]]] = {
-    "four shapes": four_shapes,
-    "converged, by phase": by_phase,
-    "converged, by damping ratio at equal free amplitude": by_damping,
-    "converged, with a rod": with_rod,
-    "stick and hertz": pair_in_two_populations,
-    "known worlds": known_worlds,
+PAIRS: Final = (*PHYSICS, "inference", "studies/compare")
+SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], tuple[str, ...]]]] = {
+    "default motor": (default_motor, PHYSICS),
+    "first run": (first_run, PHYSICS),
+    "modes": (driven_modes, PHYSICS),
+    "converged, by phase": (by_phase, PHYSICS),
+    "converged, by damping ratio at equal free amplitude": (by_damping, PHYSICS),
+    "converged, with a rod": (with_rod, PHYSICS),
+    "stick and hertz": (pair_in_two_populations, PAIRS),
+    "known worlds": (known_worlds, PAIRS),
 }
+"""What makes a section, and the folders of contactlab that it depends on."""
+
+CHEAP: Final = ("default motor", "first run", "modes")
+"""Sections that are made anew whenever the code has changed, in some seconds of a processor."""
 
 
 def main() -> None:
     """Compute the sections that are named, or all, and write the file."""
-    results = json.loads(RESULTS.read_text()) if RESULTS.is_file() else {}
     for name in sys.argv[1:] or SECTIONS:
-        results[name] = SECTIONS[name]()
-        results["versions"] = versions()
-        RESULTS.parent.mkdir(parents=True, exist_ok=True)
-        RESULTS.write_text(json.dumps(results, indent=1) + "\n")
+        make, parts = SECTIONS[name]
+        put("motor", "motor_findings", name, make, parts)
         print(name, flush=True)
 
 
