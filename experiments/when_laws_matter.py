@@ -203,7 +203,7 @@ class WhenLawsMatter(Experiment):
 
     says = (
         "The law matters more than what is not known of the motor in some motors and not in others, and a "
-        "dimensionless group tells them apart."
+        "dimensionless group separates them apart."
     )
 
     def tasks(self, setups: Setups) -> Iterator[Task]:
@@ -244,7 +244,7 @@ class WhenLawsMatter(Experiment):
 
     def thirds(self, data: xarray.Dataset) -> list[tuple[str, str, str, str, float]]:
         """Return those shares with Fisher's exact p-value, corrected over groups and quantities."""
-        found: list[tuple[str, str, str, str]] = []
+        rows: list[tuple[str, str, str, str]] = []
         p_values = []
         for name in QUANTITIES:
             ratio = data["ratio"].sel(quantity=name).values
@@ -258,11 +258,11 @@ class WhenLawsMatter(Experiment):
                 p_values.append(float(fisher_exact([[c, size - c] for c in counts]).pvalue))
                 ends = at[order][[size - 1, -size]]
                 texts = [f"{c} of {size}" for c in counts]
-                found.append(
+                rows.append(
                     (name, group, f"{texts[0]} (to {ends[0]:.3g})", f"{texts[1]} (from {ends[1]:.3g})")
                 )
         corrected = holm(np.array(p_values))
-        return [(*row, float(p)) for row, p in zip(found, corrected, strict=True)]
+        return [(*row, float(p)) for row, p in zip(rows, corrected, strict=True)]
 
     def draw(self, data: xarray.Dataset) -> Figure:
         """Draw D over the groups that tell most, a column a quantity."""
@@ -288,7 +288,7 @@ class WhenLawsMatter(Experiment):
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
         """State the share of motors with D > 1, and the groups that tell."""
-        sentences, tells = [], False
+        sentences, separates = [], False
         rows = self.thirds(data)
         for name in QUANTITIES:
             ratio = data["ratio"].sel(quantity=name).values
@@ -296,16 +296,16 @@ class WhenLawsMatter(Experiment):
             count = int((ratio > 1.0).sum())
             low, high = interval(count, known)
             groups = [row for row in rows if row[0] == name and row[4] < LEVEL]
-            tells = tells or bool(groups)
-            told = (
+            separates = separates or bool(groups)
+            separating = (
                 "; ".join(f"{group}: {lower}, {upper}" for _, group, lower, upper, _ in groups)
-                or "no group tells"
+                or "no group separates"
             )
             sentences.append(
                 f"{name.replace('_', ' ')}: D > 1 in {count} of {known} motors ({low:.0%} to {high:.0%}), "
-                f"{ratio.size - known} more have a law without a steady state; {told}."
+                f"{ratio.size - known} more have a law without a steady state; {separating}."
             )
-        return " ".join(sentences), tells
+        return " ".join(sentences), separates
 
 
 if __name__ == "__main__":
