@@ -9,7 +9,6 @@ from matplotlib.figure import Figure
 import contactlab as cl
 from contactlab.engine.plant import delassus, plant_of
 from contactlab.laws import LagrangeSlip
-from contactlab.motor.geometry import contact_frame
 from contactlab.testing.plants import impulses_of
 
 CASES = (
@@ -43,11 +42,8 @@ class Table2FrictionSigns(Experiment):
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
         """The friction impulse of an impact of the configured motor in every case."""
-        plant, geometry = plant_of(setup.motor), setup.motor.geometry
-        _, n_u, n_th, t_u, t_th = contact_frame(
-            0.0, 0.0, geometry.tip_length, geometry.rotor_radius, geometry.clearance
-        )
-        d = delassus(plant, n_u, n_th, t_u, t_th)
+        _, *directions = setup.motor.geometry.frame(0.0, 0.0)
+        d = delassus(plant_of(setup.motor), *directions)
         law = LagrangeSlip(setup.configuration["contact"]["friction_coefficient"])
         # Along t = (1, 0): to the right.
         impulses = [impulses_of(law, -0.1, tip - rotor, d)[1] for tip, rotor, _, _ in CASES]
