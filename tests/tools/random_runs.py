@@ -35,6 +35,7 @@ from contactlab.config.nesting import flat, nested
 from contactlab.laws import MultiplierLaw, law_class
 from contactlab.metrics import INVARIANTS, METRICS, assess
 from contactlab.results.netcdf import to_datatree
+from contactlab.results.provenance import code_digest
 from contactlab.trajectory import Trajectory
 
 FIGURES: Final = (
@@ -50,7 +51,7 @@ COMPLETE, REFUSED, FAILED = "complete", "refused", "failed"
 
 PLAIN: Final = (
     *("number", "law", "resonator", "drive", "bearing", "changes", "stepped", "ending", "message"),
-    *("contacts", "steps", "seconds"),
+    *("contacts", "steps", "seconds", "code"),
 )
 """Columns of the rows beside the figures."""
 
@@ -156,7 +157,7 @@ def outcome_of(number: int, seed: int = 0) -> dict[str, Any]:
         Its `number`, its `law` with the friction's name of a composed one, its resonator and drive, whether
         it has a bearing, how many changes, how its law is solved, the `ending` of the run, REFUSED or FAILED,
         the `message` why it did not reach its end, `contacts`, `steps` of the solver with the rejected ones,
-        `seconds` of processor that it took, and its figures.
+        `seconds` of processor that it took, the digest of the `code`, and its figures.
     """
     groups, values = random_configuration(number, seed)
     law = groups["law"]
@@ -176,7 +177,7 @@ def outcome_of(number: int, seed: int = 0) -> dict[str, Any]:
         row |= {"ending": REFUSED, "message": str(fault), "contacts": 0, "steps": 0}
     except Exception as fault:
         row |= {"ending": FAILED, "message": repr(fault), "contacts": 0, "steps": 0}
-    return row | {"seconds": process_time() - started}
+    return row | {"seconds": process_time() - started, "code": code_digest()[:12]}
 
 
 def _run(setup: cl.Setup, number: int) -> dict[str, Any]:
@@ -290,7 +291,8 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             f"* `bearing_momentum`, of {judged['bearing_momentum']} motors: momentum of a rotor on its "
             "bearing against force, preload, spring and damper, summed from records.",
             "",
-            f"Endings: {_counts(outcomes['ending'])}.",
+            f"Endings: {_counts(outcomes['ending'])}. Motors by the digest of the code that ran them: "
+            f"{_counts(outcomes['code'])}.",
             "",
             *_table(["part", "motors", "contacts", "endings"], counted),
             "",
