@@ -370,7 +370,9 @@ def outcomes_in(path: Path, numbers: range, seed: int, workers: int) -> pd.DataF
     parts = Parallel(n_jobs=workers, return_as="generator_unordered")(work(chunk) for chunk in chunks)
     for rows in tqdm(parts, total=len(chunks), unit=f" x {CHUNK}", disable=None):
         rows.to_csv(path, mode="a", header=not path.is_file(), index=False)
-    rows = pd.read_csv(path, keep_default_na=False, na_values={key: [""] for key in (*FIGURES, *OWN)})
+    blanks = {key: [""] for key in (*FIGURES, *OWN)}
+    # A digest may look like a number.
+    rows = pd.read_csv(path, keep_default_na=False, na_values=blanks, dtype={"code": str})
     return rows[rows["number"].isin(numbers)].sort_values("number", ignore_index=True)
 
 
