@@ -19,15 +19,16 @@ import numpy as np
 import xarray
 from experiment import Experiment, main, part_of
 from matplotlib.figure import Figure
-from scipy.stats import beta, fisher_exact, qmc
+from scipy.stats import fisher_exact, qmc
 from variations import tip_phasors
 
 import contactlab as cl
-from contactlab.arrays import Array
 from contactlab.config.nesting import flat, nested
 from contactlab.inference.calibration import Datum, calibrated
 from contactlab.inference.multiple import holm
+from contactlab.inference.paired import binomial_interval
 from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.studies.compare.laws import delassus_at_rest
 from contactlab.studies.study import Part, Setups, Task
 
 RESTITUTION: Final = Datum("restitution", 0.6, 0.1)
@@ -136,20 +137,14 @@ def setup_of(law: str, motor: Mapping[str, float], resonator: str) -> cl.Setup:
     made = cl.build(nested(settings))
     datum = Datum("restitution", motor["restitution"], RESTITUTION.speed)
     # A bench measures it in a straight impact.
-    number = calibrated(made.law, datum, np.diag(np.diag(delassus(made.motor))))
+    number = calibrated(made.law, datum, np.diag(np.diag(delassus_at_rest(made.motor))))
     assert number is not None
     return cl.build(nested(settings | {f"law.{number[0].name}": number[1]}))
 
 
-def delassus(motor: cl.Motor) -> Array:
-    """Return D at rest, normal and tangential [1/kg], shape (2, 2)."""
-    rows = np.stack(motor.rows_at_rest)
-    return rows @ rows.T + np.diag([0.0, motor.geometry.rotor_radius**2 / motor.rotor.inertia])
-
-
 def groups_of(motor: Mapping[str, float], setup: cl.Setup) -> list[float]:
     """Return the dimensionless groups of a motor, of its compliant law, in the order of `GROUPS`."""
-    made, d = setup.motor, delassus(setup.motor)
+    made, d = setup.motor, delassus_at_rest(setup.motor)
     normal, lean = tip_phasors(made.modes, made.drive)
     along = made.geometry.tip_length * float(np.abs(lean).sum())
     time = Datum("contact_time", 1.0, RESTITUTION.speed).measured(setup.law, np.diag(np.diag(d)))
@@ -189,13 +184,6 @@ def settled(motors: Sequence[Mapping[str, float]], resonator: str) -> Part:
             }
         )
     )
-
-
-def interval(count: int, total: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share, Clopper and Pearson's."""
-    low = beta.ppf(0.5 * LEVEL, count, total - count + 1) if count else 0.0
-    high = beta.ppf(1.0 - 0.5 * LEVEL, count + 1, total - count) if count < total else 1.0
-    return float(low), float(high)
 
 
 class WhenLawsMatter(Experiment):
@@ -294,7 +282,7 @@ class WhenLawsMatter(Experiment):
             ratio = data["ratio"].sel(quantity=name).values
             known = int(np.isfinite(ratio).sum())
             count = int((ratio > 1.0).sum())
-            low, high = interval(count, known)
+            low, high = map(float, binomial_interval(count, known))
             groups = [row for row in rows if row[0] == name and row[4] < LEVEL]
             separates = separates or bool(groups)
             separating = (

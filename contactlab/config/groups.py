@@ -115,7 +115,7 @@ class Options(Mapping[str, Keys]):
 
     Args:
         names: returns the names.
-        keys: returns the keys of an option; a ValueError says of one that is broken what is wrong with it.
+        keys_by_name: returns the keys of an option; a ValueError says what is wrong with one that is broken.
     """
 
     names: Callable[[], Collection[str]]

@@ -321,7 +321,10 @@ def _motor(values: dict[str, Any]) -> Motor:
         return motor
     if mass is None:
         mass = values["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
-    return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
+    try:
+        return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
+    except ValueError as error:
+        raise ConfigurationError([str(error)]) from error
 
 
 def validate(configuration: Values) -> dict[str, Any]:

@@ -42,6 +42,9 @@ def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
 
     It begins at rest: where the bearing's spring leaves the rotor, or on the tip, which it touches without
     force yet; what follows is part of the run. The drive and a start of the modes are kept.
+
+    Raises:
+        ValueError: the preload presses a rotor that the tip passes by.
     """
     modes, root, geometry = motor.modes, sqrt(bearing.mass), motor.geometry
     count = modes.stiffness.size
@@ -59,6 +62,11 @@ def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
     )
     way = 0.0
     if bearing.preload > 0.0:
+        if geometry.way_to_touch == inf:
+            raise ValueError(
+                f"contact.angle is {geometry.angle:g} rad, where the tip passes by the rotor; with a "
+                "contact.preload one must press on the other."
+            )
         free = bearing.preload / bearing.stiffness if bearing.stiffness > 0.0 else inf
         way = min(free, max(geometry.way_to_touch, 0.0) * (1.0 - TOUCHING))
     start = motor.start or ModalState(none, none)

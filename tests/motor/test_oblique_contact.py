@@ -50,6 +50,13 @@ def test_restitutions_are_one_on_the_axis_and_differ_beside_it() -> None:
     assert abs(newton - poisson) > 1e-3 * abs(newton)
 
 
+def test_a_preload_on_a_rotor_that_the_tip_passes_by_is_refused() -> None:
+    beside = ["contact.angle=1.57", "contact.clearance=0.5 mm"]
+    assert cl.build(beside).motor.geometry.way_to_touch == np.inf
+    with pytest.raises(cl.ConfigurationError, match=r"contact\.angle is 1\.57 rad"):
+        cl.build([*beside, "contact.preload=5", "rotor.bearing_damping=300"])
+
+
 def test_left_and_right_exchange_with_the_angle() -> None:
     motor, law = default_motor(**MOTORS[OBLIQUE]), cl.law("hertz_penalty", stiffness=5e9)
     mirrored = replace(
