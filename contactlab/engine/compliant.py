@@ -92,6 +92,9 @@ NODE_PRODUCT = 126.0
 KINK = 1e3
 """Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
 
+LEAST_DAMPED = 0.1
+"""Answer of a damping to the normal force in a step [1] below which the law's answers in turn contract."""
+
 BEFORE = NODES + 1
 """Column of the system that keeps the normal forces before a Newton step."""
 
@@ -133,14 +136,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     stretch = h / state.length
     state.length = h
     stiffness = steepness * mobility(run, level, FIRST, FIRST)
-    lean, sweeps = _lean(run, known, stiffness), 0
-    stiff = _is_damped(run, level, known, lean)
-    # Friction that is steep in the slip is solved with the slip held at zero first; else only where the plain
-    # iteration does not contract.
-    for fixed in range(1 if stiffness > 1.0 else 0, 2 if depends else 1):
-        if sweeps == 0:
-            _first_forces(run, law, stretch)
-            sweeps = _collocate(run, law, level, fixed == 1, known, lean, stiff)
+    sweeps = _iterate(run, law, level, known, stretch, stiffness)
     state.accepted_length = 0.0
     state.sweeps += sweeps
     if sweeps == 0:
@@ -161,6 +157,25 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
     return float(error * h / allowed)
+
+
+@part_kernel
+def _iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffness: float) -> int:
+    """Iterate the forces of a step in the ways that may contract; returns the number of sweeps, 0 for none.
+
+    A damping that relaxes the normal force within the step takes Newton steps, and one that hardly does takes
+    them where the law's answers in turn do not contract. Friction that is steep in the slip, by a `stiffness`
+    above one, is solved with the slip held at zero first, and else where that from its law does not contract.
+    """
+    lean, sweeps = _lean(run, known, stiffness), 0
+    damped = _damped_share(run, level, known, lean)
+    ways = 2 if run.state.law.friction_kind == RATE_DEPENDENT else 1
+    for stiff in range(1 if damped > 1.0 else 0, 2 if damped > LEAST_DAMPED else 1):
+        for fixed in range(1 if stiffness > 1.0 else 0, ways):
+            if sweeps == 0:
+                _first_forces(run, law, stretch)
+                sweeps = _collocate(run, law, level, fixed == 1, known, lean, stiff == 1)
+    return sweeps
 
 
 @inner_kernel
@@ -263,16 +278,17 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
 
 
 @inner_kernel
-def _is_damped(run: Run, level: int, known: Known, lean: float) -> bool:
-    """Return whether the normal force relaxes within the step, by a damping that its spring does not match.
+def _damped_share(run: Run, level: int, known: Known, lean: float) -> float:
+    """Return by how much the damping of the normal force answers it in the step [1], zero below its spring.
 
-    A step that does not resolve an elastic swing must not be solved: its error is not seen.
+    Above one the force relaxes within the step. A step that does not resolve an elastic swing must not be
+    solved: its error is not seen.
     """
     elastic, damped = 0.0, 0.0
     for m in range(NODES):
         elastic += _answered(run, level, known[5], 0.0, lean, LAST, m)
         damped += _answered(run, level, 0.0, known[6], lean, LAST, m)
-    return damped > max(elastic, 1.0)
+    return damped if damped > elastic else 0.0
 
 
 @inner_kernel
@@ -355,9 +371,11 @@ def _collocate(
         # 3.9, and the internal variables by eq. 5.2.
         change, most = _sweep_normal(run, law, level, known, lean, stiff)
         holds = at_zero_slip or (sticks and not follows)
+        coupled = 0.0
         if holds or follows:
-            change = max(change, correct_friction(run, law, level, holds, least_slip))
-        flowed = correct_memory(run, law, law.memory, state.length)
+            corrected, coupled = correct_friction(run, law, level, holds, least_slip)
+            change = max(change, corrected)
+        flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
         if not np.isfinite(change):
             return 0
         least = 1e-3 * AGREEMENT * state.impulse_scale

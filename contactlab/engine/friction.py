@@ -17,7 +17,15 @@ import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
-from contactlab.engine.memory import end_at, jump, memory_at, recall, recall_start, solve_linear
+from contactlab.engine.memory import (
+    SLIP_ROUND_OFF,
+    end_at,
+    jump,
+    memory_at,
+    recall,
+    recall_start,
+    solve_linear,
+)
 from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
@@ -128,13 +136,18 @@ def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float
 
 
 @inner_kernel
-def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) -> float:
-    """Take one Newton step of friction and internal variable; returns the largest correction [N].
+def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) -> tuple[float, float]:
+    """Take one Newton step of friction and internal variable.
 
     Friction that `holds` alone changes, so that the slip vanishes at all nodes. Of the others the derivatives
     of f and g are differences, over a slip of at least about `least` [m/s].
+
+    Returns:
+        Largest correction of the friction [N], and of the variable [1], relative to its size, beyond what
+        round-off of the slip does to it. Without a normal force friction tells nothing of its variable.
     """
     state, step = run.state, run.step
+    size, noise, flowed = abs(state.memory[0]), 0.0, 0.0
     h, system, derivative = state.length, step.system, run.propagator.rule.derivative
     right = NODES if holds else 2 * NODES
     for i in range(NODES):
@@ -146,6 +159,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
             continue
         # Eq. 3.9: the law's friction and the rate of its variable, both at once.
         f, g, f_v, f_z, g_v, g_z = _derivatives(run, law, i, least)
+        noise = max(noise, h * abs(g_v) * SLIP_ROUND_OFF)
         for m in range(NODES):
             s = mobility(run, level, i, m)
             same = 1.0 if m == i else 0.0
@@ -161,13 +175,17 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
         change = system[i, right]
         state.friction.node[i] += change
         if state.law.coupled != 0 and not holds:
-            step.memory[i, 0] += system[NODES + i, right]
+            moved = system[NODES + i, right]
+            step.memory[i, 0] += moved
+            # NaN fails every comparison, and is passed on.
+            flowed = flowed if abs(moved) - noise <= flowed else abs(moved) - noise
+            size = max(size, abs(step.memory[i, 0]))
         push_node(run, i)
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
     if not holds:
         for i in range(NODES):
             state.internal_rate.node[i] = _internal_rate(run, i)
-    return most
+    return float(most), 0.0 if flowed == 0.0 else float(flowed / size)
 
 
 @inner_kernel

@@ -19,6 +19,10 @@ from support.command_line import cases
 
 from contactlab.engine import Flow, simulate
 from contactlab.laws import ContactLaw
+from contactlab.laws.composed import Composed
+from contactlab.laws.damping import HuntCrossley
+from contactlab.laws.friction import RateAndState
+from contactlab.laws.normal import HertzPoint
 from contactlab.motor.motor import Motor
 from contactlab.testing.flights import DURATION, random_flight
 from contactlab.testing.plants import attempt, block, paper_motor, run, way_of
@@ -70,6 +74,19 @@ def test_what_lives_for_the_run_flows_in_flight_and_in_contact(law: ContactLaw, 
     time = 2e-4 if isinstance(law, Cooling) else law.time
     assert_allclose(made.series["internal_warmth"], np.exp(-made.time / time), rtol=1e-10, atol=1e-8)
     assert made.statistics["contact_steps"] + made.statistics["rejected_steps"] < 5000
+
+
+@pytest.mark.parametrize("slip", [0.5, 2.0, 8.0])
+def test_the_age_of_a_contact_without_force_is_that_of_its_slip(slip: float) -> None:
+    """It parts faster than its damped spring pushes: dtheta/dt = 1 - v theta/D at a constant v."""
+    friction = RateAndState(renewal_distance=1.4e-6, reference_velocity=5e-7, fresh_age=2e-6)
+    law = Composed(HertzPoint(4e10), HuntCrossley(0.534, 0.328), friction)
+    made = run(block(MASS, height=-4e-6, gap_rate=2.0, velocity=slip), law, 1.9e-6, record_interval=1e-8)
+    assert not made.series["normal_force"].any()
+    steady = friction.renewal_distance / slip
+    age = steady + (friction.fresh_age - steady) * np.exp(-made.time / steady)
+    exact = np.log(friction.reference_velocity * age / friction.renewal_distance)
+    assert_allclose(made.series["internal_age"], exact, atol=1e-5)
 
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-6])
