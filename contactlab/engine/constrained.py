@@ -274,14 +274,11 @@ def _move(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
 
 
 @inner_kernel
-def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
-    """Let impulses act [N s], and account for what they do."""
+def _account(run: Run, before: Contact, after: Contact, p_n: float, p_t: float) -> float:
+    """Add impulses [N s] to the sums of contact and run, with their loss [J], which is returned."""
     state, contact = run.state, run.state.contact
-    _, rate, slip, _, _, _, _ = frame
-    _move(run, frame, p_n, p_t)
-    _, rate_after, slip_after, _, _, _, _ = contact_at(run.plant, START)
-    lost = -0.5 * p_n * (rate + rate_after)
-    rubbed = -0.5 * p_t * (slip + slip_after)
+    lost = -0.5 * p_n * (before[1] + after[1])
+    rubbed = -0.5 * p_t * (before[2] + after[2])
     state.total.contact_loss += lost
     state.total.friction_loss += rubbed
     state.total.normal_impulse += p_n
@@ -289,7 +286,16 @@ def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
     contact.energy_loss += lost + rubbed
     contact.normal_impulse += p_n
     contact.friction_impulse += p_t
-    contact.impact_energy_gain += max(-lost - rubbed, 0.0)
+    return float(lost + rubbed)
+
+
+@inner_kernel
+def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
+    """Let the impulses of an impact act [N s], and account for what they do."""
+    state, contact = run.state, run.state.contact
+    _move(run, frame, p_n, p_t)
+    lost = _account(run, frame, contact_at(run.plant, START), p_n, p_t)
+    contact.impact_energy_gain += max(-lost, 0.0)
     _note_impact(contact, p_n)
     if contact.start_time < state.run_start <= state.time:
         _note_impact(state.contact_of_run, p_n)
@@ -368,8 +374,11 @@ def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
 def settle(run: Run) -> Contact:
     """Take from the step's start what location and collocation left of gap and gap rate, in stick of slip.
 
-    It is along the gradient, by the masses, as the paper's corrector (eq. 57); returns the contact.
+    It is along the gradient, by the masses, as the paper's corrector (eq. 57). What changes the rates are
+    impulses of the contact: a slip that is located up to SLIP_ROUND_OFF turns the rotor as it ends. A contact
+    without impulse so far may be a touch by round-off, which has none. Returns the contact.
     """
+    contact = run.state.contact
     frame = contact_at(run.plant, START)
     _, _, _, n_u, n_th, _, _ = frame
     shift = frame[0] / _matrix_of(run, frame)[0]
@@ -385,7 +394,10 @@ def settle(run: Run) -> Contact:
     if run.state.mode == STICK:
         p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
     _move(run, frame, p_n, p_t)
-    return contact_at(run.plant, START)
+    after = contact_at(run.plant, START)
+    if contact.duration > 0.0 or contact.normal_impulse != 0.0:
+        _account(run, frame, after, p_n, p_t)
+    return after
 
 
 @inner_kernel

@@ -11,7 +11,7 @@ from contactlab.arrays import Array
 from contactlab.engine.compliant import most_events
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import contact_from
-from contactlab.engine.plant import modes_of
+from contactlab.engine.plant import modes_of, resolved_rate
 from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
     CHATTERED,
@@ -118,9 +118,10 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
 
 
 def balanced(
-    state: Any, series: dict[str, Array], modes: NDArray[np.int8], contact_step: float
+    run: Run, series: dict[str, Array], modes: NDArray[np.int8], contact_step: float
 ) -> tuple[Ending, str]:
     """Return the ending of a run that reached its end: complete, or unbalanced with a sentence."""
+    state = run.state
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_remainder, state.most_remainder]) - start
@@ -140,13 +141,28 @@ def balanced(
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
         if state.law.compliant or state.law.constrained
-        else f"Choose a shorter solver.contact_step than {contact_step:.3g} s."
+        else f"{_unresolved(run, contact_step)}Choose a shorter solver.contact_step than {contact_step:.3g} "
+        "s, or leave it out: the law is solved in its limit then."
     )
     return Ending.UNBALANCED, (
         f"The run reached its end, but its energy ledger is open by {share:.3g} of the energy turned "
         f"over, {SCALE}; it must be at most {LEDGER_LIMIT:g}. {way_out}"
     )
 
+
+def _unresolved(run: Run, contact_step: float) -> str:
+    """Return a sentence on a step in time [s] that is no small part of the fastest vibration; else none."""
+    swing = contact_step * resolved_rate(run.plant)
+    if swing <= RESOLVED:
+        return ""
+    return (
+        f"A step holds the contact's force, and the fastest mode or tone turns by {swing:.2g} rad meanwhile: "
+        f"the error is of first order in this angle, and more than {RESOLVED:g} rad is long. "
+    )
+
+
+RESOLVED: Final = 0.1
+"""Angle [rad] by which the fastest vibration may turn within a step of first order."""
 
 NEGLIGIBLE: Final = 1e-6
 """Share of the energy turned over below which the ledger of a contact is not judged."""

@@ -149,7 +149,7 @@ def simulate(
     names = [f"internal_{variable.name}" for variable in law.internal_variables]
     series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
     if ending is Ending.COMPLETE:
-        ending, message = balanced(state, series, contact_modes, contact_step)
+        ending, message = balanced(run, series, contact_modes, contact_step)
     rows, memory = np.concatenate(finished), np.concatenate(ends).T
     contacts = {variable.name: rows[variable.name].copy() for variable in contact_variables(law)}
     part = _first_part(state, earlier, contacts)

@@ -5,6 +5,7 @@
 
 import shlex
 
+import numpy as np
 import pandas as pd
 import pytest
 import random_runs as script
@@ -13,6 +14,7 @@ from support.command_line import Command, cases
 
 import contactlab as cl
 from contactlab.metrics import INVARIANTS
+from contactlab.trajectory import Ending
 
 FIRST = 108
 """The last share of the laws begins here, the parts of the composed law follow."""
@@ -25,6 +27,30 @@ def test_a_random_configuration_is_refused_or_keeps_every_invariant(number: int)
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
     assert (outcome["ending"] == "complete") != bool(outcome["message"])
+
+
+def test_an_impulse_that_ends_the_slip_of_a_rigid_contact_is_in_its_sum() -> None:
+    # The slip begins with round-off, friction turns it round, and its end is located at 1e-13 m/s.
+    outcome = script.outcome_of(3800)
+    assert outcome["ending"] == "complete"
+    assert outcome["rotor_momentum"] < 1e-12
+
+
+def test_a_damping_whose_force_the_sweeps_of_a_step_cannot_follow_takes_newton_steps() -> None:
+    # It sticks where normal and friction force move the tip nearly alike, and relaxes within a step.
+    outcome = script.outcome_of(9896)
+    assert outcome["ending"] == "complete"
+    assert not script.broken(outcome)
+    assert outcome["steps"] < 20_000
+
+
+def test_a_step_that_is_too_long_for_the_fastest_mode_is_named_with_the_angle_that_it_turns() -> None:
+    setup = script.setup_of(8793)
+    assert setup.contact_step is not None
+    long, short = setup.run(), setup.run(contact_step=setup.contact_step / 8)
+    assert (long.ending, short.ending) == (Ending.UNBALANCED, Ending.COMPLETE)
+    angle = setup.contact_step * np.sqrt(setup.motor.modes.stiffness.max())
+    assert f"{angle:.2g} rad" in long.message
 
 
 GRAZING = """
