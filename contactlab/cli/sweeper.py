@@ -149,7 +149,7 @@ class Arguments:
             HydraConfig.instance().set_config(composed)
             name = str(OmegaConf.select(composed, "hydra.sweep.subdir"))
         except OmegaConfBaseException as error:
-            raise ConfigurationError([f"hydra.sweep.subdir cannot be resolved: {one_line(error)}"]) from error
+            raise ConfigurationError(f"hydra.sweep.subdir cannot be resolved: {one_line(error)}") from error
         return name, Job(key_of(setup), tuple(lines.values()), choices_of(hydra), setup.configuration)
 
     def _values(self, override: Override) -> list[Any]:
@@ -197,10 +197,8 @@ def table(path: str) -> dict[str, list[Value]]:
     except Exception as error:
         reason = one_line(error).removeprefix("Error tokenizing data. C error: ")
         raise ConfigurationError(
-            [
-                f"sweep.samples is '{path}' and cannot be read ({excerpt(reason)}); it must be a "
-                "table, CSV (NAME.csv) or netCDF, whose columns are keys and whose rows are runs."
-            ]
+            f"sweep.samples is '{path}' and cannot be read ({excerpt(reason)}); it must be a "
+            "table, CSV (NAME.csv) or netCDF, whose columns are keys and whose rows are runs."
         ) from error
     raise_faults(
         f"sweep.samples has the column '{excerpt(name)}'; its name must be a key."
@@ -267,7 +265,7 @@ class Sweeping:
         keep = "metrics" if study else settings.keep
         if keep == "metrics" and re.search(r"\$\{[^}]*:", str(as_written(composed))):
             raise ConfigurationError(
-                ["${NAME:...} may depend on what is swept; write the value with sweep.keep=metrics."]
+                "${NAME:...} may depend on what is swept; write the value with sweep.keep=metrics."
             )
         plan = planned(
             arguments,

@@ -34,24 +34,22 @@ def changed(
         try:
             time = to_si(when, "s")
         except UnitError as error:
-            raise ConfigurationError([f"{KEY} has '{text}', whose time is '{when}', {error}."]) from error
+            raise ConfigurationError(f"{KEY} has '{text}', whose time is '{when}', {error}.") from error
         if not before < time < duration:
             bounds = f"greater than {before:g} s and less than the solver.duration, {duration:g} s"
-            raise ConfigurationError([f"{KEY} has '{text}', whose time is {time:g} s; it must be {bounds}."])
+            raise ConfigurationError(f"{KEY} has '{text}', whose time is {time:g} s; it must be {bounds}.")
         if not pairs:
-            raise ConfigurationError([f"{KEY} has '{text}', without a change; it must be TIME; KEY=VALUE."])
+            raise ConfigurationError(f"{KEY} has '{text}', without a change; it must be TIME; KEY=VALUE.")
         changed_here = set[str]()
         for pair in pairs:
             key, sign, value = (part.strip() for part in pair.partition("="))
             if not sign or key not in now or not key.startswith(CHANGEABLE) or key == "drive.signal":
                 names = ", ".join(CHANGEABLE)
-                raise ConfigurationError([f"{KEY} has '{pair}'; it must be KEY=VALUE of {names}."])
+                raise ConfigurationError(f"{KEY} has '{pair}'; it must be KEY=VALUE of {names}.")
             if now[key] is None and key == "contact.preload":
-                raise ConfigurationError(
-                    [f"{KEY} has '{pair}'; contact.preload must be there from the start."]
-                )
+                raise ConfigurationError(f"{KEY} has '{pair}'; contact.preload must be there from the start.")
             if key in changed_here:
-                raise ConfigurationError([f"{KEY} has '{text}', with {key} twice; it must occur once."])
+                raise ConfigurationError(f"{KEY} has '{text}', with {key} twice; it must occur once.")
             changed_here.add(key)
             now[key] = value
         yield time, nested(now)

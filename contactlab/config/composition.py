@@ -79,7 +79,7 @@ def _searched(config_dir: str | Path | None) -> Iterator[str]:
         return
     folder = Path(config_dir).resolve()
     if not folder.is_dir():
-        raise ConfigurationError([f"config_dir is '{config_dir}'; it must be a folder that exists."])
+        raise ConfigurationError(f"config_dir is '{config_dir}'; it must be a folder that exists.")
     refuse_expansions([str(folder)])
     yield f"hydra.searchpath=[{quoted(f'file://{folder}')}]"
 
@@ -194,7 +194,7 @@ def parsed(overrides: Sequence[str]) -> tuple[dict[str, str], dict[str, Any]]:
     for override in read:
         key, value = override.key_or_group, override.value()
         if override.is_delete() or override.is_sweep_override() or key.split(".")[0] in ("hydra", EXPERIMENT):
-            raise ConfigurationError([f"{override.input_line} is no KEY=VALUE of a run; it must be one."])
+            raise ConfigurationError(f"{override.input_line} is no KEY=VALUE of a run; it must be one.")
         if key in groups() and not isinstance(value, dict):
             options[key] = str(value)
         else:
@@ -221,7 +221,7 @@ def overridden(source: Mapping[str, Any], overrides: Sequence[str]) -> dict[str,
         for name in path:
             below = below.setdefault(name, {})
             if not isinstance(below, dict):
-                raise ConfigurationError([unknown_override(key)])
+                raise ConfigurationError(unknown_override(key))
         below[last] = value
     return whole
 
@@ -274,7 +274,7 @@ def with_references(written: Mapping[str, Any]) -> dict[str, Any]:
         return OmegaConf.to_container(OmegaConf.create(dict(written)), resolve=True)  # type: ignore[return-value]
     except OmegaConfBaseException as error:
         fault = f"{one_line(error)} Correct the reference in ${{...}}."
-        raise ConfigurationError([fault]) from None
+        raise ConfigurationError(fault) from None
 
 
 def refuse_lines(lines: Iterable[str]) -> None:

@@ -38,12 +38,12 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
         try:
             drive = _read(signal, content, electrodes, tuple(numbers.items()))
         except (MeasurementError, ValueError, OSError) as error:
-            raise ConfigurationError([f"drive.file is '{path}': {error}"]) from error
+            raise ConfigurationError(f"drive.file is '{path}': {error}") from error
         keys = [f"drive.file, '{path}', has a tone of"] * drive.frequency.size
     else:
         if electrodes != 2:
             fault = f"drive={signal} has 2 electrodes and the resonator {electrodes}; both must have as many."
-            raise ConfigurationError([f"{fault} drive=tones and drive=sampled have any number."])
+            raise ConfigurationError(f"{fault} drive=tones and drive=sampled have any number.")
         null = ""
         if numbers.get("frequency", 0.0) is None:
             numbers["frequency"] = values["frequency"] = float(modes.natural_frequency[0])
@@ -51,7 +51,7 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
         try:
             drive = _made(signal, tuple(numbers.items()))
         except ValueError as error:
-            raise ConfigurationError([f"drive: {error}"]) from error
+            raise ConfigurationError(f"drive: {error}") from error
         keys = [f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is"]
     _refuse_undamped_resonance(drive, modes, keys)
     return drive

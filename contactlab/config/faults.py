@@ -1,6 +1,6 @@
 """Faults of a configuration, each with key, value and bound."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from traceback import extract_tb
 
@@ -10,11 +10,11 @@ from contactlab.suggestion import suggestion
 
 
 class ConfigurationError(ValueError):
-    """A configuration that cannot run, with all its faults."""
+    """A configuration that cannot run, with all its faults, or one."""
 
-    def __init__(self, faults: list[str]) -> None:
-        super().__init__("\n".join(faults))
-        self.faults = faults
+    def __init__(self, faults: Iterable[str] | str) -> None:
+        self.faults = [faults] if isinstance(faults, str) else [*faults]
+        super().__init__("\n".join(self.faults))
 
 
 def one_line(error: BaseException) -> str:

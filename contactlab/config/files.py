@@ -25,12 +25,12 @@ def named_file(group: str, section: dict[str, Any]) -> tuple[Path, bytes]:
             return path, recorded
         reason = getattr(error, "strerror", None) or error
         fault = f"{group}.file is '{path}', which cannot be read ({reason}); it must be a file."
-        raise ConfigurationError([fault]) from error
+        raise ConfigurationError(fault) from error
     digest = keep(content)
     if expected not in (None, digest):
         if (recorded := recorded_content(expected)) is not None:
             return path, recorded
         fault = f"{group}.digest is '{expected}'; it must be '{digest}', that of '{path}'."
-        raise ConfigurationError([f"{fault} The file has changed; leave the digest out to take it as it is."])
+        raise ConfigurationError(f"{fault} The file has changed; leave the digest out to take it as it is.")
     section |= {"file": str(path), "digest": digest}
     return path, content

@@ -61,10 +61,8 @@ def with_number(setup: "Setup", key: str, value: object) -> "Setup":
         numbers[f"{group}.{leaf}"] = (name,), field
     if key not in numbers:
         raise ConfigurationError(
-            [
-                f"{key} is no number of a motor made in Python; it must be one of {', '.join(numbers)}. Vary "
-                "anything else by a function that makes the motor."
-            ]
+            f"{key} is no number of a motor made in Python; it must be one of {', '.join(numbers)}. Vary "
+            "anything else by a function that makes the motor."
         )
     path, field = numbers[key]
     try:
@@ -72,7 +70,7 @@ def with_number(setup: "Setup", key: str, value: object) -> "Setup":
     # What binds several numbers of one class is checked by the class.
     except ValueError as fault:
         message = f"{key} {fault}" if isinstance(fault, UnitError) else str(fault)
-        raise ConfigurationError([message]) from None
+        raise ConfigurationError(message) from None
 
 
 def _replaced(owner: Any, path: tuple[str, ...], value: object) -> Any:

@@ -168,7 +168,7 @@ class Setup:
             options, values = parsed(overrides)
             if options:
                 fault = f"{next(iter(options))} is an option; a motor made in Python must have KEY=VALUE."
-                raise ConfigurationError([fault])
+                raise ConfigurationError(fault)
             return reduce(lambda setup, item: with_number(setup, *item), values.items(), self)
         return build(overridden(self.source, overrides))
 
@@ -280,13 +280,13 @@ def rebuild(configuration: Values) -> Setup:
     try:
         check_records(solver["duration"], record["interval"], "record.interval")
     except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+        raise ConfigurationError(str(error)) from error
     if resolved["contact"]["preload"] is not None:
         try:
             motor = at_rest(motor, law)
         except (ValueError, LawError) as error:
             preload = resolved["contact"]["preload"]
-            raise ConfigurationError([f"contact.preload is {preload:g} N. {error}"]) from error
+            raise ConfigurationError(f"contact.preload is {preload:g} N. {error}") from error
     later = changed(resolved, solver["changes"] or (), solver["duration"])
     changes = tuple((time, _motor(_checked(each)[0])) for time, each in later)
     if solver["until"] == STEADY:
@@ -324,7 +324,7 @@ def _motor(values: dict[str, Any]) -> Motor:
     try:
         return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
     except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+        raise ConfigurationError(str(error)) from error
 
 
 def validate(configuration: Values) -> dict[str, Any]:
@@ -362,7 +362,7 @@ def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
     try:
         modes: NormalModes = BASES[resonator.pop("basis")](**resonator).modes
     except ValueError as error:
-        raise ConfigurationError([f"resonator, piezoceramic or placement: {error}"]) from error
+        raise ConfigurationError(f"resonator, piezoceramic or placement: {error}") from error
     return modes
 
 
@@ -387,13 +387,13 @@ def _other_modes(values: Values) -> NormalModes:
         # A resonator of another package may refuse, or fail, in ways of its own.
         except Exception as error:
             fault = f"resonator={basis} cannot be made from its numbers: {one_line(error)}"
-            raise ConfigurationError([fault]) from error
+            raise ConfigurationError(fault) from error
         return modes
     path, content = named_file("resonator", section)
     try:
         return _read_modes(content, values["contact"]["tip_length"], section["modes"])
     except (MeasurementError, ValueError, OSError) as error:
-        raise ConfigurationError([f"resonator.file is '{path}': {error}"]) from error
+        raise ConfigurationError(f"resonator.file is '{path}': {error}") from error
 
 
 @lru_cache(maxsize=16)
@@ -417,11 +417,11 @@ def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> Co
         sentence = f"law={name} cannot be made from its parameters: {reason}"
         if reason.startswith(f"{name}: "):
             sentence = f"law.{reason.removeprefix(f'{name}: ')}"
-        raise ConfigurationError([sentence]) from error
+        raise ConfigurationError(sentence) from error
 
 
 def _refuse_unseen_periods(drive: Drive, interval: float) -> None:
     try:
         check_until_steady(drive, interval)
     except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+        raise ConfigurationError(str(error)) from error

@@ -203,24 +203,24 @@ def _problem(
     problem: Problem
     if isinstance(data, MeasuredImpacts):
         if others := [item.name for item in keys if not item.field]:
-            raise ConfigurationError([f"{', '.join(others)} is of the motor; impacts depend on the law."])
+            raise ConfigurationError(f"{', '.join(others)} is of the motor; impacts depend on the law.")
         predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
         unknown = discrepancy or data.covariance is None
         problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
     elif corrections:
-        raise ConfigurationError([f"{corrections[0].name} is of measured impacts; the data are of a motor."])
+        raise ConfigurationError(f"{corrections[0].name} is of measured impacts; the data are of a motor.")
     elif "resonator" not in setup.configuration:
-        raise ConfigurationError(["A motor made in Python has no configuration, by which it is fitted."])
+        raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
     elif isinstance(data, MeasuredSeries):
         problem = series_problem(
             data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )
     elif discrepancy:
-        raise ConfigurationError(["study.discrepancy must be off: operating points have no time."])
+        raise ConfigurationError("study.discrepancy must be off: operating points have no time.")
     else:
         problem = points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
     if not problem.free:
-        raise ConfigurationError([f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH."])
+        raise ConfigurationError(f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH.")
     return problem
 
 

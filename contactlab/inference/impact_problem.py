@@ -175,7 +175,7 @@ class ImpactProblem(Problem):
         if self.corrections and (self.measured.bodies is None or self.measured.bodies.rotation is None):
             names = ", ".join(item.name for item in self.corrections)
             raise ConfigurationError(
-                [f"{names} cannot be free: the impacts are not those of a planar body with one angle."]
+                f"{names} cannot be free: the impacts are not those of a planar body with one angle."
             )
 
     @property

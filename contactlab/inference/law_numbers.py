@@ -57,14 +57,14 @@ def _freed(key: str, ends: Sequence[float | str], declared: Parameter, field: st
     """
     shown = f"{key}={'..'.join(map(str, ends))}"
     if isinstance(ends, str) or len(ends) != 2:
-        raise ConfigurationError([f"{key} is free in {ends!r}; it must have two ends, LOW and HIGH."])
+        raise ConfigurationError(f"{key} is free in {ends!r}; it must have two ends, LOW and HIGH.")
     try:
         span = [to_si(end.strip(), declared.unit) if isinstance(end, str) else float(end) for end in ends]
         return replace(chosen_range(key, span, declared), field=field)
     except UnitError as error:
-        raise ConfigurationError([f"{shown} has an end {error}."]) from error
+        raise ConfigurationError(f"{shown} has an end {error}.") from error
     except ValueError as error:
-        raise ConfigurationError([str(error)]) from error
+        raise ConfigurationError(str(error)) from error
 
 
 def corrections_in(free: Free) -> tuple[FreeParameter, ...]:
@@ -79,7 +79,7 @@ def corrections_in(free: Free) -> tuple[FreeParameter, ...]:
         if name not in CORRECTIONS:
             every = [f"{DATA}{name}" for name in CORRECTIONS]
             hint = suggestion(key, every, f"There are {', '.join(every)}.")
-            raise ConfigurationError([f"There is no number {key} of the data. {hint}"])
+            raise ConfigurationError(f"There is no number {key} of the data. {hint}")
         result.append(_freed(key, free[key], CORRECTIONS[name], name))
     return tuple(result)
 
@@ -160,7 +160,7 @@ def law_predictors(
     for key in [*known, *free]:
         if not (is_of_data(key) or key in every):
             hint = suggestion(key, every, f"They have {', '.join(every) or 'none'}.")
-            raise ConfigurationError([f"None of these laws has a number {key}. {hint}"])
+            raise ConfigurationError(f"None of these laws has a number {key}. {hint}")
         result = [_changed(predictor, key, free.get(key)) for predictor in result]
     return result
 

@@ -76,15 +76,13 @@ def points_problem(
     for key in measured.keys:
         if key not in declared:
             hint = suggestion(key, declared, "contactlab --help lists the keys.")
-            raise ConfigurationError(
-                [f"The data have a column {key}, which is no number of the motor. {hint}"]
-            )
+            raise ConfigurationError(f"The data have a column {key}, which is no number of the motor. {hint}")
         if key in [item.name for item in keys]:
-            raise ConfigurationError([f"{key} is free and a column of the data; it must be one of them."])
+            raise ConfigurationError(f"{key} is free and a column of the data; it must be one of them.")
         try:
             columns[key] = measured.table.numbers(key, declared[key].units).tolist()
         except MeasurementError as error:
-            raise ConfigurationError([f"The data: {error}"]) from error
+            raise ConfigurationError(f"The data: {error}") from error
     points = tuple(dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
     settings = flat(configuration)
     for point in points:

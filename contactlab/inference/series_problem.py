@@ -219,27 +219,23 @@ def series_problem(
     interval, places = records_at(measured.time)
     if places is None and (odd := [name for name in measured.values if name in ON_RECORDS]):
         raise ConfigurationError(
-            [
-                f"{', '.join(odd)} is measured at times that are no multiples of one interval; it must be, "
-                "since forces are means over intervals. Leave it out of series, or put it on a grid."
-            ]
+            f"{', '.join(odd)} is measured at times that are no multiples of one interval; it must be, "
+            "since forces are means over intervals. Leave it out of series, or put it on a grid."
         )
     computed = {*variables.SERIES, *output_variables(rebuild(configuration).motor.modes)}
     if unknown := set(measured.values) - {each.name for each in computed}:
         raise ConfigurationError(
-            [
-                f"{', '.join(sorted(unknown))} is measured, but the resonator has no such capacitance. Give "
-                "it one (capacitance_1_1 of a resonator.file), or leave it out of series."
-            ]
+            f"{', '.join(sorted(unknown))} is measured, but the resonator has no such capacitance. Give "
+            "it one (capacitance_1_1 of a resonator.file), or leave it out of series."
         )
     period = configured_period(configuration)
     if discrepancy and not period > 0.0:
         raise ConfigurationError(
-            ["The drive has no period, the discrepancy's correlation time. Leave discrepancy out."]
+            "The drive has no period, the discrepancy's correlation time. Leave discrepancy out."
         )
     if discrepancy and degrees_of_freedom != inf:
         raise ConfigurationError(
-            ["Student-t noise and a discrepancy of a series cannot be combined. Leave one out."]
+            "Student-t noise and a discrepancy of a series cannot be combined. Leave one out."
         )
     duration = max(float(measured.time[-1]), interval)
     times = {"solver.duration": duration, "solver.until": "duration", "solver.precision": PRECISION}

@@ -69,17 +69,15 @@ class Basins(Study):
             return self.over
         if len(self.over) != 2 or len({each.name for each in self.over} & {*COORDINATES}) != 2:
             raise ConfigurationError(
-                [
-                    f"study.over is {', '.join(map(str, self.over))}; it must be ranges NAME=START..END of "
-                    f"two of {', '.join(COORDINATES)}."
-                ]
+                f"study.over is {', '.join(map(str, self.over))}; it must be ranges NAME=START..END of "
+                f"two of {', '.join(COORDINATES)}."
             )
         axes = {}
         for each in self.over:
             try:
                 start, end = each.within(from_cf(COORDINATES[each.name][0]))
             except UnitError as error:
-                raise ConfigurationError([f"study.over has {error}."]) from error
+                raise ConfigurationError(f"study.over has {error}.") from error
             # The end of a period is its start.
             whole = each.name == "drive_phase" and end - start == 1.0
             axes[each.name] = np.linspace(start, end, self.count, endpoint=not whole)

@@ -59,15 +59,13 @@ class Branch(Study):
         (setup,) = setups.values()
         if self.over is None:
             text = "study.over must be one range KEY=START..END, as in 'contact.clearance=1 um..4 um'."
-            raise ConfigurationError([text])
+            raise ConfigurationError(text)
         if self.over.name == "belt" and self.belt is not None:
-            raise ConfigurationError(
-                [f"study.belt is {self.belt:g} and {self.over} varies it. Leave one out."]
-            )
+            raise ConfigurationError(f"study.belt is {self.belt:g} and {self.over} varies it. Leave one out.")
         try:
             ends = self.over.within(unit_of(setup, self.over.name))
         except UnitError as error:
-            raise ConfigurationError([f"study.over is {error}."]) from error
+            raise ConfigurationError(f"study.over is {error}.") from error
         return [Task("", _branch, (setup, self.over.name, *ends, self.belt, self.step))]
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:

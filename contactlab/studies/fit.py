@@ -86,11 +86,11 @@ class Fit(Study):
         noise = number_or_free("study.noise", self.noise, 1.0)
         if self.series:
             if not isinstance(result, MeasuredSeries):
-                raise ConfigurationError(["study.series is set and the data are no series; leave it out."])
+                raise ConfigurationError("study.series is set and the data are no series; leave it out.")
             try:
                 result = result.only(self.series)
             except ValueError as error:
-                raise ConfigurationError([str(error)]) from error
+                raise ConfigurationError(str(error)) from error
         if noise is None:
             return result
         return without_errors(result) if noise == FREE else with_noise(result, float(noise))
@@ -244,7 +244,7 @@ def number_or_free(name: str, text: str | float | None, largest: float) -> float
         if 0.0 < (value := float(text)) <= largest and isfinite(value):
             return value
     limit = "" if largest == inf else f" and at most {largest:g}"
-    raise ConfigurationError([f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'."])
+    raise ConfigurationError(f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'.")
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

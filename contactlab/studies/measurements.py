@@ -43,12 +43,12 @@ def read_file(data: str | Path, read: Callable[[Path], _Data]) -> _Data:
         ConfigurationError: the file is missing, or cannot be read.
     """
     if not str(data):
-        raise ConfigurationError(["study.data is missing; it must be a file of measurements."])
+        raise ConfigurationError("study.data is missing; it must be a file of measurements.")
     try:
         return read(Path(data))
     except OSError as error:
         raise ConfigurationError(
-            [f"data is '{data}' and cannot be read ({error.strerror or error})."]
+            f"data is '{data}' and cannot be read ({error.strerror or error})."
         ) from error
     except ValueError as error:
         raise ConfigurationError([f"data: {line}" for line in str(error).splitlines()]) from error

@@ -43,10 +43,10 @@ class Synthetic(Study):
         names = self.series or ["rotor_velocity"]
         if unknown := [name for name in names if name not in MEASURABLE]:
             raise ConfigurationError(
-                [f"study.series is {', '.join(unknown)}; it must be some of {', '.join(MEASURABLE)}."]
+                f"study.series is {', '.join(unknown)}; it must be some of {', '.join(MEASURABLE)}."
             )
         if self.series and self.impacts:
-            raise ConfigurationError(["study.series and study.impacts exclude each other; leave one out."])
+            raise ConfigurationError("study.series and study.impacts exclude each other; leave one out.")
         (setup,) = setups.values()
         return [Task("", _synthetic, (setup, self.impacts, names, self.noise, self.seed))]
 

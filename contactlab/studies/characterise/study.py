@@ -57,10 +57,8 @@ class Characterise(Study):
         for setup in setups.values():
             if (load := setup.motor.rotor.load_torque) != 0.0:
                 raise ConfigurationError(
-                    [
-                        f"rotor.load_torque is {load:.12g} N m; it must be 0 N m: the sheet loads the motor "
-                        "itself, from beyond stall to beyond no load. Leave it out."
-                    ]
+                    f"rotor.load_torque is {load:.12g} N m; it must be 0 N m: the sheet loads the motor "
+                    "itself, from beyond stall to beyond no load. Leave it out."
                 )
         return [Task(label, _sheet, (setup,)) for label, setup in setups.items()]
 
@@ -214,7 +212,7 @@ def characterise(
     """
     listed = [motors] if isinstance(motors, Motor | Setup) else list(motors)
     if not listed:
-        raise ConfigurationError(["There is nothing to characterise; give one setup or more."])
+        raise ConfigurationError("There is nothing to characterise; give one setup or more.")
     labels = map(str, range(len(listed))) if len(listed) > 1 else [""]
     setups = {label: steady_setup(motor, law) for label, motor in zip(labels, listed, strict=True)}
     return Characterise(**options)(setups, output=output, progress=progress)

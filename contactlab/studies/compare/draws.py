@@ -376,7 +376,7 @@ class Posteriors:
                     raise ValueError("it has no posterior of a law")
         except (OSError, KeyError, ValueError) as error:
             raise ComparisonError(
-                [f"posterior is '{path}', which is no file of the study fit: {error}"]
+                f"posterior is '{path}', which is no file of the study fit: {error}"
             ) from None
         samples = {
             str(label).partition(" ")[0]: {str(name): x.values.ravel() for name, x in data.items()}

@@ -31,10 +31,10 @@ POINT_KEYS: Final = 3
 
 @final
 class ComparisonError(ValueError):
-    """Runs that cannot be compared, a sentence for each fault."""
+    """Runs that cannot be compared, a sentence for each fault, or one."""
 
-    def __init__(self, faults: Iterable[str]) -> None:
-        self.faults = tuple(faults)
+    def __init__(self, faults: Iterable[str] | str) -> None:
+        self.faults = (faults,) if isinstance(faults, str) else tuple(faults)
         super().__init__("\n".join(self.faults))
 
 
@@ -148,7 +148,7 @@ def grid_of(setups: Iterable[Setup]) -> Grid:
         result |= {(run.label, cells[-1]): each for run, each in zip(runs, members, strict=True)}
     if len({frozenset(each) for each in laws}) > 1 or len(set(cells)) < len(cells):
         raise ComparisonError(
-            ["Setups differ in more than their laws; then every law must be at every operating point, once."]
+            "Setups differ in more than their laws; then every law must be at every operating point, once."
         )
     return Grid(laws[0], tuple(cells), result)
 

@@ -129,10 +129,8 @@ class Design:
         if posterior:
             if not any(posterior.values(setup, 0.0) for setup in grid.setups.values()):
                 raise ComparisonError(
-                    [
-                        f"posterior is a fit of {', '.join(posterior.samples)}; it must be one of a number "
-                        "of the laws that are compared."
-                    ]
+                    f"posterior is a fit of {', '.join(posterior.samples)}; it must be one of a number "
+                    "of the laws that are compared."
                 )
             factors = (*factors, Factor(POSTERIOR, "uniform", 0.0, 1.0))
         return cls(grid, factors, samples, tuple(names), posterior)

@@ -146,7 +146,7 @@ class Compare(Study):
             plain = [build().configuration, build(list(self.presets)).configuration]
             if any(setup.configuration not in plain for setup in setups.values()):
                 raise ConfigurationError(
-                    ["Recorded runs have configurations of their own; there must be no other keys."]
+                    "Recorded runs have configurations of their own; there must be no other keys."
                 )
             return {}
         if self.calibrate is not None:
@@ -154,7 +154,7 @@ class Compare(Study):
         grid = grid_of(setups.values())
         if len(grid.cells) > 1 and not self.refine:
             raise ComparisonError(
-                ["Operating points are compared with refine=true; without it every key must have one value."]
+                "Operating points are compared with refine=true; without it every key must have one value."
             )
         return {", ".join(filter(None, place)): setup for place, setup in grid.setups.items()}
 
@@ -316,7 +316,7 @@ def compare(
     every: list[Any] = [sources] if isinstance(sources, single) else list(sources)
     setups = {f"setup {n}": each for n, each in enumerate(every, 1) if isinstance(each, Setup)}
     if setups and len(setups) < len(every):
-        raise ComparisonError(["There are setups and recorded runs; there must be one kind."])
+        raise ComparisonError("There are setups and recorded runs; there must be one kind.")
     if not setups:
         options["runs"] = every
     return Compare(**options)(setups, output=output, progress=progress)

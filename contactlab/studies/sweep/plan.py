@@ -104,7 +104,7 @@ class Outputs:
             for key, name, known in unknown
         )
         if not kept and not recorded:
-            raise ConfigurationError([f"{group}metrics and {group}series have none; there must be one."])
+            raise ConfigurationError(f"{group}metrics and {group}series have none; there must be one.")
         return cls(kept, recorded)
 
     def of_laws(self, laws: Iterable[ContactLaw]) -> "Outputs":
@@ -273,7 +273,7 @@ def planned(
     if keep == "metrics":
         bases = tuple(_without_workers(base) for base in bases)
     if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
-        raise ConfigurationError(["solver.until is steady; series must be at the same times in every run."])
+        raise ConfigurationError("solver.until is steady; series must be at the same times in every run.")
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = _trials(bases, values)
     outputs = outputs.of_laws(_laws(trials))
@@ -306,7 +306,7 @@ def planned(
     plan = replace(plan, chunk=chunk or size_of_tasks(plan.cells, keep))
     if plan.cells > (most := MOST_JOBS if keep == "runs" else MOST_RUNS):
         shown = f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs"
-        raise ConfigurationError([f"The sweep has {shown}; it must have at most {most} (sweep.keep={keep})."])
+        raise ConfigurationError(f"The sweep has {shown}; it must have at most {most} (sweep.keep={keep}).")
     for cell in range(plan.cells if samples else 0):
         with faults_added(faults):
             plan.setup_at(cell)
@@ -336,10 +336,10 @@ def full_keys(
         ends = [name] if whole else [k for k in known if f"_{k.replace('.', '_')}".endswith(f"_{name}")]
         different = {known.get(key, key): key for key in reversed(ends)}
         if len(different) > 1:
-            raise ConfigurationError([f"{name} may be {' or '.join(ends)}. Name one of them."])
+            raise ConfigurationError(f"{name} may be {' or '.join(ends)}. Name one of them.")
         what, key = next(iter(different.items()), (name, name))
         if what in swept:
-            raise ConfigurationError([f"{key} is swept by two names, {name} one of them. Leave one out."])
+            raise ConfigurationError(f"{key} is swept by two names, {name} one of them. Leave one out.")
         swept.add(what)
         full[key] = column
     return full
@@ -394,7 +394,7 @@ def _built(configuration: Configuration) -> Setup:
     run = with_references(configuration)
     if "study" in run and (study := study_in(run.pop("study"))).base:
         raise ConfigurationError(
-            [f"study.data state a motor of their own; a sweep of {study.name} would not be of it."]
+            f"study.data state a motor of their own; a sweep of {study.name} would not be of it."
         )
     return build(run)
 
