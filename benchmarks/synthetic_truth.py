@@ -34,8 +34,8 @@ from contactlab.inference.fit import strength
 from contactlab.inference.free_parameters import FreeParameter, free_parameters, with_values
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.least_squares import best_fit
+from contactlab.inference.motor_problem import series_problem
 from contactlab.inference.nested_sampling import sample
-from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import made_impacts, made_series, without_errors
 from contactlab.processes import begin_worker
 

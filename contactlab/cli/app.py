@@ -1,13 +1,16 @@
-"""The task of the Hydra application, and the checks before a run.
+"""The task of the Hydra application: one run or study, and the checks before it.
 
 Hydra makes the folder of a run before it calls the task. Therefore single runs are checked by a callback,
 and sweeps by our sweeper: a faulty one leaves nothing behind.
 """
 
+import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
+from time import perf_counter
 from typing import Any, Final, final
 
 from hydra.conf import HydraConf
@@ -19,20 +22,21 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.jobs import perform, refusals
 from contactlab.cli.settings import of_command, of_run
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import faults_of
-from contactlab.config.faults import one_line
+from contactlab.config.faults import faults_added, one_line
 from contactlab.config.nesting import quoted
 from contactlab.config.schema import FRICTION
 from contactlab.laws.registry import takes_shared
-from contactlab.results.files import STATE
+from contactlab.results.files import DATASET, LOG, STATE
+from contactlab.results.summary import summarise
 from contactlab.studies import run_state
 from contactlab.studies.registry import SIMULATE, study_class
-from contactlab.studies.run_state import Job, State, is_done, key_of, write_state
+from contactlab.studies.run_state import PICTURE, Job, State, is_done, key_of, leave, write_state
+from contactlab.trajectory import Trajectory
 
 RECORD_ON_DISK: Final = 85
 """Size of a record in run.nc [bytes], measured with three laws at 1 and 10 us: 83 to 104."""
@@ -83,6 +87,43 @@ def run(settings: DictConfig) -> int:
     return status
 
 
+def perform(setup: Setup, directory: Path, job: Job, *, swept: bool) -> bool:
+    """Run a job, leave its files in a directory, print what became of it, and return whether it is complete.
+
+    Raises:
+        KeyboardInterrupt: with a sentence, after what there was has been written.
+    """
+    started = perf_counter()
+
+    def simulate(setup: Setup) -> Trajectory:
+        with terminal.progress(setup.duration, "s") as show, terminal.waiting() as check:
+
+            def report(time: float) -> None:
+                nonlocal started
+                # The engine reports 0 once it is compiled; the compiler's time is not the run's.
+                started = perf_counter() if time == 0.0 else started
+                show(time)
+                check()
+
+            trajectory = setup.run(progress=report, keep_interrupted=True)
+        ended.append(perf_counter())
+        return trajectory
+
+    ended: list[float] = []
+    with terminal.raising():
+        state, groups = leave(setup, directory, job, simulate, with_metrics=swept)
+    if state.digest:
+        beside = f" and {PICTURE} beside it." if setup.configuration["record"]["picture"] else "."
+        tell(f"{summarise(groups, ended[0] - started)}\nWritten to {directory / DATASET}{beside}", sys.stdout)
+    if state.state == run_state.INTERRUPTED:
+        raise KeyboardInterrupt(state.reason)
+    if state.reason:
+        tell(state.reason, sys.stderr)
+    if (directory / LOG).exists():
+        tell(f"The traceback is in {directory / LOG}.", sys.stderr)
+    return state.state == run_state.COMPLETE
+
+
 @final
 class Check(Callback):
     """Checks a single run before Hydra makes its folder, and collects the runs of a sweeper of others."""
@@ -96,12 +137,10 @@ class Check(Callback):
         lines = typed(config.hydra.overrides.hydra) + typed(config.hydra.overrides.task)
         faults = [*without_effect(study_class(str(config.study.name)), lines)]
         study, over = None, list[str]()
-        try:
+        with faults_added(faults):
             study, sweep = of_command(config)
             over = list(sweep.over or [])
-            faults = faults or [*without_effect(study, [*lines, *over])]
-        except ConfigurationError as error:
-            faults += error.faults
+            faults += [] if faults else without_effect(study, [*lines, *over])
         try:
             setup = _checked["setup"] = rebuild(of_run(config))
             faults += idle_friction(lines, [setup.configuration["law"]])
@@ -184,6 +223,27 @@ def _folder_faults(config: DictConfig) -> Iterator[str]:
         yield f"hydra.run.dir cannot be resolved: {one_line(error)} Name a directory."
         return
     yield from refusals(Path(folder), "hydra.run.dir" if config.study.name == SIMULATE else "output")
+
+
+def refusals(directory: Path, key: str = "output") -> Iterator[str]:
+    """Yield why nothing can be written into a directory, if so; everything is left as it was."""
+    created: list[Path] = []
+    try:
+        created = [path for path in (directory, *directory.parents) if not path.exists()]
+        directory.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=directory):
+            pass
+        # The netCDF library takes it for a separator, whatever the system says.
+        if os.sep == "/" and "\\" in str(directory.absolute()):
+            raise OSError(None, "netCDF files cannot lie in a path with a backslash")
+    # A ValueError: a null character, or one that the locale cannot spell.
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        yield f"{key} is '{directory}' and cannot be written to ({reason}); it must be a writable directory."
+    finally:
+        for path in created:
+            with suppress(OSError):
+                path.rmdir()
 
 
 def choices_of(hydra_config: HydraConf | DictConfig) -> dict[str, str | None]:

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from contactlab.cli import terminal
 from contactlab.cli.arguments import Parser
-from contactlab.cli.jobs import unwritable
-from contactlab.cli.terminal import COMPLETE, RefusalError, tell
+from contactlab.cli.terminal import COMPLETE, RefusalError, tell, unwritable
 
 
 def main(arguments: list[str]) -> int:

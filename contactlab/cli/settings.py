@@ -11,8 +11,8 @@ from typing import Annotated, Any, Final, Literal, final
 from omegaconf import DictConfig
 
 from contactlab.checks import Checked
-from contactlab.config import ConfigurationError
 from contactlab.config.composition import resolved
+from contactlab.config.faults import faults_added, raise_faults
 from contactlab.config.groups import Section, keys_of
 from contactlab.config.options import declare
 from contactlab.config.schema import Examination
@@ -60,8 +60,7 @@ def sweep_in(section: Mapping[str, Any]) -> Sweep:
         ConfigurationError: with every fault.
     """
     examined = Examination({"sweep": section}, {"sweep": SECTIONS["sweep"]}, ())
-    if examined.faults:
-        raise ConfigurationError(examined.faults)
+    raise_faults(examined.faults)
     return Sweep(**examined.values["sweep"])
 
 
@@ -72,14 +71,9 @@ def of_command(config: DictConfig) -> tuple[Study, Sweep]:
         ConfigurationError: with every fault.
     """
     sections, faults = resolved(config), list[str]()
-    try:
+    with faults_added(faults):
         study = study_in(sections["study"])
-    except ConfigurationError as error:
-        faults += error.faults
-    try:
+    with faults_added(faults):
         sweep = sweep_in(sections["sweep"])
-    except ConfigurationError as error:
-        faults += error.faults
-    if faults:
-        raise ConfigurationError(faults)
+    raise_faults(faults)
     return study, sweep

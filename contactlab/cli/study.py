@@ -16,8 +16,7 @@ from types import NoneType
 from typing import Any, Final, get_args, get_origin
 
 from contactlab.cli import terminal
-from contactlab.cli.jobs import unwritable
-from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell
+from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell, unwritable
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.nesting import flat, quoted
 from contactlab.config.schema import FRICTION

@@ -25,32 +25,21 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.checks import check_declared
 from contactlab.cli import terminal
-from contactlab.cli.app import announce, choices_of, idle_friction, status_of_runs
+from contactlab.cli.app import announce, choices_of, idle_friction, refusals, status_of_runs
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.jobs import refusals
 from contactlab.cli.settings import SECTIONS, sweep_in
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError
 from contactlab.config.composition import as_written, faults_of, resolved
-from contactlab.config.faults import one_line
+from contactlab.config.faults import faults_added, one_line, raise_faults
 from contactlab.config.nesting import Value, flat, quoted
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import STATE, check_file, error_text
 from contactlab.studies.registry import SIMULATE
-from contactlab.studies.run_folder import write_log
-from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_state
+from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_log, write_state
 from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep.dataset import summary
-from contactlab.studies.sweep.plan import (
-    NOTHING,
-    Configuration,
-    Outputs,
-    Plan,
-    faults_added,
-    full_keys,
-    planned,
-    raise_faults,
-)
+from contactlab.studies.sweep.plan import NOTHING, Configuration, Outputs, Plan, full_keys, planned
 from contactlab.studies.sweep.study import Sweep as SweepStudy, begin, continued, runs_of
 from contactlab.studies.sweep.values import FORMS, SweepError, call_in, spread
 from contactlab.suggestion import excerpt
@@ -255,10 +244,8 @@ class Sweeping:
     def _swept(self, lines: Sequence[str]) -> int:
         arguments = Arguments(self.context, self.config, lines)
         faults, composed = arguments.faults, arguments.composed({})
-        try:
+        with faults_added(faults):
             settings = sweep_in(arguments.settings)
-        except ConfigurationError as error:
-            faults += error.faults
         raise_faults(faults)
         section, folder = self.config.study, Path(str(self.config.hydra.sweep.dir))
         study, scheduler = "" if section.name == SIMULATE else str(section.name), section.get("scheduler")

@@ -22,6 +22,7 @@ from typing import Final, NoReturn, TextIO, final
 from tqdm import tqdm
 
 from contactlab.progress import shown_by
+from contactlab.results.files import error_text
 
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses of the command: complete, incomplete or failed, refused for a fault, ended by Ctrl-C."""
@@ -47,6 +48,11 @@ class RefusalError(ValueError):
     def __init__(self, message: str, status: int = REFUSED) -> None:
         super().__init__(message)
         self.status = status
+
+
+def unwritable(folder: Path, error: OSError) -> RefusalError:
+    """Return the failure of a folder that could not be written to the end, as on a full disk."""
+    return RefusalError(f"Nothing more can be written to '{folder}': {error_text(error)}", INCOMPLETE)
 
 
 def open_closed() -> None:

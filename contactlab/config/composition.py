@@ -21,7 +21,7 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
-from contactlab.config.faults import ConfigurationError, one_line, unknown_key
+from contactlab.config.faults import ConfigurationError, one_line, raise_faults, unknown_key
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
 from contactlab.config.nesting import flat, quoted
 from contactlab.config.options import (
@@ -62,8 +62,8 @@ _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None) -> dict[str, Any]:
     """Compose a configuration, not yet checked; arguments and errors are those of `contactlab.build`."""
     refuse_lines(overrides)
-    if idle := [line for line in overrides if line.lstrip("+~").startswith("hydra.")]:
-        raise ConfigurationError([f"{line} is the command's; a run has none." for line in idle])
+    idle = (line for line in overrides if line.lstrip("+~").startswith("hydra."))
+    raise_faults(f"{line} is the command's; a run has none." for line in idle)
     try:
         with started():
             composed = hydra.compose(RUN, overrides=[*_searched(config_dir), *map(readable, overrides)])
@@ -296,8 +296,7 @@ def refuse_lines(lines: Iterable[str]) -> None:
         below = re.findall(r"(\w+)\s*:", value) if value.startswith("{") else []
         for group in filter(None, map(group_selected_by, [key, *(f"{key}.{leaf}" for leaf in below)])):
             faults.append(f"{line} would rename a {group} and keep its parameters; choose by {group}=NAME.")
-    if faults:
-        raise ConfigurationError(faults)
+    raise_faults(faults)
 
 
 def refuse_expansions(folders: Iterable[str]) -> None:
@@ -311,8 +310,7 @@ def refuse_expansions(folders: Iterable[str]) -> None:
         # What is no YAML, or cannot be read, Hydra refuses if it is chosen.
         except (OSError, YAMLError):
             continue
-    if faults:
-        raise ConfigurationError(faults)
+    raise_faults(faults)
 
 
 def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:

@@ -1,17 +1,19 @@
-"""The drive of a configuration, and the files of tones and samples that it names."""
+"""The drive of a configuration, and the files that configurations name, recorded by path and digest."""
 
 from collections.abc import Iterator
 from functools import lru_cache
+from pathlib import Path
 from typing import Any, Final, cast
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.config.faults import ConfigurationError
-from contactlab.config.files import named_file
+from contactlab.config.faults import ConfigurationError, as_fault, raise_faults
 from contactlab.config.signals import SIGNALS
 from contactlab.motor import Drive, NormalModes, Waveform
 from contactlab.motor.table import MeasurementError, Table, read_table
+from contactlab.results.contents import keep, recorded_content
+from contactlab.results.files import check_file
 
 RESONANCE: Final = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
@@ -35,10 +37,8 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
         path, content = named_file("drive", values)
         numbers = {**numbers, "digest": values["digest"]}
         del numbers["file"]
-        try:
+        with as_fault(f"drive.file is '{path}': ", OSError):
             drive = _read(signal, content, electrodes, tuple(numbers.items()))
-        except (MeasurementError, ValueError, OSError) as error:
-            raise ConfigurationError(f"drive.file is '{path}': {error}") from error
         keys = [f"drive.file, '{path}', has a tone of"] * drive.frequency.size
     else:
         if electrodes != 2:
@@ -48,12 +48,17 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
         if numbers.get("frequency", 0.0) is None:
             numbers["frequency"] = values["frequency"] = float(modes.natural_frequency[0])
             null = " null, that is the first natural frequency,"
-        try:
+        with as_fault("drive: "):
             drive = _made(signal, tuple(numbers.items()))
-        except ValueError as error:
-            raise ConfigurationError(f"drive: {error}") from error
         keys = [f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is"]
-    _refuse_undamped_resonance(drive, modes, keys)
+    # At an undamped natural frequency there is no steady state.
+    raise_faults(
+        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
+        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or the mode be damped."
+        for key, tone in zip(keys, drive.frequency.tolist(), strict=False)
+        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
+        if abs(tone - natural) <= RESONANCE * natural
+    )
     return drive
 
 
@@ -85,14 +90,29 @@ def _columns(table: Table, names: list[str]) -> Iterator[Array]:
         yield table.numbers(name, _UNITS[name.partition("_")[0]])
 
 
-def _refuse_undamped_resonance(drive: Drive, modes: NormalModes, keys: list[str]) -> None:
-    """Refuse a tone that meets an undamped natural frequency, where no steady state exists."""
-    faults = [
-        f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
-        f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or the mode be damped."
-        for key, tone in zip(keys, drive.frequency.tolist(), strict=False)
-        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
-        if abs(tone - natural) <= RESONANCE * natural
-    ]
-    if faults:
-        raise ConfigurationError(faults)
+def named_file(group: str, section: dict[str, Any]) -> tuple[Path, bytes]:
+    """Return path and content of the file of a section, and write whole path and digest into the section.
+
+    The content of a dataset stands for that of a file that is gone or has changed since.
+
+    Raises:
+        ConfigurationError: it cannot be read, or its digest is another than that of the section.
+    """
+    path, expected = Path(section["file"]).absolute(), section["digest"]
+    try:
+        check_file(path)
+        content = path.read_bytes()
+    except (OSError, ValueError) as error:
+        if (recorded := recorded_content(expected)) is not None:
+            return path, recorded
+        reason = getattr(error, "strerror", None) or error
+        fault = f"{group}.file is '{path}', which cannot be read ({reason}); it must be a file."
+        raise ConfigurationError(fault) from error
+    digest = keep(content)
+    if expected not in (None, digest):
+        if (recorded := recorded_content(expected)) is not None:
+            return path, recorded
+        fault = f"{group}.digest is '{expected}'; it must be '{digest}', that of '{path}'."
+        raise ConfigurationError(f"{fault} The file has changed; leave the digest out to take it as it is.")
+    section |= {"file": str(path), "digest": digest}
+    return path, content

@@ -1,6 +1,7 @@
 """Faults of a configuration, each with key, value and bound."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from traceback import extract_tb
 
@@ -15,6 +16,30 @@ class ConfigurationError(ValueError):
     def __init__(self, faults: Iterable[str] | str) -> None:
         self.faults = [faults] if isinstance(faults, str) else [*faults]
         super().__init__("\n".join(self.faults))
+
+
+def raise_faults(faults: Iterable[str]) -> None:
+    """Raise a ConfigurationError of the faults, each once; nothing where there is none."""
+    if every := list(dict.fromkeys(faults)):
+        raise ConfigurationError(every)
+
+
+@contextmanager
+def faults_added(faults: list[str]) -> Iterator[None]:
+    """Add the faults of a ConfigurationError to others."""
+    try:
+        yield
+    except ConfigurationError as error:
+        faults += error.faults
+
+
+@contextmanager
+def as_fault(before: str = "", kind: type[Exception] = ValueError, after: str = "") -> Iterator[None]:
+    """Raise a ValueError, or an exception of another kind, as a fault with texts around its own."""
+    try:
+        yield
+    except (ValueError, kind) as error:
+        raise ConfigurationError(f"{before}{error}{after}") from error
 
 
 def one_line(error: BaseException) -> str:

@@ -14,9 +14,8 @@ import yaml
 from contactlab.checks import accepts_units, check_kind, check_records
 from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
-from contactlab.config.drives import drive_of
-from contactlab.config.faults import ConfigurationError, one_line
-from contactlab.config.files import named_file
+from contactlab.config.drives import drive_of, named_file
+from contactlab.config.faults import ConfigurationError, as_fault, faults_added, one_line, raise_faults
 from contactlab.config.groups import GROUPS
 from contactlab.config.made_in_python import PLACES, with_number
 from contactlab.config.nesting import flat, nested
@@ -39,7 +38,6 @@ from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import (
     Bearing,
     ContactGeometry,
-    Drive,
     Motor,
     NormalModes,
     Piezoceramic,
@@ -49,7 +47,7 @@ from contactlab.motor import (
     on_bearing,
 )
 from contactlab.motor.modal import modes_of
-from contactlab.motor.table import MeasurementError, read_table
+from contactlab.motor.table import read_table
 from contactlab.parameter import DeclaredField
 from contactlab.results.contents import contents_of, keep
 from contactlab.results.netcdf import settings_of
@@ -277,20 +275,16 @@ def rebuild(configuration: Values) -> Setup:
     motor = _motor(resolved)
     if record["interval"] is None:
         record["interval"] = default_record_interval(motor, solver["duration"])
-    try:
+    with as_fault():
         check_records(solver["duration"], record["interval"], "record.interval")
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
-    if resolved["contact"]["preload"] is not None:
-        try:
+    if (preload := resolved["contact"]["preload"]) is not None:
+        with as_fault(f"contact.preload is {preload:g} N. ", LawError):
             motor = at_rest(motor, law)
-        except (ValueError, LawError) as error:
-            preload = resolved["contact"]["preload"]
-            raise ConfigurationError(f"contact.preload is {preload:g} N. {error}") from error
     later = changed(resolved, solver["changes"] or (), solver["duration"])
     changes = tuple((time, _motor(_checked(each)[0])) for time, each in later)
     if solver["until"] == STEADY:
-        _refuse_unseen_periods(motor.drive, record["interval"])
+        with as_fault():
+            check_until_steady(motor.drive, record["interval"])
     # What follows from the rotor takes its place in the configuration.
     of_law = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
     resolved["law"] |= {key: getattr(law, key) for key in of_law}
@@ -321,10 +315,8 @@ def _motor(values: dict[str, Any]) -> Motor:
         return motor
     if mass is None:
         mass = values["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
-    try:
+    with as_fault():
         return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
 
 
 def validate(configuration: Values) -> dict[str, Any]:
@@ -336,10 +328,8 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     examined = Examination(configuration)
     law, sound, faults = None, flat(examined.values), examined.faults
     if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
-        try:
+        with faults_added(faults):
             law = _law(examined.values["law"], sound[FRICTION], sound["rotor.radius"])
-        except ConfigurationError as error:
-            faults += error.faults
     if faults or law is None:
         raise ConfigurationError(faults)
     return examined.values, law
@@ -359,10 +349,8 @@ def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
         piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
     resonator |= {"steel": Steel(**resonator["steel"]), "piezoceramic": piezoceramic}
     resonator |= {f"patch_{edge}": place for edge, place in placement.items()}
-    try:
+    with as_fault("resonator, piezoceramic or placement: "):
         modes: NormalModes = BASES[resonator.pop("basis")](**resonator).modes
-    except ValueError as error:
-        raise ConfigurationError(f"resonator, piezoceramic or placement: {error}") from error
     return modes
 
 
@@ -370,15 +358,13 @@ def _other_modes(values: Values) -> NormalModes:
     """Return the modes of a file, completing path and digest of the section, or another package's."""
     section = values["resonator"]
     basis = section["basis"]
-    faults = [
+    raise_faults(
         f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={basis}, "
         "which has nothing of it."
         for group in OF_BEAMS
         for key, field in next(iter(GROUPS[group].options.values())).items()
         if isinstance(field, DeclaredField) and values[group].get(key) != field.default
-    ]
-    if faults:
-        raise ConfigurationError(faults)
+    )
     if basis != MODAL:
         numbers = {key: value for key, value in section.items() if key != "basis"}
         try:
@@ -390,10 +376,8 @@ def _other_modes(values: Values) -> NormalModes:
             raise ConfigurationError(fault) from error
         return modes
     path, content = named_file("resonator", section)
-    try:
+    with as_fault(f"resonator.file is '{path}': ", OSError):
         return _read_modes(content, values["contact"]["tip_length"], section["modes"])
-    except (MeasurementError, ValueError, OSError) as error:
-        raise ConfigurationError(f"resonator.file is '{path}': {error}") from error
 
 
 @lru_cache(maxsize=16)
@@ -418,10 +402,3 @@ def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> Co
         if reason.startswith(f"{name}: "):
             sentence = f"law.{reason.removeprefix(f'{name}: ')}"
         raise ConfigurationError(sentence) from error
-
-
-def _refuse_unseen_periods(drive: Drive, interval: float) -> None:
-    try:
-        check_until_steady(drive, interval)
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error

@@ -36,14 +36,12 @@ from contactlab.inference.free_parameters import FreeParameter, label_of
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
 from contactlab.inference.least_squares import Optimum, best_fit
+from contactlab.inference.motor_problem import points_problem, series_problem
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
-from contactlab.inference.points_problem import points_problem
 from contactlab.inference.problem import Problem
-from contactlab.inference.series_problem import series_problem
 from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.points import MeasuredPoints
-from contactlab.measured.series import MeasuredSeries
+from contactlab.measured.series import MeasuredPoints, MeasuredSeries
 from contactlab.progress import part_of_progress
 
 STARTS: Final = 16

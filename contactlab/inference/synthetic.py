@@ -11,11 +11,10 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.config.nesting import flat
 from contactlab.impacts import velocities_after
-from contactlab.inference.series_problem import root_mean_square
+from contactlab.inference.motor_problem import root_mean_square
 from contactlab.laws import ContactLaw
 from contactlab.measured.impacts import MeasuredImpacts, squared_norm
-from contactlab.measured.points import MeasuredPoints
-from contactlab.measured.series import MeasuredSeries
+from contactlab.measured.series import MeasuredPoints, MeasuredSeries
 
 Measured = TypeVar("Measured", bound=MeasuredSeries | MeasuredImpacts | MeasuredPoints)
 

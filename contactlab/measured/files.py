@@ -10,8 +10,14 @@ from contactlab.measured import columns
 from contactlab.measured.columns import CONTACT, impacts_of, known_names
 from contactlab.measured.ellipses import read_ellipses
 from contactlab.measured.impacts import MeasuredImpacts as MeasuredImpacts
-from contactlab.measured.points import VELOCITY, MeasuredPoints, points_of_table
-from contactlab.measured.series import MEASURABLE, MeasuredSeries, series_of_table
+from contactlab.measured.series import (
+    MEASURABLE,
+    VELOCITY,
+    MeasuredPoints,
+    MeasuredSeries,
+    points_of_table,
+    series_of_table,
+)
 from contactlab.motor.table import MeasurementError as MeasurementError, Table, read_table, write_csv
 from contactlab.results.files import check_file, damage, digest_of_file, whole_file, whole_netcdf
 

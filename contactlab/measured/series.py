@@ -1,15 +1,21 @@
-"""Measured series of a motor, from netCDF with the layout of a run, from a run, or from CSV.
+"""Measured series of a motor, from netCDF with the layout of a run, from a run, or from CSV, and points.
 
     time                       s since the drive was switched on, the motor at rest until then; increasing
     rotor_velocity, gap, ...   any of `MEASURABLE`, over time, each with its unit
     NAME_error                 standard deviation of NAME's error, over time or one number; optional
     configuration              attribute: known keys of the motor, YAML as of a run; optional
 
-Forces are means over the interval that ends at their time, as of a run.
+Forces are means over the interval that ends at their time, as of a run. Operating points of a settled motor:
+
+    rotor_velocity          rad/s, of the settled motor
+    rotor_velocity_error    standard deviation of its error; optional
+    rotor.load_torque ...   full keys of the motor's configuration, each with its unit
+
+A load that brakes has the sign of the rotation.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from typing import Any, Final, final
 
@@ -144,3 +150,68 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         {str(key): value for key, value in table.data.attrs.items() if key != "configuration"},
         digest,
     )
+
+
+VELOCITY: Final = "rotor_velocity"
+FEWEST_POINTS: Final = 2
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MeasuredPoints:
+    """Operating points of a settled motor.
+
+    Args:
+        table: of the file, whose other columns are keys of the configuration.
+        values: `rotor_velocity` [rad/s], shape (point,).
+        errors: its standard deviation, positive, shape (point,), where the file states it.
+        attributes: texts of the file.
+        digest: of the file.
+    """
+
+    table: Table
+    values: Mapping[str, Array]
+    errors: Mapping[str, Array]
+    attributes: Mapping[str, Any]
+    digest: str = ""
+    configuration: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def keys(self) -> list[str]:
+        """Full keys by which the points differ."""
+        return [name for name in self.table.names if name not in (VELOCITY, VELOCITY + ERROR)]
+
+    @property
+    def content_digest(self) -> str:
+        """SHA-256 of the numbers, 64 hexadecimal digits."""
+        every = [(str(name), x.values.tolist()) for name, x in self.table.data.variables.items()]
+        return sha256(repr([every, *(x.tolist() for x in self.errors.values())]).encode()).hexdigest()
+
+
+def points_of_table(table: Table, digest: str) -> MeasuredPoints:
+    """Return the operating points of a table.
+
+    Raises:
+        MeasurementError: there are too few, no key, or an error that is not positive.
+    """
+    velocity, errors = table.numbers(VELOCITY, "rad s-1"), {}
+    if velocity.size < FEWEST_POINTS:
+        raise MeasurementError(
+            f"it has {velocity.size} operating points; there must be at least {FEWEST_POINTS}."
+        )
+    if (name := VELOCITY + ERROR) in table.names:
+        errors[VELOCITY] = table.numbers(name, "rad s-1")
+        if not errors[VELOCITY].min() > 0.0:
+            raise MeasurementError(f"{name} is {errors[VELOCITY].min():g}; it must be greater than 0.")
+    result = MeasuredPoints(table, {VELOCITY: velocity}, errors, table.texts, digest)
+    for key in result.keys:
+        if "." not in key or key.startswith("law."):
+            raise MeasurementError(
+                f"'{key}' is no key of a motor; columns must be {VELOCITY}, {VELOCITY}{ERROR} and full keys, "
+                "such as rotor.load_torque."
+            )
+    if not result.keys:
+        raise MeasurementError(
+            "it has no key by which the points differ, such as rotor.load_torque; it must."
+        )
+    return result

@@ -32,8 +32,7 @@ from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.points import MeasuredPoints
-from contactlab.measured.series import MeasuredSeries
+from contactlab.measured.series import MeasuredPoints, MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_in

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from contactlab.config import ConfigurationError
+from contactlab.config.faults import raise_faults
 from contactlab.config.groups import Keys, Options, Section, keys_of, named
 from contactlab.config.schema import KEYS, Examination
 from contactlab.parameter import DeclaredField
@@ -29,7 +29,6 @@ def study_in(section: Mapping[str, Any]) -> Study:
     declared = keys_of(study_class(name)) if name in studies() else {}
     usual = {key: field.default for key, field in declared.items() if isinstance(field, DeclaredField)}
     examined = Examination({"study": {**usual, **section}}, {"study": STUDIES})
-    if examined.faults:
-        raise ConfigurationError(examined.faults)
+    raise_faults(examined.faults)
     options = dict(examined.values["study"])
     return study_class(options.pop("name"))(**options)

@@ -1,4 +1,4 @@
-"""Figures of branches of periodic orbits, and of basins of attraction."""
+"""Figures of steady states, of branches of periodic orbits, and of basins of attraction."""
 
 from itertools import groupby
 from typing import Any, Final
@@ -7,14 +7,126 @@ import matplotlib
 import numpy as np
 import xarray
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from contactlab.estimate import Estimate
 from contactlab.parameter import from_cf
+from contactlab.plot.overview import explain_shades, shade
+from contactlab.plot.recording import recording_of, steps
+from contactlab.plot.style import COLOURS
 from contactlab.results.summary import prefixed_unit
 from contactlab.studies.figures import THIN, drawing
+
+CLOSED: Final = 1e-15
+"""Gap that is none [m]."""
+
+ROUND_OFF: Final = 1e-9
+"""Relative change of a series that is round-off."""
+
+
+def draw_steady(tree: xarray.DataTree) -> Figure:
+    """Draw a steady state over one orbit, or over one period of a motion that has none."""
+    run, about, state = recording_of(tree), tree["steady"].attrs, tree["steady"].to_dataset()
+    velocity = Estimate(float(state["rotor_velocity"]), float(state["rotor_velocity_error"]))
+    series, (unit, scale) = run.series, run.unit
+    time = run.time / scale
+    figure = Figure(figsize=(7.1, 6.2), layout="constrained")
+    FigureCanvasAgg(figure)
+    panels = figure.subplot_mosaic(
+        [["path", "multipliers"], ["velocity", "velocity"], ["gap", "gap"], ["force", "force"]],
+        height_ratios=(1.7, 1, 1, 1),
+    )
+    figure.suptitle(
+        f"{tree.attrs['law']}, {about['kind']}: {velocity.text('±')} rad/s",
+        x=0.01, ha="left", fontsize=9,
+    )  # fmt: skip
+    _draw_path(panels["path"], tree)
+    if "multiplier" in state.dims:
+        _draw_multipliers(panels["multipliers"], state)
+    else:
+        _draw_stroboscopic_samples(panels["multipliers"], state)
+    below = {name: panels[name] for name in ("velocity", "gap", "force")}
+    # The gap of a rigid contact is zero but for round-off.
+    gap = np.where(np.abs(series["gap"]) < CLOSED, 0.0, series["gap"])
+    gap_unit, gap_scale = prefixed_unit(float(np.abs(gap).max()) or 1e-6, "m", smallest=0.1)
+    below["velocity"].plot(time, series["rotor_velocity"], color="black")
+    # That of an orbit is a bound of every difference.
+    known = velocity.error if "multiplier" in state.dims else 0.0
+    _widen(below["velocity"], series["rotor_velocity"], known)
+    if "belt" in about:
+        # The contact changes a prescribed velocity by round-off only.
+        below["velocity"].set_ylim(about["belt"] - 1.0, about["belt"] + 1.0)
+    below["velocity"].set_ylabel("rotor velocity\n(rad/s)")
+    below["gap"].plot(time, gap / gap_scale, color="black")
+    _widen(below["gap"], gap / gap_scale)
+    below["gap"].axhline(0.0, color="0.35", linewidth=0.6)
+    below["gap"].set_ylabel(f"gap ({gap_unit})")
+    for name, colour in (("normal", "black"), ("friction", COLOURS["fault"])):
+        force = series[f"{name}_force"][1:]
+        below["force"].plot(*steps(time, force), color=colour, label=name)
+    below["force"].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1)
+    below["force"].set_ylabel("force on the tip (N)")
+    below["force"].set_xlabel(f"time ({unit}), from phase {about['phase']:.3g} of the drive's period on")
+    for axes in below.values():
+        shade(axes, run, 0.0)
+        axes.set_xlim(time[0], time[-1])
+        axes.tick_params(labelbottom=axes is below["force"])
+    explain_shades(below["velocity"], 1.03)
+    figure.align_ylabels([*below.values()])
+    return figure
+
+
+def _widen(axes: Axes, values: np.ndarray, error: float = 0.0) -> None:
+    """Draw what changes by round-off only, or less than its error, as a constant."""
+    middle = 0.5 * float(values.max() + values.min())
+    if np.ptp(values) <= max(ROUND_OFF * abs(middle), error):
+        size = abs(middle) if abs(middle) > error else 1.0
+        axes.set_ylim(middle - 0.5 * size, middle + 0.5 * size)
+
+
+def _draw_path(axes: Axes, tree: xarray.DataTree) -> None:
+    """Draw the way of the tip end, in colour where it touches."""
+    series = tree.to_dataset()
+    x, y = series["tip_tangential_displacement"].values, series["tip_normal_displacement"].values
+    unit, scale = prefixed_unit(max(np.ptp(x), np.ptp(y)), "m", smallest=0.1)
+    axes.plot(x / scale, y / scale, color="black")
+    for value, mode in ((1, "slip"), (2, "stick")):
+        inside = series["contact_mode"].values == value
+        axes.plot(
+            np.where(inside, x, np.nan) / scale, np.where(inside, y, np.nan) / scale,
+            ".-", color=COLOURS[mode], linewidth=1.8, markersize=2.5,
+        )  # fmt: skip
+    axes.set_aspect("equal", "datalim")
+    axes.set_xlabel(f"tangential displacement ({unit})")
+    axes.set_ylabel(f"normal displacement ({unit})")
+    axes.set_title("path of the tip end", loc="left")
+
+
+def _draw_multipliers(axes: Axes, state: xarray.Dataset) -> None:
+    """Draw the Floquet multipliers in the unit circle."""
+    circle = np.exp(2j * np.pi * np.linspace(0.0, 1.0, 361))
+    real, imag = state["multiplier_real"].values, state["multiplier_imag"].values
+    axes.plot(circle.real, circle.imag, color="0.5", linewidth=0.8)
+    axes.axhline(0.0, color="0.85", linewidth=0.6, zorder=0)
+    axes.axvline(0.0, color="0.85", linewidth=0.6, zorder=0)
+    axes.plot(real, imag, "o", color="#0072B2", markersize=4)
+    axes.set_aspect("equal", "datalim")
+    axes.set_xlabel("real part")
+    axes.set_ylabel("imaginary part")
+    axes.set_title(f"Floquet multipliers, largest {np.hypot(real[0], imag[0]):.5g}", loc="left")
+
+
+def _draw_stroboscopic_samples(axes: Axes, state: xarray.Dataset) -> None:
+    """Draw slip and rotor velocity of a motion without an orbit, sampled once a period."""
+    slip, rotor = (state[f"stroboscopic_{name}"].values for name in ("slip_velocity", "rotor_velocity"))
+    axes.plot(slip, rotor, ".", color="black", markersize=1.5)
+    axes.set_xlabel("slip velocity (m/s)")
+    axes.set_ylabel("rotor velocity (rad/s)")
+    axes.set_title(f"stroboscopic samples of {slip.size} periods", loc="left")
+
 
 MARKERS: Final = {
     "fold": "s",

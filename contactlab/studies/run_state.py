@@ -1,32 +1,35 @@
-"""The status of a run: a code in a dataset, `state.json` in its folder.
+"""A run in a folder: run.nc, run.png, state.json and, where it raised an exception, run.log.
 
 The state is ABSENT when a sweep is planned, RUNNING before the run begins and its ending after its dataset is
 whole, so that a run that was killed, or never began, is recognised. It has no times: the same run leaves the
-same bytes.
+same bytes. In a dataset it is a code.
 """
 
 import json
+import traceback
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import asdict, dataclass, field, replace
 from enum import IntEnum
 from functools import cache
 from hashlib import sha256
+from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, Final, final
 
 from contactlab.config import Setup
+from contactlab.config.faults import failure_of
 from contactlab.config.resonators import resonator_class
 from contactlab.foreign import digest_of_sources
 from contactlab.laws.declaration import Declared
 from contactlab.laws.registry import classes_in, classes_of, provenance
-from contactlab.metrics import METRICS
-from contactlab.results.files import DATASET, STATE, digest_of_file, whole_file
+from contactlab.metrics import METRICS, Run, assess
+from contactlab.progress import tell_progress
+from contactlab.results.files import DATASET, LOG, STATE, digest_of_file, error_text, whole_file
+from contactlab.results.netcdf import Groups, to_groups, write_groups
 from contactlab.results.provenance import code_digest, digest_of, versions
-from contactlab.trajectory import Ending
-
-if TYPE_CHECKING:
-    from pydantic import TypeAdapter
+from contactlab.trajectory import Ending, Trajectory
 
 
 class Status(IntEnum):
@@ -102,13 +105,14 @@ def write_state(folder: Path, state: State) -> None:
 def read_state(folder: Path) -> State | None:
     """Return the state of a run; None where no file can be read as one."""
     try:
-        return _adapter().validate_json((folder / STATE).read_bytes())
+        state: State = _adapter().validate_json((folder / STATE).read_bytes())
+        return state
     except (OSError, ValueError):
         return None
 
 
 @cache
-def _adapter() -> "TypeAdapter[State]":
+def _adapter() -> Any:
     # Imported here: a run alone reads no state.
     from pydantic import TypeAdapter
 
@@ -193,3 +197,81 @@ def is_as_left(folder: Path, state: State) -> bool:
         return digest_of_file(folder / DATASET) == state.digest
     except OSError:
         return False
+
+
+PICTURE: Final = "run.png"
+
+MOST_CHARACTERS: Final = 500
+"""Length of a reason in state.json; the log has all of it."""
+
+
+def simulated(setup: Setup) -> Trajectory:
+    """Simulate a setup and report its progress."""
+    return setup.run(progress=lambda time: tell_progress("", time / setup.duration), keep_interrupted=True)
+
+
+def leave(
+    setup: Setup,
+    folder: Path,
+    job: Job,
+    simulate: Callable[[Setup], Trajectory] = simulated,
+    *,
+    with_metrics: bool = True,
+) -> tuple[State, Groups]:
+    """Run a setup, write its files into a folder, and return its state and the groups of its dataset.
+
+    What an earlier run left there is removed first. A run that raises an exception of whatever kind has
+    failed, and its traceback is in `run.log`.
+
+    Args:
+        setup: what runs.
+        folder: where the files go; it exists.
+        job: what the run is to do, for its state.
+        simulate: runs the setup, and keeps what there is at an interrupt.
+        with_metrics: whether the state has the metrics, by which runs are collected without their files.
+
+    Raises:
+        KeyboardInterrupt: after the state has been written.
+    """
+    groups: Groups = {}
+    try:
+        # A run that is cut short leaves no file that seems to be its own.
+        for name in (LOG, DATASET, PICTURE):
+            (folder / name).unlink(missing_ok=True)
+        write_state(folder, State(RUNNING, job))
+        trajectory = simulate(setup)
+        groups = to_groups(trajectory, setup.configuration)
+        digest = write_groups(groups, folder / DATASET)
+        if setup.configuration["record"]["picture"]:
+            # Imported here: it brings the plotting.
+            from contactlab.plot import overview
+
+            overview.overview(groups, folder / PICTURE)
+        state = State(trajectory.ending.name.lower(), job, trajectory.message, digest)
+        if with_metrics and trajectory.ending.reached_end:
+            state = replace(state, code=code_digest())
+            # Where metrics cannot be computed, `collect` says why.
+            with suppress(Exception):
+                values = assess(Run.of_trajectory(trajectory, setup.configuration))
+                state = replace(state, metrics={key: x for key, x in values.items() if not isnan(x)})
+        write_state(folder, state)
+    except KeyboardInterrupt as interrupt:
+        reason = str(interrupt) or "Interrupted before the end; no result was written."
+        state = State(INTERRUPTED, job, reason)
+        with suppress(OSError):
+            write_state(folder, state)
+        raise
+    # A law of another package may end in any way, and the other runs of a sweep go on.
+    except (Exception, SystemExit) as error:
+        text = f"The run could not be written: {error_text(error)}" if isinstance(error, OSError) else ""
+        state = State(FAILED, job, (text or failure_of(error))[:MOST_CHARACTERS])
+        with suppress(OSError):
+            write_state(folder, state)
+        write_log(folder, error)
+    return state, groups
+
+
+def write_log(folder: Path, error: BaseException) -> None:
+    """Write the traceback of an exception to `run.log`; a folder that cannot be written goes without."""
+    with suppress(OSError), whole_file(folder / LOG) as partial:
+        partial.write_text("".join(traceback.format_exception(error)), encoding="utf-8")

@@ -133,9 +133,9 @@ class Steady(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return path of the tip, multipliers, velocity, gap and forces."""
         # Imported here: it brings matplotlib.
-        from contactlab.studies.steady_figure import draw
+        from contactlab.studies.orbit_figures import draw_steady
 
-        return {self.name: draw(data)}
+        return {self.name: draw_steady(data)}
 
 
 def _steady_state(setup: Setup, refine: bool, arguments: dict[str, Any]) -> Part:

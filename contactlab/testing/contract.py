@@ -19,10 +19,8 @@ from contactlab.testing import (
     declaration_properties,
     flow_properties,
     kernel_properties,
-    part_properties,
     published,
     references,
-    repetition_properties,
     run_properties,
 )
 from contactlab.testing.claim import Claim, Claims, at_most, proofs_of
@@ -39,14 +37,7 @@ def declares_what_it_breaks(bench: Bench) -> Claims:
 CLOSED_FORMS = proofs_of(closed_forms)
 REFERENCES = proofs_of(references)
 OF_LAWS = proofs_of(published)
-PROPERTIES = proofs_of(
-    kernel_properties,
-    declaration_properties,
-    part_properties,
-    flow_properties,
-    run_properties,
-    repetition_properties,
-)
+PROPERTIES = proofs_of(kernel_properties, declaration_properties, flow_properties, run_properties)
 PROPERTIES["declares_what_it_breaks"] = declares_what_it_breaks
 """By their names: small plants against what can be written down, the paper's motor and random flights
 against what others found, and the contract of a law, of which each takes a `Bench`."""

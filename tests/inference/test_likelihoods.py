@@ -9,12 +9,8 @@ from scipy.stats import multivariate_normal, multivariate_t, t
 import contactlab as cl
 from contactlab.inference.free_parameters import free_parameters
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor, impact_log_densities
+from contactlab.inference.motor_problem import ornstein_uhlenbeck, series_log_densities, student_log_densities
 from contactlab.inference.problem import IMPOSSIBLE
-from contactlab.inference.series_problem import (
-    ornstein_uhlenbeck,
-    series_log_densities,
-    student_log_densities,
-)
 from contactlab.inference.synthetic import made_impacts, with_noise, without_errors
 from contactlab.measured.impacts import squared_norm
 

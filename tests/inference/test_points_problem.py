@@ -9,7 +9,7 @@ import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.inference.fit import candidates_of
 from contactlab.measured.files import read_measurements
-from contactlab.measured.points import MeasuredPoints
+from contactlab.measured.series import MeasuredPoints
 
 LOADS = (0.0, -1.5, -3.0)
 """Braking [mN m]: the motor turns negative."""

@@ -13,7 +13,7 @@ import contactlab as cl
 from contactlab.config.schema import declared_in
 from contactlab.inference.fit import IMPROBABLE, REPLICAS, Candidate, _predictive, fitted, succession
 from contactlab.inference.free_parameters import FreeParameter
-from contactlab.inference.series_problem import root_mean_square, series_problem
+from contactlab.inference.motor_problem import root_mean_square, series_problem
 from contactlab.inference.synthetic import made_impacts, made_series
 
 pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")

@@ -8,8 +8,8 @@ from contactlab.config import ConfigurationError
 from contactlab.config.schema import declared_in
 from contactlab.inference.fit import candidates_of
 from contactlab.inference.free_parameters import FreeParameter
+from contactlab.inference.motor_problem import records_at, series_problem
 from contactlab.inference.problem import IMPOSSIBLE
-from contactlab.inference.series_problem import records_at, series_problem
 from contactlab.inference.synthetic import made_series, without_errors
 from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredSeries

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 from support.command_line import Command, cases
 
 import contactlab as cl
-from contactlab.studies.characterise.curve import root
 from contactlab.studies.characterise.operation import Periods, Point, operate
+from contactlab.studies.characterise.sheet import root
 from contactlab.studies.characterise.transients import holding_torque, start_time, stop_time
 
 

@@ -11,7 +11,7 @@ from contactlab.metrics import Run
 from contactlab.studies.characterise.study import Characterise
 from contactlab.studies.compare.figures import draw_contact, draw_differences, draw_pairs, draw_paths
 from contactlab.studies.compare.scorecard import CONTACTS, Reruns, motion
-from contactlab.studies.steady_figure import draw as draw_steady
+from contactlab.studies.orbit_figures import draw_steady
 
 LAWS = ["newton", "hertz_penalty"]
 RANGE = ["relative_difference_low", "relative_difference_high"]

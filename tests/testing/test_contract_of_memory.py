@@ -8,14 +8,14 @@ from support.spoilt_memory import Dented, LyingOdometer, Odometer, Solid
 from contactlab.laws import ContactLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
-from contactlab.testing import LawContract, flow_properties, kernel_properties, part_properties
+from contactlab.testing import LawContract, flow_properties, kernel_properties
 from contactlab.testing.claim import proofs_of
 from contactlab.testing.contract import check
 from contactlab.testing.flow_properties import image_of
 from contactlab.testing.flows import flow_of
 from contactlab.testing.plants import Bench
 
-OF_KERNELS = proofs_of(kernel_properties, part_properties, flow_properties)
+OF_KERNELS = proofs_of(kernel_properties, flow_properties)
 
 
 class TestSolid(LawContract):

@@ -46,7 +46,7 @@ class Point:
     Args:
         belt: prescribed rotor speed [rad/s], in the model's sense; None for a free rotor.
         kind: as of `Steady`; 'periodic at some steps', or 'none' where a run breaks off.
-        numbers: every quantity of `quantities.POINT`.
+        numbers: every quantity of `sheet.POINT`.
         message: why there is none.
         run: whole periods of it at the finest step.
     """
@@ -134,7 +134,7 @@ class Periods:
         return cls(section, run, records, None)
 
     def numbers(self) -> dict[str, Estimate]:
-        """Return every quantity of `quantities.POINT`, velocity and torque in the model's sense."""
+        """Return every quantity of `sheet.POINT`, velocity and torque in the model's sense."""
         belt, series, contacts = self.section.belt, self.run.series, self.run.contacts
         radius, viscous = self.run.motor.geometry.rotor_radius, self.section.setup.motor.rotor.damping
         drive, friction, contact, damping = (

@@ -1,7 +1,8 @@
-"""The data sheet of a motor as a dataset."""
+"""The data sheet of a motor as a dataset: quantities, speed-torque curve and numbers of the motor."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -9,13 +10,171 @@ import xarray
 
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
+from contactlab.progress import part_of_progress
 from contactlab.results.netcdf import cf_attributes
 from contactlab.steady_state.period_map import contact_at_end, memory_at_end, variables_in
-from contactlab.studies.characterise.curve import BEST, Curve, greatest, root
 from contactlab.studies.characterise.operation import UNKNOWN, Point, operate
-from contactlab.studies.characterise.quantities import MOTOR, POINT
 from contactlab.studies.characterise.transients import holding_torque, start_time, stop_time
 from contactlab.variables import Variable
+
+FIRST: Final = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25)
+"""Velocities over that without load on which a curve begins."""
+
+MOST: Final = 12
+"""Prescribed speeds that show the shape of a curve."""
+
+STRAIGHT: Final = 0.04
+"""Distance of a point from the line between its neighbours, over the largest torque, below which the
+curve is straight."""
+
+CLOSEST: Final = 2e-3
+"""Smallest distance of two prescribed speeds over the velocity without load."""
+
+ZERO: Final = 1e-4
+"""Torque over the largest that counts as zero."""
+
+BEST: Final = ("output_power", "electrical_efficiency")
+"""Quantities whose greatest value a curve contains."""
+
+
+class Curve:
+    """A speed-torque curve in the making.
+
+    Args:
+        setup: motor and law.
+        velocity: of the rotor without load [rad/s]; its sign is the motor's sense.
+    """
+
+    def __init__(self, setup: Setup, velocity: float) -> None:
+        self._setup, self._velocity = setup, velocity
+        self._points: dict[float, Point] = {}
+        for share in FIRST:
+            self._add(share)
+        while len(self._points) < MOST and self._add(self._bend()):
+            pass
+        for name in BEST:
+            self._add(self._top(name))
+        while self._add(self._crossing()):
+            pass
+
+    @property
+    def points(self) -> list[Point]:
+        """The points in the order of their velocities, which are in the motor's sense."""
+        return [self._points[share] for share in sorted(self._points)]
+
+    def _add(self, share: float | None) -> bool:
+        """Add the point at a share of the velocity unless one is close; return whether it was added."""
+        if share is None or any(abs(share - other) < CLOSEST for other in self._points):
+            return False
+        count = len(self._points)
+        # How many there will be depends on the curve.
+        begin, end = (min(each / MOST, 1.0) for each in (count, count + 1))
+        with part_of_progress(begin, end, f"operating point {count + 1}: "):
+            point = operate(self._setup, self._velocity * share)
+        self._points[share] = point.turned(float(np.sign(self._velocity)))
+        return True
+
+    def _known(self, name: str) -> tuple[list[float], list[float]]:
+        """Return shares and values of a quantity where it is known."""
+        values = {share: self._points[share].value(name) for share in sorted(self._points)}
+        known = [share for share, value in values.items() if np.isfinite(value)]
+        return known, [values[share] for share in known]
+
+    def _bend(self) -> float | None:
+        """Return the middle of the longer interval at the sharpest bend; None where there is no sharp one."""
+        known, torques = self._known("torque")
+        rows = zip(known, known[1:], known[2:], torques, torques[1:], torques[2:], strict=False)
+        worst, result = STRAIGHT * max(map(abs, torques), default=0.0), None
+        for a, b, c, at_a, at_b, at_c in rows:
+            distance = abs(at_b - at_a - (at_c - at_a) * (b - a) / (c - a))
+            if distance > worst and max(b - a, c - b) > 0.05:
+                worst, result = distance, 0.5 * (a + b if b - a > c - b else b + c)
+        return result
+
+    def _top(self, name: str) -> float | None:
+        """Return where the parabola through a quantity's greatest value and its neighbours has its top."""
+        known, values = self._known(name)
+        place = int(np.argmax(values)) if values else 0
+        if not 0 < place < len(known) - 1:
+            return None
+        near = slice(place - 1, place + 2)
+        a, b, _ = np.polyfit(known[near], values[near], 2)
+        return float(np.clip(-0.5 * b / a, known[near][0], known[near][2])) if a < 0.0 else None
+
+    def _crossing(self) -> float | None:
+        """Return where the linear interpolant of the torque falls through zero, unless a point is close."""
+        known, torques = self._known("torque")
+        limit = ZERO * max(map(abs, torques), default=0.0)
+        rows = [*zip(pairwise(known), pairwise(torques), strict=True)]
+        for (a, b), (at_a, at_b) in reversed(rows):
+            if at_a > 0.0 >= at_b:
+                near = min(abs(at_a), abs(at_b)) <= limit or b - a < 3.0 * CLOSEST
+                return None if near else a + (b - a) * at_a / (at_a - at_b)
+        return None
+
+
+def greatest(points: Iterable[Point], name: str) -> Point | None:
+    """Return the point at which a quantity is greatest; None where it is nowhere known."""
+    known = [point for point in points if np.isfinite(point.value(name))]
+    return max(known, key=lambda point: point.value(name), default=None)
+
+
+def root(points: Iterable[Point]) -> Estimate:
+    """Return the greatest velocity at which the torque falls through zero [rad/s], by linear interpolation.
+
+    Its error is the distance from the nearer point, and the error of the torque over the slope.
+    """
+    known = [point for point in points if point.belt is not None and np.isfinite(point.value("torque"))]
+    for below, above in reversed([*pairwise(known)]):
+        (v, w), ((m, m_error), (n, n_error)) = (
+            (below.value("velocity"), above.value("velocity")),
+            (below["torque"], above["torque"]),
+        )
+        if m > 0.0 >= n:
+            value = v + (w - v) * m / (m - n)
+            spread = max(m_error, n_error) * (w - v) / (m - n)
+            return Estimate(value, min(value - v, w - value) + spread)
+    return UNKNOWN
+
+
+POINT: Final = {name: Variable(name, ("point",), *rest) for name, *rest in (
+    ("velocity", "rad s-1", "Omega", "velocity in the motor's own sense of rotation"),
+    ("velocity_ripple", "rad s-1", "", "largest less smallest velocity of a free rotor, else zero"),
+    ("torque", "N m", "M", "load that the rotor carries, -R F - C_r Omega in the motor's sense: a load that "
+     "brakes is positive, one that drives it negative"),
+    ("output_power", "W", "P_out", "M Omega, to the load; negative where the load puts power in"),
+    ("drive_power", "W", "P_d", "work of the drive on the resonator over time"),
+    ("damping_power", "W", "P_c", "loss in the resonator's and the rotor's viscous damping"),
+    ("friction_power", "W", "P_f", "loss in friction"),
+    ("contact_power", "W", "P_n", "loss in normal damping and impacts"),
+    ("dielectric_power", "W", "P_e", "loss in the dielectric of the patches"),
+    ("balance", "W", "r", "electrical input less output, losses and stored power; the energy balance error"),
+    ("mechanical_efficiency", "1", "eta_m", "output power over the power of the drive"),
+    ("electrical_efficiency", "1", "eta_e", "output power over active electrical power"),
+    ("active_power", "W", "P", "electrical input: power of the drive and of the dielectric loss"),
+    ("apparent_power", "V A", "S", "sum over the electrodes of U_rms I_rms, all tones together"),
+    ("power_factor", "1", "P/S", "active over apparent power"),
+    ("rms_voltage", "V", "U_rms", "voltage, root mean square over time and electrodes"),
+    ("rms_current", "A", "I_rms", "current, root mean square over time and electrodes"),
+    ("peak_force", "N", "N_max", "largest normal force"),
+    ("contact_share", "1", "t_c/T", "share of the time in contact"),
+    ("stick_share", "1", "t_st/t_c", "share of the time in contact that sticks"),
+    ("friction_work_per_slip", "J m-1", "W_f/s", "friction work per metre of slip"),
+    ("friction_work_per_travel", "J m-1", "W_f/x", "friction work per metre that the rotor's rim travels"),
+)}  # fmt: skip
+"""Quantities of each point of the speed-torque curve."""
+
+MOTOR: Final = {name: Variable(name, (), *rest) for name, *rest in (
+    ("no_load_velocity", "rad s-1", "Omega_0", "velocity of the free rotor in the motor's sense"),
+    ("curve_root", "rad s-1", "", "velocity at which the speed-torque curve is zero, a check"),
+    ("stall_torque", "N m", "M_0", "load that holds the rotor at rest"),
+    ("holding_torque", "N m", "M_h", "load that moves the rotor when the drive is off"),
+    ("start_time", "s", "t_90", "from the start to 90 % of the no-load velocity"),
+    ("stop_time", "s", "t_10", "from the no-load velocity to 10 % of it, the drive switched off and short"),
+    ("coasting_velocity", "rad s-1", "", "velocity at which the tip leaves the rotor after switching off"),
+)}  # fmt: skip
+"""Quantities of a motor."""
+
 
 ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
 """Points of the curve that have a name."""
@@ -24,7 +183,7 @@ ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
 def data_sheet(setup: Setup) -> xarray.Dataset:
     """Return the data sheet of a motor.
 
-    It has every quantity of `contactlab.studies.characterise.quantities` and its error, `NAME_error`, those
+    It has every quantity of `POINT` and `MOTOR` and its error, `NAME_error`, those
     of points over the dimension `point`: the prescribed rotor speeds of the speed-torque curve in ascending
     order, and the free rotor. `kind` is the kind of motion, `load` the direction of the load, `role` one of
     `ROLES` or empty. Velocities and torques are in the motor's own sense of rotation, whose sign in the

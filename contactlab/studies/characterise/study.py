@@ -14,8 +14,7 @@ from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.characterise.quantities import MOTOR, POINT
-from contactlab.studies.characterise.sheet import data_sheet
+from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable

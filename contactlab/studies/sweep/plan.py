@@ -5,7 +5,7 @@ Every value is checked beforehand, and all faults are reported.
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from itertools import product
 from math import ceil, prod
@@ -16,6 +16,7 @@ from pydantic import TypeAdapter
 
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.composition import with_references
+from contactlab.config.faults import faults_added, raise_faults
 from contactlab.config.nesting import Value
 from contactlab.config.schema import KEYS, declared_in
 from contactlab.laws import ContactLaw
@@ -345,12 +346,6 @@ def full_keys(
     return full
 
 
-def raise_faults(faults: Iterable[str]) -> None:
-    """Raise a ConfigurationError of the faults, each once; nothing where there is none."""
-    if every := list(dict.fromkeys(faults)):
-        raise ConfigurationError(every)
-
-
 def _numbers(
     key: str, column: Sequence[Value], units: str, trials: Sequence[Configuration], faults: list[str]
 ) -> list[Value]:
@@ -366,15 +361,6 @@ def _numbers(
         with faults_added(faults):
             _sound([with_key(trial, key, number) for trial in trials])
     return numbers
-
-
-@contextmanager
-def faults_added(faults: list[str]) -> Iterator[None]:
-    """Add the faults of a ConfigurationError to others."""
-    try:
-        yield
-    except ConfigurationError as error:
-        faults += error.faults
 
 
 def with_key(configuration: Configuration, key: str, value: Value) -> Configuration:

@@ -1,6 +1,6 @@
 """The study `sweep`: many runs, or another study many times, whose numbers lie in one dataset.
 
-One task is some cells of a plan. A cell leaves its numbers, or a folder (`contactlab.studies.run_folder`), by
+One task is some cells of a plan. A cell leaves its numbers, or a folder (`contactlab.studies.run_state`), by
 whose state it is skipped where it is complete. Of numbers alone there are
 
     DIR/sweep.json        the plan of the runs, and the digest of the code
@@ -41,8 +41,16 @@ from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
-from contactlab.studies.run_folder import leave
-from contactlab.studies.run_state import INTERRUPTED, REFUSED, Job, State, Status, status_of, write_state
+from contactlab.studies.run_state import (
+    INTERRUPTED,
+    REFUSED,
+    Job,
+    State,
+    Status,
+    leave,
+    status_of,
+    write_state,
+)
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
 from contactlab.studies.sweep.dataset import (

@@ -1,4 +1,4 @@
-"""Measured series of a motor as an inference problem: every set of values is a run from rest.
+"""Measured series or operating points of a motor as an inference problem: runs from rest, or steady states.
 
 Residuals are white noise and a discrepancy of the model, an Ornstein-Uhlenbeck process of the standard
 deviation delta and the correlation time tau, so that residuals at t_i and t_j have the covariance
@@ -26,16 +26,19 @@ from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
 from contactlab.config import ConfigurationError, build, rebuild
+from contactlab.config.faults import as_fault
 from contactlab.config.nesting import flat, nested
+from contactlab.config.schema import declared_in
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
 from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
 from contactlab.laws import LawError
-from contactlab.measured.points import MeasuredPoints
-from contactlab.measured.series import MEASURABLE, MeasuredSeries
+from contactlab.measured.series import MEASURABLE, VELOCITY, MeasuredPoints, MeasuredSeries
 from contactlab.motor.outputs import output_variables
 from contactlab.settling.criterion import PRECISION
 from contactlab.settling.verdict import configured_period
+from contactlab.steady_state import BrokenOffError, NotSettledError, steady
+from contactlab.suggestion import suggestion
 
 ON_GRID: Final = 1e-3
 """Tolerance of equidistant times, as a share of the interval."""
@@ -321,3 +324,77 @@ def student_log_densities(residuals: Array, scale: Array, degrees_of_freedom: fl
     constant = lgamma(half + 0.5) - lgamma(half) - 0.5 * log(degrees_of_freedom * pi)
     square = (residuals / scale) ** 2
     return np.asarray(constant - np.log(scale) - (half + 0.5) * np.log1p(square / degrees_of_freedom))
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PointsProblem(MotorProblem):
+    """See `Problem`.
+
+    Args:
+        points: values of the keys of each point, in SI.
+        units: of the first key.
+    """
+
+    measured: MeasuredPoints
+    points: tuple[Mapping[str, float], ...]
+    units: str
+
+    @property
+    def data(self) -> xarray.Dataset:
+        """The velocities, over the first key of the points."""
+        key = self.measured.keys[0]
+        coordinate = ("point", np.array([each[key] for each in self.points]), {"units": self.units})
+        velocity = ("point", self.measured.values[VELOCITY], {"units": "rad s-1"})
+        return xarray.Dataset({VELOCITY: velocity}, {key: coordinate})
+
+    def predict(self, values: Array) -> dict[str, Array] | None:
+        """Return the settled velocities by name; None where the motor has no steady state at a point."""
+        chosen = self.chosen(values)
+        try:
+            velocities = [steady(build(nested({**chosen, **point}))).velocity.value for point in self.points]
+        # Values that are admitted one by one need not be so together.
+        except (ConfigurationError, LawError, NotSettledError, BrokenOffError, ValueError):
+            return None
+        return {VELOCITY: np.array(velocities)}
+
+    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
+        """Return the log density of each residual; points have no discrepancy."""
+        del amplitude
+        return np.asarray(-0.5 * (LOG_TWO_PI + (missed / noise) ** 2) - np.log(noise))
+
+
+def points_problem(
+    measured: MeasuredPoints,
+    configuration: Mapping[str, Any],
+    keys: Sequence[FreeParameter],
+    *,
+    degrees_of_freedom: float | None = inf,
+) -> PointsProblem:
+    """Return the problem of a motor's operating points.
+
+    Raises:
+        ConfigurationError: a column is no number of the configuration, has another unit, or is free as well.
+    """
+    declared, columns = declared_in(configuration), {}
+    for key in measured.keys:
+        if key not in declared:
+            hint = suggestion(key, declared, "contactlab --help lists the keys.")
+            raise ConfigurationError(f"The data have a column {key}, which is no number of the motor. {hint}")
+        if key in [item.name for item in keys]:
+            raise ConfigurationError(f"{key} is free and a column of the data; it must be one of them.")
+        with as_fault("The data: "):
+            columns[key] = measured.table.numbers(key, declared[key].units).tolist()
+    points = tuple(dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+    settings = flat(configuration)
+    for point in points:
+        build(nested({**settings, **point}))
+    units = declared[measured.keys[0]].units
+    return PointsProblem(
+        measured=measured,
+        configuration=settings,
+        keys=tuple(keys),
+        points=points,
+        units=units,
+        degrees_of_freedom=degrees_of_freedom,
+    )
