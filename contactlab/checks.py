@@ -211,12 +211,15 @@ def _checked(owner: type) -> dict[str, DeclaredField]:
         name: field
         for name, field in declared_fields(owner).items()
         if all(isinstance(kind, type) and not get_args(kind) for kind in field.kinds)
+        or (field.is_number and any(field.choices))
     }
 
 
-def _other_kind(name: str, value: object, kinds: tuple[type, ...]) -> str:
+def _other_kind(name: str, value: object, kinds: tuple[Any, ...]) -> str:
     expected = " or ".join(
-        _NUMBERS.get(kind) or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
+        _NUMBERS.get(kind)
+        or " or ".join(map(repr, get_args(kind)))
+        or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
         for kind in kinds
     )
     way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""

@@ -7,8 +7,8 @@ resonators, materials, drive, rotor, contact and solver alike.
 from dataclasses import MISSING, dataclass, fields
 from functools import cache, cached_property, partial
 from math import inf, isfinite
-from types import UnionType
-from typing import Annotated, Any, Final, Union, final, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Annotated, Any, Final, Literal, Union, final, get_args, get_origin, get_type_hints
 
 MAGNITUDES: Final = 1e-300, 1e300
 """Least and largest magnitude of a number that is not zero: ratios of others overflow."""
@@ -112,8 +112,14 @@ class DeclaredField:
         return get_args(self.kind) if get_origin(self.kind) in (Union, UnionType) else (self.kind,)
 
     @cached_property
+    def choices(self) -> tuple[Any, ...]:
+        """What is admitted besides numbers: None, and the texts of a `Literal`."""
+        texts = (x for kind in self.kinds if get_origin(kind) is Literal for x in get_args(kind))
+        return (*texts, *[None][: NoneType in self.kinds])
+
+    @cached_property
     def is_number(self) -> bool:
-        """Whether it holds a declared number."""
+        """Whether it holds a declared number, or a choice in place of one."""
         return self.parameter is not None and not {int, float}.isdisjoint(self.kinds)
 
     @property

@@ -9,7 +9,6 @@ from contextlib import suppress
 from decimal import Decimal
 from functools import cache
 from numbers import Real
-from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 from contactlab.parameter import BEYOND, DeclaredField, from_cf, has_magnitude
@@ -37,10 +36,10 @@ class UnitError(ValueError):
     """Fault of a value, as a rule without its subject."""
 
 
-def number_of(field: DeclaredField, value: object) -> float | None:
-    """Return the number in SI that a value stands for; a UnitError with its fault, "is ..."."""
-    if value is None and NoneType in field.kinds:
-        return None
+def number_of(field: DeclaredField, value: object) -> float | str | None:
+    """Return the number in SI that a value stands for, or a choice; a UnitError with its fault, "is ..."."""
+    if (value is None or isinstance(value, str)) and value in field.choices:
+        return value
     declared, whole = field.parameter, int in field.kinds
     assert declared is not None
     # Nearly every value is a float that needs no closer look.
@@ -70,6 +69,7 @@ def number_of(field: DeclaredField, value: object) -> float | None:
     )
     example = example_in(declared.unit)
     expected = f"a{' whole' if whole else ''} number{bounds}{example and ', for example ' + example}"
+    expected = " or ".join([expected, *map(repr, filter(None, field.choices))])
     raise UnitError(f"is {wrong}; it must be {expected}. {field.hint}".rstrip())
 
 

@@ -154,8 +154,18 @@ class Check(Callback):
         announce([setup.configuration])
 
     def on_multirun_start(self, config: DictConfig, **_: Any) -> None:
-        """Fix the folder of a sweep for all its jobs, which else name it by their own overrides."""
+        """Fix the folder of a sweep for all its jobs, which else name it by their own overrides.
+
+        Raises:
+            SystemExit: options of our sweeper, on which another does not depend.
+        """
         if not _is_ours(config):
+            lines = typed(config.hydra.overrides.task)
+            if idle := [line for line in lines if line.lstrip("+").startswith("sweep.")]:
+                name = config.hydra.runtime.choices["hydra/sweeper"]
+                sys.exit(
+                    refuse(f"{x} has no effect with hydra/sweeper={name}; it must be left out." for x in idle)
+                )
             # A reference may not have its value yet; each job then refuses it.
             with suppress(OmegaConfBaseException), read_write(config.hydra):
                 folder = config.hydra.sweep.dir = str(config.hydra.sweep.dir)

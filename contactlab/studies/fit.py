@@ -1,14 +1,13 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from importlib.metadata import version
-from math import inf, isfinite
+from math import inf
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Final
+from typing import Annotated, Any, ClassVar, Literal
 
 import pandas
 import xarray
@@ -39,8 +38,8 @@ from contactlab.studies.run_state import code_in
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
-FREE: Final = "free"
-"""Value of an option for a number that is free."""
+OrFree = float | Literal["free"] | None
+"""A number of the noise, or that it is free."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,9 +64,11 @@ class Fit(Study):
     ] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
-    noise: Annotated[str | None, option("standard deviation over the size of the data, or free")] = None
+    noise: Annotated[
+        OrFree, option("standard deviation over the size of the data, or free", above=0.0, at_most=1.0)
+    ] = None
     discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
-    student: Annotated[str | None, option("degrees of freedom of Student-t noise, or free")] = None
+    student: Annotated[OrFree, option("degrees of freedom of Student-t noise, or free", above=0.0)] = None
     series: Annotated[list[str] | None, option("series of the data; all")] = None
     points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
@@ -82,7 +83,6 @@ class Fit(Study):
         """
         data: Any = self.data
         result: Data = read_file(data, read_measurements) if isinstance(data, str | Path) else data
-        noise = number_or_free("study.noise", self.noise, 1.0)
         if self.series:
             if not isinstance(result, MeasuredSeries):
                 raise ConfigurationError("study.series is set and the data are no series; leave it out.")
@@ -90,9 +90,9 @@ class Fit(Study):
                 result = result.only(self.series)
             except ValueError as error:
                 raise ConfigurationError(str(error)) from error
-        if noise is None:
+        if self.noise is None:
             return result
-        return without_errors(result) if noise == FREE else with_noise(result, float(noise))
+        return without_errors(result) if self.noise == "free" else with_noise(result, self.noise)
 
     @property
     def base(self) -> Mapping[str, Any]:
@@ -116,7 +116,7 @@ class Fit(Study):
         Raises:
             ConfigurationError: laws or free numbers cannot be used with the measurements.
         """
-        tails, free = number_or_free("study.student", self.student, inf), by_key(self.free, self.known)
+        free = by_key(self.free, self.known)
         if unused := [key for key in free for idle in self.idle if f"{key}.".startswith(f"{idle}.")]:
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
@@ -128,7 +128,11 @@ class Fit(Study):
             free,
             self.known or (),
             discrepancy=self.discrepancy,
-            degrees_of_freedom=inf if tails is None else None if tails == FREE else float(tails),
+            degrees_of_freedom=inf
+            if self.student is None
+            else None
+            if self.student == "free"
+            else self.student,
             name=path.name if path else "",
             digest=digest_of_file(path) if path else getattr(self.data, "digest", ""),
         )
@@ -229,21 +233,6 @@ def _fitted(
     candidate: Candidate, settings: dict[str, int], workers: int | None, checkpoint: Path | None = None
 ) -> Part:
     return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers))
-
-
-def number_or_free(name: str, text: str | float | None, largest: float) -> float | str | None:
-    """Return a positive number, "free" or None.
-
-    Raises:
-        ConfigurationError: it is something else.
-    """
-    if text is None or text == FREE:
-        return text
-    with suppress(ValueError):
-        if 0.0 < (value := float(text)) <= largest and isfinite(value):
-            return value
-    limit = "" if largest == inf else f" and at most {largest:g}"
-    raise ConfigurationError(f"{name} is {text}; it must be greater than 0{limit}, or '{FREE}'.")
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

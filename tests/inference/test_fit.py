@@ -140,7 +140,7 @@ def test_several_laws_have_free_numbers_of_their_own(impacts):
 
 
 def test_no_odds_are_stated_where_the_stated_noise_is_far_too_small(impacts):
-    result = cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, noise="0.0025", **FEW)
+    result = cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, noise=0.0025, **FEW)
 
     assert not any("odds of" in line for line in result.findings)
     assert not result.data["newton"].attrs["covers"]

@@ -92,9 +92,10 @@ class Prior:
 
     PATTERN: ClassVar[re.Pattern[str]] = re.compile(
         r"(?!(?:law|law/\w+)=)(?P<name>[\w.]+)="
-        rf"(?:(?P<log>{LOG.pattern})|(?P<first>[^,\[(]*?)(?P<sign>\.\.|\+-)(?P<second>.+))"
+        rf"(?:(?P<log>{LOG.pattern})"
+        r"|(?P<first>(?:\s*[-+]?\.?\d[^,\[(]*?)?)(?P<sign>(?<!/)\.\.|\+-)(?P<second>\s*[-+]?\.?\d.*))"
     )
-    """Words of a command that are one: KEY= and one of `FORMS`."""
+    """Words of a command that are one: KEY= and one of `FORMS`, of numbers, which no path has: a=b/../c."""
 
     name: str
     value: Distribution
