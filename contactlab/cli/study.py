@@ -63,7 +63,8 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
             matched[taken].append(word)
         else:
             others.append(word)
-    matched["known"] += _numbers_of_law(others) if "known" in options else []
+    keys = (line.partition("=")[0] for line in others if "known" in options)
+    matched["known"] += [key for key in keys if key.startswith("law.") or key == FRICTION]
     for name, values in filter(itemgetter(1), matched.items()):
         kinds = options[name].kinds
         if len(values) > 1 and name in patterns and not _takes_several(options[name]):
@@ -81,12 +82,6 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
-
-
-def _numbers_of_law(overrides: Iterable[str]) -> list[str]:
-    """Return the keys of a law's numbers that overrides set."""
-    keys = (line.partition("=")[0] for line in overrides)
-    return [key for key in keys if key.startswith("law.") or key == FRICTION]
 
 
 def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:
@@ -119,13 +114,7 @@ def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredFiel
         elif not sign and not rest:
             raise RefusalError(f"{word} has no value; one must follow it.")
         else:
-            value = value if sign else rest.pop(0)
-            yield f"{name}={value}"
-            # Several files may follow their option.
-            while name != "output" and _takes_several(options[name]) and not sign and FILE.fullmatch(value):
-                if not (rest and FILE.fullmatch(rest[0])):
-                    break
-                yield f"{name}={rest.pop(0)}"
+            yield f"{name}={value if sign else rest.pop(0)}"
 
 
 def _values(field: DeclaredField, value: str) -> list[str]:

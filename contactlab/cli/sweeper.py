@@ -30,7 +30,7 @@ from contactlab.cli.collect import collect_swept
 from contactlab.cli.settings import SECTIONS, sweep_in
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
 from contactlab.config import ConfigurationError
-from contactlab.config.composition import as_written, faults_of, resolved
+from contactlab.config.composition import as_written, faults_of, resolved, written
 from contactlab.config.faults import faults_added, one_line, raise_faults
 from contactlab.config.nesting import Value, flat, quoted
 from contactlab.processes import WorkerError, processors
@@ -122,8 +122,9 @@ class Arguments:
             column = self.columns.get(axis.key, axis.values)
             # Values as typed where they are listed.
             values[axis.key] = (axis.values if any(map(call_in, column)) else column)[place]
-            before = lines.get(axis.key, axis.key).partition("=")[0]
-            lines[axis.key] = f"{before}={_text(values[axis.key])}"
+            before, value = lines.get(axis.key, axis.key).partition("=")[0], values[axis.key]
+            plain = isinstance(value, str) and re.fullmatch(r"[\w.+-]+", value, re.ASCII)
+            lines[axis.key] = f"{before}={value if plain else written(value)}"
         composed = self.composed({group: values.pop(group) for group in plan.groups})
         hydra, task = composed.hydra, {k: line for k, line in lines.items() if not re.match(r"hydra\W", k)}
         with read_write(hydra), open_dict(hydra):
@@ -206,13 +207,6 @@ def table(path: str) -> dict[str, list[Value]]:
 
 def _plain(value: Any) -> Any:
     return value.text if isinstance(value, QuotedString) else value
-
-
-def _text(value: Value) -> str:
-    """Return a value as an override has it."""
-    if isinstance(value, str):
-        return value if re.fullmatch(r"[\w.+-]+", value, re.ASCII) else quoted(value)
-    return str(value).lower() if isinstance(value, bool) else repr(value)
 
 
 @final

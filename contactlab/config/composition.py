@@ -64,24 +64,20 @@ def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None)
     refuse_lines(overrides)
     idle = (line for line in overrides if line.lstrip("+~").startswith("hydra."))
     raise_faults(f"{line} is the command's; a run has none." for line in idle)
+    searched = []
+    if config_dir is not None:
+        folder = Path(config_dir).resolve()
+        if not folder.is_dir():
+            raise ConfigurationError(f"config_dir is '{config_dir}'; it must be a folder that exists.")
+        refuse_expansions([str(folder)])
+        searched = [f"hydra.searchpath=[{quoted(f'file://{folder}')}]"]
     try:
         with started():
-            composed = hydra.compose(RUN, overrides=[*_searched(config_dir), *map(readable, overrides)])
+            composed = hydra.compose(RUN, overrides=[*searched, *map(readable, overrides)])
     # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
     except Exception as error:
         raise ConfigurationError(faults_of(error, overrides)) from None
     return resolved(composed)
-
-
-def _searched(config_dir: str | Path | None) -> Iterator[str]:
-    """Yield the override by which Hydra looks into another folder of configuration files too."""
-    if config_dir is None:
-        return
-    folder = Path(config_dir).resolve()
-    if not folder.is_dir():
-        raise ConfigurationError(f"config_dir is '{config_dir}'; it must be a folder that exists.")
-    refuse_expansions([str(folder)])
-    yield f"hydra.searchpath=[{quoted(f'file://{folder}')}]"
 
 
 def completed(configuration: Mapping[str, Any], config_dir: str | Path | None = None) -> dict[str, Any]:
@@ -160,17 +156,17 @@ def differences(configuration: Mapping[str, Any]) -> list[str]:
         if family in FAMILIES and part["name"] != _composed("law=composed")["law"][family]["name"]
     ]
     default = flat(chosen)
-    keys = [f"{key}={_written(x)}" for key, x in flat(configuration).items() if x != default.get(key)]
+    keys = [f"{key}={written(x)}" for key, x in flat(configuration).items() if x != default.get(key)]
     return [*options, *keys]
 
 
-def _written(value: Any) -> str:
+def written(value: Any) -> str:
     """Return a value as an override has it."""
     match value:
         case None | bool():
             return "null" if value is None else str(value).lower()
         case list() | tuple():
-            return f"[{','.join(map(_written, value))}]"
+            return f"[{','.join(map(written, value))}]"
         case str():
             return quoted(value)
     return str(value)

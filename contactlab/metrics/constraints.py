@@ -88,12 +88,6 @@ def pulls(run: Run) -> bool:
     return any(getattr(owner, "allows_tension", None) is True for owner in run.law_classes.values())
 
 
-def reaches_out(run: Run) -> bool:
-    """Return whether adhesion may act over an open gap: it defines the gaps of contact."""
-    pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
-    return any(declares(owner, "limits") for owner in pulling)
-
-
 def changes_side(force: Array) -> NDArray[np.bool_]:
     """Return in which intervals a force begins, ends or may change its sign, by its means over them."""
     turns: NDArray[np.bool_] = np.append(force[1:] * force[:-1] <= 0.0, False)
@@ -140,7 +134,9 @@ def tension(run: Run) -> float:
     source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def force_at_distance(run: Run) -> float:
-    needed(not reaches_out(run))
+    pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
+    # Adhesion may act over an open gap where it defines the gaps of contact.
+    needed(not any(declares(owner, "limits") for owner in pulling))
     gap, force = run.series("gap"), run.series("normal_force")
     # A contact may begin and end between two records with an open gap: throughout the interval the gap is at
     # least the mean of the two less the fastest recorded change.

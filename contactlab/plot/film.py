@@ -122,10 +122,15 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
         return np.where(np.abs(mean) > 1e-6 * np.nanmax(np.abs(mean), initial=0.0), mean, 0.0)
 
     tangential, gap = motion(drawable(run.path[0])), motion(recorded("gap"))
-    reach = float(np.nanmax(np.abs((tangential, gap))))
+    reach, magnification = float(np.nanmax(np.abs((tangential, gap)))), 1.0
+    if reach > 0.0:
+        # The largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture.
+        largest = REACH * size / reach
+        steps = 10.0 ** floor(log10(largest)) * np.array([1.0, 2.0, 5.0])
+        magnification = float(steps[steps <= largest * (1.0 + 1e-9)].max())
     return Film(
         run=run,
-        magnification=_magnification(reach, size),
+        magnification=magnification,
         time=edges[1:],
         tangential=np.interp(edges[1:], time, tangential),
         gap=np.interp(edges[1:], time, gap),
@@ -136,15 +141,6 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
         friction=means("friction_force"),
         mode=_modes(edges, run, spans),
     )
-
-
-def _magnification(reach: float, size: float) -> float:
-    """Find the largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture."""
-    if reach <= 0.0:
-        return 1.0
-    largest = REACH * size / reach
-    decade = 10.0 ** floor(log10(largest))
-    return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= largest * (1.0 + 1e-9))
 
 
 def _modes(edges: Array, run: Recording, spans: dict[str, Array]) -> NDArray[np.int8]:

@@ -157,16 +157,10 @@ def remove_left(folder: Path) -> None:
     """Remove the temporary files in a folder whose processes have ended; what cannot be removed stays."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            if (named := _PARTIAL.fullmatch(entry.name)) and _is_left(Path(entry.path), named):
-                Path(entry.path).unlink(missing_ok=True)
-
-
-def _is_left(path: Path, named: re.Match[str]) -> bool:
-    if named["machine"] == _machine() and not _lives(int(named["process"])):
-        return True
-    with suppress(OSError):
-        return time.time() - path.stat().st_mtime > FOREIGN_AFTER
-    return False
+            if named := _PARTIAL.fullmatch(entry.name):
+                ended = named["machine"] == _machine() and not _lives(int(named["process"]))
+                if ended or time.time() - entry.stat().st_mtime > FOREIGN_AFTER:
+                    Path(entry.path).unlink(missing_ok=True)
 
 
 @cache
@@ -190,7 +184,7 @@ def _lives(process: int) -> bool:
     except (ProcessLookupError, OverflowError):
         return False
     except OSError:
-        return True
+        pass
     return True
 
 

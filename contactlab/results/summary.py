@@ -82,7 +82,9 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
         lines["remembered"] = remembered
     if created := _created(contacts):
         lines["energy created"] = created
-    lines["ledger residual"] = _residual(root)
+    residual, turned = float(root["energy_residual"].values[-1]), abs(float(root["drive_work"].values[-1]))
+    share = f"{abs(residual) / turned:.2g} of the drive work" if turned > 0.0 else "no drive work"
+    lines["ledger residual"] = f"{residual:.2g} J, {share}"
     if wall_time is not None:
         pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
         lines["speed"] = f"{prefixed(end - start, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
@@ -195,10 +197,3 @@ def _remembered(root: Mapping[Any, Column]) -> str:
     texts = [f"{name} {float(x.values[-1]):.6g} {x.attrs['units']}" for name, x in lasting.items()]
     more = f", and {len(texts) - MOST_REMEMBERED} more" if len(texts) > MOST_REMEMBERED else ""
     return ", ".join(text.removesuffix(" 1") for text in texts[:MOST_REMEMBERED]) + more
-
-
-def _residual(root: Mapping[Any, Column]) -> str:
-    """Return the energy that the ledger cannot account for, and its share of the work of the drive."""
-    residual, work = float(root["energy_residual"].values[-1]), abs(float(root["drive_work"].values[-1]))
-    share = f"{abs(residual) / work:.2g} of the drive work" if work > 0.0 else "no drive work"
-    return f"{residual:.2g} J, {share}"

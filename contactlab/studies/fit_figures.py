@@ -32,7 +32,9 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
         str(name).replace(".", ".\n").replace("_", " ") + ("" if unit == "1" else f"\n({from_cf(str(unit))})")
         for name, unit in zip(summary["parameter"].values, summary["units"].values, strict=True)
     ]
-    spans = [_span(*ends) for ends in zip(summary["low"].values, summary["high"].values, strict=True)]
+    low, high = summary["low"].values, summary["high"].values
+    width = np.where(high > low, high - low, np.where(high != 0.0, np.abs(high), 1.0))
+    spans = [*zip((low - 0.6 * width).tolist(), (high + 0.6 * width).tolist(), strict=True)]
     count = min(len(heads), MOST)
     figure = Figure(figsize=(WIDTH, max(CELL * count, 2.2) + 0.5), layout="constrained")
     panels = figure.subplots(count, count, squeeze=False)
@@ -48,7 +50,9 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
                 axes.spines["left"].set_visible(False)
             else:
                 _pair(axes, columns[j], columns[i], weights, (spans[j], spans[i]))
-            _mark(axes, truth[j], truth[i] if i != j else np.nan)
+            for line, at in ((axes.axvline, truth[j]), (axes.axhline, truth[i] if i != j else np.nan)):
+                if not np.isnan(at):
+                    line(at, **_TRUTH)
             axes.set_xlim(spans[j])
             axes.locator_params(axis="x", nbins=2)
             if i != j:
@@ -57,11 +61,6 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
             _label(axes, heads[j], heads[i], bottom=i == count - 1, left=j == 0 and i > 0)
     figure.align_labels()
     return figure
-
-
-def _span(low: float, high: float) -> tuple[float, float]:
-    width = (high - low) or abs(high) or 1.0
-    return low - 0.6 * width, high + 0.6 * width
 
 
 def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:
@@ -79,13 +78,6 @@ def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:
         axes.contourf(*middle, counts.T, [*levels, counts.max()], colors=["0.8", "0.55"])
     else:
         axes.pcolormesh(across, up, counts.T, cmap="Greys", rasterized=True)
-
-
-def _mark(axes: Axes, across: float, up: float) -> None:
-    if not np.isnan(across):
-        axes.axvline(across, **_TRUTH)
-    if not np.isnan(up):
-        axes.axhline(up, **_TRUTH)
 
 
 def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> None:

@@ -207,7 +207,8 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, Distribution]) -> tuple
     Raises:
         ComparisonError: a prior out of bounds, or of a key that is no number.
     """
-    every = {x.keys: x for x in USUAL if DAMPING not in x.keys or not _differs(x, runs)}
+    apart = [key for x in USUAL for key in x.keys if len({run.settings.get(key) for run in runs}) > 1]
+    every = {x.keys: x for x in USUAL if DAMPING not in x.keys or {*apart}.isdisjoint(x.keys)}
     declared: dict[str, Parameter] = {}
     for run in runs:
         declared |= declared_in(dict(run.configuration))
@@ -238,11 +239,6 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, Distribution]) -> tuple
     start = () if "rotor.initial_velocity" in priors else (Factor(START, "uniform", -1.0, 1.0),)
     some = (x for x in ordered if _applies(x, runs) and not (x.kind == "share" and x.a == 0.0))
     return (*some, *start)
-
-
-def _differs(factor: Factor, runs: Sequence[Run]) -> bool:
-    """Return whether a number of a factor differs between runs, which are operating points of it."""
-    return any(len({run.settings.get(key) for run in runs}) > 1 for key in factor.keys)
 
 
 def _applies(factor: Factor, runs: Sequence[Run]) -> bool:

@@ -148,11 +148,6 @@ def _size(values: Array) -> float:
     return float(known.max(initial=0.0)) or 1.0
 
 
-def _last_known(values: Array) -> Array:
-    """Return the finest step that has a value, of shape (law, step)."""
-    return np.asarray(np.where(np.isfinite(values[:, -1]), values[:, -1], values[:, 0]))
-
-
 def draw_pairs(data: xarray.Dataset) -> Figure:
     """Draw the relative difference in speed of every pair of laws, and its order."""
     needed("order" in data and data.sizes["law"] > 2)
@@ -186,7 +181,9 @@ def draw_operating_points(data: xarray.Dataset) -> Figure:
     place = np.array(numbers)[order] if single else order
     for number, law in enumerate(map(str, data["law"].values)):
         each = here.isel(law=number, cell=order)
-        middle = _last_known(each["nominal"].values)
+        steps = each["nominal"].values
+        # The finest step that has a value.
+        middle = np.where(np.isfinite(steps[:, -1]), steps[:, -1], steps[:, 0])
         above.plot(place, middle, marker=".", label=law, **style(number))
         if number:
             pair = here.isel(law=number, other_law=0, cell=order)

@@ -183,7 +183,9 @@ def _size(here: xarray.Dataset) -> Iterator[str]:
         100.0 * float(here[f"relative_{name}"])
         for name in (*(f"difference{end}" for end in ENDS.values()), "nominal", "other")
     )
-    digits = _decimals(high - low)
+    width = high - low
+    # The decimals that the width carries to its second digit.
+    digits = max(1 - floor(log10(width)), 0) if width > 0.0 and isfinite(width) else 0
     text = f"{configured:+.{digits}f} % as configured"
     text += f" and {other:+.{digits}f} % on the other basis" if isfinite(other) else ""
     if isfinite(low):
@@ -213,11 +215,6 @@ def _turns(here: xarray.Dataset) -> Iterator[str]:
         f"The outcome turns with the {name}, whose share in it is {share:.2f} (by chance {chance:.2f}): "
         f"faster and slower are {listed(parts)}."
     )
-
-
-def _decimals(width: float) -> int:
-    """Return the decimals that a width carries to its second digit."""
-    return max(1 - floor(log10(width)), 0) if width > 0.0 and isfinite(width) else 0
 
 
 def _no_functions(data: xarray.Dataset) -> Iterator[str]:

@@ -271,8 +271,9 @@ def planned(
     listing = [columns[group] for group in groups]
     choices = tuple(dict.fromkeys(zip(*listing, strict=True) if samples and groups else product(*listing)))
     bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
-    if keep == "metrics":
-        bases = tuple(_without_workers(base) for base in bases)
+    if keep == "metrics" and "study" in bases[0]:
+        # The workers of the sweep share its runs.
+        bases = tuple({**base, "study": {**base["study"], **ONE_PROCESS}} for base in bases)
     if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
         raise ConfigurationError("solver.until is steady; series must be at the same times in every run.")
     values = {key: column for key, column in columns.items() if key not in groups}
@@ -383,11 +384,6 @@ def _built(configuration: Configuration) -> Setup:
             f"study.data state a motor of their own; a sweep of {study.name} would not be of it."
         )
     return build(run)
-
-
-def _without_workers(base: Configuration) -> Configuration:
-    """Return a configuration whose study is done by one process: those of the sweep share its runs."""
-    return {**base, "study": {**base["study"], **ONE_PROCESS}} if "study" in base else base
 
 
 def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:

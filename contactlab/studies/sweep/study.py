@@ -15,7 +15,7 @@ Several processes may therefore work on one sweep: they write the same bytes.
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -328,8 +328,7 @@ def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.
     """Write the dataset of tasks, that of all as the sweep's, and remove the tasks then."""
     file = folder / DATASET
     while not file.exists():
-        # Another process may finish the sweep, and remove its tasks, meanwhile.
-        with suppress_if(OSError, file.exists):
+        try:
             parts = parts_of()
             dataset, kept = combined(plan, parts), plan.outputs.kept
             path = folder / UNFINISHED if parts.missing else file
@@ -342,6 +341,10 @@ def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.
             if parts.missing:
                 dataset.encoding["source"] = str(path)
                 return dataset
+        except OSError:
+            # Another process may finish the sweep, and remove its tasks, meanwhile.
+            if not file.exists():
+                raise
     digest = folder / DIGEST
     if digest.exists() and digest.read_text(encoding="utf-8") != _digest_line(file):
         raise SweepError(
@@ -354,16 +357,6 @@ def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.
     shutil.rmtree(folder / TASKS, ignore_errors=True)
     (folder / UNFINISHED).unlink(missing_ok=True)
     return dataset
-
-
-@contextmanager
-def suppress_if(kind: type[Exception], condition: Callable[[], bool]) -> Iterator[None]:
-    """Suppress an exception of a kind where a condition holds by then."""
-    try:
-        yield
-    except kind:
-        if not condition():
-            raise
 
 
 def _digest_line(file: Path) -> str:
