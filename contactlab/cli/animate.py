@@ -67,8 +67,7 @@ def _animate(read: Namespace) -> None:
     fps = _number(read.fps, "1", "fps", SLOWEST, FASTEST)
     # Imported here: they bring the plotting, which --help does not need.
     from contactlab.plot.animation import Animation, NoEncoderError, encoder, write_gif, write_mp4
-    from contactlab.plot.film import film_of
-    from contactlab.plot.recording import UnfitRunError, recording_of
+    from contactlab.plot.recording import UnfitRunError, film_of, recording_of
 
     frames = round(FILM_TIME * fps)
     try:

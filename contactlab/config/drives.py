@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config.faults import ConfigurationError, as_fault, raise_faults
-from contactlab.config.signals import SIGNALS
+from contactlab.config.groups import SIGNALS
 from contactlab.motor import Drive, NormalModes, Waveform
 from contactlab.motor.table import MeasurementError, Table, read_table
 from contactlab.results.contents import keep, recorded_content

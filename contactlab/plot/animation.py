@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from contactlab.arrays import Array
-from contactlab.plot.film import Film
 from contactlab.plot.overview import DENSE, explain_shades, shade
-from contactlab.plot.recording import drawable, envelope, steps
+from contactlab.plot.recording import Film, drawable, envelope, steps
 from contactlab.plot.style import COLOURS
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end

@@ -10,8 +10,7 @@ import matplotlib.pyplot as plt
 
 import contactlab as cl
 from contactlab.plot.animation import Animation
-from contactlab.plot.film import film_of
-from contactlab.plot.recording import recording_of
+from contactlab.plot.recording import film_of, recording_of
 
 # %%
 # The motor runs until it has settled, and then for one period with a record every half microsecond.

@@ -14,8 +14,7 @@ from matplotlib.axes import Axes
 
 import contactlab as cl
 from contactlab.plot.animation import Animation, write_gif
-from contactlab.plot.film import film_of
-from contactlab.plot.recording import recording_of
+from contactlab.plot.recording import film_of, recording_of
 from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 

@@ -12,8 +12,7 @@ from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_tr
 
 from contactlab.laws.base import FREE, SLIP, STICK
 from contactlab.plot.animation import LONGEST, Animation, _pitch, write_gif
-from contactlab.plot.film import Film, film_of
-from contactlab.plot.recording import UnfitRunError, recording_of
+from contactlab.plot.recording import Film, UnfitRunError, film_of, recording_of
 from contactlab.results.netcdf import to_datatree
 
 PERIOD = 1.0 / FREQUENCY
