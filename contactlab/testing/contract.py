@@ -19,7 +19,6 @@ from contactlab.testing import (
     declaration_properties,
     flow_properties,
     kernel_properties,
-    published,
     references,
     run_properties,
 )
@@ -36,7 +35,6 @@ def declares_what_it_breaks(bench: Bench) -> Claims:
 
 CLOSED_FORMS = proofs_of(closed_forms)
 REFERENCES = proofs_of(references)
-OF_LAWS = proofs_of(published)
 PROPERTIES = proofs_of(kernel_properties, declaration_properties, flow_properties, run_properties)
 PROPERTIES["declares_what_it_breaks"] = declares_what_it_breaks
 """By their names: small plants against what can be written down, the paper's motor and random flights
@@ -115,7 +113,7 @@ def invariants_of(run: xarray.DataTree) -> Claims:
 
 def all_claims() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
     """Yield every heading and the function of its claims: the catalogues, then the contract of every law."""
-    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values(), *OF_LAWS.values()):
+    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values()):
         yield (proof.__doc__ or "").partition("\n")[0], partial(claims_of, proof)
     for name in law_names():
         try:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from tqdm import tqdm
 
@@ -22,7 +23,6 @@ from contactlab.laws.composed import Composed
 from contactlab.testing.claim import Claim, proofs_of
 from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench
-from contactlab.testing.published import headline, published_of
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = "law_table.md"
@@ -75,16 +75,22 @@ def entries() -> Iterator[Entry]:
 
 
 def _own(group: str, owner: type, law: ContactLaw, family: str, name: str) -> Entry:
-    proofs = published_of(name, family)
+    published = _module("support.published", ROOT / "tests")
+    proofs = published.published_of(name, family)
     heading = _first_line(proofs[0]) if proofs else ""
-    return Entry(group, owner, law, partial(headline, name, family), heading)
+    return Entry(group, owner, law, partial(published.headline, name, family), heading)
+
+
+def _module(name: str, folder: Path) -> Any:
+    """Return a module of the tests."""
+    if str(folder) not in sys.path:
+        sys.path.insert(0, str(folder))
+    return import_module(name)
 
 
 def outside() -> Iterator[Entry]:
     """Return the laws of the package outside of contactlab, each with its own published number."""
-    if str(OUTSIDE) not in sys.path:
-        sys.path.insert(0, str(OUTSIDE))
-    numbers = import_module("published_numbers")
+    numbers = _module("published_numbers", OUTSIDE)
     proofs = proofs_of(numbers)
     for owner in vars(numbers).values():
         if isinstance(owner, type) and getattr(owner, "name", "") in proofs:

@@ -1,7 +1,7 @@
 """Published results of every law and part as claims, and which law each of them is of.
 
-The tests and `contactlab verify` run them all; the first claim of a law's first proof stands in
-docs/law_table.md. A result of another law is one more function, and one more entry of `PUBLISHED`.
+The first claim of the first proof of a law stands in docs/law_table.md. A result of another law is one more
+function, and one more entry of `PUBLISHED`.
 """
 
 from collections.abc import Mapping
