@@ -123,16 +123,17 @@ DEFINITE: Final = 1e-12
 ROUND_OFF: Final = 1e-9
 """Relative gain of energy that is round-off."""
 
-_PAIR: Final = ("impact", "direction")
+ONE, _PAIR = ("impact",), ("impact", "direction")
 _MATRIX: Final = ("impact", "direction", "other_direction")
 _RECORD: Final = ("impact", "record")
+OF_CONTACT: Final = ("duration", "stick_duration", "peak_normal_force", "max_penetration")
 _KNOWN: Final = {variable.name: variable for variable in (*CONTACTS, *SERIES)}
 
 
-def _along(name: str, dims: tuple[str, ...], long_name: str = "") -> Variable:
+def _along(name: str, dims: tuple[str, ...]) -> Variable:
     """Return a quantity of runs along other dimensions."""
     known = _KNOWN[name]
-    return Variable(name, dims, known.units, known.symbol, long_name or known.long_name)
+    return Variable(name, dims, known.units, known.symbol, known.long_name)
 
 
 VARIABLES: Final = (
@@ -140,37 +141,21 @@ VARIABLES: Final = (
     Variable("velocity_before", _PAIR, "m s-1", "u-", "gap rate and slip before the impact"),
     Variable("velocity_after", _PAIR, "m s-1", "u+", "gap rate and slip after the impact"),
     Variable("impulse", _PAIR, "N s", "p", "normal impulse and friction impulse"),
+    Variable("mode", ONE, "1", "m", "contact mode at the end of the impact", flags=CONTACT_MODE.flags),
+    *(_along(name, ONE) for name in OF_CONTACT),
     Variable(
-        "mode", ("impact",), "1", "m", "contact mode at the end of the impact", flags=CONTACT_MODE.flags
-    ),
-    _along("duration", ("impact",)),
-    _along("stick_duration", ("impact",)),
-    _along("peak_normal_force", ("impact",)),
-    _along("max_penetration", ("impact",)),
-    Variable(
-        "energy_loss",
-        ("impact",),
-        "J",
-        "W",
-        "kinetic energy (u-' D^-1 u- - u+' D^-1 u+) / 2 that the impact took",
+        "energy_loss", ONE, "J", "W", "kinetic energy (u-' D^-1 u- - u+' D^-1 u+) / 2 that the impact took"
     ),
     Variable(
         "energy_ratio",
-        ("impact",),
+        ONE,
         "1",
         "T+/T-",
         "kinetic energy u' D^-1 u / 2 after the impact over that before; above one the law created energy",
-    ),
-    Variable("released", ("impact",), "1", "", "whether the bodies have parted again"),
-    Variable(
-        "status",
-        ("impact",),
-        "1",
-        "",
-        "how the impact ended",
-        flags=tuple(ending.name.lower() for ending in Ending),
-    ),
-    Variable("reason", ("impact",), "1", "", "why there are no numbers"),
+    ),  # fmt: skip
+    Variable("released", ONE, "1", "", "whether the bodies have parted again"),
+    Variable("status", ONE, "1", "", "how the impact ended", flags=tuple(e.name.lower() for e in Ending)),
+    Variable("reason", ONE, "1", "", "why there are no numbers"),
 )
 HISTORY: Final = (
     Variable("time", _RECORD, "s", "t", "time since the touch-down"),
@@ -258,8 +243,7 @@ class Impacts:
             "status": endings,
             "reason": np.array(reasons),
         }
-        for name in ("duration", "stick_duration", "peak_normal_force", "max_penetration"):
-            values[name] = outcomes[name].copy()
+        values |= {name: outcomes[name].copy() for name in OF_CONTACT}
         if history:
             values |= {each.name: histories[each.name].copy() for each in HISTORY}
         directions = np.array(["normal", "tangential"])

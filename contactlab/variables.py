@@ -144,12 +144,8 @@ IMPACTS: Final = _along(
 """Further variables of contacts under rigid laws."""
 
 SUMS: Final = {
-    "duration",
-    "stick_duration",
-    "normal_impulse",
-    "friction_impulse",
-    "energy_loss",
-    "impact_energy_gain",
+    *("duration", "stick_duration", "normal_impulse", "friction_impulse"),
+    *("energy_loss", "impact_energy_gain"),
 }
 """Variables of a contact that add up while it lasts."""
 

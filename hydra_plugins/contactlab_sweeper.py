@@ -11,11 +11,10 @@ from omegaconf import DictConfig
 
 @dataclass
 class ContactlabSweeperConf:
-    """Options of the sweeper: the jobs that a launcher is given at once, and values that no one need type."""
+    """Option of the sweeper: the jobs that a launcher is given at once."""
 
     _target_: str = "hydra_plugins.contactlab_sweeper.ContactlabSweeper"
     max_batch_size: int | None = None
-    params: dict[str, str] | None = None
 
 
 class ContactlabSweeper(Sweeper):

@@ -13,8 +13,21 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, RefusalError
 from contactlab.suggestion import suggestion
 
 GALLERY: Final = Path("docs/gallery")
-LAW, STUDY = Path("tests/example_law"), Path("tests/example_study")
-"""Where the examples are in a checkout; in a wheel these folders lie in the package's own `examples`."""
+PACKAGES: Final = {
+    "own_law": (
+        "tests/example_law",
+        "contactlab.laws",
+        "pip install -e {0} makes its law one of the command's: contactlab laws {1} describes it, "
+        "contactlab law={1} runs it, and pytest {0} tests it against the contract of every law.",
+    ),
+    "own_study": (
+        "tests/example_study",
+        "contactlab.studies",
+        "pip install -e {0} makes its study a verb of the command: contactlab {1} --help describes it, "
+        "contactlab {1} does it; its metric is computed of every run.",
+    ),
+}
+"""Packages: folder, group of the entry, what to do. In a wheel the folders lie in `contactlab/examples`."""
 
 _ORDER: Final = re.compile(r"^plot_(?:\d+_)?")
 
@@ -66,24 +79,11 @@ def examples() -> Iterator[Example]:
         match = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
         onward = f"contactlab validate {path.name} law=newton,poisson compares laws with it."
         yield Example(path.stem, match[1] if match else "", path, path.name, onward)
-    law, about = _entry(root / LAW, "contactlab.laws")
-    onward = (
-        f"pip install -e own_law makes its law one of the command's: contactlab laws {law} describes it, "
-        f"contactlab law={law} runs it, and pytest own_law tests it against the contract of every law."
-    )
-    yield Example("own_law", about, root / LAW, "own_law", onward)
-    study, about = _entry(root / STUDY, "contactlab.studies")
-    onward = (
-        f"pip install -e own_study makes its study a verb of the command: contactlab {study} --help "
-        f"describes it, contactlab {study} does it; its metric is computed of every run."
-    )
-    yield Example("own_study", about, root / STUDY, "own_study", onward)
-
-
-def _entry(package: Path, group: str) -> tuple[str, str]:
-    """Return the first name that a package enters in a group, and what the package is."""
-    project = tomllib.loads((package / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    return next(iter(project["entry-points"][group])), project["description"]
+    for copy, (folder, group, onward) in PACKAGES.items():
+        text = (root / folder / "pyproject.toml").read_text(encoding="utf-8")
+        project = tomllib.loads(text)["project"]
+        entry = next(iter(project["entry-points"][group]))
+        yield Example(copy, project["description"], root / folder, copy, onward.format(copy, entry))
 
 
 def _copy(source: Path, target: Path) -> None:

@@ -25,13 +25,10 @@ KERNELS = {"limits": "a contact begins and ends at the gaps that it says, not at
 
 HEADINGS = {
     "": "Laws: choose one by law=NAME",
-    **{
-        family: f"{title} of a composed law: law=composed law/{family}=NAME"
-        for family, title in {
-            "normal": "Normal forces", "damping": "Dampings", "friction": "Frictions"
-        }.items()
-    },
-}  # fmt: skip
+    "normal": "Normal forces of a composed law: law=composed law/normal=NAME",
+    "damping": "Dampings of a composed law: law=composed law/damping=NAME",
+    "friction": "Frictions of a composed law: law=composed law/friction=NAME",
+}
 
 _wrapped = partial(
     fill,

@@ -218,7 +218,6 @@ class Sweeping:
     task: TaskFunction
     config: DictConfig
     max_batch_size: int | None = None
-    params: Mapping[str, str] | None = None
 
     def sweep(self, lines: list[str]) -> None:
         """Run a sweep, or continue it.
@@ -227,7 +226,7 @@ class Sweeping:
             SystemExit: with the status of the worst run, or that of a refusal.
         """
         try:
-            status = self._swept([*(f"{k}={v}" for k, v in (self.params or {}).items()), *lines])
+            status = self._swept(lines)
         except ConfigurationError as error:
             status = refuse(error.faults)
         except SweepError as error:

@@ -254,23 +254,11 @@ GROUPS: Final[dict[str, Section]] = {
 }
 """The groups of a run but that of the laws, in the order of a configuration."""
 
-ADDED: Final = frozenset(
-    {
-        "resonator.residual_mass",
-        "contact.angle",
-        "contact.preload",
-        "solver.changes",
-        "drive.signal",
-        "rotor.mass",
-        "rotor.bearing_stiffness",
-        "rotor.bearing_damping",
-        "resonator.damping_ratio",
-        "resonator.rod_length",
-        "solver.until",
-        "solver.precision",
-        "piezoceramic.loss_tangent",
-        "piezoceramic.free_permittivity",
-    }
+ADDED: Final = (
+    *("resonator.residual_mass", "resonator.damping_ratio", "resonator.rod_length"),
+    *("piezoceramic.loss_tangent", "piezoceramic.free_permittivity", "drive.signal"),
+    *("contact.angle", "contact.preload", "rotor.mass", "rotor.bearing_stiffness", "rotor.bearing_damping"),
+    *("solver.changes", "solver.until", "solver.precision"),
 )
 """Keys that an option file of one's own may leave out: their defaults are those of the motor of the paper."""
 

@@ -19,7 +19,7 @@ from contactlab.quantity import UnitError
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.ranges import Range
-from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
 
@@ -35,12 +35,7 @@ class Basins(Study):
     """
 
     name: ClassVar[str] = "basins"
-    ignored: ClassVar[tuple[str, ...]] = (
-        *Study.ignored,
-        "solver.duration",
-        "solver.until",
-        "solver.precision",
-    )
+    ignored: ClassVar[tuple[str, ...]] = (*Study.ignored, *LENGTH)
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("attractor_count", (), "1", "n", "number of attractors"),
         Variable("largest_share", (), "1", "s", "share of the starts in the largest basin"),

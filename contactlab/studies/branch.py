@@ -17,7 +17,7 @@ from contactlab.quantity import UnitError, in_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.ranges import Range
-from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
 
@@ -32,12 +32,7 @@ class Branch(Study):
     """
 
     name: ClassVar[str] = "branch"
-    ignored: ClassVar[tuple[str, ...]] = (
-        *Study.ignored,
-        "solver.duration",
-        "solver.until",
-        "solver.precision",
-    )
+    ignored: ClassVar[tuple[str, ...]] = (*Study.ignored, *LENGTH)
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("orbit_count", (), "1", "n", "number of orbits computed"),
         Variable("event_count", (), "1", "m", "number of folds, bifurcations and grazings"),

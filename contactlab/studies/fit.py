@@ -35,7 +35,7 @@ from contactlab.measured.series import MeasuredPoints, MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_in
-from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
 OrFree = float | Literal["free"] | None
@@ -55,7 +55,7 @@ class Fit(Study):
 
     name: ClassVar[str] = "fit"
     several: ClassVar[bool] = True
-    ignored: ClassVar[tuple[str, ...]] = (*("record", "solver.duration", "solver.until", "solver.precision"),)
+    ignored: ClassVar[tuple[str, ...]] = ("record", *LENGTH)
     files: ClassVar[str] = "data"
 
     data: Annotated[

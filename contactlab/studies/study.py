@@ -49,6 +49,10 @@ STUDY, SEVERAL = "study", "configurations"
 """Attributes of a result's data: its study with all options, and the configurations by label if several."""
 
 
+LENGTH: Final = ("solver.duration", "solver.until", "solver.precision")
+"""Keys of the end of a run, on which a steady state does not depend."""
+
+
 def option(meaning: str, **limits: Any) -> Parameter:
     """Return the declaration of an option without unit and symbol."""
     return Parameter("", "1", meaning, **limits)

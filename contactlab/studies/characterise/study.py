@@ -15,18 +15,13 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
-from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates
+from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, estimates
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
 BALANCE: Final = (
-    "active_power",
-    "output_power",
-    "damping_power",
-    "friction_power",
-    "contact_power",
-    "dielectric_power",
-    "balance",
+    *("active_power", "output_power", "damping_power", "friction_power", "contact_power"),
+    *("dielectric_power", "balance"),
 )
 """Where the electrical input goes."""
 
@@ -42,9 +37,7 @@ class Characterise(Study):
 
     name: ClassVar[str] = "characterise"
     several: ClassVar[bool] = True
-    ignored: ClassVar[tuple[str, ...]] = (
-        *Study.ignored, "solver.duration", "solver.until", "solver.precision", "rotor.load_torque"
-    )  # fmt: skip
+    ignored: ClassVar[tuple[str, ...]] = (*Study.ignored, *LENGTH, "rotor.load_torque")
     quantities: ClassVar[tuple[Variable, ...]] = tuple(MOTOR.values())
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
