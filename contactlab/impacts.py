@@ -123,10 +123,10 @@ DEFINITE: Final = 1e-12
 ROUND_OFF: Final = 1e-9
 """Relative gain of energy that is round-off."""
 
-ONE, _PAIR = ("impact",), ("impact", "direction")
+_IMPACT, _PAIR = ("impact",), ("impact", "direction")
 _MATRIX: Final = ("impact", "direction", "other_direction")
 _RECORD: Final = ("impact", "record")
-OF_CONTACT: Final = ("duration", "stick_duration", "peak_normal_force", "max_penetration")
+_OF_CONTACT: Final = ("duration", "stick_duration", "peak_normal_force", "max_penetration")
 _KNOWN: Final = {variable.name: variable for variable in (*CONTACTS, *SERIES)}
 
 
@@ -141,21 +141,25 @@ VARIABLES: Final = (
     Variable("velocity_before", _PAIR, "m s-1", "u-", "gap rate and slip before the impact"),
     Variable("velocity_after", _PAIR, "m s-1", "u+", "gap rate and slip after the impact"),
     Variable("impulse", _PAIR, "N s", "p", "normal impulse and friction impulse"),
-    Variable("mode", ONE, "1", "m", "contact mode at the end of the impact", flags=CONTACT_MODE.flags),
-    *(_along(name, ONE) for name in OF_CONTACT),
+    Variable("mode", _IMPACT, "1", "m", "contact mode at the end of the impact", flags=CONTACT_MODE.flags),
+    *(_along(name, _IMPACT) for name in _OF_CONTACT),
     Variable(
-        "energy_loss", ONE, "J", "W", "kinetic energy (u-' D^-1 u- - u+' D^-1 u+) / 2 that the impact took"
+        "energy_loss",
+        _IMPACT,
+        "J",
+        "W",
+        "kinetic energy (u-' D^-1 u- - u+' D^-1 u+) / 2 that the impact took",
     ),
     Variable(
         "energy_ratio",
-        ONE,
+        _IMPACT,
         "1",
         "T+/T-",
         "kinetic energy u' D^-1 u / 2 after the impact over that before; above one the law created energy",
-    ),  # fmt: skip
-    Variable("released", ONE, "1", "", "whether the bodies have parted again"),
-    Variable("status", ONE, "1", "", "how the impact ended", flags=tuple(e.name.lower() for e in Ending)),
-    Variable("reason", ONE, "1", "", "why there are no numbers"),
+    ),
+    Variable("released", _IMPACT, "1", "", "whether the bodies have parted again"),
+    Variable("status", _IMPACT, "1", "", "how the impact ended", flags=tuple(e.name.lower() for e in Ending)),
+    Variable("reason", _IMPACT, "1", "", "why there are no numbers"),
 )
 HISTORY: Final = (
     Variable("time", _RECORD, "s", "t", "time since the touch-down"),
@@ -243,7 +247,7 @@ class Impacts:
             "status": endings,
             "reason": np.array(reasons),
         }
-        values |= {name: outcomes[name].copy() for name in OF_CONTACT}
+        values |= {name: outcomes[name].copy() for name in _OF_CONTACT}
         if history:
             values |= {each.name: histories[each.name].copy() for each in HISTORY}
         directions = np.array(["normal", "tangential"])
