@@ -13,6 +13,7 @@ from contactlab.config import ConfigurationError
 from contactlab.inference import nested_sampling as nested
 from contactlab.inference.synthetic import made_impacts, made_series, without_errors
 from contactlab.measured.files import read_impacts, write_impacts
+from contactlab.studies.keys import study_in
 
 pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
 
@@ -104,8 +105,6 @@ def test_a_rotor_velocity_shows_that_a_law_with_a_wrong_stiffness_is_wrong():
         (["newton"], {"free": FREE, "known": ["law.restitution"]}, "law.restitution"),
         (["newton"], {"series": ["gap"]}, "study.series"),
         (["newton"], {"noise": "free", "discrepancy": "on"}, "discrepancy"),
-        (["newton"], {"noise": "-1"}, "study.noise"),
-        (["newton"], {"student": "none"}, "study.student"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused_with_its_key(impacts, tmp_path, names, options, named):
@@ -113,6 +112,19 @@ def test_what_cannot_be_fitted_is_refused_with_its_key(impacts, tmp_path, names,
         cl.fit(laws(*names), data=impacts, output=tmp_path / "out", **options)
 
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "kind"),
+    [({"noise": -1.0}, ValueError), ({"noise": 2.0}, ValueError), ({"student": "none"}, TypeError)],
+)
+def test_noise_is_a_number_or_free(impacts, tmp_path, options, kind):
+    with pytest.raises(kind, match=next(iter(options))):
+        cl.fit(laws("newton"), data=impacts, output=tmp_path / "out", **options)
+
+    with pytest.raises(ConfigurationError, match=f"study.{next(iter(options))}"):
+        study_in({"name": "fit", **options})
+    assert study_in({"name": "fit", "noise": "free", "student": "4"}).noise == "free"
 
 
 def test_a_file_that_is_not_there_and_a_missing_package_are_refused(impacts, tmp_path, monkeypatch):
