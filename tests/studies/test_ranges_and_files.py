@@ -3,6 +3,7 @@
 import pytest
 
 from contactlab.cli.study import as_overrides
+from contactlab.studies.compare.draws import Prior
 from contactlab.studies.ranges import Range
 
 
@@ -23,7 +24,17 @@ def test_a_path_or_a_number_is_no_range(value: str) -> None:
     word = f"resonator.file={value}"
     with pytest.raises(ValueError, match="START"):
         Range.of_text(word)
+    with pytest.raises(ValueError, match="LOW"):
+        Prior.of_text(word)
     assert word in as_overrides("branch", [word])
+    assert word in as_overrides("compare", [word])
+
+
+@pytest.mark.parametrize("value", ["1 um..4 um", "-.5..+.5", "1e-6+-1e-7", "+-10 %", "log(1e-6..1e-5)"])
+def test_a_distribution_of_numbers_is_one(value: str) -> None:
+    word = f"contact.clearance={value}"
+    assert str(Prior.of_text(word).name) == "contact.clearance"
+    assert any(word in line for line in as_overrides("compare", [word]))
 
 
 def test_files_and_ranges_go_to_the_options_that_take_them() -> None:
