@@ -37,12 +37,12 @@ def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(comman
             (
                 copy,
                 {
-                    f"{copy}/{path.name}": f"{source.as_posix()}/{path.name}"
+                    f"{copy}/{path.name}": f"{source}/{path.name}"
                     for path in (ROOT / source).iterdir()
                     if path.is_file()
                 },
             )
-            for copy, source in {"own_law": example.LAW, "own_study": example.STUDY}.items()
+            for copy, (source, *_) in example.PACKAGES.items()
         ),
     ],
 )
