@@ -116,7 +116,7 @@ def _options_in(group: str, section: Section, value: object) -> dict[str, str]:
 
 def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
     """Return nested values with others in their place; a text in place of a group has chosen its option."""
-    merged = _thawed(below)
+    merged = {key: _merged(x, {}) if isinstance(x, Mapping) else x for key, x in below.items()}
     for key, value in above.items():
         under = below.get(key)
         if isinstance(value, Mapping) and isinstance(under, Mapping):
@@ -206,7 +206,7 @@ def overridden(source: Mapping[str, Any], overrides: Sequence[str]) -> dict[str,
     """
     options, values = parsed(overrides)
     whole = completed(
-        _thawed(source) | {group: option for group, option in options.items() if "/" not in group}
+        _merged(source, {}) | {group: option for group, option in options.items() if "/" not in group}
     )
     for group, option in options.items():
         if "/" in group:
@@ -220,10 +220,6 @@ def overridden(source: Mapping[str, Any], overrides: Sequence[str]) -> dict[str,
                 raise ConfigurationError(unknown_override(key))
         below[last] = value
     return whole
-
-
-def _thawed(values: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: _thawed(x) if isinstance(x, Mapping) else x for key, x in values.items()}
 
 
 def readable(override: str) -> str:

@@ -7,27 +7,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Final
 
+from contactlab import laws
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.nesting import flat
 from contactlab.config.schema import FRICTION, declared_in
 from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters, label_of
 from contactlab.inference.impact_problem import LawPredictor, Ranges
-from contactlab.laws import (
-    Composed,
-    ContactLaw,
-    Flores,
-    HertzPoint,
-    HuntCrossley,
-    LuGre,
-    Microslip,
-    Mindlin,
-    MultiplierLaw,
-    Regularised,
-    Stribeck,
-    Thornton,
-    WaltonBraun,
-    registry,
-)
+from contactlab.laws import Composed, ContactLaw, MultiplierLaw, registry
 from contactlab.laws.declaration import SHARED
 from contactlab.measured.bodies import CORRECTIONS
 from contactlab.parameter import Parameter
@@ -209,21 +195,24 @@ def _compliant_laws() -> list[tuple[ContactLaw, Ranges]]:
     # The range of the loss of Hunt and Crossley at this speed.
     slowing = {"damping.restitution": (0.4, 1.0), **cone}
     yielding = {"normal.unloading_stiffness": (1e7, 1e9), **cone}
-    elastic, dent = HertzPoint(), WaltonBraun(loading_stiffness=1e7, unloading_stiffness=3e7)
+    elastic, dent = laws.HertzPoint(), laws.WaltonBraun(loading_stiffness=1e7, unloading_stiffness=3e7)
     ratio = {"friction.stiffness_ratio": None}
     return [
         (registry.law("hertz_penalty"), {"friction_coefficient": None}),
-        (Composed(elastic, Flores()), lossy),
-        (Composed(elastic, HuntCrossley(0.8, impact_speed=1.0)), slowing),
-        (Composed(Thornton()), {"normal.yield_pressure": None, **cone}),
+        (Composed(elastic, laws.Flores()), lossy),
+        (Composed(elastic, laws.HuntCrossley(0.8, impact_speed=1.0)), slowing),
+        (Composed(laws.Thornton()), {"normal.yield_pressure": None, **cone}),
         (Composed(dent), yielding),
-        (Composed(elastic, Flores(), Mindlin()), lossy | ratio),
-        (Composed(elastic, Flores(), Microslip()), lossy | ratio),
-        (Composed(elastic, Flores(), Regularised()), lossy | {"friction.creep_velocity": (1e-2, 3.0)}),
-        (Composed(elastic, Flores(), LuGre()), lossy | {"friction.bristle_stiffness": (1e3, 1e7)}),
+        (Composed(elastic, laws.Flores(), laws.Mindlin()), lossy | ratio),
+        (Composed(elastic, laws.Flores(), laws.Microslip()), lossy | ratio),
         (
-            Composed(elastic, Flores(), Stribeck()),
+            Composed(elastic, laws.Flores(), laws.Regularised()),
+            lossy | {"friction.creep_velocity": (1e-2, 3.0)},
+        ),
+        (Composed(elastic, laws.Flores(), laws.LuGre()), lossy | {"friction.bristle_stiffness": (1e3, 1e7)}),
+        (
+            Composed(elastic, laws.Flores(), laws.Stribeck()),
             lossy | {"friction.static_ratio": (1.0, 4.0), "friction.stribeck_velocity": (3e-2, 3.0)},
         ),
-        (Composed(dent, friction=Mindlin()), yielding | ratio),
+        (Composed(dent, friction=laws.Mindlin()), yielding | ratio),
     ]

@@ -45,7 +45,6 @@ class Optimum:
         cost: half the sum of the squared residuals there.
         costs: of all starts, shape (start,), infinite where fewer points had finite residuals.
         hits: number of starts that reached the lowest cost.
-        singular_values: of the Jacobian of the residuals in the unit cube at the optimum, falling.
         undetermined: names of the parameters that the residuals do not determine; see `undetermined`.
         at_end: names of those that lie on an end of their range, where the optimum may lie beyond.
     """
@@ -55,7 +54,6 @@ class Optimum:
     cost: float
     costs: Array
     hits: int
-    singular_values: Array
     undetermined: tuple[str, ...]
     at_end: tuple[str, ...]
 
@@ -110,7 +108,7 @@ def best_fit(
         cost = _cost(np.asarray(residuals(np.empty(0))))
         if not isfinite(cost):
             raise ValueError("The residuals are not finite numbers, and nothing is free to change that.")
-        return Optimum((), np.empty(0), cost, np.array([cost]), 1, np.empty(0), (), ())
+        return Optimum((), np.empty(0), cost, np.array([cost]), 1, (), ())
 
     def in_cube(shares: Array) -> Array:
         return np.asarray(residuals(from_cube(free, shares)), dtype=np.float64)
@@ -166,7 +164,6 @@ def best_fit(
         float(best.cost) * unit**2,
         costs * unit**2,
         int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
-        np.asarray(np.linalg.svd(jacobian, compute_uv=False), dtype=np.float64),
         undetermined(free, jacobian, spread),
         tuple(item.name for item, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
     )
