@@ -12,8 +12,8 @@ from contactlab.config.faults import ConfigurationError, as_fault, raise_faults
 from contactlab.config.groups import SIGNALS
 from contactlab.motor import Drive, NormalModes, Waveform
 from contactlab.motor.table import MeasurementError, Table, read_table
-from contactlab.results.contents import keep, recorded_content
 from contactlab.results.files import check_file
+from contactlab.results.netcdf import keep, recorded_content
 
 RESONANCE: Final = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""

@@ -49,8 +49,7 @@ from contactlab.motor import (
 from contactlab.motor.modal import modes_of
 from contactlab.motor.table import read_table
 from contactlab.parameter import DeclaredField
-from contactlab.results.contents import contents_of, keep
-from contactlab.results.netcdf import settings_of
+from contactlab.results.netcdf import contents_of, keep, settings_of
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory

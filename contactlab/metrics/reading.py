@@ -10,8 +10,8 @@ import numpy as np
 
 from contactlab import variables
 from contactlab.checks import check_declared
-from contactlab.results.contents import keep_contents
 from contactlab.results.files import damage
+from contactlab.results.netcdf import keep_contents
 from contactlab.suggestion import excerpt
 from contactlab.variables import Variable
 

@@ -18,8 +18,7 @@ from contactlab.parameter import from_cf
 from contactlab.quantity import UnitError
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.ranges import Range
-from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import LENGTH, Part, Progress, Range, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
 

@@ -16,8 +16,7 @@ from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, in_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.ranges import Range
-from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import LENGTH, Part, Progress, Range, Result, Setups, Study, Task, option
 from contactlab.studies.tables import table
 from contactlab.variables import Variable
 

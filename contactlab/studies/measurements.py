@@ -8,8 +8,7 @@ from typing import Any, Final, TypeVar
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.inference.law_numbers import Free
 from contactlab.laws import ContactLaw
-from contactlab.studies.ranges import Range
-from contactlab.studies.study import Setups
+from contactlab.studies.study import Range, Setups
 
 _Data = TypeVar("_Data")
 

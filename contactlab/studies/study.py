@@ -10,6 +10,7 @@ adds a study by an entry point:
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, fields
@@ -17,7 +18,7 @@ from functools import cache, cached_property
 from html import escape
 from inspect import get_annotations
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Self, final
 
 import numpy as np
 import yaml
@@ -25,6 +26,7 @@ import yaml
 from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
 from contactlab.parameter import Parameter
+from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml
@@ -56,6 +58,53 @@ LENGTH: Final = ("solver.duration", "solver.until", "solver.precision")
 def option(meaning: str, **limits: Any) -> Parameter:
     """Return the declaration of an option without unit and symbol."""
     return Parameter("", "1", meaning, **limits)
+
+
+@final
+@dataclass(frozen=True)
+class Range:
+    """A number of a motor from one value to another.
+
+        >>> Range.of_text("contact.clearance=1 um..4 um").within("m")
+        (1e-06, 4e-06)
+
+    Args:
+        name: of the number, as a full key.
+        start, end: in SI, or texts with units.
+    """
+
+    PATTERN: ClassVar[re.Pattern[str]] = re.compile(
+        r"(?P<name>[\w.]+)=(?P<start>\s*[-+]?\.?\d.*?)\.\.(?P<end>\s*[-+]?\.?\d.*)"
+    )
+    """Words of a command that are one: KEY=START..END. Both are numbers, which no path is: a/../b."""
+
+    name: str
+    start: float | str
+    end: float | str
+
+    @classmethod
+    def of_text(cls, text: str) -> Self:
+        """Read KEY=START..END; a ValueError if it is something else."""
+        if span := cls.PATTERN.fullmatch(text):
+            return cls(span["name"], span["start"].strip(), span["end"].strip())
+        raise ValueError("it must be KEY=START..END, as in contact.clearance=1 um..4 um")
+
+    def __str__(self) -> str:
+        return f"{self.name}={self.start}..{self.end}"
+
+    def within(self, unit: str) -> tuple[float, float]:
+        """Return start and end in SI.
+
+        Raises:
+            UnitError: one of them has another unit; a sentence that names both.
+        """
+        ends = []
+        for side in (self.start, self.end):
+            try:
+                ends.append(to_si(side, unit) if isinstance(side, str) else float(side))
+            except UnitError as error:
+                raise UnitError(f"{self}, {error}") from error
+        return ends[0], ends[1]
 
 
 @final

@@ -7,7 +7,7 @@ from itertools import chain
 from types import NoneType
 from typing import Any, get_args
 
-from contactlab.cli.settings import SECTIONS
+from contactlab.cli.start import SECTIONS
 from contactlab.config.composition import conf_directory
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
 from contactlab.config.options import full_keys

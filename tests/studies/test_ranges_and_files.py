@@ -4,7 +4,7 @@ import pytest
 
 from contactlab.cli.study import as_overrides
 from contactlab.studies.compare.draws import Prior
-from contactlab.studies.ranges import Range
+from contactlab.studies.study import Range
 
 
 @pytest.mark.parametrize(
