@@ -17,9 +17,8 @@ from contactlab.laws.memory import AT_TOUCH
 from contactlab.parameter import declared_fields, from_cf
 from contactlab.quantity import dimensions
 from contactlab.testing.claim import Claims, at_most
-from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.kernel_properties import TINY, Worst, drawn_impacts, drawn_pressures, states_of
-from contactlab.testing.plants import Bench
+from contactlab.testing.plants import Bench, Evaluator
 
 Put = Callable[[float, str], float]
 """Takes a number in SI and its units; gives it in the units of a bench."""

@@ -8,10 +8,9 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 from contactlab.testing.claim import Claims, at_most
-from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flows import Instant, flow_of
 from contactlab.testing.kernel_properties import TINY, Worst
-from contactlab.testing.plants import Bench
+from contactlab.testing.plants import Bench, Evaluator
 
 NUDGE = 1e-4
 """Share of the shortest time of a state within which its energy is differentiated."""

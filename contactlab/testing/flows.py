@@ -18,8 +18,7 @@ from scipy.optimize import brentq
 from contactlab.arrays import Array
 from contactlab.laws.base import ELASTOPLASTIC, SET_VALUED, PenaltyLaw
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
-from contactlab.testing.evaluation import Evaluator
-from contactlab.testing.plants import Bench
+from contactlab.testing.plants import Bench, Evaluator
 
 GRID = 360
 """Steps on a path; it goes in and out three times and a half, with ripples."""

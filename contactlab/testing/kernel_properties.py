@@ -15,9 +15,8 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.consistency import contradictions
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
 from contactlab.testing.claim import Claim, Claims, at_most
-from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flows import flow_of
-from contactlab.testing.plants import Bench
+from contactlab.testing.plants import Bench, Evaluator
 
 State = tuple[float, float, float, float, Array]
 """Gap [m], gap rate [m/s], slip [m/s], impact speed [m/s], and what is kept."""

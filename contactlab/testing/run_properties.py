@@ -14,7 +14,6 @@ from contactlab.laws.memory import AT_TOUCH, ODD
 from contactlab.metrics.constraints import changes_side
 from contactlab.motor.motor import Motor
 from contactlab.testing.claim import Claims, at_least, at_most, close
-from contactlab.testing.evaluation import Evaluator
 from contactlab.testing.flights import flight_of
 from contactlab.testing.flow_properties import image_of, losses_of
 from contactlab.testing.kernel_properties import TINY, impacts_of
@@ -25,6 +24,7 @@ from contactlab.testing.plants import (
     MOTOR_DURATION,
     WEIGHT,
     Bench,
+    Evaluator,
     block,
     completed,
     run,

@@ -13,8 +13,7 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.damping import LinearDamping
 from contactlab.laws.friction import Coulomb, Regularised
 from contactlab.laws.normal import HertzPoint, Linear
-from contactlab.testing.evaluation import Evaluator
-from contactlab.testing.plants import block, way_of
+from contactlab.testing.plants import Evaluator, block, way_of
 from contactlab.trajectory import Trajectory
 
 BELTS = {
