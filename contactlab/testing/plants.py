@@ -13,7 +13,7 @@ from contactlab.engine import simulate
 from contactlab.engine.binding import functions_of, row_of
 from contactlab.engine.state import HEAD, SPEED
 from contactlab.laws import ContactLaw, MultiplierLaw
-from contactlab.laws.base import ContactLaw, PenaltyLaw, is_stepped
+from contactlab.laws.base import PenaltyLaw, is_stepped
 from contactlab.laws.consistency import CANARIES, guarded
 from contactlab.motor import RitzResonator
 from contactlab.motor.bodies import FLAT as FLAT, HEAVY as HEAVY, block as block, way_of as way_of
