@@ -157,10 +157,13 @@ def remove_left(folder: Path) -> None:
     """Remove the temporary files in a folder whose processes have ended; what cannot be removed stays."""
     with suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
-            if named := _PARTIAL.fullmatch(entry.name):
+            if not (named := _PARTIAL.fullmatch(entry.name)):
+                continue
+            # Another process may have renamed or removed it by now.
+            with suppress(OSError):
                 ended = named["machine"] == _machine() and not _lives(int(named["process"]))
                 if ended or time.time() - entry.stat().st_mtime > FOREIGN_AFTER:
-                    Path(entry.path).unlink(missing_ok=True)
+                    Path(entry.path).unlink()
 
 
 @cache
