@@ -2,23 +2,72 @@
 
 To add a group is to add a line to `GROUPS`; what binds several keys together is in
 `contactlab.config.schema`. Options that differ from the declared defaults are files in `conf/`.
+
+Another package brings a resonator by an entry point in its pyproject.toml:
+
+    [project.entry-points."contactlab.resonators"]
+    ring = "their_module:Ring"
+
+It is a dataclass whose fields are declared numbers, as those of a law, with a property `modes`, the
+`contactlab.NormalModes`. It is imported when it is chosen.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, is_dataclass, replace
 from functools import cache, partial
+from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any, Final, Literal, TypeAlias, final
 
 from contactlab import motor
 from contactlab.checks import Checked
-from contactlab.config.resonators import resonator_class, resonator_names
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import PARTS, class_of, law_names
-from contactlab.motor import Chirp, TwoMode, TwoPhase
+from contactlab.motor import Chirp, FiniteElementResonator, RitzResonator, TwoMode, TwoPhase
+from contactlab.motor.modal import ModalFile
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
 from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
+
+RESONATORS: Final = "contactlab.resonators"
+"""Group of the entry points of resonators."""
+
+BASES: Final = {"ritz": RitzResonator, "finite_element": FiniteElementResonator}
+"""The bases of the beam."""
+
+MODAL: Final = "modal"
+"""The basis of a file."""
+
+OF_BEAMS: Final = ("piezoceramic", "placement")
+"""Groups of the beam, of which no other resonator has anything."""
+
+OWN_RESONATORS: Final[Mapping[str, type]] = {**BASES, MODAL: ModalFile}
+
+
+@cache
+def other_resonators() -> dict[str, EntryPoint]:
+    """Return the resonators of other packages by name."""
+    return {point.name: point for point in entry_points(group=RESONATORS) if point.name not in OWN_RESONATORS}
+
+
+def resonator_names() -> list[str]:
+    """Return the names by which a resonator can be chosen; nothing of another package is imported."""
+    return [*OWN_RESONATORS, *other_resonators()]
+
+
+def resonator_class(name: str) -> type:
+    """Return the class of a resonator; a ValueError where another package's cannot be one."""
+    if name in OWN_RESONATORS:
+        return OWN_RESONATORS[name]
+    try:
+        owner: Any = other_resonators()[name].load()
+    # Whatever a module of somebody else's does while it is imported, it is that resonator's fault alone.
+    except (Exception, SystemExit) as error:
+        raise ValueError(f"It cannot be imported ({type(error).__name__}: {error}).") from error
+    if not (isinstance(owner, type) and is_dataclass(owner) and hasattr(owner, "modes")):
+        raise ValueError("It must be a dataclass with a property `modes`.")
+    return owner
+
 
 Interpolation = Literal["linear", "cubic", "quintic", "septic"]
 

@@ -16,10 +16,9 @@ from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
 from contactlab.config.drives import drive_of, named_file
 from contactlab.config.faults import ConfigurationError, as_fault, faults_added, one_line, raise_faults
-from contactlab.config.groups import GROUPS
+from contactlab.config.groups import BASES, GROUPS, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.made_in_python import PLACES, with_number
 from contactlab.config.nesting import flat, nested
-from contactlab.config.resonators import BASES, MODAL, OF_BEAMS, resonator_class
 from contactlab.config.schema import FRICTION, Examination
 from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import (

@@ -21,7 +21,6 @@ from contactlab.metrics.catalogue import (
     metric,
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants
-from contactlab.metrics.reading import is_complete, read_run
-from contactlab.metrics.run import NotApplicableError, Run, needed
+from contactlab.metrics.run import NotApplicableError, Run, is_complete, needed, read_run
 
 add_others()

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.metrics.reading import checked_run, opened
+from contactlab.metrics.run import checked_run, opened
 from contactlab.results.yaml_text import read_yaml
 from contactlab.simulation import Solution, solution_in
 from contactlab.studies.keys import study_in

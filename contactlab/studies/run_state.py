@@ -20,7 +20,7 @@ from typing import Any, Final, final
 
 from contactlab.config import Setup
 from contactlab.config.faults import failure_of
-from contactlab.config.resonators import resonator_class
+from contactlab.config.groups import resonator_class
 from contactlab.foreign import digest_of_sources
 from contactlab.laws.declaration import Declared
 from contactlab.laws.registry import classes_in, classes_of, provenance

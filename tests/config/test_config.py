@@ -10,9 +10,8 @@ from support.configurations import CONF, altered, composed, options
 
 from contactlab.checks import MOST_RECORDS
 from contactlab.config import ConfigurationError, build, rebuild, validate
-from contactlab.config.groups import keys_of_law
+from contactlab.config.groups import BASES, keys_of_law
 from contactlab.config.options import groups, known_keys
-from contactlab.config.resonators import BASES
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, hertz_stiffness
 

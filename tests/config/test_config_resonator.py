@@ -5,7 +5,7 @@ import pytest
 from support.configurations import altered, composed
 
 from contactlab.config import ConfigurationError, build
-from contactlab.config.resonators import BASES
+from contactlab.config.groups import BASES
 from contactlab.motor import FiniteElementResonator
 
 

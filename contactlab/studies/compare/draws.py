@@ -20,8 +20,8 @@ from contactlab.arrays import Array
 from contactlab.checks import check_declared
 from contactlab.config import Setup, build
 from contactlab.config.faults import failure_of
+from contactlab.config.groups import MODAL
 from contactlab.config.nesting import flat, nested
-from contactlab.config.resonators import MODAL
 from contactlab.config.schema import declared_in
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import WIDE
