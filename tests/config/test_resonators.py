@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import contactlab as cl
-from contactlab.config import resonators
+from contactlab.config.groups import other_resonators
 from contactlab.config.options import known_keys
 
 SOURCE = '''
@@ -58,10 +58,10 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> object:
     (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: their-ring\nVersion: 1.0\n")
     (folder / "entry_points.txt").write_text(ENTRIES)
     monkeypatch.syspath_prepend(str(tmp_path))
-    for each in (resonators.others, known_keys):
+    for each in (other_resonators, known_keys):
         each.cache_clear()
     yield
-    for each in (resonators.others, known_keys):
+    for each in (other_resonators, known_keys):
         each.cache_clear()
     sys.modules.pop("their_ring", None)
 
