@@ -410,7 +410,7 @@ def noise_of(impacts: MeasuredImpacts) -> Noise:
     r' D^-1 r/(2 K), is a sum of squares of normal variables whose variances are the eigenvalues of
     D^-1 C/(2 K): the larger one bounds it, as a chi-square of two. The part of the jump that no impulse
     reaches is in the bound. Without a stated covariance it is estimated from that part of all impacts, see
-    `contactlab.measured.noise`, of one body in the plane.
+    `contactlab.measured.impacts.noise_from_outside`, of one body in the plane.
     """
     covariance, origin = impacts.covariance, "the stated covariance"
     if covariance is None:
