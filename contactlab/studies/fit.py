@@ -116,7 +116,7 @@ class Fit(Study):
         Raises:
             ConfigurationError: laws or free numbers cannot be used with the measurements.
         """
-        free = by_key(self.free, self.known)
+        tails, free = self.student, by_key(self.free, self.known)
         if unused := [key for key in free for idle in self.idle if f"{key}.".startswith(f"{idle}.")]:
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
@@ -128,11 +128,7 @@ class Fit(Study):
             free,
             self.known or (),
             discrepancy=self.discrepancy,
-            degrees_of_freedom=inf
-            if self.student is None
-            else None
-            if self.student == "free"
-            else self.student,
+            degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
             name=path.name if path else "",
             digest=digest_of_file(path) if path else getattr(self.data, "digest", ""),
         )
