@@ -3,12 +3,14 @@
 import ast
 import pickle
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from hashlib import sha256
+from importlib.machinery import SourceFileLoader
 from importlib.util import resolve_name
 from inspect import getclosurevars
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import CodeType, FunctionType, ModuleType
 from typing import Any, Final
 
 _PACKAGE: Final = __name__.partition(".")[0]
@@ -29,23 +31,65 @@ def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
     """Return a digest of the sources that define classes and functions of other packages, empty without any.
 
     It covers all files of a class's package, and of the modules that these import, to the end, libraries
-    left out. An import in a function counts once its module is loaded.
+    left out. An import in a function counts once its module is loaded. A module that was edited after it was
+    loaded has another digest than either text.
     """
     contents: dict[Path, bytes] = {}
+    met: set[Path] = set()
     waiting = [sys.modules.get(owner.__module__) for owner in owners if not is_own(owner)]
     while waiting:
         module = waiting.pop()
         # A module may be typed in, without a file.
         file = Path(getattr(module, "__file__", None) or "")
-        if module is None or file in contents or file.suffix != ".py" or _top(module) in _LIBRARIES:
+        if module is None or file in met or file.suffix != ".py" or _top(module) in _LIBRARIES:
             continue
-        contents[file] = file.read_bytes()
-        waiting += [sys.modules.get(name) for name in (*_imports(module, contents[file]), _top(module))]
+        met.add(file)
+        source = file.read_bytes()
+        contents[file] = _as_loaded(module, source)
+        _sources[module.__name__] = sha256(contents[file]).hexdigest()
+        waiting += [sys.modules.get(name) for name in (*_imports(module, source), _top(module))]
         if file.name == "__init__.py":
             every = (path for path in file.parent.rglob("*.py") if "__pycache__" not in path.parts)
             contents |= {path: path.read_bytes() for path in every if path not in contents}
     digests = sorted(sha256(content).hexdigest() for content in contents.values())
     return sha256("".join(digests).encode()).hexdigest() if digests else ""
+
+
+_sources: Final[dict[str, str]] = {}
+"""Digests by module of the sources that `digest_of_sources` has covered."""
+
+
+def covered_sources() -> dict[str, str]:
+    """Return the digests by module of the sources that `digest_of_sources` has covered, but of no script."""
+    return {name: digest for name, digest in _sources.items() if name != "__main__"}
+
+
+def other_sources(expected: Mapping[str, str]) -> list[str]:
+    """Return the modules that this process has loaded from other sources than those of these digests."""
+    loaded = ((sys.modules.get(name), digest) for name, digest in expected.items())
+    return [module.__name__ for module, digest in loaded if module and _source_of(module) != digest]
+
+
+@cache
+def _source_of(module: ModuleType) -> str:
+    """Return the digest of a module's source as it is when the module is met first; of none an empty one."""
+    file = getattr(module, "__file__", None)
+    return sha256(_as_loaded(module, Path(file).read_bytes())).hexdigest() if file else ""
+
+
+def _as_loaded(module: ModuleType, source: bytes) -> bytes:
+    """Return a module's source text, marked where the module's functions are those of another text."""
+    if type(getattr(module, "__loader__", None)) is not SourceFileLoader:
+        return source
+    codes, waiting = set[CodeType](), [compile(source, str(module.__file__), "exec", dont_inherit=True)]
+    while waiting:
+        code = waiting.pop()
+        codes.add(code)
+        waiting += [part for part in code.co_consts if isinstance(part, CodeType)]
+    return source if codes.issuperset(_codes_of(module)) else source + EDITED
+
+
+EDITED: Final = b"\n# edited since it was loaded"
 
 
 def compiled_constants(function: Any) -> tuple[tuple[bytes, ...], list[Any]]:
@@ -77,6 +121,32 @@ def compiled_constants(function: Any) -> tuple[tuple[bytes, ...], list[Any]]:
 
     visit(function)
     return tuple(values), [each for each in functions[:-1] if hasattr(each, "py_func")]
+
+
+def _is_loaded(module: ModuleType, source: bytes) -> bool:
+    """Return whether a module's functions are those of a source text; without a file's import it is open."""
+    if type(getattr(module, "__loader__", None)) is not SourceFileLoader:
+        return True
+    codes, waiting = set[CodeType](), [compile(source, str(module.__file__), "exec", dont_inherit=True)]
+    while waiting:
+        code = waiting.pop()
+        codes.add(code)
+        waiting += [part for part in code.co_consts if isinstance(part, CodeType)]
+    return codes.issuperset(_codes_of(module))
+
+
+def _codes_of(module: ModuleType) -> Iterator[CodeType]:
+    """Yield the code of the functions that a module's file defines, in its classes too."""
+    waiting = [*vars(module).values()]
+    while waiting:
+        value = waiting.pop()
+        if isinstance(value, type):
+            waiting += vars(value).values() if value.__module__ == module.__name__ else ()
+            continue
+        plain = getattr(value, "__func__", value)
+        code = getattr(getattr(plain, "py_func", plain), "__code__", None)
+        if isinstance(code, CodeType) and code.co_filename == module.__file__:
+            yield code
 
 
 def _pickled(value: Any) -> bytes:

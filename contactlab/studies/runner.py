@@ -23,10 +23,11 @@ from urllib.parse import urlsplit
 
 import xarray
 
-from contactlab.foreign import digest_of_sources
+from contactlab.foreign import covered_sources, digest_of_sources, other_sources
 from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
+from contactlab.results.provenance import code_digest
 from contactlab.studies.run_state import key_of
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task
 
@@ -88,7 +89,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
 
     Raises:
         ValueError: two tasks have one key.
-        WorkerError: a worker process died.
+        WorkerError: a worker process died, or has other code.
         OSError: the folder cannot be written to.
         KeyboardInterrupt: as it comes; finished tasks are kept.
     """
@@ -210,10 +211,16 @@ def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]
     if rest:
         # Imported here: one process needs none.
         from joblib import Parallel, delayed
+        from joblib.externals.loky import get_reusable_executor
 
         every = Parallel(n_jobs=min(study.workers, len(rest)), return_as="generator_unordered")
+        code = code_digest(), covered_sources()
         try:
-            yield from every(delayed(_done)(task) for task in rest)
+            yield from every(delayed(_done_by_worker)(task, *code) for task in rest)
+        except WorkerError:
+            # The next study of this process must not meet workers with old code.
+            get_reusable_executor().shutdown()
+            raise
         except BrokenProcessPool as error:
             raise WorkerError(
                 "A worker process died, maybe for want of memory; finished tasks are kept. Start again, with "
@@ -223,6 +230,22 @@ def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]
 
 def _done(task: Task) -> tuple[str, Part]:
     return task.key, task()
+
+
+def _done_by_worker(task: Task, package: str, sources: Mapping[str, str]) -> tuple[str, Part]:
+    """Do a task in a worker; a WorkerError where its code is not that of the process which keeps the part.
+
+    That is the digest of this `package`, and those of the `sources` of others by module.
+    """
+    done = _done(task)
+    others = [] if code_digest() == package else ["contactlab"]
+    # Laws that are built from a configuration are loaded by the task.
+    if others := others + other_sources(sources):
+        raise WorkerError(
+            f"The sources of {', '.join(others)} in a worker are not those of this process: they were edited "
+            "meanwhile, or the worker is older. Finished tasks are kept. Start again, a Dask worker as well."
+        )
+    return done
 
 
 def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
@@ -238,7 +261,8 @@ def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
         ) from error
     try:
         with Client(address, set_as_default=False) as client:
-            futures = [client.submit(_done, task, pure=False) for task in tasks]
+            code = code_digest(), covered_sources()
+            futures = [client.submit(_done_by_worker, task, *code, pure=False) for task in tasks]
             for future in as_completed(futures, loop=client.loop):
                 yield future.result()
                 future.release()

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.foreign import digest_of_sources
+from contactlab.foreign import covered_sources, digest_of_sources, other_sources
 from contactlab.laws import HertzPenalty
 from contactlab.results.provenance import digest_of
 
@@ -14,9 +14,10 @@ FILES = {
     "law.py": "import pack.middle\nfrom table import SLOPE\n\nclass Law:\n    slope = SLOPE\n",
     "table.py": "SLOPE = 2.0\n",
     "pack/__init__.py": "",
-    "pack/middle.py": "from pack.leaf import GRAVITY\n",
+    "pack/middle.py": "from pack.leaf import GRAVITY\nimport beside\n",
     "pack/leaf.py": "GRAVITY = 9.81\n",
     "pack/late.py": "AT_LAST = 4.0\n",
+    "beside.py": "LENGTH = 1.0\n",
     "unrelated.py": "UNUSED = 1.0\n",
 }
 
@@ -33,7 +34,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def digest() -> str:
-    for name in [name for name in sys.modules if name.partition(".")[0] in ("law", "table", "pack")]:
+    own = {name.partition("/")[0].removesuffix(".py") for name in FILES}
+    for name in [name for name in sys.modules if name.partition(".")[0] in own]:
         del sys.modules[name]
     return digest_of_sources(import_module("law").Law)
 
@@ -44,6 +46,28 @@ def test_it_changes_with_every_source_that_can_be_reached(folder: Path, file: st
     assert digest() == before
     (folder / file).write_text(f"{FILES[file]}MORE = 1.0\n")
     assert (digest() != before) == counts
+
+
+def test_a_module_that_was_edited_since_it_was_loaded_has_the_digest_of_neither_text(folder: Path) -> None:
+    file, text = folder / "law.py", f"{FILES['law.py']}    def force(self): return 1.0\n"
+    file.write_text(text)
+    before = digest()
+    loaded = import_module("law").Law
+    file.write_text(text.replace("1.0", "2.0"))
+    between = digest_of_sources(loaded)
+    file.write_text(text)
+    assert digest_of_sources(loaded) == before
+    file.write_text(text.replace("1.0", "2.0"))
+    assert len({before, between, digest()}) == 3
+
+
+def test_a_process_with_other_sources_names_their_modules(folder: Path) -> None:
+    digest()
+    expected = {name: covered_sources()[name] for name in ("law", "table", "pack.leaf")}
+    assert other_sources(expected) == []
+    (folder / "table.py").write_text("SLOPE = 3.0\n")
+    digest()
+    assert other_sources(expected) == ["table"]
 
 
 def test_classes_of_this_package_have_none() -> None:

@@ -184,3 +184,38 @@ finish(second, folder)
     status, _, err = elsewhere.python("-c", script, json.dumps(SHORT))
     assert status == 0, err
     assert bytes_of(elsewhere.folder / "resumed") == bytes_of(whole)
+
+
+EDITED_MEANWHILE = """
+import sys
+from pathlib import Path
+import contactlab as cl
+from contactlab.studies.runner import run
+
+file, folder = Path(sys.argv[1]), Path(sys.argv[2])
+sys.path.insert(0, str(file.parent))
+import edited_study
+
+def edit(done, total):
+    if done == 0:
+        file.write_text(file.read_text().replace("number / 12.0", "number / 6.0"))
+
+setups = {"": cl.build(["law=newton", "solver.duration=2e-4"])}
+try:
+    run(edited_study.Slow(workers=2), setups, folder, edit)
+except cl.WorkerError as error:
+    print(error)
+"""
+
+
+def test_a_worker_that_loads_other_code_than_the_process_that_keeps_its_parts_is_refused(
+    elsewhere: Elsewhere, tmp_path: Path
+) -> None:
+    file = tmp_path / "edited_study.py"
+    file.write_text((STUDY.parent / "support" / "slow_study.py").read_text().replace("time.sleep(0.3)", ""))
+    status, out, err = elsewhere.python(
+        "-c", EDITED_MEANWHILE, str(file), str(tmp_path / "parts"), PYTHONPATH=str(tmp_path)
+    )
+    assert status == 0, err
+    assert "edited_study" in out
+    assert not [*(tmp_path / "parts").rglob("*.nc")]
