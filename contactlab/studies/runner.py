@@ -217,10 +217,11 @@ def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]
         code = code_digest(), covered_sources()
         try:
             yield from every(delayed(_done_by_worker)(task, *code) for task in rest)
-        except WorkerError:
+        except WorkerError as error:
             # The next study of this process must not meet workers with old code.
             get_reusable_executor().shutdown()
-            raise
+            # Without the worker's traceback.
+            raise WorkerError(str(error)) from None
         except BrokenProcessPool as error:
             raise WorkerError(
                 "A worker process died, maybe for want of memory; finished tasks are kept. Start again, with "
@@ -242,8 +243,8 @@ def _done_by_worker(task: Task, package: str, sources: Mapping[str, str]) -> tup
     # Laws that are built from a configuration are loaded by the task.
     if others := others + other_sources(sources):
         raise WorkerError(
-            f"The sources of {', '.join(others)} in a worker are not those of this process: they were edited "
-            "meanwhile, or the worker is older. Finished tasks are kept. Start again, a Dask worker as well."
+            f"The sources of {', '.join(others)} in a worker are not those of this process. They were edited "
+            "meanwhile, or it is a Dask worker from before; start that anew."
         )
     return done
 

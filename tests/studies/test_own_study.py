@@ -204,7 +204,7 @@ setups = {"": cl.build(["law=newton", "solver.duration=2e-4"])}
 try:
     run(edited_study.Slow(workers=2), setups, folder, edit)
 except cl.WorkerError as error:
-    print(error)
+    print(error, error.__cause__)
 """
 
 
@@ -218,4 +218,5 @@ def test_a_worker_that_loads_other_code_than_the_process_that_keeps_its_parts_is
     )
     assert status == 0, err
     assert "edited_study" in out
+    assert "Traceback" not in out
     assert not [*(tmp_path / "parts").rglob("*.nc")]
