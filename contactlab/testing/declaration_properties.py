@@ -5,11 +5,11 @@ from contextlib import suppress
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 from itertools import islice
+from math import isnan
 from typing import Any
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.laws import ContactLaw
 from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
@@ -41,26 +41,27 @@ LOADING = 200
 
 def reads_what_it_declares(bench: Bench) -> Claims:
     """Every parameter that a law declares changes some answer of its kernels."""
-    law, unread = bench.law, []
-    benches = [bench, *(replace(bench, law=other) for other in _elsewhere(law))]
-    results = [_outputs(each.law, each) for each in benches]
-    for name, value, text in law.effective():
-        # How many pieces there are, the number of the variables shows.
-        if text is None or isinstance(value, int):
-            continue
-        if not any(_acts(name, each, before) for each, before in zip(benches, results, strict=True)):
-            unread.append(name)
+    law = bench.law
+    # How many pieces there are, the number of the variables shows.
+    unread = [
+        name for name, value, text in law.effective() if text is not None and not isinstance(value, int)
+    ]
+    with np.errstate(all="ignore"):
+        for each in (bench, *(replace(bench, law=other) for other in _elsewhere(law))):
+            if unread:
+                before = [*_outputs(each.law, each)]
+                unread = [name for name in unread if not _acts(name, each, before)]
     yield at_most(f"parameters that no kernel reads {unread}", len(unread), 0)
 
 
-def _acts(name: str, bench: Bench, before: Array) -> bool:
-    """Return whether another value of a parameter changes an answer."""
+def _acts(name: str, bench: Bench, before: list[float]) -> bool:
+    """Return whether another value of a parameter changes an answer, the first of which decides."""
     now = bench.law.describe()[name]
     # What decides between two answers, as the end of stick, shows by larger steps alone.
     for nearby in (1.001 * now, 0.5 * now, 2.0 * now, 0.01 * now, 100.0 * now) if now != 0.0 else (1e-3, 1.0):
         with suppress(ValueError, TypeError):
-            other = _outputs(bench.law.changed(name, nearby), bench)
-            if not np.array_equal(other, before, equal_nan=True):
+            others = _outputs(bench.law.changed(name, nearby), bench)
+            if any(a != b and not isnan(a) * isnan(b) for a, b in zip(others, before, strict=True)):
                 return True
     return False
 
@@ -130,14 +131,16 @@ def friction_stores_what_it_gives(bench: Bench) -> Claims:
     while span < 1e-3 and not loaded:
         # The first span at whose end a good part of the friction has built up.
         span *= 2.0
-        path = _loaded(evaluator, gap, normal, span)
-        if abs(path[LOADING // 2][0]) > 0.2 * law.friction_limit * normal:
-            loaded = path
+        if (
+            abs(_loaded(evaluator, gap, normal, span, LOADING // 2)[-1][0])
+            > 0.2 * law.friction_limit * normal
+        ):
+            loaded = _loaded(evaluator, gap, normal, span, LOADING)
     if not loaded:
         return
-    force, stored = np.transpose(loaded)
+    drag, stored = np.transpose(loaded)
     way = span / (LOADING // 2) * np.where(np.arange(LOADING) < LOADING // 2, 1.0, -1.0)
-    work = np.concatenate([[0.0], np.cumsum(-0.5 * (force[1:] + force[:-1]) * way)])
+    work = np.concatenate([[0.0], np.cumsum(-0.5 * (drag[1:] + drag[:-1]) * way)])
     lost = work - (stored - stored[0])
     most = float(np.abs(work).max() + np.abs(stored).max()) + TINY
     gained = float((np.maximum.accumulate(lost) - lost).max()) / most
@@ -146,11 +149,13 @@ def friction_stores_what_it_gives(bench: Bench) -> Claims:
     yield from worst.values()
 
 
-def _loaded(evaluator: Evaluator, gap: float, normal: float, span: float) -> list[tuple[float, float]]:
-    """Return friction [N] and its stored energy [J] along a slip of a span [m] forwards and back."""
+def _loaded(
+    evaluator: Evaluator, gap: float, normal: float, span: float, steps: int
+) -> list[tuple[float, float]]:
+    """Return friction [N] and its stored energy [J] along a slip of a span [m] forwards, then back."""
     kept, result = evaluator.initial.copy(), []
     length = span / (LOADING // 2) / SMALL_SLIP
-    for i in range(LOADING + 1):
+    for i in range(steps + 1):
         slip = SMALL_SLIP if i < LOADING // 2 else -SMALL_SLIP
         friction, _, stored, _ = evaluator.friction(gap, 0.0, slip, normal, kept)
         result.append((float(friction), float(stored)))
@@ -173,16 +178,15 @@ def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
     yield other
 
 
-def _outputs(law: ContactLaw, bench: Bench) -> Array:
-    """Return all that the kernels of a law answer to the states of a bench, after long histories too."""
+def _outputs(law: ContactLaw, bench: Bench) -> Iterator[float]:
+    """Yield all that the kernels of a law answer to the states of a bench, after long histories too."""
+    for longer in LONGER:
+        yield from (value for value, _ in _named_outputs(law, bench, longer))
+    # What units do not tell: the signs of guards.
     evaluator = Evaluator(law)
-    with np.errstate(all="ignore"):
-        result = [value for longer in LONGER for value, _ in _named_outputs(law, bench, longer)]
-        # What units do not tell: the signs of guards.
-        for gap, rate, slip, speed, kept in [] if bench.rigid else states_of(bench):
-            normal = evaluator.force(gap, rate, slip, speed, kept)[0]
-            result += evaluator.guards(gap, rate, slip, normal, kept).tolist()
-        return np.array(result)
+    for gap, rate, slip, speed, kept in [] if bench.rigid else states_of(bench):
+        normal = evaluator.force(gap, rate, slip, speed, kept)[0]
+        yield from evaluator.guards(gap, rate, slip, normal, kept).tolist()
 
 
 def _named_outputs(

@@ -1,6 +1,5 @@
 """Every experiment in its short form leaves its files, and one number of it is physics."""
 
-import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +12,6 @@ import xarray
 from support.command_line import cases
 from support.configurations import CONF
 
-SCRIPTS = Path(experiment.__file__).parent
 Number = Callable[[xarray.Dataset], float]
 
 NUMBERS: dict[str, tuple[Number, float, float]] = {
@@ -93,19 +91,11 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
 }
 
 
-COVERED = {
-    "fig8_rotor_velocity",
-    "impact_oscillator",
-    "optimise_motor",
-    "steady_states",
-    "orbits_over_clearance",
-    "identify_table1",
-    "published_motor",
-}
-"""Experiments of seconds whose physics and whose parts other tests claim: these run in the long form."""
+SHORT = ("table1_placement", "table2_friction_signs", "fig3_mode_curvature", "basis_convergence")
+"""Of less than two seconds; the physics and the parts of the others have tests of their own."""
 
 
-@pytest.mark.parametrize("name", cases(NUMBERS, NUMBERS.keys() - COVERED))
+@pytest.mark.parametrize("name", cases(NUMBERS, SHORT))
 def test_the_short_form_leaves_its_files_and_its_number(name: str, tmp_path: Path) -> None:
     result = experiment.perform(name, tmp_path, short=True)
     assert result.data.attrs["says"]
@@ -125,6 +115,7 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
     assert {path.stem for path in (CONF / "experiment").glob("*.yaml")} == {*NUMBERS, "case_a"}
 
 
+@pytest.mark.usefixtures("command")
 @pytest.mark.parametrize(
     ("overrides", "status", "key"),
     [
@@ -135,13 +126,19 @@ def test_every_experiment_is_tested_shown_and_configured() -> None:
     ],
 )
 def test_the_exit_status_is_that_of_the_finding_or_of_a_refusal(
-    overrides: list[str], status: int, key: str, tmp_path: Path
+    overrides: list[str],
+    status: int,
+    key: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
-    command = [sys.executable, str(SCRIPTS / "table1_placement.py"), "output=out", *overrides]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == status, done.stderr
+    monkeypatch.setattr(sys, "argv", ["table1_placement.py", "output=out", *overrides])
+    with pytest.raises(SystemExit) as ended:
+        experiment.main("table1_placement.py")
+    assert ended.value.code == status
     if status == 2:
-        assert key in done.stderr
+        assert key in capfd.readouterr().err
         assert not (tmp_path / "out").exists()
     else:
         assert xarray.load_dataset(tmp_path / "out" / "table1_placement.nc").attrs["holds"] == 1 - status

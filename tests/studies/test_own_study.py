@@ -1,10 +1,9 @@
-"""A study in a package of its own: verb, help, sweep, page and table; killed, spread and resumed."""
+"""A study in a package of its own: verb, help, sweep, page and table; spread and resumed."""
 
 import json
 import os
 import subprocess
 import sys
-import time
 import tomllib
 from pathlib import Path
 
@@ -14,24 +13,49 @@ from support.command_line import Elsewhere
 
 STUDY = Path(__file__).parents[1] / "example_study"
 SHORT = ("solver.duration=2e-3", "law=newton")
+Results = dict[tuple[str, ...], tuple[int, str, str]]
+"""Exit status, output and errors by the arguments of a command."""
+
+
+WHOLE = ("gain", *SHORT, "points=6", "output=whole")
+HELP, FAULTY = ("gain", "--help"), ("gain", "points=1", "output=refused")
+SWEPT = ("-m", "gain", *SHORT, "drive.phase=linspace(-1,1,2)", "points=2,3", "output=swept")
+RATES = ("-m", "contact.clearance=1e-6,2e-6", *SHORT, "sweep.keep=metrics", "hydra.sweep.dir=rates")
+
+WRONG = {
+    "broken": "raise KeyError('no')",
+    "taken": "from contactlab.metrics import metric\n"
+    "contact_count = metric('n', 'm', key='contact_count')(max)",
+}
+"""Modules of metrics: one fails on import, one takes a name."""
 
 
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
-    """A folder with the package of the study installed."""
+    """A folder with the package of the study installed, and one with faulty metrics."""
     here = Elsewhere(tmp_path_factory.mktemp("packages"), tmp_path_factory.mktemp("here"))
     groups: dict[str, dict[str, str]]
     groups = tomllib.loads((STUDY / "pyproject.toml").read_text())["project"]["entry-points"]
     modules = {path.stem: path.read_text() for path in STUDY.glob("*.py")}
-    here.install(here.wheel("example-study", "1.0", {}, modules, groups))
+    metrics = {"contactlab.metrics": {"broken": "broken:rate", "contact_count": "taken:contact_count"}}
+    here.install(
+        here.wheel("example-study", "1.0", {}, modules, groups),
+        here.wheel("other", "1.0", {}, WRONG, metrics),
+    )
     return here
 
 
 @pytest.fixture(scope="module")
-def whole(elsewhere: Elsewhere) -> Path:
+def results(elsewhere: Elsewhere) -> Results:
+    """Results of commands, one after another in one process."""
+    lines = [WHOLE, HELP, FAULTY, SWEPT, RATES]
+    return dict(zip(lines, elsewhere.commands(lines), strict=True))
+
+
+@pytest.fixture(scope="module")
+def whole(elsewhere: Elsewhere, results: Results) -> Path:
     """The files of a study that nothing interrupted."""
-    status, _, err = elsewhere.command("gain", *SHORT, "points=6", "output=whole")
-    assert status == 0, err
+    assert results[WHOLE][0] == 0, results[WHOLE][2]
     return elsewhere.folder / "whole"
 
 
@@ -50,24 +74,23 @@ def test_the_verb_leaves_dataset_page_figure_and_table(whole: Path) -> None:
     assert (whole / "velocities.csv").read_text().splitlines()[0] == "share,velocity (rad/s)"
 
 
-def test_help_lists_the_options_with_their_defaults(elsewhere: Elsewhere) -> None:
-    status, out, _ = elsewhere.command("gain", "--help")
+def test_help_lists_the_options_and_a_faulty_one_is_refused_by_its_key(
+    elsewhere: Elsewhere, results: Results
+) -> None:
+    status, out, _ = results[HELP]
     assert status == 0
     assert "points" in out
     assert "number of voltages" in out
-
-
-def test_a_faulty_option_is_refused_by_its_key(elsewhere: Elsewhere) -> None:
-    status, out, err = elsewhere.command("gain", "points=1", "output=refused")
+    status, out, err = results[FAULTY]
     assert (status, out) == (2, "")
     assert "study.points" in err
     assert not (elsewhere.folder / "refused").exists()
 
 
-def test_it_can_be_swept_over_configuration_and_its_own_options(elsewhere: Elsewhere) -> None:
-    text = ("gain", *SHORT, "drive.phase=linspace(-1,1,2)", "points=2,3", "output=swept")
-    status, _, err = elsewhere.command("-m", *text)
-    assert status == 0, err
+def test_it_can_be_swept_over_configuration_and_its_own_options(
+    elsewhere: Elsewhere, results: Results
+) -> None:
+    assert results[SWEPT][0] == 0, results[SWEPT][2]
     with xarray.open_dataset(elsewhere.folder / "swept" / "sweep.nc") as data:
         assert dict(data.sizes) == {"phase": 2, "points": 2}
         assert data["slope"].attrs["units"] == "rad s-1"
@@ -75,26 +98,19 @@ def test_it_can_be_swept_over_configuration_and_its_own_options(elsewhere: Elsew
         assert data["slope_error"].notnull().all()
 
 
-def test_its_metric_is_one_of_every_sweep(elsewhere: Elsewhere) -> None:
-    text = ("contact.clearance=1e-6,2e-6", *SHORT, "sweep.keep=metrics", "hydra.sweep.dir=rates")
-    status, _, err = elsewhere.command("-m", *text)
+def test_its_metric_is_one_of_every_sweep_and_faulty_ones_are_left_out(
+    elsewhere: Elsewhere, results: Results
+) -> None:
+    status, _, err = results[RATES]
     assert status == 0, err
     with xarray.open_dataset(elsewhere.folder / "rates" / "sweep.nc") as data:
         assert data["contact_rate"].attrs["units"] == "s-1"
         assert (data["contact_rate"] * 2e-3 == data["contact_count"]).all()
         assert (data["contact_count"] > 0).all()
-
-
-def test_a_metric_that_fails_on_import_or_takes_a_name_is_left_out(tmp_path: Path) -> None:
-    here = Elsewhere(tmp_path / "packages", tmp_path)
-    text = "from contactlab.metrics import metric\ncontact_count = metric('n', 'm', key='contact_count')(max)"
-    groups = {"contactlab.metrics": {"broken": "broken:rate", "contact_count": "taken:contact_count"}}
-    here.install(here.wheel("other", "1.0", {}, {"broken": "raise KeyError('no')", "taken": text}, groups))
-    status, _, err = here.command("solver.duration=1e-4", "hydra.run.dir=run")
-    assert status == 0, err
-    assert "broken" in err
-    assert "contact_count" in err
-    assert "Traceback" not in err
+    told = "".join(errors for _, _, errors in results.values())
+    assert "broken" in told
+    assert "contact_count" in told
+    assert "Traceback" not in told
 
 
 @pytest.mark.long
@@ -116,21 +132,6 @@ def begun(elsewhere: Elsewhere, name: str, largest_file: int | None = None) -> "
         stdout=subprocess.DEVNULL,
         stderr=subprocess.DEVNULL,
     )
-
-
-@pytest.mark.parametrize("seconds", [0.0, pytest.param(0.9, marks=pytest.mark.long)])
-def test_a_killed_study_continues_to_the_same_bytes(
-    elsewhere: Elsewhere, whole: Path, seconds: float
-) -> None:
-    name = f"killed-{seconds}"
-    process = begun(elsewhere, name)
-    while process.poll() is None and not [*(elsewhere.folder / name).glob("tasks/*.nc")]:
-        time.sleep(0.01)
-    time.sleep(seconds)
-    process.kill()
-    process.wait()
-    assert begun(elsewhere, name).wait() == 0
-    assert bytes_of(elsewhere.folder / name) == bytes_of(whole)
 
 
 @pytest.mark.long
