@@ -34,8 +34,14 @@ def impacts(tmp_path_factory):
     return path
 
 
-def test_two_laws_are_compared_by_evidence_and_leave_their_posteriors(impacts, tmp_path):
-    result = cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, points=40, starts=2)
+@pytest.fixture(scope="module")
+def compared(impacts):
+    """The fit of the true law and of one that fits badly."""
+    return cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, **FEW)
+
+
+def test_two_laws_are_compared_by_evidence_and_leave_their_posteriors(compared, tmp_path):
+    result = compared
     result.save(tmp_path)
 
     difference = np.subtract(*(result.data[law].attrs["log_evidence"] for law in ("newton", "lagrange_slip")))
@@ -61,13 +67,13 @@ def test_two_laws_are_compared_by_evidence_and_leave_their_posteriors(impacts, t
         assert float(row["truth"]) == 0.6
 
 
-def test_the_truth_is_a_column_where_it_is_known(impacts):
-    known = cl.fit(laws("newton"), data=impacts, **FEW).tables["posterior"]
+def test_the_truth_is_a_column_where_it_is_known(compared, impacts):
+    known = compared.tables["posterior_newton"]
     measured = read_impacts(impacts)
     few = without_errors(measured.part(np.arange(10)))
     unknown = cl.fit(laws("poisson"), data=few, **FEW).tables["posterior"]
 
-    assert known["truth"].tolist() == [0.2, 0.6]
+    assert sorted(known["truth"].tolist()) == [0.2, 0.6]
     assert "truth" not in unknown
     assert unknown["number"].tolist()[-1] == "discrepancy"
 

@@ -81,6 +81,7 @@ def test_the_true_geometry_leaves_no_error_and_the_data_s_own_that_of_the_law_al
     assert squares < 1e-6 * (problem.error_residuals(neutral) ** 2).sum()
 
 
+@pytest.mark.long
 def test_validate_recovers_arms_that_are_wrong_and_predicts_to_the_noise() -> None:
     true, stated = bodies_of(80, noise=0.01)
     arms = {name: WRONG[name] for name in ("normal_arm", "tangential_arm")}

@@ -55,6 +55,7 @@ def test_succession_is_the_largest_correlation_of_successive_residuals() -> None
     assert succession(predicted, np.empty(0), observed) == pytest.approx(expected, rel=1e-12)
 
 
+@pytest.mark.long
 def test_without_the_true_law_there_are_no_odds_and_the_page_says_so_first(tmp_path) -> None:
     truth = cl.build(["law=newton", "law.restitution=0.6", "contact.friction_coefficient=0.2"])
     data = made_impacts(truth.law, 30, 0.02, 0, truth.configuration)
