@@ -61,6 +61,11 @@ _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 
 def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None) -> dict[str, Any]:
     """Compose a configuration, not yet checked; arguments and errors are those of `contactlab.build`."""
+    # Files of other folders may change.
+    return _thawed(_composed(*overrides)) if config_dir is None else _compose(overrides, config_dir)
+
+
+def _compose(overrides: Sequence[str], config_dir: str | Path | None) -> dict[str, Any]:
     refuse_lines(overrides)
     idle = (line for line in overrides if line.lstrip("+~").startswith("hydra."))
     raise_faults(f"{line} is the command's; a run has none." for line in idle)
@@ -101,9 +106,7 @@ def completed(configuration: Mapping[str, Any], config_dir: str | Path | None = 
         options |= _options_in(f"law/{part}", FAMILIES[part], keys[part])
     values = {group: value for group, value in configuration.items() if group != EXPERIMENT}
     lines = tuple(f"{group}={option}" for group, option in options.items())
-    # Files of other folders may change.
-    below = _composed(*lines) if config_dir is None else compose(lines, config_dir)
-    return _merged(below, values)
+    return _merged(compose(lines, config_dir), values)
 
 
 def _options_in(group: str, section: Section, value: object) -> dict[str, str]:
@@ -128,8 +131,8 @@ def _merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any
 
 @lru_cache(maxsize=256)
 def _composed(*overrides: str) -> dict[str, Any]:
-    """Compose options of groups, once each; the mapping is shared."""
-    return compose(overrides)
+    """Compose overrides, once each; the mapping is shared."""
+    return _compose(overrides, None)
 
 
 def differences(configuration: Mapping[str, Any]) -> list[str]:

@@ -92,7 +92,8 @@ def test_a_command_puts_its_overrides_on_the_motor_of_the_data() -> None:
     assert other.motor.geometry.clearance == 0.7e-6
 
 
-def test_options_are_data_in_python_and_in_the_file(command: Command, tmp_path) -> None:
+@pytest.mark.long
+def test_options_are_data_in_python_and_in_the_file(tmp_path) -> None:
     discs = struck_discs(cl.Newton(0.2, 0.6), 30, seed=1, spread=0.05)
     free = {"law.restitution": (0.1, 0.9)}
     made = cl.validate(cl.Newton(), data=discs, free=free, folds=2, output=tmp_path)
@@ -100,6 +101,9 @@ def test_options_are_data_in_python_and_in_the_file(command: Command, tmp_path) 
     again = cl.load(tmp_path / "validate.nc")
     assert again.study.free == {"law.restitution": [0.1, 0.9]}
     assert again.study.data == discs.content_digest
+
+
+def test_a_range_that_is_stated_twice_is_refused(command: Command) -> None:
     for word in ("law.restitution=0.1..0.5", "free=law.restitution=0.1..0.5"):
         status, _, error = command("validate", "none.csv", word, "law.restitution=0..1")
         assert status == 2

@@ -148,7 +148,7 @@ def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
     whole = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)
     content, draws = checkpoint.read_bytes(), np.random.default_rng(1)
     damaged = [b"", b"half of a file", content[: len(content) // 2], content[:-1], content + b"x"]
-    for place in draws.integers(len(content), size=8):
+    for place in draws.integers(len(content), size=3):
         damaged.append(
             content[:place] + bytes([content[place] ^ 1 << draws.integers(8)]) + content[place + 1 :]
         )

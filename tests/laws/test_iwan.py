@@ -131,7 +131,7 @@ def test_an_inner_loop_closes_and_the_outer_one_goes_on_as_if_there_had_been_non
     assert looped.events - before < 20
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     st.lists(st.floats(-1.5, 1.5).filter(lambda x: abs(x) > 1e-3), min_size=1, max_size=12),
     st.integers(1, 15),

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import xarray
 from numba.core.errors import TypingError
+from support.command_line import cases
 
 from contactlab.compiler import kernels as compiled
 from contactlab.compiler.notice import telling
@@ -168,11 +169,9 @@ def pulled(first: str, folder: Path) -> list[str]:
 
 
 @pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
-@pytest.mark.parametrize("first", WITHOUT_UNITS.values(), ids=WITHOUT_UNITS)
-def test_without_units_a_kernel_gives_the_same_bits(
-    first: str, with_units: list[str], tmp_path: Path
-) -> None:
-    without = pulled(first, tmp_path)
+@pytest.mark.parametrize("name", cases(WITHOUT_UNITS, ("an error",)))
+def test_without_units_a_kernel_gives_the_same_bits(name: str, with_units: list[str], tmp_path: Path) -> None:
+    without = pulled(WITHOUT_UNITS[name], tmp_path)
     assert (with_units[0], without[0]) == ("True", "False")
     assert with_units[1:] == without[1:]
 

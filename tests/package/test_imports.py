@@ -105,6 +105,7 @@ for i, layer in enumerate(layers):
 """Imports every room in a process of its own, each of which has the other packages already."""
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="The system has no fork.")
 def test_each_room_alone_imports_those_below_it_and_no_other(tmp_path: Path) -> None:
     plain = ["|".join(row) for row in layers() if row != ["__main__"]]

@@ -51,7 +51,7 @@ def test_an_orbit_with_memory_is_one_whatever_its_section_and_start() -> None:
     assert not same(first, cl.steady(cl.build([*PRONY, "law.normal.first_time=1.2e-4"])))
 
 
-@pytest.mark.parametrize("wear", cases((1e-4, 1e-2), (1e-2,)))
+@pytest.mark.parametrize("wear", cases((1e-4, 1e-2), ()))
 def test_a_variable_that_only_grows_has_no_steady_state_and_is_named(wear: float) -> None:
     setup = cl.build(["law=archard", f"law.wear_coefficient={wear}"])
     with pytest.raises(UnboundedError, match="wear"):
@@ -100,7 +100,7 @@ def test_a_dent_that_is_not_cleared_is_part_of_the_state() -> None:
     assert before.messages == ("",)
 
 
-@pytest.mark.parametrize("number", cases(range(12), (0, 1, 4, 7)))
+@pytest.mark.parametrize("number", cases(range(12), (4, 7)))
 def test_random_motors_settle_where_a_run_of_a_second_does_or_are_refused(number: int) -> None:
     setup = drawn(number)
     run, left, grows = by_run(setup)

@@ -107,10 +107,10 @@ def test_its_metric_is_one_of_every_sweep_and_faulty_ones_are_left_out(
         assert data["contact_rate"].attrs["units"] == "s-1"
         assert (data["contact_rate"] * 2e-3 == data["contact_count"]).all()
         assert (data["contact_count"] > 0).all()
-    told = "".join(errors for _, _, errors in results.values())
-    assert "broken" in told
-    assert "contact_count" in told
-    assert "Traceback" not in told
+    messages = "".join(errors for _, _, errors in results.values())
+    assert "broken" in messages
+    assert "contact_count" in messages
+    assert "Traceback" not in messages
 
 
 @pytest.mark.long

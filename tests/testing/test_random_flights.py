@@ -14,7 +14,7 @@ from contactlab.testing.flights import DURATION, KINDS, Flight, random_flight
 from contactlab.testing.references import FAULTS, judge, judged, tally
 from contactlab.trajectory import Ending, Trajectory
 
-FLIGHTS = 600
+FLIGHTS = 300
 
 
 @cache

@@ -19,10 +19,11 @@ from contactlab.trajectory import Ending
 FIRST = 108
 """The last share of the laws begins here, the parts of the composed law follow."""
 
-SHORT = [*range(FIRST, FIRST + 12), *range(FIRST + 12, len(law_groups()), 25)]
+SOME = [*range(FIRST, FIRST + 12), *range(FIRST + 12, len(law_groups()), 25)]
+SHORT = SOME[1::3]
 
 
-@pytest.mark.parametrize("number", cases({*SHORT, *range(FIRST, len(law_groups()), 4)}, SHORT))
+@pytest.mark.parametrize("number", cases({*SOME, *range(FIRST, len(law_groups()), 4)}, SHORT))
 def test_a_random_configuration_is_refused_or_keeps_every_invariant(number: int) -> None:
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
