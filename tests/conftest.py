@@ -27,8 +27,8 @@ MOST_WORKERS = 8
 """Beyond these the longest modules set the pace, and each worker takes 0.4 GB."""
 
 LONGEST = (
-    *("test_contract.py", "test_compare.py", "test_own_study.py", "test_reading.py", "test_experiments.py"),
-    *("test_cross_validation.py", "test_collect.py", "test_sweep_jobs.py"),
+    *("test_contract.py", "test_compare.py", "test_compare_recorded.py", "test_cross_validation.py"),
+    *("test_reading.py", "test_own_study.py", "test_sweep_jobs.py", "test_collect.py", "test_saboteurs.py"),
 )
 """Modules of tens of seconds: they run first, so that no worker has one left where the others have ended."""
 

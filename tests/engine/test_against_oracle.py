@@ -1,28 +1,16 @@
 """Motors end where the independent event-driven solver ends; rigid contact tends to it with first order."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from oracle.composed import Judge, JudgedRun, Parts
+from oracle.composed import Judge, Parts
 from oracle.friction_parts import SetValued
 from oracle.normal_parts import Power
-from oracle.rigid import RigidJudge, Rough, newton
 from support.command_line import cases
-from support.motors import (
-    PLACEMENT_1,
-    default_motor,
-    final,
-    oracle_motor,
-    random_motor,
-    random_stiffness,
-    run,
-    total,
-)
+from support.motors import PLACEMENT_1, default_motor, final, oracle_motor, random_motor, random_stiffness
 
 from contactlab.engine import simulate
-from contactlab.laws import Composed, LagrangeStick
+from contactlab.laws import Composed
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.normal import HertzPoint
 
@@ -92,26 +80,3 @@ def test_hertz_ends_where_the_oracle_ends(name: str) -> None:
 @pytest.mark.parametrize("seed", cases(STATIC, (216,)))
 def test_stick_begins_and_ends_at_the_static_cone_of_the_instant(seed: int) -> None:
     assert_hertz_agrees(random_motor(seed), random_stiffness(seed), STATIC[seed], 1e-10)
-
-
-@cache
-def rigid_reference(name: str) -> JudgedRun:
-    mu = friction_of(MOTORS[name])
-    return RigidJudge(oracle_motor(**MOTORS[name]), newton(mu, 0.0), Rough(mu), 1e-10).run(DURATION)
-
-
-@pytest.mark.parametrize("name", cases(MOTORS, (LOADED, STRONG)))
-def test_rigid_stick_tends_to_the_oracle_with_first_order(name: str) -> None:
-    reference, steps = rigid_reference(name), (2e-7, 1e-7, 5e-8, 2.5e-8)
-    law, motor = LagrangeStick(friction_of(MOTORS[name])), default_motor(**MOTORS[name])
-    runs = [run(motor, law, DURATION, contact_step=h) for h in steps]
-    assert runs[-1].contacts["start_time"].size == len(reference.starts)
-    for quantity, measure, exact in (
-        ("rotor_velocity", final, reference.rotor_velocity),
-        ("normal_impulse", total, sum(reference.normal_impulses)),
-    ):
-        errors = np.array([measure(r, quantity) - exact for r in runs])
-        order = np.polyfit(np.log(steps), np.log(np.abs(errors)), 1)[0]
-        assert order > 0.8, (quantity, errors)
-        # Extrapolated, the first-order part is gone.
-        assert abs(2.0 * errors[-1] - errors[-2]) < 0.3 * abs(errors[-1]), (quantity, errors)

@@ -1,37 +1,29 @@
-"""The eight benchmarks of Chung and Ooi (2011) at the level of one impact, each reduced to one contact.
+"""Two of the benchmarks of Chung and Ooi (2011) at the level of one impact, each reduced to one contact.
 
 Two spheres that meet with masses m_1, m_2 are one body of the mass m = m_1 m_2/(m_1 + m_2) along the normal;
 as a solid sphere's moment of inertia is 2/5 m R^2, a friction impulse p changes the slip of the contact by
 7/2 p/m: along the belt the body has the mass 2/7 m. A rigid plane is a sphere of no curvature and infinite
 mass.
 
-    1  two identical spheres, elastic, normal       the whole of it
-    2  a sphere on a rigid plane, elastic, normal   the whole of it
-    3  restitution from 0.2 to 1, normal            the whole of it; damping here is solved for it
     4  a plane, 3.9 m/s at 5 to 85 degrees          the whole of it
     5  a plane, one normal speed                    steel; the polyethylene's constants are not to be had here
-    6  a plane, angular velocities                  the alloy; the nylon's constants are not to be had here
-    7  two identical spheres, angular velocities    one alloy, the contact alone
-    8  two spheres of other sizes, likewise         one material for both: that of the larger is not sure
 
-What is exact is closed: Hertz's impact, and gross sliding, p_t = -mu (1 + e) m v_n. What sticks for a time
-is held to the curves of the paper, to finite elements and to experiments within what is said there: friction
-here slides as a whole (a Jenkins element), where spheres slip from the rim inwards.
+The others are Hertz's impact, the restitution that a damping is solved for, and gross sliding, which the
+closed forms of `contactlab.testing` have. What sticks for a time is held to the curves of the paper and to
+finite elements within what is said there: friction here slides as a whole (a Jenkins element), where spheres
+slip from the rim inwards.
 
 Source: Chung and Ooi (2011), Granular Matter 13, 643; test 5 Wu, Thornton and Li (2003), Adv. Powder
 Technol. 14, 435; test 4 Kharaz, Gorham and Salman (2001), Powder Technol. 120, 281.
 """
 
-import csv
 from dataclasses import dataclass, replace
-from math import atan, cos, degrees, pi, radians, sin, sqrt
+from math import cos, pi, radians, sin, sqrt
 from typing import final
 
 import pytest
-from scipy.special import gamma
-from support.measurements import SPHERES
 
-from contactlab.laws import ContactLaw, HertzPenalty
+from contactlab.laws import ContactLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Flores
 from contactlab.laws.friction import Mindlin
@@ -65,9 +57,7 @@ class Material:
         return 4.0 / 3.0 * self.modulus / (bodies * (1.0 - self.ratio**2)) * sqrt(radius)
 
 
-GLASS, LIMESTONE = Material(4.8e10, 0.20, 2800.0), Material(2.0e10, 0.25, 2500.0)
-ALUMINIUM, MAGNESIUM = Material(7.0e10, 0.30, 2699.0), Material(4.0e10, 0.35, 1800.0)
-OXIDE, CAST_IRON = Material(3.8e11, 0.23, 4000.0), Material(1.0e11, 0.25, 7000.0)
+OXIDE = Material(3.8e11, 0.23, 4000.0)
 ALLOY, STEEL = Material(7.0e10, 0.33, 2700.0), Material(2.08e11, 0.30, 7850.0)
 
 
@@ -98,37 +88,6 @@ def impulse(
     """The friction impulse against the slip [N s], of Mindlin's spring and a damping that achieves e."""
     law = Composed(HertzPoint(stiffness), Flores(e), Mindlin(mu, material.stiffness_ratio))
     return -first(met(law, mass, speed, slip, stiffness), "friction_impulse")
-
-
-@pytest.mark.parametrize(
-    ("number", "material", "radius", "speed"),
-    [(1, GLASS, 0.01, 10.0), (1, LIMESTONE, 0.01, 10.0), (2, ALUMINIUM, 0.1, 0.2), (2, MAGNESIUM, 0.1, 0.2)],
-)
-def test_1_and_2_elastic_spheres_meet_as_hertz_has_it(
-    number: int, material: Material, radius: float, speed: float
-) -> None:
-    """Two of them come towards each other, each at the speed."""
-    mass, stiffness = material.mass(radius), material.hertz(radius)
-    if number == 1:
-        mass, stiffness, speed = 0.5 * mass, material.hertz(0.5 * radius, 2), 2.0 * speed
-    made, depth = (
-        met(HertzPenalty(stiffness, 0.0), mass, speed, 0.0, stiffness),
-        deepest(mass, speed, stiffness),
-    )
-    assert first(made, "max_penetration") == pytest.approx(depth, rel=1e-6)
-    assert first(made, "peak_normal_force") == pytest.approx(stiffness * depth**1.5, rel=1e-6)
-    lasts = 2.0 * depth / speed * sqrt(pi) * gamma(1.4) / gamma(0.9)
-    assert first(made, "duration") == pytest.approx(lasts, rel=1e-6)
-    assert first(made, "separation_velocity") == pytest.approx(speed, rel=1e-9)
-
-
-@pytest.mark.parametrize("material", [OXIDE, CAST_IRON], ids=["aluminium oxide", "cast iron"])
-@pytest.mark.parametrize("e", [0.2, 0.4, 0.6, 0.8, 1.0])
-def test_3_the_restitution_that_comes_out_is_the_one_that_went_in(material: Material, e: float) -> None:
-    mass, stiffness = material.mass(2.5e-3), material.hertz(2.5e-3)
-    law = Composed(HertzPoint(stiffness), Flores(e), Mindlin(0.0))
-    made = met(law, mass, 3.9, 0.0, stiffness)
-    assert first(made, "separation_velocity") == pytest.approx(e * 3.9, rel=1e-6)
 
 
 def slanted(material: Material, degrees_off: float) -> tuple[float, float]:
@@ -171,40 +130,6 @@ def test_4_spins_are_the_published_ones_and_those_of_sliding_exact(name: str) ->
             assert taken == pytest.approx(sliding, rel=1e-6)
 
 
-ERRORS = {"rebound_angle_deg": 1.1, "spin_rad_per_s": 72.0, "tangential_restitution": 0.13}
-"""Of a model of one spring against the measurements, at the worst: that of the restitution at 4 degrees."""
-
-
-@pytest.mark.skipif(
-    not SPHERES.is_file(),
-    reason=f"The impacts of Kharaz et al. are not here; "
-    f"docs/measurements.md says which figures show them. Then put them into {SPHERES}.",
-)
-def test_4_spheres_on_glass_rebound_as_measured_within_what_one_spring_can_say() -> None:
-    """From 9 degrees on the restitution is good to 0.05; its dip below 5/7 is there."""
-    lines = [line for line in SPHERES.read_text().splitlines() if not line.startswith("#")]
-    mass, glass = OXIDE.mass(2.5e-3), Material(7.0e10, 0.25, 2500.0)
-    both = OXIDE, glass
-    effective = 1.0 / sum((1.0 - each.ratio**2) / each.modulus for each in both)
-    shear = 1.0 / sum(2.0 * (2.0 - each.ratio) * (1.0 + each.ratio) / each.modulus for each in both)
-    stiffness = 4.0 / 3.0 * effective * sqrt(2.5e-3)
-    law = Composed(HertzPoint(stiffness), Flores(0.98), Mindlin(0.092, 4.0 * shear / effective))
-    dips = []
-    for row in csv.DictReader(lines):
-        angle, value, quantity = float(row["incidence_deg"]), float(row["value"]), row["quantity"]
-        speed, slip = 3.9 * cos(radians(angle)), 3.9 * sin(radians(angle))
-        taken = -first(met(law, mass, speed, slip, stiffness), "friction_impulse") / mass
-        result = {
-            "rebound_angle_deg": degrees(atan((slip - taken) / (0.98 * speed))),
-            "spin_rad_per_s": 2.5 * taken / 2.5e-3,
-            "tangential_restitution": 1.0 - taken / slip,
-        }[quantity]
-        near = quantity == "tangential_restitution" and angle > 9.0
-        assert result == pytest.approx(value, abs=0.05 if near else ERRORS[quantity]), row
-        dips += [result] if near else []
-    assert min(dips) < 5.0 / 7.0
-
-
 RECOIL = {
     0.876: -0.080,
     1.553: -0.373,
@@ -242,41 +167,3 @@ def test_5_recoil_slides_as_published_and_is_nearer_to_finite_elements_than_the_
             assert result == pytest.approx(y, abs=0.61), x
     # The codes miss the finite elements by 1.07 at 4.0, where they have not slid yet.
     assert abs(recoil(3.97) - RECOIL[3.97]) < 0.4 < abs(PUBLISHED[4.006] - RECOIL[3.97])
-
-
-@pytest.mark.parametrize("spin", [0.175, 1.0, 10.0, 21.0])
-def test_6_a_spinning_sphere_takes_from_its_spin_what_sliding_or_springing_back_gives(spin: float) -> None:
-    """v_n 0.2 m/s, mu 0.4, e 0.5: p = mu (1 + e) m v_n; in stick no more than a spring gives, 4/7 m R w.
-
-    Between the two a spring gives more than the 2/7 m R w of a rigid contact. The slowest swings back.
-    """
-    radius, speed, mu, e = 0.1, 0.2, 0.4, 0.5
-    mass, slip = ALLOY.mass(radius), radius * spin
-    values = impulse(ALLOY, ALLOY.hertz(radius), mass, speed, slip, mu, e) / mass
-    if spin > 5.0:
-        assert values == pytest.approx(mu * (1.0 + e) * speed, rel=1e-6)
-    else:
-        assert 0.0 < values < 4.0 / 7.0 * slip
-        assert (values > 2.0 / 7.0 * slip) == (spin == 1.0)
-
-
-@pytest.mark.parametrize(("number", "other"), [(7, 0.1), (8, 0.5)])
-@pytest.mark.parametrize("spin", [1.0, 24.0])
-def test_7_and_8_two_spheres_of_equal_spins_leave_as_gross_sliding_has_it(
-    number: int, other: float, spin: float
-) -> None:
-    """Both fly at 0.2 m/s and spin alike, so that their surfaces slip at (R_1 + R_2) w; mu 0.4, e 0.5.
-
-    What sticks is given more than by a rigid contact, and less than would turn its slip round.
-    """
-    masses = [ALLOY.mass(radius) for radius in (0.1, other)]
-    mass = masses[0] * masses[1] / sum(masses)
-    stiffness = ALLOY.hertz(0.1 * other / (0.1 + other), 2)
-    slip, speed = (0.1 + other) * spin, 0.4
-    values = impulse(ALLOY, stiffness, mass, speed, slip, 0.4, 0.5)
-    sliding = 0.4 * 1.5 * mass * speed
-    assert values <= sliding * (1.0 + 1e-6)
-    if slip > 4.0 * sliding / mass:
-        assert values == pytest.approx(sliding, rel=1e-6)
-    else:
-        assert 2.0 / 7.0 * mass * slip < values < 4.0 / 7.0 * mass * slip
