@@ -62,7 +62,7 @@ _FUNCTION: Final = re.compile(r"[^=]*=\s*'?(linspace|geomspace|range)\(")
 def compose(overrides: Sequence[str] = (), config_dir: str | Path | None = None) -> dict[str, Any]:
     """Compose a configuration, not yet checked; arguments and errors are those of `contactlab.build`."""
     # Files of other folders may change.
-    return _thawed(_composed(*overrides)) if config_dir is None else _compose(overrides, config_dir)
+    return _merged(_composed(*overrides), {}) if config_dir is None else _compose(overrides, config_dir)
 
 
 def _compose(overrides: Sequence[str], config_dir: str | Path | None) -> dict[str, Any]:
