@@ -53,5 +53,5 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
-        raise RefusalError(f"The runs could not be collected: {error_text(error)}", INCOMPLETE) from error
+        raise RefusalError(error_text(error), INCOMPLETE) from error
     print(summary(dataset, dataset.encoding["source"]))

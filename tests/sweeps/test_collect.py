@@ -1,6 +1,8 @@
 """Runs as one dataset: every run in its cell, what is missing with a reason, from the folders alone."""
 
+import errno
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import yaml
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
+from contactlab.cli.collect import collect_swept
 from contactlab.metrics import METRICS, assess, read_run
 from contactlab.studies.run_state import Status
 from contactlab.studies.sweep.collection import collect
@@ -286,3 +289,16 @@ def test_what_cannot_be_collected_is_refused_by_its_key_and_leaves_no_file(
     assert "Traceback" not in err
     assert not list(Path().rglob("*.partial"))
     assert not list(Path().rglob("sweep.nc"))
+
+
+def test_a_sweep_whose_dataset_has_no_room_says_so_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(tmp_path / "sweep.nc"))
+
+    monkeypatch.setattr("contactlab.studies.sweep.collection.collect", full)
+    collect_swept(tmp_path)
+    error = capsys.readouterr().err
+    assert os.strerror(errno.ENOSPC) in error
+    assert error.count("collected") == 1
