@@ -39,6 +39,7 @@ from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.motor_problem import points_problem, series_problem
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
 from contactlab.inference.problem import Problem
+from contactlab.inference.repeats import MARGIN, not_stated
 from contactlab.inference.synthetic import truth_in
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredPoints, MeasuredSeries
@@ -256,6 +257,9 @@ def fitted(
                 best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
         except ValueError as error:
             raise ValueError(f"{candidate.label}: {error}") from error
+    # A response that is no function of its inputs has no best values.
+    spread = 0.0 if best is None else problem.spread(best.values)
+    best = None if spread > MARGIN else best
     with part_of_progress(SEARCHED, 1.0, f"{candidate.label}: "):
         posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
     drawn = posterior.draws(DRAWS)
@@ -286,9 +290,12 @@ def fitted(
         tree[group] = xarray.DataTree(data.assign_coords(known))
     tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
     coverage = _coverage(problem, predictive["posterior_predictive"])
-    tree.attrs = {**_attributes(candidate, best, posterior), **coverage, **checks}
-    tree.attrs["fits"] = int(coverage["covers"] and min(checks.values()) >= IMPROBABLE)
-    tree.attrs["findings"] = "\n".join(_findings(candidate, best, posterior, tree))
+    tree.attrs = {**_attributes(candidate, best, posterior), "spread": spread, **coverage, **checks}
+    explains = spread <= MARGIN and coverage["covers"] and min(checks.values()) >= IMPROBABLE
+    tree.attrs["fits"] = int(explains)
+    unstated = not_stated("misfit and no best value", {candidate.label: spread}, "misfit", MARGIN)
+    findings = [candidate.numbers, unstated] if unstated else _findings(candidate, best, posterior, tree)
+    tree.attrs["findings"] = "\n".join(findings)
     tree["posterior"].attrs |= tree.attrs
     return tree
 
@@ -474,7 +481,9 @@ def misfits(fits: Mapping[str, xarray.DataTree]) -> dict[str, str]:
     """Return the laws that do not fit, by label, with p-value and share of the data in 90 % intervals."""
     result = {}
     for label, fit in fits.items():
-        if not fit.attrs["fits"]:
+        if (spread := fit.attrs["spread"]) > MARGIN:
+            result[label] = f"no function of its inputs: its misfit differs by {100.0 * spread:.2g} %"
+        elif not fit.attrs["fits"]:
             p = min(fit.attrs[name] for name in ("p_deviance", "p_succession") if name in fit.attrs)
             result[label] = f"p = {p:.3f}, {fit.attrs['coverage']:.1%} of the data in 90 % intervals"
     return result
@@ -501,10 +510,10 @@ def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
     for other, evidence in others:
         difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
         shown = f"ln B = {difference:.1f} +- {error:.1g}"
-        if first in failing:
+        if (bad := first) in failing or fits[bad := other].attrs["spread"] > MARGIN:
             result.append(
-                f"{first} has a larger evidence than {other} ({shown}), from which no odds follow, as "
-                f"{first} does not fit."
+                f"{first} has a larger evidence than {other} ({shown}), from which no odds follow, as {bad} "
+                "does not fit."
             )
         elif word := strength(difference, error):
             odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"

@@ -14,10 +14,10 @@ discrepancy Kennedy and O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import exp, inf, lgamma, log, pi, sqrt
-from typing import Any, Final, final
+from typing import Any, ClassVar, Final, final
 
 import numpy as np
 import xarray
@@ -32,6 +32,7 @@ from contactlab.config.schema import declared_in
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import STEP
 from contactlab.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
+from contactlab.inference.repeats import NEGLIGIBLE, OF_FRICTION, REPEATS, repeated, spread_of
 from contactlab.laws import LawError
 from contactlab.measured.series import MEASURABLE, VELOCITY, MeasuredPoints, MeasuredSeries
 from contactlab.motor.outputs import output_variables
@@ -62,13 +63,20 @@ class MotorProblem(Problem):
         keys: free numbers of law and motor, named by full keys.
         correlation: correlation time of the discrepancy [s]; 0 for no discrepancy.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
+        repeat: name of the motor in `REPEATS`; empty for the motor itself.
+
+    Attributes:
+        repeats: names of the motors that are the same one for these data: a series has its own start.
     """
+
+    repeats: ClassVar[tuple[str, ...]] = tuple(OF_FRICTION)
 
     measured: MeasuredSeries | MeasuredPoints
     configuration: Mapping[str, Any]
     keys: tuple[FreeParameter, ...]
     correlation: float = 0.0
     degrees_of_freedom: float | None = inf
+    repeat: str = ""
 
     @property
     def law(self) -> str:
@@ -101,7 +109,16 @@ class MotorProblem(Problem):
     def chosen(self, values: Array) -> dict[str, Any]:
         """Return the configuration by full key with these values of law and motor."""
         numbers = zip(self.keys, values, strict=False)
-        return {**self.configuration, **{item.name: float(value) for item, value in numbers}}
+        settings = {**self.configuration, **{item.name: float(value) for item, value in numbers}}
+        return flat(repeated(build(nested(settings)), self.repeat)) if self.repeat else settings
+
+    def spread(self, values: Array) -> float:
+        """Return the range of the misfit over motors that are one, over its size [1]."""
+        motors = [self, *(replace(self, repeat=name) for name in self.repeats)]
+        misfits = [root_mean_square(motor.residuals(values)) for motor in motors]
+        errors = self.measured.errors
+        sizes = [x / errors.get(name, root_mean_square(x)) for name, x in self.measured.values.items()]
+        return float(spread_of(np.array(misfits), least=NEGLIGIBLE * root_mean_square(np.concatenate(sizes))))
 
     def residuals(self, values: Array) -> Array:
         """Return measured minus predicted over the stated noise, or over the size of the quantity."""
@@ -335,6 +352,8 @@ class PointsProblem(MotorProblem):
         points: values of the keys of each point, in SI.
         units: of the first key.
     """
+
+    repeats: ClassVar[tuple[str, ...]] = REPEATS
 
     measured: MeasuredPoints
     points: tuple[Mapping[str, float], ...]

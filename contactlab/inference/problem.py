@@ -92,6 +92,14 @@ class Problem(ABC):
         The values are those of law and motor alone.
         """
 
+    def spread(self, values: Array) -> float:
+        """Return the range of the misfit over motors that are one, over its size [1].
+
+        The motors are those of `repeats.REPEATS` that the data admit; the impact of two bodies has none.
+        """
+        del values
+        return 0.0
+
     @abstractmethod
     def log_densities(
         self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None

@@ -8,6 +8,7 @@ import pytest
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.inference.fit import candidates_of
+from contactlab.inference.repeats import MARGIN
 from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredPoints
 
@@ -94,3 +95,21 @@ def test_points_of_no_motor_are_refused_by_key(tmp_path: Path, head: str) -> Non
     with pytest.raises(cl.ConfigurationError) as refused:
         problem(path, "newton")
     assert head.split()[0] in str(refused.value)
+
+
+SEVERAL = ("newton", "contact.clearance=3.895e-6")
+"""A motor that the start decides: the rotor turns, or nothing touches it."""
+
+
+def idle(path: Path) -> Path:
+    """Write points of a motor without load."""
+    head = "drive.voltage_2 [V],rotor_velocity [rad/s],rotor_velocity_error [rad/s]"
+    path.write_text(f"{head}\n99.9,-1,0.3\n100.1,-1,0.3\n")
+    return path
+
+
+def test_a_misfit_of_several_motions_is_no_function_of_its_inputs(tmp_path: Path) -> None:
+    """One orbit has one misfit."""
+    values, path = np.array([100.0]), idle(tmp_path / "points.csv")
+    assert problem(path, "hertz_penalty").spread(values) < 1e-4  # type: ignore[attr-defined]
+    assert MARGIN < problem(path, *SEVERAL).spread(values) < np.inf  # type: ignore[attr-defined]

@@ -11,9 +11,19 @@ from scipy.stats import chi2
 
 import contactlab as cl
 from contactlab.config.schema import declared_in
-from contactlab.inference.fit import IMPROBABLE, REPLICAS, Candidate, _predictive, fitted, succession
+from contactlab.inference.fit import (
+    IMPROBABLE,
+    REPLICAS,
+    Candidate,
+    _predictive,
+    compared,
+    fitted,
+    misfits,
+    succession,
+)
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.motor_problem import root_mean_square, series_problem
+from contactlab.inference.repeats import MARGIN
 from contactlab.inference.synthetic import made_impacts, made_series
 
 pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
@@ -34,6 +44,20 @@ def test_the_p_value_at_fixed_numbers_is_that_of_chi_square() -> None:
     assert abs(checks["p_deviance"] - exact) < 4.0 * np.sqrt(exact * (1.0 - exact) / (1000 * REPLICAS))
     # The measurements are drawn as their replicas are.
     assert IMPROBABLE < checks["p_succession"] < 1.0 - IMPROBABLE
+
+
+def test_a_misfit_that_is_no_function_has_no_best_value_and_no_odds(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = fitted(Candidate("line", Linear(), {}, {}, ""), **FEW)
+    assert right.attrs["fits"]
+    assert np.isfinite(right["summary"]["best"].values).all()
+    monkeypatch.setattr(Linear, "spread", lambda *_: 2.0 * MARGIN)
+    fit = fitted(Candidate("other", Linear(), {}, {}, ""), **FEW)
+    assert fit.attrs["spread"] == 2.0 * MARGIN
+    assert not fit.attrs["fits"]
+    assert fit.attrs["best_fit"] == "{}"
+    assert np.isnan(fit["summary"]["best"].values).all()
+    assert "10 %" in misfits({"other": fit})["other"]
+    assert not any("odds of" in line for line in compared({"line": right, "other": fit}))
 
 
 def test_a_bent_line_is_rejected_by_its_succession_where_coverage_is_as_it_should_be() -> None:
@@ -60,16 +84,16 @@ def test_without_the_true_law_there_are_no_odds_and_the_page_says_so_first(tmp_p
     truth = cl.build(["law=newton", "law.restitution=0.6", "contact.friction_coefficient=0.2"])
     data = made_impacts(truth.law, 30, 0.02, 0, truth.configuration)
     wrong, every = ["lagrange_slip", "lagrange_stick"], ["lagrange_slip", "lagrange_stick", "newton"]
-    compared = cl.fit([*map(cl.law, wrong)], data=data, free=FRICTION, **FEW)
-    compared.save(tmp_path)
+    both = cl.fit([*map(cl.law, wrong)], data=data, free=FRICTION, **FEW)
+    both.save(tmp_path)
     complete = cl.fit([*map(cl.law, every)], data=data, free=FRICTION, **FEW)
 
-    evidence = [compared.data[law].attrs["log_evidence"] for law in wrong]
+    evidence = [both.data[law].attrs["log_evidence"] for law in wrong]
     assert abs(evidence[0] - evidence[1]) > 100.0 * log(10.0)
-    assert not any(compared.data[law].attrs["fits"] for law in wrong)
-    assert not any("odds of" in line for line in compared.findings)
-    assert compared.tables["evidence"]["fits"].tolist() == ["no", "no"]
-    first = compared.findings[0]
+    assert not any(both.data[law].attrs["fits"] for law in wrong)
+    assert not any("odds of" in line for line in both.findings)
+    assert both.tables["evidence"]["fits"].tolist() == ["no", "no"]
+    first = both.findings[0]
     with xarray.open_datatree(tmp_path / "fit.nc") as tree:
         assert tree.attrs["comparison"].splitlines()[0] == first
     page = (tmp_path / "report.html").read_text()

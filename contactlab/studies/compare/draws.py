@@ -59,10 +59,11 @@ OBSERVABLES: Final = {name: Variable(name, (), *rest) for name, *rest in (
     ("tip_normal_amplitude", "m", "a_n", "normal amplitude of the tip, half its range"),
     ("tip_tangential_amplitude", "m", "a_t", "tangential amplitude of the tip, half its range"),
     ("rms_current", "A", "I_rms", "current of the electrodes, root mean square over both and time"),
+    ("normal_impulse", "N s", "P_n", "normal impulse of the contact in a period of the drive"),
 )}  # fmt: skip
 """Quantities of a settled motor; the first one decides when sampling ends."""
 
-OBSERVED: Final = tuple(name for name in OBSERVABLES if name != "start_time")
+OBSERVED: Final = tuple(name for name in OBSERVABLES if name not in ("start_time", "normal_impulse"))
 """Those that are compared by default: a start takes as long as three steady states."""
 
 ORBIT: Final = {"tip_normal_amplitude", "tip_tangential_amplitude", "rms_current"}
@@ -481,6 +482,9 @@ def observed(setup: Setup, names: Sequence[str]) -> tuple[str, dict[str, Estimat
             result[f"tip_{name}_amplitude"] = Estimate(0.5 * float(np.ptp(values)), error)
         square = float(np.mean(run.currents[:, 1:] ** 2))
         result["rms_current"] = Estimate(float(np.sqrt(square)), 0.0)
+    if "normal_impulse" in names:
+        force = state.average("normal_force")
+        result["normal_impulse"] = Estimate(state.period * force.value, state.period * force.error)
     if "stall_torque" in names:
         result["stall_torque"] = steady(setup, belt=0.0, longest=LONGEST).torque
     if "start_time" in names:

@@ -24,6 +24,7 @@ from contactlab.inference.paired import (
     bins_of,
     looks_up_to,
 )
+from contactlab.inference.repeats import not_stated
 from contactlab.metrics import (
     FAIL,
     INVARIANTS,
@@ -220,16 +221,9 @@ def _turns(here: xarray.Dataset) -> Iterator[str]:
 def _no_functions(data: xarray.Dataset) -> Iterator[str]:
     """Yield the laws whose settled velocity is no function of the inputs."""
     spread = data["spread"].sel(quantity="rotor_velocity").max("cell")
-    wide = spread.where(spread > data.attrs["margin"]).dropna("law")
-    if wide.size:
-        each = [
-            f"{law} ({100.0 * x:.2g} %)" if isfinite(x) else f"{law} (with and without a steady state)"
-            for law, x in zip(wide["law"].values, wide.values.tolist(), strict=True)
-        ]
-        yield (
-            f"No order of {listed(each)} is stated: with a millionth more or less of friction, or from "
-            f"another start, the settled velocity differs by more than {_percent(data)}."
-        )
+    spreads = dict(zip(map(str, spread["law"].values), spread.values.tolist(), strict=True))
+    if sentence := not_stated("order", spreads, "settled velocity", data.attrs["margin"]):
+        yield sentence
 
 
 def _by_symmetry(data: xarray.Dataset) -> Iterator[str]:

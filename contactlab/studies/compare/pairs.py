@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from itertools import product
-from math import inf
 from typing import Any, Final, NamedTuple, final
 
 import numpy as np
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.config.nesting import flat, nested
 from contactlab.inference.paired import (
     EQUAL,
     GREATER,
@@ -29,9 +27,9 @@ from contactlab.inference.paired import (
     looks_up_to,
     orders,
 )
+from contactlab.inference.repeats import NEGLIGIBLE, REPEATS, repeated, spread_of
 from contactlab.laws import MultiplierLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
-from contactlab.steady_state.basins import reach
 from contactlab.studies.compare.draws import (
     OBSERVABLES,
     POSTERIOR,
@@ -50,15 +48,6 @@ from contactlab.studies.study import Task
 
 CLEAR: Final = 3.0
 """Numerical errors within which the difference of two laws may lie anywhere."""
-
-TINY: Final = 1e-6
-"""Relative change of friction after which a function of the inputs has the same value."""
-
-REPEATS: Final = ("less friction", "more friction", "backwards at the start", "forwards at the start")
-"""Motors that are the configured one but for `TINY` changes of friction, or the velocity of the start."""
-
-NEGLIGIBLE: Final = 1e-3
-"""Size below which a quantity counts as none, over its largest size in the population."""
 
 SIGNED: Final = {"rotor_velocity", "stall_torque"}
 """Quantities that count in the sense in which the motor turns."""
@@ -155,7 +144,7 @@ class Design:
         }
         if self.grid.whole:
             works |= {"other basis": lambda setup: on_other_basis(setup)[0]}
-            works |= {name: partial(_repeated, repeat=name) for name in REPEATS}
+            works |= {name: partial(repeated, repeat=name) for name in REPEATS}
         return {
             f"as configured {cell} {name}": Drawn(
                 {law: work(self.grid.setups[law, cell]) for law in self.grid.laws}
@@ -214,25 +203,14 @@ class Design:
             return ""
         laws = zip(self.grid.laws, failed.sum(axis=0).tolist(), strict=True)
         numbers = ", ".join(f"{law} {number}" for law, number in laws if number)
-        return (
-            f"{failed.sum()} of {failed.size} motors have no steady state ({numbers}): {reasons[failed][0]}"
-        )
+        reason = reasons[failed][0].partition(". ")[0].removesuffix(".")
+        return f"{failed.sum()} of {failed.size} motors have no steady state ({numbers}): {reason}."
 
 
 def _refined(setup: Setup, step: int) -> Setup:
     """Return a setup at one of three steps or tolerances."""
     control = control_of(setup)
     return replace(setup, **{control: getattr(setup, control) / FINER[control][step]})
-
-
-def _repeated(setup: Setup, repeat: str) -> dict[str, Any]:
-    """Return the configuration of a motor of `REPEATS`."""
-    settings, sign = flat(setup.configuration), -1.0 if repeat in REPEATS[::2] else 1.0
-    if repeat in REPEATS[:2]:
-        settings["contact.friction_coefficient"] *= 1.0 + sign * TINY
-    else:
-        settings["rotor.initial_velocity"] = sign * reach(setup)
-    return nested(settings)
 
 
 def step_errors(nominal: Array, orders: Sequence[float]) -> Array:
@@ -260,16 +238,9 @@ def spreads(settled: Settled) -> Array:
     Infinite where some of them have no steady state; shape (law, cell, quantity).
     """
     alike = np.concatenate([settled.nominal[:, :, :1], settled.repeats], axis=2)
-    known = np.isfinite(alike)
-    low, high = (
-        edge(np.where(known, alike, empty), axis=2) for edge, empty in ((np.min, inf), (np.max, -inf))
-    )
-    size = np.maximum(np.abs(low), np.abs(high))
-    with np.errstate(invalid="ignore"):
-        spread = np.where(high > low, (high - low) / size, 0.0)
-    spread = np.where(known.all(axis=2), spread, inf)
     # Nothing is known of motors that were made in Python, or have no steady state at all.
-    return np.where(known[:, :, 1:].any(axis=2), spread, np.nan)
+    known = np.isfinite(settled.repeats).any(axis=2)
+    return np.where(known, spread_of(alike, axis=2), np.nan)
 
 
 def differences(values: Array, names: Sequence[str]) -> tuple[Array, Array, Array]:

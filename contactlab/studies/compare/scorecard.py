@@ -164,10 +164,11 @@ class Reruns:
         for name, change, _ in reruns_of(setup, refine=refine):
             tree = parts[name]
             failure = str(tree.attrs.get("failure", ""))
+            if failure and name not in VARIANTS and tree.attrs["settles"] == 0:
+                return cls(run, setup, without=failure)
             if failure:
                 law.notes.append(f"{run.label} fails {change}: {failure}")
                 if name not in VARIANTS:
-                    law.without = failure if tree.attrs["settles"] == 0 else ""
                     law.runs, law.states = {}, {}
                     return law
             else:

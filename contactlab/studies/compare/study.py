@@ -14,6 +14,7 @@ from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
 from contactlab.inference.calibration import Datum, calibrated
+from contactlab.inference.repeats import MARGIN
 from contactlab.laws import ContactLaw
 from contactlab.metrics import Run
 from contactlab.motor import Motor
@@ -46,9 +47,6 @@ from contactlab.studies.study import Progress, Result, Setups, Study, Task, opti
 
 SAMPLES: Final = 64
 """Draws at most, which take a minute or two for three laws."""
-
-MARGIN: Final = 0.05
-"""Relative difference that matters to few motors."""
 
 STARTS: Final = 6
 """Initial conditions of each law."""
