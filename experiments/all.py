@@ -1,10 +1,10 @@
 """Every table and figure of the paper and the studies beyond it, and one page that shows them all.
 
-    python experiments/all.py [output=DIR]
+    python experiments/all.py [NAME ...] [output=DIR]
 
-The page, index.html, contains its pictures. Claims, findings and tables are written to
-docs/results/experiments.json too, from which docs/paper.md has them. Exit status 1 if a finding does not
-hold.
+The page, index.html, contains its pictures; it is left out where experiments are named. Claims, findings and
+tables are written to docs/results/experiments.json too, from which docs/paper.md has them. Exit status 1 if a
+finding does not hold.
 """
 
 import sys
@@ -97,7 +97,8 @@ def store(name: str, make: Callable[[], Result]) -> Result:
     def section() -> dict[str, object]:
         results.append(make())
         about, rows = results[0].data.attrs, results[0].tables["table"].to_dict("records")
-        return {**{key: about[key] for key in ("says", "finding", "holds")}, "rows": rows}
+        numbers = results[0].study.numbers(results[0].data)
+        return {**{key: about[key] for key in ("says", "finding", "holds")}, "rows": rows, "numbers": numbers}
 
     put("experiments", name, name, section, PHYSICS)
     return results[0]
@@ -105,22 +106,26 @@ def store(name: str, make: Callable[[], Result]) -> Result:
 
 def main(arguments: Sequence[str]) -> int:
     """Run everything, write the page and return the exit status."""
-    folder = OUTPUTS
+    folder, named = OUTPUTS, []
     for word in arguments:
-        if not word.startswith("output="):
-            print(f"{word} is not understood; the one argument is output=DIR.", file=sys.stderr)
+        if word.startswith("output="):
+            folder = Path(word.removeprefix("output="))
+        elif word in (*PAPER, *BEYOND):
+            named.append(word)
+        else:
+            print(f"{word} is not understood; it must be an experiment or output=DIR.", file=sys.stderr)
             return REFUSED
-        folder = Path(word.removeprefix("output="))
     # All are imported first: a missing package is reported before any has run.
-    names = [class_of(name).name for name in (*PAPER, *BEYOND)]
+    names = [class_of(name).name for name in named or (*PAPER, *BEYOND)]
     results = []
     for name in tqdm(names, unit=" experiments", disable=None):
         result = store(name, partial(perform, name, folder / name, workers=processors()))
         results.append((result, folder / name))
         holds = results[-1][0].data.attrs["holds"]
         tqdm.write(f"{name}: {'holds' if holds else 'DOES NOT HOLD'}")
-    (folder / "index.html").write_text(page(results), encoding="utf-8")
-    print(f"Written to {folder / 'index.html'}")
+    if not named:
+        (folder / "index.html").write_text(page(results), encoding="utf-8")
+        print(f"Written to {folder / 'index.html'}")
     return DONE if all(result.data.attrs["holds"] for result, _ in results) else CONTRADICTED
 
 

@@ -99,14 +99,14 @@ def state_of(section: Mapping[str, Any]) -> str:
 def put(
     name: str, script: str, section: str, make: Callable[[], Any], parts: Sequence[str] = PHYSICS
 ) -> None:
-    """Make a section and write it to its file."""
-    began = process_time()
+    """Make a section and write it to its file, with the digests of the code at the beginning."""
+    began, stamp = process_time(), stamp_of(script, parts)
     results = make()
     content = read(name)
     content["sections"][section] = {
         "script": script,
         "parts": [*parts],
-        **stamp_of(script, parts),
+        **stamp,
         "processor_seconds": round(process_time() - began, 1),
         "results": results,
     }

@@ -7,27 +7,31 @@ of the contact, inertia of the rotor. Its laws have one coefficient of restituti
     D = max_ab |mean(Q_a) - mean(Q_b)| / sqrt(mean_a var(Q_a)),
 
 mean and variance over the neighbours: the law matters where D > 1, more than what is not known of the motor.
+The standard error of ln D is the jackknife's over the neighbours, and D is above or below 1 where its 95 %
+interval is.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import combinations
-from math import pi
+from math import isfinite, pi
 from typing import Final
+from warnings import catch_warnings
 
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
 from experiment import Experiment, main, part_of
 from matplotlib.figure import Figure
-from scipy.stats import fisher_exact, qmc
+from scipy.stats import qmc, spearmanr, t
 from variations import tip_phasors
 
 import contactlab as cl
+from contactlab.arrays import Array
 from contactlab.config.nesting import flat, nested
 from contactlab.inference.calibration import Datum, calibrated
 from contactlab.inference.multiple import holm
 from contactlab.inference.paired import binomial_interval
 from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.studies.compare.draws import observed
 from contactlab.studies.compare.laws import delassus_at_rest
 from contactlab.studies.study import Part, Setups, Task
 
@@ -70,10 +74,11 @@ KNOWN: Final = {
 }
 """Half the range of a neighbour over the value, as near as a motor on a bench is known."""
 
-NEIGHBOURS, CHUNK = 4, 2
-"""Motors around each, a power of two; motors of one task."""
+MOTORS, NEIGHBOURS = 16, 8
+"""Motors, and motors around each; powers of two."""
 
-QUANTITIES: Final = {"rotor_velocity": "rad s-1", "stall_torque": "N m"}
+QUANTITIES: Final = ("rotor_velocity", "stall_torque", "start_time", "normal_impulse")
+"""Of `contactlab.studies.compare.draws.OBSERVABLES`."""
 
 GROUPS: Final = (
     "friction coefficient",
@@ -82,12 +87,12 @@ GROUPS: Final = (
     "phase",
     "detuning",
     "contact time over period",
-    "normal over tangential amplitude",
+    "approach over tangential speed",
     "coupling",
     "inertia over tip's",
 )
-"""Dimensionless: time of an impact at 0.1 m/s over the period of the first tone, amplitudes of the free tip,
-D_nt / sqrt(D_nn D_tt), and J D_tt' / R^2 with the tip's own mobility D_tt' along the rotor."""
+"""Dimensionless: time of an impact at 0.1 m/s over the period of the first tone, amplitudes of the free tip's
+velocity, D_nt / sqrt(D_nn D_tt), and J D_tt' / R^2 with the tip's own mobility D_tt' along the rotor."""
 
 SEED, LEVEL = 0, 0.05
 
@@ -145,155 +150,167 @@ def setup_of(law: str, motor: Mapping[str, float], resonator: str) -> cl.Setup:
 def groups_of(motor: Mapping[str, float], setup: cl.Setup) -> list[float]:
     """Return the dimensionless groups of a motor, of its compliant law, in the order of `GROUPS`."""
     made, d = setup.motor, delassus_at_rest(setup.motor)
-    normal, lean = tip_phasors(made.modes, made.drive)
-    along = made.geometry.tip_length * float(np.abs(lean).sum())
+    rate = made.drive.angular_frequency
+    approach, lean = (float(np.abs(rate * each).sum()) for each in tip_phasors(made.modes, made.drive))
     time = Datum("contact_time", 1.0, RESTITUTION.speed).measured(setup.law, np.diag(np.diag(d)))
     tangential = made.rows_at_rest[1]
     own = float(tangential @ tangential)
     derived = {
         "contact time over period": time * float(made.drive.frequency[0]),
-        "normal over tangential amplitude": float(np.abs(normal).sum()) / along,
+        "approach over tangential speed": approach / (made.geometry.tip_length * lean),
         "coupling": abs(d[0, 1]) / np.sqrt(d[0, 0] * d[1, 1]),
         "inertia over tip's": made.rotor.inertia * own / made.geometry.rotor_radius**2,
     }
     return [float({**motor, **derived}[name]) for name in GROUPS]
 
 
-def observed(setup: cl.Setup) -> list[float]:
-    """Return the quantities of a settled motor; NaN where it does not settle."""
+def numbers_of(setup: cl.Setup) -> list[float]:
+    """Return the quantities of a settled motor; NaN where it does not settle or start."""
     try:
-        return [cl.steady(setup).details.velocity[0], cl.steady(setup, belt=0.0).details.torque[0]]
+        numbers = observed(setup, QUANTITIES)[1]
     except (BrokenOffError, NotSettledError):
         return [np.nan] * len(QUANTITIES)
+    return [value if isfinite(value := numbers[name].value) else np.nan for name in QUANTITIES]
 
 
-def settled(motors: Sequence[Mapping[str, float]], resonator: str) -> Part:
-    """Return quantities of motors, neighbours and laws, and the motors' groups."""
-    values, groups = [], []
-    for motor in motors:
-        neighbours = around(motor)
-        values.append([[observed(setup_of(law, each, resonator)) for each in neighbours] for law in LAWS])
-        groups.append(
-            groups_of(motor, setup_of("flores", {**motor, "restitution": RESTITUTION.value}, resonator))
-        )
-    return part_of(
-        xarray.Dataset(
-            {
-                "value": (("motor", "law", "neighbour", "quantity"), values),
-                "group_value": (("motor", "group"), groups),
-            }
-        )
-    )
+def settled(motor: Mapping[str, float], resonator: str) -> Part:
+    """Return quantities of a motor's neighbours under every law, and the motor's groups."""
+    values = [[numbers_of(setup_of(law, each, resonator)) for each in around(motor)] for law in LAWS]
+    known = setup_of("flores", {**motor, "restitution": RESTITUTION.value}, resonator)
+    data = {
+        "value": (("law", "neighbour", "quantity"), values),
+        "group_value": ("group", groups_of(motor, known)),
+    }
+    return part_of(xarray.Dataset(data))
+
+
+def over_spread(value: Array) -> tuple[Array, Array]:
+    """Return D and the standard error of ln D, shape (...).
+
+    Both are NaN where a law has half of the neighbours or fewer.
+
+    Args:
+        value: of a quantity, shape (..., law, neighbour).
+    """
+
+    def ratio(value: Array) -> Array:
+        some = np.isfinite(value).mean(axis=-1, keepdims=True) > 0.5
+        value = np.where(some, value, np.nan)
+        spread = np.nanvar(value, axis=-1, ddof=1).mean(axis=-1)
+        return np.asarray(np.ptp(np.nanmean(value, axis=-1), axis=-1) / np.sqrt(spread))
+
+    count = value.shape[-1]
+    with np.errstate(all="ignore"), catch_warnings(action="ignore", category=RuntimeWarning):
+        others = np.log([ratio(np.delete(value, i, axis=-1)) for i in range(count)])
+        return ratio(value), np.sqrt((count - 1) * others.var(axis=0))
 
 
 class WhenLawsMatter(Experiment):
     """Over which motors does the law change more than what is not known of the motor?"""
 
     says = (
-        "The law matters more than what is not known of the motor in some motors and not in others, and a "
-        "dimensionless group separates them apart."
+        "The law matters more than what is not known of the motor in some motors and not in others, and how "
+        "much goes with a dimensionless group."
     )
 
     def tasks(self, setups: Setups) -> Iterator[Task]:
-        """Yield tasks of `CHUNK` motors each; the short form has few motors, on four shapes."""
+        """Yield a task a motor; the short form has few, on four shapes."""
         del setups
-        count, resonator = (2, "ritz") if self.short else (64, "finite_element")
-        motors, chunk = drawn(count), 1 if self.short else CHUNK
-        for first in range(0, count, chunk):
-            yield Task(f"{first:04d}", settled, (motors[first : first + chunk], resonator))
+        count, resonator = (2, "ritz") if self.short else (MOTORS, "finite_element")
+        for number, motor in enumerate(drawn(count)):
+            yield Task(f"{number:04d}", settled, (motor, resonator))
 
     def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
-        """Return D by motor and quantity; NaN where half of a law's neighbours or more do not settle."""
+        """Return D by motor and quantity with the ends of its 95 % interval."""
         del setup
         data = xarray.concat(parts, "motor").assign_coords(
             law=[*LAWS], quantity=[*QUANTITIES], group=[*GROUPS]
         )
-        value = data["value"].values
-        known = np.isfinite(value).mean(axis=2) > 0.5
-        with np.errstate(all="ignore"):
-            mean, spread = (
-                np.where(known, function(np.ma.masked_invalid(value), axis=2).filled(np.nan), np.nan)
-                for function in (np.ma.mean, np.ma.var)
-            )
-        pairs = [np.abs(mean[:, a] - mean[:, b]) for a, b in combinations(range(len(LAWS)), 2)]
-        ratio = np.max(pairs, axis=0) / np.sqrt(spread.mean(axis=1))
-        none = (~known).any(axis=1)
+        ratio, error = over_spread(data["value"].transpose("motor", "quantity", "law", "neighbour").values)
+        wide = np.exp(t.ppf(0.975, NEIGHBOURS - 1) * error)
+        ends = {"ratio": ratio, "ratio_low": ratio / wide, "ratio_high": ratio * wide}
         about = {"units": "1", "long_name": "difference of laws over what is not known of the motor"}
-        return data.assign(
-            ratio=(("motor", "quantity"), ratio, about), unsettled=(("motor", "quantity"), none)
-        )
+        return data.assign({name: (("motor", "quantity"), x, about) for name, x in ends.items()})
 
     def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
-        """Return the shares of motors with D > 1 in the lower and the upper third of each group."""
-        return [
-            {"quantity": name, "group": group, "lower third": low, "upper third": high, "p (Holm)": p}
-            for name, group, low, high, p in self.thirds(data)
-        ]
-
-    def thirds(self, data: xarray.Dataset) -> list[tuple[str, str, str, str, float]]:
-        """Return those shares with Fisher's exact p-value, corrected over groups and quantities."""
-        rows: list[tuple[str, str, str, str]] = []
-        p_values = []
+        """Return the motors with D > 1, in all and in the halves of each group, with the correlation of D."""
+        rows: list[dict[str, object]] = []
         for name in QUANTITIES:
-            ratio = data["ratio"].sel(quantity=name).values
-            known = np.isfinite(ratio)
-            for group in GROUPS:
-                at = data["group_value"].sel(group=group).values[known]
-                order = np.argsort(at, kind="stable")
-                size = max(known.sum() // 3, 1)
-                above = (ratio[known] > 1.0)[order]
-                counts = [int(above[:size].sum()), int(above[-size:].sum())]
-                p_values.append(float(fisher_exact([[c, size - c] for c in counts]).pvalue))
-                ends = at[order][[size - 1, -size]]
-                texts = [f"{c} of {size}" for c in counts]
-                rows.append(
-                    (name, group, f"{texts[0]} (to {ends[0]:.3g})", f"{texts[1]} (from {ends[1]:.3g})")
+            each = data.sel(quantity=name)
+            known = np.isfinite(each["ratio_low"].values)
+            ratio, low, high = (each[x].values[known] for x in ("ratio", "ratio_low", "ratio_high"))
+            counts = {"D > 1": ratio > 1.0, "clearly above": low > 1.0, "clearly below": high < 1.0}
+            rows.append(
+                {"quantity": name, "group": "all", "motors": ratio.size}
+                | {key: int(which.sum()) for key, which in counts.items()}
+                | dict(
+                    zip(("10 %", "median", "90 %"), np.quantile(ratio, [0.1, 0.5, 0.9]).tolist(), strict=True)
                 )
-        corrected = holm(np.array(p_values))
-        return [(*row, float(p)) for row, p in zip(rows, corrected, strict=True)]
+            )
+            for group in GROUPS:
+                at = each["group_value"].sel(group=group).values[known]
+                upper = at > np.median(at)
+                halves = {"lower half": ratio[~upper] > 1.0, "upper half": ratio[upper] > 1.0}
+                # The short form has too few motors for a correlation.
+                r, p = spearmanr(at, ratio) if ratio.size > 2 else (0.0, 1.0)
+                rows.append(
+                    {"quantity": name, "group": group, "motors": ratio.size}
+                    | {key: int(which.sum()) for key, which in halves.items()}
+                    | {"rank correlation": float(r), "p": float(p)}
+                )
+        tested = [row for row in rows if "p" in row]
+        for row, p in zip(tested, holm(np.array([row["p"] for row in tested])), strict=True):
+            row["p"] = float(p)
+        return rows
 
     def draw(self, data: xarray.Dataset) -> Figure:
-        """Draw D over the groups that tell most, a column a quantity."""
-        rows = self.thirds(data)
-        figure, axes = plt.subplots(
-            2, len(QUANTITIES), figsize=(9.0, 6.4), layout="constrained", sharey="col"
-        )
-        for column, name in zip(axes.T, QUANTITIES, strict=True):
-            most = sorted((row for row in rows if row[0] == name), key=lambda row: row[4])[: len(column)]
-            ratio = data["ratio"].sel(quantity=name).values
-            for panel, row in zip(column, most, strict=True):
-                at = data["group_value"].sel(group=row[1]).values
-                panel.scatter(at, ratio, s=14, c=np.where(ratio > 1.0, "#c44e52", "#4c72b0"))
-                panel.axhline(1.0, color="0.4", linewidth=0.8)
-                panel.set_yscale("log")
-                if at.min() > 0.0 and at.max() > 20.0 * at.min():
-                    panel.set_xscale("log")
-                panel.set_xlabel(f"{row[1]} (p = {row[4]:.2g})")
-            column[0].set_title(name.replace("_", " "), fontsize=10)
-            for panel in column:
-                panel.set_ylabel("D")
+        """Draw D over the group that tells most, and the motors over this one and the next."""
+        rows = [row for row in self.rows(data) if "p" in row]
+        figure, axes = plt.subplots(2, len(QUANTITIES), figsize=(13.0, 6.6), layout="constrained")
+        for (above, below), name in zip(axes.T, QUANTITIES, strict=True):
+            own = sorted((row for row in rows if row["quantity"] == name), key=lambda row: row["p"])
+            x, y = (data["group_value"].sel(group=row["group"]).values for row in own[:2])
+            ratio, low, high = (
+                data[z].sel(quantity=name).values for z in ("ratio", "ratio_low", "ratio_high")
+            )
+            colours = np.where(low > 1.0, "#c44e52", np.where(high < 1.0, "#4c72b0", "0.6"))
+            above.vlines(x, low, high, colors=colours, linewidth=0.8)
+            above.scatter(x, ratio, s=16, c=colours, zorder=2)
+            above.axhline(1.0, color="0.3", linewidth=0.8)
+            above.set_yscale("log")
+            above.set_title(name.replace("_", " "), fontsize=10)
+            above.set_ylabel("D, 95 % interval")
+            below.scatter(x, y, s=24.0, c=colours)
+            below.set_ylabel(own[1]["group"])
+            below.set_xlabel(f"{own[0]['group']} (p = {own[0]['p']:.2g})")
+            above.set_xscale(scale_of(x))
+            below.set_xscale(scale_of(x))
+            below.set_yscale(scale_of(y))
+            for panel in (above, below):
+                panel.minorticks_off()
         return figure
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
-        """State the share of motors with D > 1, and the groups that tell."""
-        sentences, separates = [], False
-        rows = self.thirds(data)
-        for name in QUANTITIES:
-            ratio = data["ratio"].sel(quantity=name).values
-            known = int(np.isfinite(ratio).sum())
-            count = int((ratio > 1.0).sum())
-            low, high = map(float, binomial_interval(count, known))
-            groups = [row for row in rows if row[0] == name and row[4] < LEVEL]
-            separates = separates or bool(groups)
-            separating = (
-                "; ".join(f"{group}: {lower}, {upper}" for _, group, lower, upper, _ in groups)
-                or "no group separates"
-            )
+        """State the share of motors with D > 1, and the groups that separate them."""
+        sentences, rows = [], self.rows(data)
+        for row in (row for row in rows if row["group"] == "all"):
+            low, high = map(float, binomial_interval(row["D > 1"], row["motors"]))
+            groups = [
+                f"{x['group']} ({x['rank correlation']:+.2f}, p = {x['p']:.1g})"
+                for x in rows
+                if x["quantity"] == row["quantity"] and x.get("p", 1.0) < LEVEL
+            ]
             sentences.append(
-                f"{name.replace('_', ' ')}: D > 1 in {count} of {known} motors ({low:.0%} to {high:.0%}), "
-                f"{ratio.size - known} more have a law without a steady state; {separating}."
+                f"{str(row['quantity']).replace('_', ' ')}: D > 1 in {row['D > 1']} of {row['motors']} "
+                f"motors ({low:.0%} to {high:.0%}), clearly in {row['clearly above']}, clearly not in "
+                f"{row['clearly below']}; D goes with {' and '.join(groups) or 'no group'}."
             )
-        return " ".join(sentences), separates
+        return " ".join(sentences), any(row.get("p", 1.0) < LEVEL for row in rows)
+
+
+def scale_of(values: Array) -> str:
+    """Return the scale of an axis, logarithmic where half of the values lie in a quarter of their range."""
+    return "log" if 0.0 < 4.0 * float(np.median(values)) < values.max() else "linear"
 
 
 if __name__ == "__main__":
