@@ -17,17 +17,37 @@ from typing import Any, Final, Self
 import motor_findings
 import yaml
 from results_store import OLDER, read, state_of
+from scipy.stats import fisher_exact
 
-FILES: Final = ("motor", "experiments")
-PAGES: Final = ("README.md", "docs/index.md", "docs/steady.md", "docs/paper.md", "paper/paper.md")
+from contactlab.inference.paired import binomial_interval
+
+FILES: Final = ("motor", "experiments", "measurements")
+PAGES: Final = (
+    "README.md",
+    "paper/paper.md",
+    *(
+        f"docs/{name}.md"
+        for name in (
+            "index",
+            "steady",
+            "paper",
+            "howto/compare",
+            "when_laws_matter",
+            "published_motor",
+            "measurements",
+        )
+    ),
+)
 
 CHEAP: Final[Mapping[str, Mapping[str, Callable[[], Any]]]] = {
     "motor": {name: motor_findings.SECTIONS[name][0] for name in motor_findings.CHEAP}
 }
 """Sections that are made anew when the code has changed; the others are checked by them, or say their age."""
 
-INPUTS: Final = re.compile(r"95\s%|within\s20\s%\sof\sthe\sdistance")
-"""Numbers with the unit of a result that are none: levels of intervals, a bound of the search."""
+INPUTS: Final = re.compile(
+    r"95\s%|within\s20\s%\sof\sthe\sdistance|at\s(?:most|least)\s\d+\s%|1\s%\sof|700\srad/s|to\s(?:some\s)?3\smm/s"
+)
+"""Numbers with the unit of a result that are none: levels, bounds, and errors of what was read."""
 
 USED: Final[set[tuple[str, str]]] = set()
 """Files and sections that were read."""
@@ -135,6 +155,134 @@ PHASE: Final = "converged, by phase"
 DAMPING: Final = "converged, by damping ratio at equal free amplitude"
 PAPER, *LOWER = (f"{DAMPING}/{damping}" for damping in motor_findings.DAMPING)
 ROD: Final = "converged, with a rod"
+
+
+SPRING: Final = "hertz_point + flores + mindlin"
+CASES: Final = ("as measured", "inertia", "arms", "tilt and inertia")
+"""Of what is free in the geometry of the ellipses."""
+
+
+CARRIERS: Final = {
+    "lagrange_stick": "`lagrange_stick`",
+    "newton": "`newton`",
+    "hertz_penalty": "`hertz_penalty`",
+    "mindlin": "`hertz_point` + `flores` + `mindlin`",
+}
+"""Laws of the published motor."""
+
+CHANGED: Final = ("friction coefficient", "start")
+"""What its repetitions change."""
+
+READ: Final = 3.0
+"""To how much its speeds were read [mm/s]."""
+
+
+DEFAULT, STIFFNESS, *OUTSIDE = motor_findings.POPULATIONS
+OTHERS: Final = {"hertz": "`hertz_penalty`", "newton": "`newton`"}
+"""Laws that `lagrange_stick` is compared with."""
+
+
+def pair(population: str, name: str, law: str = "hertz") -> Any:
+    """Return a number of `lagrange_stick` against another law in a population."""
+    return value(f"populations/{population}/{law}/{name}")
+
+
+def turned(population: str, law: str) -> float:
+    """Return the p-value of as many faster among faster and slower motors as by default."""
+    counts = [
+        [pair(x, f"outcomes/{kind}", law) for kind in ("greater", "less")] for x in (DEFAULT, population)
+    ]
+    return float(fisher_exact(counts).pvalue)
+
+
+def least_like(law: str) -> str:
+    """Return the population outside of the draws that is least like them."""
+    return min(OUTSIDE, key=lambda population: turned(population, law))
+
+
+def ellipses(key: str) -> Any:
+    """Return a number of laws against the ellipses."""
+    return value(f"ellipses/{key}", "measurements")
+
+
+def spheres(law: str, name: str = "all") -> Any:
+    """Return a misfit of a law against the spheres [errors of digitisation]."""
+    return value(f"spheres/laws/{law}/{name}", "measurements")
+
+
+def predicted(case: str, law: str) -> float:
+    """Return the held-out error of a law with some numbers of the geometry free [1]."""
+    return float(ellipses(f"geometry/{case}/laws/{law}/error"))
+
+
+def gain(case: str) -> Any:
+    """Return what `mindlin` gains over Poisson's law, with the half of its interval [1]."""
+    key = f"geometry/{case}/mindlin before poisson"
+    return Number(ellipses(f"{key}/gain"), 0.5 * (ellipses(f"{key}/high") - ellipses(f"{key}/low")))
+
+
+def geometry(case: str, name: str) -> float:
+    """Return a number of the geometry that is fitted with Poisson's law."""
+    return float(ellipses(f"geometry/{case}/laws/poisson/parameters/data.{name}"))
+
+
+def carried(law: str, name: str, inertia: int = 0) -> Any:
+    """Return a number of the published motor under a law [mm/s], the second time with more inertia."""
+    USED.add(("experiments", "published_motor"))
+    rows = results("experiments")["published_motor"]["rows"]
+    return [row for row in rows if row["law"] == law][inertia][name]
+
+
+def published(name: str) -> float:
+    """Return a number of the published motor that is of no law."""
+    return float(value(f"published_motor/numbers/{name}", "experiments"))
+
+
+def spread(law: str, by: str) -> float:
+    """Return the largest difference of the published motor's repeated speeds [mm/s]."""
+    return max(float(carried(law, f"largest difference, {by} [mm/s]", n)) for n in (0, 1))
+
+
+def misfit(law: str, end: str) -> float:
+    """Return the least ('from') or the largest ('to') misfit of the calibration over repetitions [mm/s]."""
+    return float(carried(law, f"calibration misfit {end} [mm/s]"))
+
+
+def is_function(law: str) -> bool:
+    """Return whether the published motor's speeds are a function of its numbers, to what they were read."""
+    return max(spread(law, by) for by in CHANGED) <= READ
+
+
+def mattering() -> list[dict[str, Any]]:
+    """Return the rows of the experiment on when laws matter."""
+    USED.add(("experiments", "when_laws_matter"))
+    rows: list[dict[str, Any]] = results("experiments")["when_laws_matter"]["rows"]
+    # A column with gaps has counts as floats.
+    return [
+        {key: int(x) if isinstance(x, float) and x.is_integer() else x for key, x in row.items()}
+        for row in rows
+    ]
+
+
+def matters(quantity: str) -> dict[str, Any]:
+    """Return the motors in which the law matters to a quantity."""
+    return next(row for row in mattering() if row["quantity"] == quantity and row["group"] == "all")
+
+
+def of(quantity: str) -> str:
+    """Return the motors in which the law matters to a quantity, over those where that is known."""
+    return f"{matters(quantity)['D > 1']}/{matters(quantity)['motors']}"
+
+
+def share(quantity: str) -> tuple[float, float]:
+    """Return the 95 % interval of the probability that D > 1."""
+    low, high = binomial_interval(matters(quantity)["D > 1"], matters(quantity)["motors"])
+    return float(low), float(high)
+
+
+def separating() -> list[dict[str, Any]]:
+    """Return the groups over which D differs."""
+    return [row for row in mattering() if row["p"] is not None and row["p"] < 0.05]
 
 
 def evaluated(expression: str) -> Any:
@@ -256,6 +404,152 @@ def by_damping() -> str:
     return with_age("motor", [DAMPING], markdown(head, map(row, (PAPER, *LOWER))))
 
 
+def laws_against_ellipses() -> str:
+    """Return held-out error, interval, group and fitted numbers of every law."""
+
+    def row(label: str, law: Mapping[str, Any]) -> Iterator[object]:
+        yield from (
+            f"`{label}`",
+            law["kind"],
+            f"{law['error']:.4f}",
+            f"{law['low']:.4f} to {law['high']:.4f}",
+        )
+        yield law["group"] or ""
+        yield ", ".join(f"{k.rpartition('.')[2]} {x:.4g}" for k, x in law["parameters"].items())
+
+    laws = results("measurements")["ellipses"]["laws"]
+    head = ("law", "", "held-out error", "95 % interval", "group", "fitted numbers")
+    return with_age("measurements", ["ellipses"], markdown(head, (row(*each) for each in laws.items())))
+
+
+def free_geometry() -> str:
+    """Return held-out errors with free numbers of the geometry."""
+
+    def row(case: str) -> Iterator[object]:
+        yield case
+        yield from (f"{predicted(case, law):.4f}" for law in (SPRING, "poisson", "newton"))
+        own = ellipses(f"geometry/{case}/mindlin before poisson")
+        yield f"{own['gain']:.4f} ({own['low']:.4f} to {own['high']:.4f})"
+        yield f"{own['p']:.1g}"
+        fitted = ellipses(f"geometry/{case}/laws/poisson/parameters")
+        yield ", ".join(f"{k[5:]} {x:.3g}" for k, x in fitted.items() if k.startswith("data."))
+
+    head = (
+        "free in the data",
+        "mindlin",
+        "poisson",
+        "newton",
+        "mindlin before poisson",
+        "p",
+        "under poisson",
+    )
+    return markdown(head, map(row, CASES))
+
+
+def restitution_over_slip() -> str:
+    """Return the measured ratio of the gap rates over the slip, and the best law's residual."""
+    rows = (
+        (f"{x['slip']:.2f}", f"{x['ratio']:.3f}", f"{x['low']:.2f} to {x['high']:.2f}", f"{x['missed']:+.3f}")
+        for x in results("measurements")["ellipses"]["over slip"]
+    )
+    head = ("slip before (m/s)", "gap rate after over before", "quartiles", "residual of the best law (m/s)")
+    return markdown(head, rows)
+
+
+def laws_against_spheres() -> str:
+    """Return misfits of every law in errors of digitisation."""
+    names = ("restitution", "angle", "spin", "all", "both axes", "mean stiffness", "lowest", "at")
+    rows = (
+        (label.replace("_", "\\_"), law["kind"], *("" if law[x] is None else f"{law[x]:.3g}" for x in names),
+         law["free"].replace("_", "\\_"))
+        for label, law in results("measurements")["spheres"]["laws"].items()
+    )  # fmt: skip
+    return with_age("measurements", ["spheres"], markdown(("law", "kind", *names, "free"), rows))
+
+
+def carrying() -> str:
+    """Return spreads of the published motor's speeds, and how many loads it moves, by law."""
+
+    def loads(law: str, n: int) -> str:
+        ends = (str(carried(law, f"{end} loads moved", n)) for end in ("least", "most"))
+        return " to ".join(dict.fromkeys(ends))
+
+    def row(law: str) -> Iterator[str]:
+        yield CARRIERS[law]
+        for by in CHANGED:
+            first, second = (carried(law, f"largest difference, {by} [mm/s]", n) for n in (0, 1))
+            yield f"{first:.0f} ({second:.0f})"
+        yield f"{loads(law, 0)} ({loads(law, 1)})"
+        yield f"{misfit(law, 'to'):.0f}" if is_function(law) else "none"
+
+    own = [f"{published(f'published model, {part}'):.0f}" for part in ("calibration", "test")]
+    model = ("the authors' model, not calibrated", "0", "0", "8", f"{own[0]} (payload), {own[1]} (force)")
+    head = (
+        "law",
+        "by the friction coefficient (mm/s)",
+        "by the start (mm/s)",
+        "loads moved, of 8",
+        "misfit (mm/s)",
+    )
+    return with_age("experiments", ["published_motor"], markdown(head, [*map(row, CARRIERS), model]))
+
+
+def when_laws_matter() -> str:
+    """Return in how many motors the law matters, by quantity."""
+
+    def row(own: Mapping[str, Any]) -> Iterator[object]:
+        low, high = share(own["quantity"])
+        yield from (own["quantity"].replace("_", " "), own["motors"])
+        yield f"{own['D > 1']} ({100 * low:.0f} to {100 * high:.0f} %)"
+        yield from (own["clearly above"], own["clearly below"])
+        yield f"{own['median']:.2g} ({own['10 %']:.2g} to {own['90 %']:.2g})"
+
+    head = ("quantity", "motors", "D > 1", "clearly", "clearly not", "median D (10 to 90 %)")
+    rows = (row(own) for own in mattering() if own["group"] == "all")
+    return with_age("experiments", ["when_laws_matter"], markdown(head, rows))
+
+
+def groups() -> str:
+    """Return the groups over which D differs, or for each quantity the one that tells most."""
+    rows = []
+    for quantity in dict.fromkeys(row["quantity"] for row in mattering()):
+        own = sorted(
+            (x for x in mattering() if x["quantity"] == quantity and x["p"] is not None), key=lambda x: x["p"]
+        )
+        for row in [x for x in own if x["p"] < 0.05] or own[:1]:
+            halves = (str(int(row[f"{half} half"])) for half in ("lower", "upper"))
+            numbers = f"{row['rank correlation']:+.2f}", f"{row['p']:.2g}"
+            rows.append((quantity.replace("_", " "), row["group"], ", ".join(halves), *numbers))
+    head = ("quantity", "group", "motors with D > 1 in the lower, upper half", "rank correlation", "p")
+    return markdown(head, rows)
+
+
+def populations() -> str:
+    """Return outcomes of pairs of laws in populations."""
+
+    def row(population: str, law: str) -> Iterator[object]:
+        yield from (population, OTHERS[law])
+        yield from pair(population, "outcomes", law).values()
+        yield pair(population, "order", law)
+        yield "; ".join(f"{x['greater']}, {x['less']}" for x in pair(population, "quarters", law))
+
+    head = ("population", "against", "faster", "slower", "equal", "no steady state", "verdict",
+            "faster, slower by quarters of rising damping")  # fmt: skip
+    rows = (row(each, law) for law in OTHERS for each in motor_findings.POPULATIONS)
+    return with_age("motor", ["populations"], markdown(head, rows))
+
+
+def known_worlds() -> str:
+    """Return error rates of the rule of pairs in worlds of known truth."""
+    rows = (
+        (world, pairs, f"{100 * rates['any wrong']:.1f} %", f"{100 * rates['known']:.0f} %")
+        for world, each in results("motor")["known worlds"].items()
+        for pairs, rates in each.items()
+    )
+    head = ("the first law is, in all motors", "pairs", "any false claim", "verdict known")
+    return with_age("motor", ["known worlds"], markdown(head, rows))
+
+
 def experiments() -> str:
     """Return the finding of each experiment, and whether its claim holds."""
     rows = (
@@ -271,4 +565,13 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "by phase": by_phase,
     "by damping": by_damping,
     "experiments": experiments,
+    "laws against ellipses": laws_against_ellipses,
+    "free geometry": free_geometry,
+    "restitution over slip": restitution_over_slip,
+    "laws against spheres": laws_against_spheres,
+    "published motor": carrying,
+    "when laws matter": when_laws_matter,
+    "groups": groups,
+    "populations": populations,
+    "known worlds": known_worlds,
 }

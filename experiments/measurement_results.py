@@ -2,13 +2,12 @@
 
     python experiments/measurement_results.py SPHERES ELLIPSES [--cache DIR]
 
-SPHERES and ELLIPSES are the files that the page describes. Writes docs/results/measurements.json, with which
-a test compares the page, and its tables and figures. It takes an hour on one core; an interrupted run goes on
-from its cache.
+SPHERES and ELLIPSES are the files that the page describes. Writes docs/results/measurements.json, from which
+results_pages.py makes sentences and tables, and the figures. It takes an hour on one core; an interrupted run
+goes on from its cache.
 """
 
 import argparse
-import json
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,7 @@ from typing import Any, Final
 import numpy as np
 import xarray
 from oblique_spheres import ObliqueSpheres, misfit_rows
+from results_store import ROOT, put
 from scipy.optimize import minimize
 
 import contactlab as cl
@@ -28,8 +28,10 @@ from contactlab.results.provenance import code_digest
 from contactlab.studies.validate import parameters
 from contactlab.studies.validate_figures import abscissas, binned, residuals_of
 
-PAGE: Final = Path(__file__).resolve().parents[1] / "docs" / "measurements.md"
-RESULTS: Final = PAGE.parent / "results" / "measurements.json"
+PICTURES: Final = ROOT / "docs" / "measurements"
+PARTS: Final = ("compiler", "config", "engine", "inference", "laws", "measured", "studies")
+"""Folders of contactlab that the results depend on."""
+
 FIGURES: Final = ("prediction_error", "paired_differences", "residuals", "impacts")
 
 SPRING: Final = "hertz_point + flores + mindlin"
@@ -116,11 +118,11 @@ def validated(path: Path, folder: Path, laws: Any = (), **options: Any) -> cl.Re
     return cl.validate(laws, data=path, output=folder, **options)
 
 
-def of_ellipses(path: Path, cache: Path, pictures: Path) -> dict[str, Any]:
+def of_ellipses(path: Path, cache: Path) -> dict[str, Any]:
     """Return held-out errors of all laws, and of three with free numbers of the geometry."""
     made = validated(path, cache / "laws")
     for name in FIGURES:
-        copyfile(cache / "laws" / f"{name}.png", pictures / f"ellipses_{name}.png")
+        copyfile(cache / "laws" / f"{name}.png", PICTURES / f"ellipses_{name}.png")
     data = made.data.to_dataset()
     laws, impacts = laws_in(data), read_impacts(path)
     gap_rate, slip = impacts.velocity_before.T
@@ -163,94 +165,19 @@ def of_ellipses(path: Path, cache: Path, pictures: Path) -> dict[str, Any]:
     }
 
 
-def law_table(laws: Mapping[str, Any]) -> str:
-    """Return the table of errors, in Markdown."""
-    lines = [
-        "| law | | held-out error | 95 % interval | group | fitted numbers |",
-        "|---|---|---|---|---|---|",
-    ]
-    for label, law in laws.items():
-        numbers = ", ".join(f"{k.rpartition('.')[2]} {x:.4g}" for k, x in law["parameters"].items())
-        lines.append(
-            f"| `{label}` | {law['kind']} | {law['error']:.4f} | {law['low']:.4f} to {law['high']:.4f} | "
-            f"{law['group'] or ''} | {numbers} |"
-        )
-    return "\n".join(lines)
-
-
-def geometry_table(geometry: Mapping[str, Any]) -> str:
-    """Return the table of errors with free numbers of the geometry, in Markdown."""
-    lines = ["| free in the data | mindlin | poisson | newton | mindlin before poisson | p | under poisson |"]
-    lines.append("|---|---|---|---|---|---|---|")
-    for name, case in geometry.items():
-        errors = " | ".join(f"{case['laws'][label]['error']:.4f}" for label in (SPRING, "poisson", "newton"))
-        gain, fitted = case["mindlin before poisson"], case["laws"]["poisson"]["parameters"]
-        numbers = ", ".join(f"{k[5:]} {x:.3g}" for k, x in fitted.items() if k.startswith("data."))
-        interval = f"{gain['gain']:.4f} ({gain['low']:.4f} to {gain['high']:.4f})"
-        lines.append(f"| {name} | {errors} | {interval} | {gain['p']:.1g} | {numbers} |")
-    return "\n".join(lines)
-
-
-def slip_table(rows: Sequence[Mapping[str, float]]) -> str:
-    """Return the table of the ratio of the gap rates over the slip, in Markdown."""
-    lines = [
-        "| slip before (m/s) | gap rate after over before | quartiles | residual of the best law (m/s) |"
-    ]
-    lines.append("|---|---|---|---|")
-    lines += [
-        f"| {row['slip']:.2f} | {row['ratio']:.3f} | {row['low']:.2f} to {row['high']:.2f} | "
-        f"{row['missed']:+.3f} |"
-        for row in rows
-    ]
-    return "\n".join(lines)
-
-
-def sphere_table(laws: Mapping[str, Any]) -> str:
-    """Return the table of misfits, in Markdown."""
-    names = ("restitution", "angle", "spin", "all", "both axes", "mean stiffness", "lowest", "at")
-    lines = [f"| law | kind | {' | '.join(names)} | free |", "|---" * (len(names) + 3) + "|"]
-    for label, law in laws.items():
-        cells = ["" if (x := law[name]) is None else f"{x:.3g}" for name in names]
-        lines.append(f"| {label} | {law['kind']} | {' | '.join(cells)} | {law['free']} |".replace("_", "\\_"))
-    return "\n".join(lines)
-
-
-def page_with(page: str, results: Mapping[str, Any]) -> str:
-    """Return the page with the tables of the results, each between two comments."""
-    ellipses = results["ellipses"]
-    tables = {
-        "laws": law_table(ellipses["laws"]),
-        "geometry": geometry_table(ellipses["geometry"]),
-        "slip": slip_table(ellipses["over slip"]),
-        "spheres": sphere_table(results["spheres"]["laws"]),
-    }
-    for name, table in tables.items():
-        begin, end = (
-            f"<!-- table {name} of experiments/measurement_results.py -->",
-            "<!-- end of the table -->",
-        )
-        before, _, rest = page.partition(begin)
-        page = f"{before}{begin}\n\n{table}\n\n{end}{rest.partition(end)[2]}"
-    return page
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Write results, tables and figures."""
+    """Write results and figures."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("spheres", type=Path)
     parser.add_argument("ellipses", type=Path)
     parser.add_argument("--cache", type=Path, default=Path("measurement_results"))
     chosen = parser.parse_args(arguments)
-    pictures = PAGE.with_suffix("")
-    results = {
-        "spheres": of_spheres(chosen.spheres),
-        "ellipses": of_ellipses(chosen.ellipses, chosen.cache, pictures),
+    makers = {
+        "spheres": partial(of_spheres, chosen.spheres),
+        "ellipses": partial(of_ellipses, chosen.ellipses, chosen.cache),
     }
-    text = json.dumps(results, indent=1, default=float).replace("NaN", "null")
-    RESULTS.parent.mkdir(exist_ok=True)
-    RESULTS.write_text(text + "\n", encoding="utf-8")
-    page = PAGE.read_text(encoding="utf-8")
-    PAGE.write_text(page_with(page, json.loads(text)), encoding="utf-8")
+    for section, make in makers.items():
+        put("measurements", "measurement_results", section, make, PARTS)
 
 
 if __name__ == "__main__":

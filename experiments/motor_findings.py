@@ -3,16 +3,17 @@
     python experiments/motor_findings.py [SECTION ...]
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
-motor in two populations; and how often the rule of pairs is wrong in worlds of known truth. It takes about
-twenty minutes on two cores, and writes docs/results/motor.json.
+motor in populations, three of which the usual draws seldom contain; and how often the rule of pairs is wrong
+in worlds of known truth. It takes about twenty minutes on two cores, and writes docs/results/motor.json.
 """
 
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
+import xarray
 from joblib import Parallel, delayed
 from results_store import PHYSICS, put
 
@@ -27,10 +28,13 @@ from contactlab.inference.paired import (
     looks_up_to,
     orders,
 )
+from contactlab.inference.repeats import MARGIN
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import observed
+from contactlab.studies.compare.draws import do_draw, observed
+from contactlab.studies.compare.laws import grid_of
+from contactlab.studies.compare.pairs import Design, with_pairs
 
 LAWS: Final = {
     "stick": ["law=lagrange_stick"],
@@ -61,11 +65,30 @@ DAMPING: Final = (
 
 BOTH: Final = ("rotor_velocity", "stall_torque")
 REPETITIONS: Final = 1000
+COMPARED: Final = {"stick": "lagrange_stick", "hertz": "hertz_penalty", "newton": "newton"}
+"""Laws that are compared in populations, the first one with the others."""
+
+
+SAMPLES, CHECKED_DRAWS = 32, 3
+"""Motors of each population, and those that are made anew whenever the code has changed."""
+
+
+class Motors(NamedTuple):
+    """A population: what is drawn beside the usual, around which motor, and numbers of Hertz's law."""
+
+    vary: Mapping[str, Any] = {}
+    overrides: tuple[str, ...] = ()
+    of_hertz: tuple[str, ...] = ()
+
+
 POPULATIONS: Final = {
-    "by default": {},
-    "damping per stiffness 2e-6 to 2e-5 s": {"resonator.stiffness_damping": (2e-6, 2e-5)},
+    "by default": Motors(),
+    "damping per stiffness 2e-6 to 2e-5 s": Motors({"resonator.stiffness_damping": (2e-6, 2e-5)}),
+    "outside: a tenth of the damping": Motors({"resonator.damping_ratio": "log(0.0002..0.02)"}),
+    "outside: phase 0.3 rad later": Motors(overrides=("drive.phase=-0.328",)),
+    "outside: Hertz's stiffness three times": Motors(of_hertz=("law.stiffness=3e10",)),
 }
-"""What is drawn beside the usual, in place of the damping ratio."""
+"""Motors that are drawn, and real ones that the draws do not contain, or seldom."""
 
 WORLDS: Final = {
     "greater in 100 %": (1.0, 0.0, 0.0, 0.0),
@@ -209,31 +232,58 @@ def with_rod() -> dict[str, Any]:
     return {"natural_frequency": frequencies, **table(("stick", "newton", "hertz"), overrides, BOTH)}
 
 
-def pair_in_two_populations() -> dict[str, Any]:
-    """Return the paired comparison of the default motor on the converged beam."""
-    setups = [cl.build([*CONVERGED, f"law={law}"]) for law in ("lagrange_stick", "hertz_penalty")]
-    return {name: comparison(setups, vary) for name, vary in POPULATIONS.items()}
+def populations() -> dict[str, Any]:
+    """Return paired comparisons of the default motor on the converged beam."""
+    return {name: comparison(motors) for name, motors in POPULATIONS.items()}
 
 
-def comparison(setups: list[cl.Setup], vary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return outcomes and size of the difference of two laws in speed, and what turns the outcome."""
-    result = cl.compare(
-        setups, vary=dict(vary), starts=1, workers=processors(), observe=["rotor_velocity"], samples=64
-    )
-    here = result.data.to_dataset().sel(quantity="rotor_velocity").isel(law=0, other_law=1, cell=0)
+def design_of(motors: Motors) -> Design:
+    """Return the motors of a population under the laws that are compared."""
+    setups = [
+        cl.build([*CONVERGED, f"law={law}", *motors.overrides, *(motors.of_hertz if name == "hertz" else ())])
+        for name, law in COMPARED.items()
+    ]
+    return Design.of(grid_of(setups), motors.vary, SAMPLES, ["rotor_velocity"], None)
+
+
+def first_draws() -> dict[str, Any]:
+    """Return the settled velocities of the first motors of the population by default, by law."""
+    design = design_of(Motors())
+    return {
+        f"draw {n}": do_draw(motor, design.names).data["value"].values[:, 0].tolist()
+        for n, motor in enumerate(design.drawn(0, CHECKED_DRAWS).values())
+    }
+
+
+def comparison(motors: Motors) -> dict[str, Any]:
+    """Return outcomes and sizes of the differences of laws in speed, and what turns the outcome."""
+    design = design_of(motors)
+    tasks = design.nominal() | design.drawn(0, SAMPLES)
+    parts = every({key: delayed_call(do_draw, motor, design.names) for key, motor in tasks.items()})
+    laws = xarray.Dataset(coords={"law": [*design.grid.laws]}, attrs={"notes": ""})
+    data = with_pairs(laws, design, {key: part.data for key, part in parts.items()}, MARGIN)
+    data = data.sel(quantity="rotor_velocity").isel(law=0, cell=0)
+    pairs = {
+        name: pair(data.isel(other_law=n), "damping") for n, name in enumerate(COMPARED) if name != "stick"
+    }
+    return {"prior": data["prior"].values.tolist(), **pairs}
+
+
+def pair(here: xarray.Dataset, factor: str) -> dict[str, Any]:
+    """Return the outcomes of a pair, in all motors and by quarters of a factor that is named in part."""
     outcome = here["outcome"].values
-    factor = int(here["factor_share"].values.argmax())
-    values = here["drawn"].values[:, factor]
+    most = int(here["factor_share"].fillna(0.0).values.argmax())
+    values = here["drawn"].values[:, [factor in str(name) for name in here["factor"].values]][:, 0]
     bins = bins_of(values)
     ends = {name: float(here[f"relative_{name}"]) for name in ("nominal", "other")}
     ends |= {name: float(here[f"relative_difference{name}"]) for name in ("_low", "", "_high")}
     return {
-        "prior": here["prior"].values.tolist(),
+        "motors": outcome.size,
         "outcomes": {name: int((outcome == kind).sum()) for kind, name in enumerate(OUTCOMES)},
         "order": VERDICTS[int(here["order"])],
         "relative": ends,
-        "factor": str(here["factor"].values[factor]),
-        "share": float(here["factor_share"][factor]),
+        "factor": str(here["factor"].values[most]),
+        "share": float(here["factor_share"][most]),
         "by chance": float(here["chance_share"]),
         "quarters": [
             {"up to": float(values[bins == n].max())}
@@ -256,12 +306,13 @@ SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], tuple[str, ...]]]]
     "converged, by phase": (by_phase, PHYSICS),
     "converged, by damping ratio at equal free amplitude": (by_damping, PHYSICS),
     "converged, with a rod": (with_rod, PHYSICS),
-    "stick and hertz": (pair_in_two_populations, PAIRS),
+    "first draws": (first_draws, PAIRS),
+    "populations": (populations, PAIRS),
     "known worlds": (known_worlds, PAIRS),
 }
 """What makes a section, and the folders of contactlab that it depends on."""
 
-CHEAP: Final = ("default motor", "first run", "modes")
+CHEAP: Final = ("default motor", "first run", "modes", "first draws")
 """Sections that are made anew whenever the code has changed, in some seconds of a processor."""
 
 

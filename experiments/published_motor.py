@@ -323,7 +323,7 @@ class PublishedMotor(Experiment):
         units = {"units": "m s-1"}
         data["measured"] = "point", measured, units
         data["published_model"] = "point", [published_model(*point[:2]) for point in POINTS], units
-        for name, part in (("calibration", CALIBRATION), ("test", TEST)):
+        for name, part in PARTS.items():
             data[name] = ("law", "candidate", "repeat"), misfit(data.speed.values, part), units
             data[f"{name}_heavier"] = ("law", "repeat"), misfit(data.heavier.values, part), units
         data["spread"] = ("law", "candidate"), spread_of(data.speed.values), units
@@ -335,22 +335,36 @@ class PublishedMotor(Experiment):
         return data
 
     def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
-        """Return a row a law and inertia: its spread, misfits where it has them, and the draw's numbers."""
+        """Return a row a law and inertia: spreads, misfits as they came, loads moved, the best draw."""
         rows: list[dict[str, object]] = []
         for law in data.law.values:
             item = best(data, law)
             for suffix, inertia in INERTIAS.items():
-                spread = 1e3 * float(item[f"spread{suffix}"])
+                speeds = item[suffix[1:] or "speed"].transpose("repeat", "point").values
+                moved = (speeds[:, TEST] > READ).sum(axis=1)
                 row: dict[str, object] = {"law": str(law), "inertia over the first": inertia}
-                row["largest difference of repeated speeds [mm/s]"] = spread
-                for part in ("calibration", "test"):
+                for by, which in CHANGED.items():
+                    row[f"largest difference, {by} [mm/s]"] = 1e3 * float(spread_of(speeds[which]))
+                row |= {"least loads moved": int(moved.min()), "most loads moved": int(moved.max())}
+                for part in PARTS:
                     values = 1e3 * item[f"{part}{suffix}"].values
                     row[f"{part} misfit from [mm/s]"] = values.min()
                     row[f"{part} misfit to [mm/s]"] = values.max()
-                row["runs that break off"] = int(np.isnan(item[suffix[1:] or "speed"]).sum())
+                row["runs that break off"] = int(np.isnan(speeds).sum())
                 values = item.value.to_series()
                 rows.append(row | {str(key): values[key] for key in UNKNOWN})
         return rows
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, float]:
+        """Return the speed without load, the authors' misfits, and the speed of the closed form [mm/s]."""
+        own = {part: float(misfit(data.published_model.values, at)) for part, at in PARTS.items()}
+        off = np.abs(data.constant_load_run.values / data.constant_load.values - 1.0).max()
+        return {
+            "measured without load": 1e3 * float(data.measured[0]),
+            **{f"published model, {part}": 1e3 * own[part] for part in PARTS},
+            "closed form without load": 1e3 * float(data.constant_load[0]),
+            "largest error of the closed form [%]": 100.0 * float(off),
+        }
 
     def draw(self, data: xarray.Dataset) -> Figure:
         """Draw a column a law: measured speeds over payload above, over towing force below."""
@@ -392,7 +406,7 @@ class PublishedMotor(Experiment):
             texts.append(f"{law} {1e3 * misfits[0]:.0f} and {1e3 * misfits[1]:.0f}")
             if max(misfits) <= AGREE * free:
                 agree.append(str(law))
-        own = [1e3 * float(misfit(data.published_model.values, part)) for part in (CALIBRATION, TEST)]
+        own = [1e3 * float(misfit(data.published_model.values, part)) for part in PARTS.values()]
         steady = 1e3 * float(data.constant_load[0])
         sentence = (
             f"The best of {data.sizes['draw']} draws of the unpublished numbers misses the speeds over "
@@ -407,8 +421,11 @@ class PublishedMotor(Experiment):
         return sentence, bool(agree)
 
 
-PARTS, INERTIAS = ("calibration", "test"), {"": 1.0, "_heavier": HEAVIER}
+PARTS, INERTIAS = {"calibration": CALIBRATION, "test": TEST}, {"": 1.0, "_heavier": HEAVIER}
 """Parts of the points, and inertias over the first by what their variables end with."""
+
+CHANGED = {"friction coefficient": [0, 1, 2], "start": [0, 3, 4]}
+"""Places in `REPEATS` by what differs between them."""
 
 
 def spread_of(speeds: np.ndarray) -> np.ndarray:

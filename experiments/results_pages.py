@@ -28,6 +28,7 @@ LIST = "docs/claims.md"
 
 TABLE = re.compile(r"(<!-- table ([\w ]+) -->\n\n)(.*?)(\n\n<!-- end of the table -->)", re.DOTALL)
 CODE = re.compile(r"^```.*?^```|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)
+INPUT = re.compile(r"<!-- inputs -->.*?<!-- end of the inputs -->", re.DOTALL)
 RESULT = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s*(?:%|rad/s|mm/s|mN\s+m|mW\b)")
 """A number with a unit of speed, torque or power, or a share."""
 
@@ -69,7 +70,7 @@ class Page:
 
     def bare(self) -> Iterator[str]:
         """Yield the results that no claim and no table states."""
-        text = TABLE.sub("", self.text)
+        text = INPUT.sub("", TABLE.sub("", self.text))
         for claim in of_page(self.name):
             for sentence in claim.templates:
                 text = pattern(sentence).sub("", text)
