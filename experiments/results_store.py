@@ -80,10 +80,14 @@ def read(name: str) -> dict[str, Any]:
     return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {"sections": {}}
 
 
+def text_of(content: Any) -> str:
+    """Return results as JSON, which has no NaN."""
+    return json.dumps(content, indent=1, default=float).replace("NaN", "null")
+
+
 def write(name: str, content: Mapping[str, Any]) -> None:
     """Write a file of results."""
-    text = json.dumps(content, indent=1, default=float).replace("NaN", "null")
-    (FOLDER / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+    (FOLDER / f"{name}.json").write_text(text_of(content) + "\n", encoding="utf-8")
 
 
 def state_of(section: Mapping[str, Any]) -> str:
@@ -132,7 +136,7 @@ def different(
         for file, makers in cheap.items()
         for name, make in makers.items()
         if state_of(section := read(file)["sections"][name]) in states
-        and not same(json.loads(json.dumps(make(), default=float)), section["results"])
+        and not same(json.loads(text_of(make())), section["results"])
     ]
 
 
