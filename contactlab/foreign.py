@@ -123,18 +123,6 @@ def compiled_constants(function: Any) -> tuple[tuple[bytes, ...], list[Any]]:
     return tuple(values), [each for each in functions[:-1] if hasattr(each, "py_func")]
 
 
-def _is_loaded(module: ModuleType, source: bytes) -> bool:
-    """Return whether a module's functions are those of a source text; without a file's import it is open."""
-    if type(getattr(module, "__loader__", None)) is not SourceFileLoader:
-        return True
-    codes, waiting = set[CodeType](), [compile(source, str(module.__file__), "exec", dont_inherit=True)]
-    while waiting:
-        code = waiting.pop()
-        codes.add(code)
-        waiting += [part for part in code.co_consts if isinstance(part, CodeType)]
-    return codes.issuperset(_codes_of(module))
-
-
 def _codes_of(module: ModuleType) -> Iterator[CodeType]:
     """Yield the code of the functions that a module's file defines, in its classes too."""
     waiting = [*vars(module).values()]
