@@ -62,7 +62,7 @@ def random_steps(count: int) -> list[Step]:
     return [Step(*map(float, row)) for row in columns]
 
 
-MANY = random_steps(4_000)
+MANY = random_steps(5_000)
 
 
 def solution_of(step: Step) -> tuple[float, float, int]:
