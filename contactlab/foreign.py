@@ -131,10 +131,12 @@ def _codes_of(module: ModuleType) -> Iterator[CodeType]:
         if isinstance(value, type):
             waiting += vars(value).values() if value.__module__ == module.__name__ else ()
             continue
-        plain = getattr(value, "__func__", value)
-        code = getattr(getattr(plain, "py_func", plain), "__code__", None)
-        if isinstance(code, CodeType) and code.co_filename == module.__file__:
-            yield code
+        if isinstance(value, staticmethod | classmethod):
+            value = value.__func__
+        # Of modules that libraries load by need, an attribute would be an import.
+        plain = value if isinstance(value, ModuleType) else getattr(value, "py_func", value)
+        if isinstance(plain, FunctionType) and plain.__code__.co_filename == module.__file__:
+            yield plain.__code__
 
 
 def _pickled(value: Any) -> bytes:

@@ -61,6 +61,12 @@ def test_a_module_that_was_edited_since_it_was_loaded_has_the_digest_of_neither_
     assert len({before, between, digest()}) == 3
 
 
+def test_a_module_that_a_library_would_load_by_need_is_not_loaded(folder: Path) -> None:
+    late = "class Late(ModuleType):\n    def __getattr__(self, name):\n        raise ImportError(name)\n"
+    (folder / "beside.py").write_text(f"from types import ModuleType\n{late}absent = Late('absent')\n")
+    assert digest()
+
+
 def test_a_process_with_other_sources_names_their_modules(folder: Path) -> None:
     digest()
     expected = {name: covered_sources()[name] for name in ("law", "table", "pack.leaf")}
