@@ -175,12 +175,12 @@ def judged(data: xarray.Dataset) -> xarray.Dataset:
 
 def three_ways(setup: cl.Setup, label: str) -> Part:
     """Compute the velocity of a motor under one law in the three ways."""
-    # What is compiled or loaded once is not what a steady state costs.
-    cl.steady(setup, belt=0.0, longest=100)
     numbers = {name: np.full(len(WAYS), np.nan) for name in UNITS}
     kind = "broke off"
     settling = multiplier = part = periods = np.nan
     try:
+        # What is compiled or loaded once is not what a steady state costs.
+        cl.steady(setup, belt=0.0, longest=100)
         steady, shot = by_shooting(setup)
         kind, periods = steady.kind, steady.periods
         if steady.kind != "without contact":
