@@ -11,7 +11,7 @@ START_METHOD: Final = "fork" if "fork" in multiprocessing.get_all_start_methods(
 
 
 class WorkerError(RuntimeError):
-    """A worker process died."""
+    """A worker process died, or has other code than the process that keeps its results."""
 
 
 def processors() -> int:

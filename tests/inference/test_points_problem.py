@@ -8,6 +8,7 @@ import pytest
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.inference.fit import candidates_of
+from contactlab.inference.problem import Problem
 from contactlab.inference.repeats import MARGIN
 from contactlab.measured.files import read_measurements
 from contactlab.measured.series import MeasuredPoints
@@ -30,7 +31,7 @@ def written(path: Path, velocity: Array, error: float = 0.01) -> Path:
     return path
 
 
-def problem(path: Path, law: str, *others: str) -> object:
+def problem(path: Path, law: str, *others: str) -> Problem:
     data = read_measurements(path)
     assert isinstance(data, MeasuredPoints)
     (candidate,) = candidates_of(
@@ -44,9 +45,9 @@ def test_predictions_are_the_settled_velocities(tmp_path: Path, others: list[str
     """Also of a motor that is pressed on its rotor and never leaves it."""
     exact = velocities("hertz_penalty", *others)
     made = problem(written(tmp_path / "points.csv", exact), "hertz_penalty", *others)
-    predicted = made.predict(np.array([100.0]))  # type: ignore[attr-defined]
+    predicted = made.predict(np.array([100.0]))
     assert predicted["rotor_velocity"] == pytest.approx(exact, rel=1e-12)
-    missed = made.residuals(np.array([90.0]))  # type: ignore[attr-defined]
+    missed = made.residuals(np.array([90.0]))
     other = velocities("hertz_penalty", "drive.voltage_1=90", *others)
     assert missed == pytest.approx((exact - other) / 0.01, rel=1e-9)
 
@@ -111,5 +112,5 @@ def idle(path: Path) -> Path:
 def test_a_misfit_of_several_motions_is_no_function_of_its_inputs(tmp_path: Path) -> None:
     """One orbit has one misfit."""
     values, path = np.array([100.0]), idle(tmp_path / "points.csv")
-    assert problem(path, "hertz_penalty").spread(values) < 1e-4  # type: ignore[attr-defined]
-    assert MARGIN < problem(path, *SEVERAL).spread(values) < np.inf  # type: ignore[attr-defined]
+    assert problem(path, "hertz_penalty").spread(values) < 1e-4
+    assert MARGIN < problem(path, *SEVERAL).spread(values) < np.inf
