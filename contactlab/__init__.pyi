@@ -1,4 +1,5 @@
 from contactlab.config import ConfigurationError as ConfigurationError, Setup as Setup, build as build
+from contactlab.driving import drive as drive
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact

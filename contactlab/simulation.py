@@ -125,8 +125,12 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         write_tree(self.tree, Path(path))
 
     def plot(self) -> "Figure":
-        """Draw the overview: rotor velocity, path of the tip, gap and force."""
-        # It brings matplotlib.
+        """Draw rotor velocity, path of the tip, gap and force, or the forces on a prescribed path."""
+        # They bring matplotlib.
+        if "prescribed" in self.tree.attrs:
+            from contactlab.plot.driven import draw_driven
+
+            return draw_driven(self.tree)
         from contactlab.plot.overview import draw_overview
 
         return draw_overview(self.tree)

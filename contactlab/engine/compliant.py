@@ -613,10 +613,15 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
 
     It is the speed of the tip over its mobility D_nn [1/kg]: gap rate, vibration of its modes, and what drive
     and weight add in one step. For a soft contact it is the impulse of half a swing to the end of the tip's
-    reach, down to round-off of the tip's motion; and at least that of the load in one step.
+    reach, down to round-off of the tip's motion; and at least that of the load in one step. Of a motion that
+    is prescribed it is that of its largest load in one step.
     """
     state, plant = run.state, run.plant
     h = step_length(run.propagator, run.propagator.rule.contact_level)
+    if plant.wave.led != 0:
+        depth, approach = plant.wave.depth, plant.wave.approach
+        normal, least, most, _, _ = law.force(-depth, -approach, 0.0, state.impact_speed, law.parameters)
+        return float(max(load, abs(normal), abs(least), abs(most)) * h)
     speed, reach = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]

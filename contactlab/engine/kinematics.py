@@ -126,7 +126,7 @@ def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: floa
 
 
 @part_kernel
-def _modal_force(mode: Any, u: float, th: float, rotor: float) -> float:
+def modal_force(mode: Any, u: float, th: float, rotor: float) -> float:
     """Return what generalised forces along u and th and the rotor's row do to a coordinate."""
     return float(mode.row_u * u + mode.row_th * th + mode.row_r * rotor)
 
@@ -164,8 +164,21 @@ def _piece_at(run: Run, waves: Array) -> tuple[int, float]:
 
 
 @inner_kernel
+def _by_electrodes(plant: Plant, j: int, order: int) -> float:
+    """Return the sum over electrodes of coupling times a derivative of the voltage, for a coordinate."""
+    total = 0.0
+    if order < ORDERS:
+        for e in range(plant.wave.electrodes):
+            total += plant.couplings[j, e] * plant.wave.derivatives[e, order]
+    return total
+
+
+@inner_kernel
 def _follow_wave(run: Run, waves: Array) -> None:
-    """Find what the waveform does to every coordinate from the step's start on."""
+    """Find what the waveform does to every coordinate from the step's start on.
+
+    A led coordinate is set to it, so that no step leaves an error to the next one.
+    """
     plant, wave = run.plant, run.plant.wave
     piece, since = _piece_at(run, waves)
     for e in range(wave.electrodes):
@@ -176,11 +189,12 @@ def _follow_wave(run: Run, waves: Array) -> None:
                 power *= since / (d - m + 1)
             wave.derivatives[e, m] = total
     for j in range(plant.mode_count):
+        mode = plant.modes[j]
         for m in range(ORDERS):
-            total = 0.0
-            for e in range(wave.electrodes):
-                total += plant.couplings[j, e] * wave.derivatives[e, m]
-            plant.forces[j, m] = total
+            plant.forces[j, m] = _by_electrodes(plant, j, m if mode.led == 0 else m + 2)
+        if mode.led != 0:
+            mode.q[START] = mode.free_q = _by_electrodes(plant, j, 0)
+            mode.v[START] = mode.free_v = _by_electrodes(plant, j, 1)
 
 
 @inner_kernel
@@ -269,7 +283,7 @@ def flow_to(run: Run, s: float) -> None:
             if d > 0:
                 scale *= d / h
             u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
-            push = scale * _modal_force(mode, u, th, step.push_r.coefficient[d])
+            push = scale * modal_force(mode, u, th, step.push_r.coefficient[d])
             q += push * integrals[d + 2]
             v += push * integrals[d + 1]
         mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q, v, 1.0)
@@ -342,7 +356,7 @@ def _free_on(run: Run, i: int, place: int) -> None:
         v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
         for m in range(forces):
             u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
-            push = _modal_force(mode, u, th, rotor)
+            push = modal_force(mode, u, th, rotor)
             if step.kind == HELD:
                 q += response.hold[i, 0] * push
                 v += response.hold[i, 1] * push
@@ -381,7 +395,7 @@ def add_collocated(run: Run, level: int) -> None:
         u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
         for j in range(run.plant.mode_count):
             mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-            push = _modal_force(mode, u, th, rotor)
+            push = modal_force(mode, u, th, rotor)
             for i in range(NODES):
                 mode.v[i] += response.answer_v[i, m] * push
             mode.q[LAST] += response.answer_q[LAST, m] * push
@@ -394,7 +408,7 @@ def add_constant(run: Run, level: int, displacement: bool, rates: bool) -> None:
     u, th, rotor = step.push_u.node[0], step.push_th.node[0], step.push_r.node[0]
     for j in range(run.plant.mode_count):
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-        push = _modal_force(mode, u, th, rotor)
+        push = modal_force(mode, u, th, rotor)
         if displacement:
             mode.q[LAST] += response.hold[LAST, 0] * push
         if rates:

@@ -22,7 +22,7 @@ from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
 from contactlab.engine.state import EVENT_LIMIT, PLACES, new_record, record
 from contactlab.motor.motor import Motor
-from contactlab.motor.waveform import MOST_DEGREE
+from contactlab.motor.waveform import MOST_DEGREE, Waveform
 
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
@@ -51,7 +51,7 @@ MODE = record(
     real="stiffness damping constant "  # k_j [1/s^2], c_j [1/s], a_j
     "row_u row_th row_r row_w "
     "free_q free_v saved_q saved_v",  # at the step's start less the steady state; before the last step
-    whole="near",
+    whole="near led",
 )
 TONE = record(("cosine", float, PLACES), ("sine", float, PLACES), real="omega steady_u steady_th")
 PHASOR = record(real="force_re force_im steady_re steady_im", whole="near")
@@ -60,12 +60,14 @@ Plant = Any
 """A motor and where it is, a record; j runs over coordinates, k over tones.
 
 geometry [m], cosine and sine of its angle; mode_count, tone_count. modes[j]: coefficients and contact rows,
-displacement q and rate v at every place of a step; near, whether a tone is nearly resonant. tones[k]: omega
+displacement q and rate v at every place of a step; near, whether a tone is nearly resonant; led, whether the
+waveform is its displacement and no force. tones[k]: omega
 [rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of omega t at every place.
 phasors[j, k]: of force and steady-state displacement, the latter zero where mode and tone are `near`ly
 resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
 wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
-where it does not repeat itself; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e]
+where it does not repeat itself; led, whether the gap is, and then depth, its deepest penetration [m], and
+approach, its fastest [m/s]; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e]
 [N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
 """
 
@@ -73,7 +75,8 @@ where it does not repeat itself; derivatives of its voltages at the step's start
 @cache
 def plant_record(modes: int, tones: int, electrodes: int = ELECTRODES) -> np.dtype[Any]:
     """Declare the record of a plant with room for so many coordinates, tones and electrodes."""
-    wave = record(("derivatives", float, (electrodes, ORDERS)), real="offset period", whole="electrodes")
+    numbers = {"real": "offset period depth approach", "whole": "electrodes led"}
+    wave = record(("derivatives", float, (electrodes, ORDERS)), **numbers)
     return record(
         ("geometry", GEOMETRY),
         ("modes", MODE, modes),
@@ -151,7 +154,18 @@ def plant_of(motor: Motor) -> Plant:
         wave["electrodes"], wave["offset"] = electrodes, waveform.start
         wave["period"] = waveform.period if waveform.periodic else 0.0
         plant["couplings"][: count - 1, :electrodes] = modes.coupling
+        if modes.prescribed is not None:
+            made["led"][:-1] = modes.prescribed
+            wave["led"] = modes.prescribed[modes.approach != 0.0].any()
+            wave["depth"], wave["approach"] = _reach(motor, waveform)
     return plant
+
+
+def _reach(motor: Motor, waveform: Waveform) -> tuple[float, float]:
+    """Return how deep [m] and how fast [m/s] a prescribed motion presses, at the ends of its pieces."""
+    row = motor.rows_at_rest[0] @ motor.modes.coupling
+    depth, approach = (-(row @ waveform.voltage(waveform.pieces.x - waveform.start, d)).min() for d in (0, 1))
+    return max(float(depth) - motor.geometry.clearance, 0.0), max(float(approach), 0.0)
 
 
 def resolved_rate(plant: Plant) -> float:

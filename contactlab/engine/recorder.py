@@ -22,7 +22,15 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
+from contactlab.engine.kinematics import (
+    contact_at,
+    flow_on,
+    flow_to,
+    modal_force,
+    rates_in_frame,
+    tip_motion,
+    wave_force,
+)
 from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
 from contactlab.engine.plant import Plant
 from contactlab.engine.propagator import BY_RECORD, build_level, step_length
@@ -335,11 +343,19 @@ def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
 
 
 @inner_kernel
-def _wave_power(plant: Plant, place: int, s: float) -> float:
-    """Return the power of the waveform [W] at a place, a time s after the start of the step."""
-    total = 0.0
+def _wave_power(run: Run, place: int, s: float) -> float:
+    """Return the power of the waveform [W] at a place, a time s after the start of the step.
+
+    A led coordinate takes the power that it does against the contact.
+    """
+    plant, step, total, x = run.plant, run.step, 0.0, s / run.state.length
     for j in range(plant.mode_count):
-        total += wave_force(plant, j, s) * plant.modes[j].v[place]
+        mode = plant.modes[j]
+        if mode.led == 0:
+            total += wave_force(plant, j, s) * mode.v[place]
+        elif step.kind != FLIGHT:
+            u, th, r = value_at(step.push_u, x), value_at(step.push_th, x), value_at(step.push_r, x)
+            total -= modal_force(mode, u, th, r) * mode.v[place]
     return total
 
 
@@ -357,7 +373,7 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
             place = BETWEEN
         driving, damped, loading = _powers(run.plant, place)
         if run.plant.wave.electrodes > 0:
-            driving += _wave_power(run.plant, place, at)
+            driving += _wave_power(run, place, at)
         drive += weight * driving
         damping += weight * damped
         load += weight * loading
@@ -447,10 +463,12 @@ def _acting_time(run: Run, law: Law, s: float) -> float:
 
 @part_kernel
 def _energies(plant: Plant, place: int) -> tuple[float, float]:
-    """Return kinetic and strain energy [J] at a place."""
+    """Return kinetic and strain energy [J] at a place; a led coordinate has none."""
     kinetic, strain = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
+        if mode.led != 0:
+            continue
         kinetic += 0.5 * mode.v[place] * mode.v[place]
         strain += 0.5 * mode.stiffness * mode.q[place] * mode.q[place]
     return kinetic, strain

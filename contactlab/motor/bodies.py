@@ -1,5 +1,7 @@
 """Small plants, each a `Motor`: a ball, an oscillator with a stop, a mass on a belt, a cantilever.
 
+Beside them a body whose motion is prescribed, for `contactlab.drive`.
+
 The tip is the body, and the rotor the plate, stop or belt that it meets: tip length and radius are so large
 that the contact is flat. So the gap is what is between the two, and the slip velocity that of the body's
 surface along the other's.
@@ -18,9 +20,13 @@ from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import Steel
+from contactlab.motor.waveform import Waveform
 
 HEAVY: Final = 1e18
 """Mass of a belt that nothing brakes [kg]."""
+
+PRESCRIBED_ROOT: Final = 1e20
+"""Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
 
 MOST_MODES: Final = 20
 """Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
@@ -102,6 +108,31 @@ def block(
         rotor=_belt(belt_mass, belt_velocity),
         preload=np.array([weight, push]) / root,
         start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity])),
+    )
+
+
+def led_body(path: Waveform, gap: bool) -> Motor:
+    """Return a body that is led along a plate: its slip by a path's second row, its gap or load by the first.
+
+    Args:
+        path: two rows: gap [m] or normal force [N], and way along the plate [m].
+        gap: whether the first row is the gap. Else it is a force that presses a kilogram on the plate.
+    """
+    across = PRESCRIBED_ROOT if gap else 1.0
+    modes = NormalModes(
+        stiffness=np.zeros(2),
+        damping=np.zeros(2),
+        coupling=np.diag([-across if gap else 1.0, PRESCRIBED_ROOT]),
+        # As of a block.
+        tip_displacement=np.array([1.0 / across, 0.0]),
+        tip_slope=np.array([0.0, -1.0 / (FLAT * PRESCRIBED_ROOT)]),
+        prescribed=np.array([gap, True]),
+    )
+    # A load is no displacement.
+    start = (np.array([gap, True]) * (modes.coupling @ path.voltage(0.0, order)) for order in (0, 1))
+    plate = _belt(PRESCRIBED_ROOT**2)
+    return Motor(
+        modes, Drive(waveform=path), ContactGeometry(FLAT, FLAT, 0.0), plate, start=ModalState(*start)
     )
 
 

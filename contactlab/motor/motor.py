@@ -45,6 +45,8 @@ class NormalModes(Immutable):
         tip_slope: theta = tip_slope . q [kg^-1/2 m^-1], shape (mode,).
         rotor_displacement: w = rotor_displacement . q, of the rotor's centre along u [kg^-1/2], shape
             (mode,); None where its axle is fixed. The gap follows from u - w.
+        prescribed: modes whose coordinate is what the voltages say, q_j = sum_e coupling[j, e] U_e(t),
+            whatever force acts; truth values, shape (mode,), without stiffness and damping. None is none.
         points: displacement of other points, x = row . q [kg^-1/2], shape (mode,) each, by name; a run
             records them.
         shape_coupling: Gamma [N/V], shape (shape, electrode), force per voltage on shapes psi of
@@ -65,6 +67,7 @@ class NormalModes(Immutable):
     capacitance: Array | None = None
     loss_tangent: float = 0.0
     rotor_displacement: Array | None = None
+    prescribed: NDArray[np.bool_] | None = None
     points: Mapping[str, Array] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -76,6 +79,10 @@ class NormalModes(Immutable):
         for name in ("damping", "tip_displacement", "tip_slope", "rotor_displacement"):
             if getattr(self, name) is not None:
                 check_shape(name, getattr(self, name), (count,), "one number a mode")
+        if self.prescribed is not None:
+            check_shape("prescribed", self.prescribed, (count,), "a truth value a mode", "b")
+            if self.stiffness[self.prescribed].any() or self.damping[self.prescribed].any():
+                raise ValueError("A prescribed mode has stiffness or damping; it must have neither.")
         for name, row in self.points.items():
             if not name.isidentifier():
                 raise ValueError(f"A point is called {name!r}; it must be a name of letters, digits and _.")

@@ -372,12 +372,21 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
         "drive_period": period,
         **({} if trajectory.motor.preload is None else {"preloaded": 1}),
+        **prescribed_by(trajectory.motor),
         **settling_of(columns, trajectory.contacts_within, period, trajectory.lasting).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "ending": Ending(trajectory.ending).name.lower(),
         "message": trajectory.message,
         "complete": int(trajectory.complete),
     }
+
+
+def prescribed_by(motor: Motor) -> dict[str, object]:
+    """Return the attribute of a run whose motion is prescribed: gap or normal force; empty for others."""
+    prescribed = motor.modes.prescribed
+    if prescribed is None:
+        return {}
+    return {"prescribed": "gap" if prescribed[motor.modes.approach != 0.0].any() else "normal force"}
 
 
 LIVES: Final = {"contact": "Begins anew in every contact.", "run": "Goes on from contact to contact."}

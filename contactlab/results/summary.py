@@ -58,13 +58,15 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
     # Plus nothing: a rotor at rest has no sign.
     velocity = float(root["rotor_velocity"].values[-1]) + 0.0
     settling = settling_in(groups)
-    lines = {
-        "law": _law(attributes),
-        "contacts": _contacts(groups["/"], configuration, contacts),
-        "rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}",
-        "steady state": f"{settling.sentence}. {settling.way_out(end)}".rstrip(),
-        "peak normal force": _peak(contacts),
-    }
+    lines = {"law": _law(attributes), "contacts": _contacts(groups["/"], configuration, contacts)}
+    if "prescribed" in attributes:
+        energies = ("drive_work", "contact_energy", "contact_loss", "friction_loss")
+        texts = (f"{name.replace('_', ' ')} {float(root[name].values[-1]):.6g} J" for name in energies)
+        lines["prescribed path"] = f"{prefixed(end - start, 's')}; {', '.join(texts)}"
+    else:
+        lines["rotor velocity"] = f"{velocity:.6g} rad/s after {prefixed(end, 's')}"
+        lines["steady state"] = f"{settling.sentence}. {settling.way_out(end)}".rstrip()
+    lines["peak normal force"] = _peak(contacts)
     if ended := _ended(configuration.get("solver"), end - start, settling):
         lines["ended"] = ended
     work, loaded = float(root["load_work"].values[-1]), bool(root["load_work"].values.any())

@@ -1,4 +1,4 @@
-"""The standard cycle of a contact law: a body too heavy to be disturbed presses and slides to and fro.
+"""The standard cycle of a contact law: a prescribed path that presses and slides to and fro.
 
     d = 1 µm sin(pi t / T),   way = 1 µm sin(4 pi t / T),   -T/6 <= t <= 7 T/6,   T = 50 µs
 
@@ -10,34 +10,33 @@ is drawn in stick-slip, too, and so is a compliant one whose variables the cycle
 2 g on a spring of 1 N/µm is pressed by 10 N onto a belt of 20 mm/s. Internal variables are drawn over time.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from math import pi, sin
+from math import pi
 
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
-from contactlab.engine import simulate
+from contactlab.driving import drive
 from contactlab.engine.binding import IMPACT, LIMITS
 from contactlab.engine.preparation import take_in
 from contactlab.laws import ContactLaw, MultiplierLaw, PenaltyLaw
-from contactlab.testing.plants import block, run, way_of
-from contactlab.trajectory import Trajectory
+from contactlab.testing.plants import block, run
 
-DURATION, DEPTH, WAY, MASS = 50e-6, 1e-6, 1e-6, 1e3
-"""[s], [m], [m], [kg]."""
+DURATION, DEPTH, WAY = 50e-6, 1e-6, 1e-6
+"""[s], [m], [m]."""
 
 BEFORE = 1.0 / 6.0
-"""Time before and after the cycle in which the body comes and goes, over its duration."""
+"""Time before and after the cycle in which the path comes and goes, over its duration."""
+
+SAMPLES = 2001
+"""Of the path."""
 
 PULLS = 10.0
 """Largest push over the pull at the touch."""
-
-TOLERANCE = 1e-12
-"""Of the body's momentum, which is a millionfold the impulse of the contact."""
 
 STICKING_MASS, WEIGHT, SPRING, BELT = 2e-3, 10.0, 1e6, 0.02
 """[kg], [N], [N/m], [m/s]."""
@@ -107,23 +106,16 @@ def _depth_for(law: PenaltyLaw) -> float:
 
 
 def _cycle(law: PenaltyLaw) -> Curves:
-    pressing, sliding, deepest = pi / DURATION, 4.0 * pi / DURATION, _depth_for(law)
     before = BEFORE * DURATION
-    motor = block(
-        MASS,
-        height=deepest * sin(pressing * before),
-        gap_rate=-deepest * pressing * np.cos(pressing * before),
-        normal_stiffness=MASS * pressing**2,
-        way=-WAY * sin(sliding * before),
-        velocity=WAY * sliding * np.cos(sliding * before),
-        stiffness=MASS * sliding**2,
-    )
-    interval = DURATION / 1000.0
-    span = DURATION + 2.0 * before
-    trajectory = simulate(motor, law, duration=span, record_interval=interval, tolerance=TOLERANCE)
-    series = trajectory.series
+    time = np.linspace(-before, DURATION + before, SAMPLES)
+    path = {
+        "gap": -_depth_for(law) * np.sin(pi / DURATION * time),
+        "slip": WAY * np.sin(4.0 * pi / DURATION * time),
+    }
+    cycle = drive(law, time, **path, degree=7, record_interval=DURATION / 1000.0)
+    series = {name: values.values for name, values in cycle.items()}
     # Forces are means over the intervals before the records.
-    depth, way = (0.5 * (x[1:] + x[:-1]) for x in (-series["gap"], way_of(series["tip_slope"])))
+    depth, way = (0.5 * (x[1:] + x[:-1]) for x in (-series["gap"], series["tip_tangential_displacement"]))
     normal, friction = series["normal_force"][1:], series["friction_force"][1:]
     contact, rubbing = series["contact_loss"][-1], series["friction_loss"][-1]
     touching = np.flatnonzero((normal != 0.0) | (friction != 0.0))
@@ -139,18 +131,18 @@ def _cycle(law: PenaltyLaw) -> Curves:
             f"{np.abs(friction).max():.3g} N, normal loss {_tidy(contact)} µJ, "
             f"friction loss {_tidy(rubbing)} µJ."
         ),
-        time=(trajectory.time - before) * 1e6,
-        memory=_memory_of(trajectory),
+        time=(series["time"] - before) * 1e6,
+        memory=_memory_of(law, series),
     )
     stirred = any(np.ptp(values) > 0.0 for _, values in curves.memory)
     return curves if stirred or not curves.memory else _with_stick_slip(curves, law)
 
 
-def _memory_of(trajectory: Trajectory) -> tuple[tuple[str, Array], ...]:
+def _memory_of(law: ContactLaw, series: Mapping[str, Array]) -> tuple[tuple[str, Array], ...]:
     """What a law remembers in a run, each variable over its largest value."""
     result = []
-    for variable in trajectory.law.internal_variables:
-        values = trajectory.series[f"internal_{variable.name}"]
+    for variable in law.internal_variables:
+        values = series[f"internal_{variable.name}"]
         most = float(np.abs(values).max())
         unit = "" if variable.units == "1" else f" {variable.units}"
         text = variable.symbol or variable.name
@@ -210,7 +202,7 @@ def _with_stick_slip(curves: Curves, law: ContactLaw) -> Curves:
         right_labels=("time [µs]", "friction [N]"),
         numbers=f"{curves.numbers} In stick-slip the friction goes up to {np.abs(force).max():.3g} N.",
         time=time,
-        memory=_memory_of(sticking),
+        memory=_memory_of(law, sticking.series),
     )
 
 

@@ -1,0 +1,132 @@
+"""A law by itself on a prescribed path: the forces that a motion brings, which it does not change.
+
+import contactlab as cl
+import numpy as np
+
+time = np.linspace(0.0, 1e-3, 201)
+rubbing = cl.Composed(friction=cl.Dahl())
+loop = cl.drive(rubbing, time, gap=-1e-6, slip=1e-6 * np.sin(2e3 * np.pi * time))
+loop.plot()
+"""
+
+from collections.abc import Callable
+from math import factorial
+from typing import Any, Final
+
+import numpy as np
+import scipy
+
+from contactlab.arrays import Array
+from contactlab.checks import accepts_units, check_shape
+from contactlab.engine.preparation import check_law
+from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.motor.bodies import led_body
+from contactlab.motor.waveform import Waveform
+from contactlab.simulation import Solution, simulate
+
+TOLERANCE: Final = 1e-12
+"""Default error of a step's impulse, over the largest force in the longest step [1]."""
+
+RECORDS: Final = 1000
+"""Least number of records of a run whose interval is not given."""
+
+SAME_TIME: Final = 1e-12
+"""Share of a path within which two of its pieces begin at once."""
+
+
+@accepts_units(period="s", duration="s", record_interval="s", tolerance="1")
+def drive(
+    law: ContactLaw,
+    time: Array,
+    *,
+    gap: Array | float | None = None,
+    normal: Array | float | None = None,
+    slip: Array | float = 0.0,
+    degree: int = 3,
+    period: float | None = None,
+    duration: float | None = None,
+    record_interval: float | None = None,
+    tolerance: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Solution:
+    """Take a law along a prescribed path, and record its forces, internal variables and losses.
+
+    The gap of a compliant law is prescribed, of a rigid one, whose force does not follow from a gap, the
+    normal force. The motion is the path's, exactly; of the work that it does
+
+        drive_work = -int (N gdot + F v) dt = change of contact_energy + contact_loss + friction_loss
+
+    up to `energy_residual`. Signs are those of a run: the gap is positive when open, and friction opposes
+    the slip velocity. Where a path stands still set-valued friction keeps its last value, as no motion says
+    another. A radius of the rotor that the law asks for is that of a plate.
+
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> time = np.linspace(0.0, 1.0, 401)
+        >>> law = cl.HertzPenalty(stiffness=1e10, friction_coefficient=0.3)
+        >>> loop = cl.drive(law, time, gap=-1e-6, slip=1e-3 * np.sin(2.0 * np.pi * time), degree=7)
+        >>> f"{loop['friction_loss'][-1]:.9f} J"
+        '0.012000000 J'
+
+    Args:
+        law: of either family.
+        time: of the samples [s], increasing, shape (sample,).
+        gap: of a compliant law [m], a number or shape (sample,).
+        normal: normal force on a rigid law [N], positive, a number or shape (sample,).
+        slip: way along the surface [m], a number or shape (sample,); its rate is the slip velocity.
+        degree: of the spline through the samples: 1 joins them by lines, so that velocities jump; 3, 5 or 7
+            is smooth, with an error of the fourth, sixth or eighth order in the time between samples.
+        period: after which the path repeats itself [s], see `Waveform.sampled`; None is once.
+        duration: [s]; by default from the first sample to the last, or a period.
+        record_interval: [s]; by default the mean time between samples, or less for a thousand records. Forces
+            are means over it, as in every run.
+        tolerance: error of a step [1]; None takes 1e-12.
+        progress: as of `contactlab.simulate`.
+
+    Returns:
+        A run, whose `plot` draws forces over the path.
+
+    Raises:
+        TypeError, ValueError: an argument out of range, one too many or one too few.
+        LawError: the law contradicts itself, or its code raised an exception.
+    """
+    check_law(law)
+    compliant = isinstance(law, PenaltyLaw)
+    wanted, other = ("gap", "normal") if compliant else ("normal", "gap")
+    paths: dict[str, Any] = {"gap": gap, "normal": normal, "slip": slip}
+    if paths[wanted] is None or paths[other] is not None:
+        kind = "compliant" if compliant else "rigid"
+        raise ValueError(f"{law.name} is {kind}; it must be given a path of its {wanted}, and no {other}.")
+    check_shape("time", time, (-1,), "one number a sample")
+    rows = {}
+    for name in (wanted, "slip"):
+        value: Any = paths[name]
+        rows[name] = np.full(time.shape, float(value)) if np.isscalar(value) else value
+        check_shape(name, rows[name], time.shape, "one number a sample")
+    if not compliant and not (rows["normal"] > 0.0).all():
+        raise ValueError(f"normal is {rows['normal'].min()} N at its least; it must be positive.")
+    path = _cut_at_reversals(Waveform.sampled(time, np.stack(list(rows.values())), degree, period))
+    length = (period or float(time[-1] - time[0])) if duration is None else duration
+    if record_interval is None:
+        record_interval = min(length / RECORDS, float(time[-1] - time[0]) / (time.size - 1))
+    if compliant and tolerance is None:
+        tolerance = TOLERANCE
+    return simulate(
+        led_body(path.delayed(float(time[0])), compliant),
+        law,
+        duration=length,
+        record_interval=record_interval,
+        tolerance=tolerance,
+        progress=progress,
+    )
+
+
+def _cut_at_reversals(path: Waveform) -> Waveform:
+    """Let pieces of a path end where the slip reverses: so do steps then, and friction may have a kink there."""
+    pieces: Any = path.pieces
+    turns = scipy.interpolate.PPoly(pieces.c[:, :, 1], pieces.x).derivative().roots(extrapolate=False)
+    edges = np.union1d(pieces.x, turns[np.isfinite(turns)])
+    edges = edges[np.append(True, np.diff(edges) > SAME_TIME * (edges[-1] - edges[0]))]
+    edges[-1] = pieces.x[-1]
+    powers = [pieces(edges[:-1], order) / factorial(order) for order in range(len(pieces.c) - 1, -1, -1)]
+    return Waveform(scipy.interpolate.PPoly(np.stack(powers), edges), path.periodic)

@@ -1,0 +1,239 @@
+"""A law on a prescribed path, against closed forms and integrations of this module's own."""
+
+from itertools import pairwise
+from math import acos, pi, tanh
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+from scipy.optimize import brentq
+
+import contactlab as cl
+from contactlab.testing.evaluation import Evaluator
+
+DURATION = 1e-3
+TIME = np.linspace(0.0, DURATION, 2001)
+TURN = 2.0 * pi / DURATION
+
+HERTZ = cl.HertzPenalty(stiffness=1e10, friction_coefficient=0.3)
+
+
+def mean(integrals: np.ndarray, time: np.ndarray) -> np.ndarray:
+    """Means over the record intervals of what was integrated up to the records."""
+    return np.diff(integrals) / np.diff(time)
+
+
+def test_the_motion_is_the_path_and_the_force_that_of_the_gap() -> None:
+    def gap(t):
+        return 0.2e-6 - 1e-6 * np.sin(0.5 * TURN * t)
+
+    run = cl.drive(HERTZ, TIME, gap=gap(TIME), slip=1e-6 * np.sin(2.0 * TURN * TIME), degree=7)
+    assert run.complete
+    time = run["time"].values
+    np.testing.assert_allclose(run["gap"], gap(time), rtol=0.0, atol=1e-19)
+    (contact,) = (run.contacts["start_time"].values,)
+    np.testing.assert_allclose(contact, np.arcsin(0.2) / (0.5 * TURN), rtol=1e-12)
+    some = slice(100, 120)
+    expected = [
+        quad(lambda t: 1e10 * max(-gap(t), 0.0) ** 1.5, a, b, epsabs=0.0, epsrel=1e-12)[0] / (b - a)
+        for a, b in pairwise(time[some])
+    ]
+    np.testing.assert_allclose(run["normal_force"][some][1:], expected, rtol=1e-12)
+    work = float(run["drive_work"][-1])
+    assert abs(float(run["energy_residual"][-1])) < 1e-12 * work
+    # All that comes in is lost by friction: elastic contact gives back the rest.
+    np.testing.assert_allclose(run["friction_loss"][-1], work, rtol=1e-12)
+
+
+def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
+    way = 1e-3 * np.sin(TURN * TIME)
+    run = cl.drive(
+        HERTZ, TIME[:-1], gap=-1e-6, slip=way[:-1], degree=7, period=DURATION, duration=3 * DURATION
+    )
+    np.testing.assert_allclose(run["friction_loss"][-1], 3 * 4 * 0.3 * 10.0 * 1e-3, rtol=1e-9)
+    assert set(run["contact_mode"].values.tolist()) == {1}
+
+
+def test_the_loop_of_dahl() -> None:
+    """Settled, i = 1: the loss of a cycle is 4 F_c (X - F_c/sigma tanh(sigma X/F_c))."""
+    law, amplitude = cl.Composed(friction=cl.Dahl(friction_coefficient=0.3, rest_stiffness=1e6)), 1e-6
+    way = amplitude * np.sin(TURN * TIME[:-1])
+    run = cl.drive(law, TIME[:-1], gap=-1e-6, slip=way, degree=7, period=DURATION, duration=8 * DURATION)
+    normal, loss = float(run["normal_force"][-1]), run["friction_loss"].values
+    energy = run["contact_energy"].values
+    most, length = 0.3 * normal, 0.3 / 1e6
+    count = (loss.size - 1) // 8
+    last = loss[-1] - loss[-1 - count] + energy[-1] - energy[-1 - count]
+    expected = 4.0 * most * (amplitude - length * tanh(amplitude / length))
+    np.testing.assert_allclose(last, expected, rtol=1e-9)
+
+
+def test_velocity_steps_of_rate_and_state() -> None:
+    """Dieterich's ageing law: theta = D/v + (theta_0 - D/v) exp(-v t/D) at a velocity v."""
+    a, b, distance, v0, mu = 0.01, 0.015, 1e-5, 1e-6, 0.6
+    friction = cl.RateAndState(
+        friction_coefficient=mu,
+        direct_effect=a,
+        evolution_effect=b,
+        renewal_distance=distance,
+        reference_velocity=v0,
+        fresh_age=10.0,
+    )
+    time = np.array([0.0, 20.0, 30.0, 60.0])
+    slow, fast = 1e-6, 1e-5
+    way = np.array([0.0, 20.0 * slow, 20.0 * slow + 10.0 * fast, 50.0 * slow + 10.0 * fast])
+    run = cl.drive(cl.Composed(friction=friction), time, gap=-1e-6, slip=way, degree=1, record_interval=0.05)
+
+    theta, begins, ages = 10.0, 0.0, []
+    for velocity, length in ((slow, 20.0), (fast, 10.0), (slow, 30.0)):
+        steady, first = distance / velocity, theta
+        ages.append(
+            (
+                begins,
+                velocity,
+                lambda t, s=steady, f=first, v=velocity: s + (f - s) * np.exp(-v * t / distance),
+            )
+        )
+        theta, begins = ages[-1][2](length), begins + length
+    recorded = run["time"].values
+    for (start, _, age), end in zip(ages, (20.0, 30.0, 60.0), strict=True):
+        inside = (recorded > start + 1e-9) & (recorded < end - 1e-9)
+        expected = np.log(v0 * age(recorded[inside] - start) / distance)
+        np.testing.assert_allclose(run["internal_age"].values[inside], expected, atol=1e-9)
+    # At steady slip friction is mu + (a - b) ln(v/v_0) of the normal force.
+    ratio = -run["friction_force"].values[-1] / run["normal_force"].values[-1]
+    np.testing.assert_allclose(ratio, mu + (a - b) * np.log(slow / v0), rtol=1e-7)
+
+
+def test_relaxation_of_a_lining_at_a_held_gap() -> None:
+    """Pressed in at once at t_0, N = k_inf d + k_1 d exp(-(t - t_0)/tau)."""
+    law = cl.Composed(normal=cl.Prony(relaxed_stiffness=5e6, first_stiffness=5e6, first_time=1e-4))
+    rise, depth = 1e-9, 1e-6
+    time = np.array([0.0, rise, DURATION])
+    run = cl.drive(law, time, gap=np.array([0.0, -depth, -depth]), degree=1, record_interval=1e-5)
+    recorded = run["time"].values
+    # The ramp creeps a little: its dashpot has gone rise/(2 tau) of the way to first order.
+    expected = 5e6 * depth * (1.0 + 1e-4 / rise * -np.expm1(-rise / 1e-4) * np.exp(-(recorded - rise) / 1e-4))
+    centres = [
+        quad(
+            lambda t: (
+                5e6 * depth * (1.0 + 1e-4 / rise * -np.expm1(-rise / 1e-4) * np.exp(-(t - rise) / 1e-4))
+            ),
+            p,
+            q,
+        )[0]
+        / (q - p)
+        for p, q in pairwise(recorded[1:])
+    ]
+    assert expected[-1] < expected[1]
+    np.testing.assert_allclose(run["normal_force"].values[2:], centres, rtol=1e-9)
+
+
+def test_an_adhesive_contact_begins_at_the_touch_and_breaks_on_its_neck() -> None:
+    law = cl.Composed(
+        normal=cl.Jkr(radius=1e-3, effective_modulus=1e10, work_of_adhesion=0.05),
+        friction=cl.Cohesive(friction_coefficient=0.0),
+    )
+    gap = 1e-7 * np.cos(TURN * TIME) + 0.2e-7
+    run = cl.drive(law, TIME, gap=gap, degree=7)
+    touch = 2.0 * pi * 0.05 * 1e-3
+    length = (touch * 1e-3 / 1e10) ** (2.0 / 3.0) / 1e-3
+    neck = 0.75 * 4.0 ** (-1.0 / 3.0) * length
+    begins = acos(-0.2) / TURN
+    ends = (2.0 * pi - acos((neck - 0.2e-7) / 1e-7)) / TURN
+    np.testing.assert_allclose(run.contacts["start_time"].values, [begins], rtol=1e-10)
+    np.testing.assert_allclose(run.contacts["duration"].values, [ends - begins], rtol=1e-9)
+    # What is lost does not depend on the speed.
+    loss = float(run["contact_loss"][-1])
+    np.testing.assert_allclose(loss, 7.09 * (0.05**5 * 1e-3**4 / 1e10**2) ** (1.0 / 3.0), rtol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "friction",
+    [cl.Dahl(), cl.LuGre(), cl.ElastoPlastic(), cl.BoucWen(), cl.Regularised(), cl.RateAndState()],
+    ids=lambda friction: friction.name,
+)
+def test_friction_on_a_path_of_two_tones(friction: cl.Friction) -> None:
+    """Against an integration of its own, reversal by reversal; the gap swings besides."""
+    law = cl.Composed(friction=friction)
+
+    def gap(t):
+        return -1e-6 * (0.6 - 0.35 * np.cos(TURN * t))
+
+    def slip(t):
+        return 1e-6 * np.sin(2.0 * TURN * t) + 0.3e-6 * np.sin(3.0 * TURN * t + 0.3)
+
+    def velocity(t):
+        return 2e-6 * TURN * np.cos(2.0 * TURN * t) + 0.9e-6 * TURN * np.cos(3.0 * TURN * t + 0.3)
+
+    run = cl.drive(law, TIME, gap=gap(TIME), slip=slip(TIME), degree=7)
+    time = run["time"].values
+    fine = np.linspace(0.0, DURATION, 20001)
+    turns = np.flatnonzero(velocity(fine[1:]) * velocity(fine[:-1]) < 0.0)
+    edges = [0.0, *(brentq(velocity, fine[i], fine[i + 1], xtol=1e-18) for i in turns), DURATION]
+    evaluator = Evaluator(law)
+
+    def rates(t, y):
+        at, kept = (gap(t), 0.0, velocity(t)), y[:-1]
+        normal = evaluator.force(*at, 0.0, kept)[0]
+        return [*evaluator.rates(*at, normal, kept), evaluator.friction(*at, normal, kept)[0]]
+
+    impulse, state = np.zeros(time.size), np.append(evaluator.initial, 0.0)
+    for start, end in pairwise(edges):
+        inside = (time > start) & (time <= end)
+        at = np.union1d(time[inside], end)
+        # Next to a reversal the slip's sign is the interval's, whatever round-off says.
+        flow = solve_ivp(rates, (start, end), state, method="LSODA", rtol=1e-12, atol=1e-18, t_eval=at)
+        impulse[inside], state = flow.y[-1][: np.count_nonzero(inside)], flow.y[:, -1]
+    expected = mean(impulse, time)
+    np.testing.assert_allclose(
+        run["friction_force"][1:], expected, rtol=0.0, atol=1e-9 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize("law", [cl.LagrangeSlip(0.3), cl.LagrangeStick(0.3), cl.Newton(restitution=0.5)])
+def test_a_rigid_law_under_a_prescribed_load(law: cl.ContactLaw) -> None:
+    """It has that normal force, and loses mu int N |v| dt."""
+
+    def load(t):
+        return 10.0 + 5.0 * np.cos(TURN * t)
+
+    def velocity(t):
+        return 1e-3 * TURN * np.cos(TURN * t)
+
+    run = cl.drive(law, TIME, normal=load(TIME), slip=1e-3 * np.sin(TURN * TIME), degree=7)
+    assert run.complete
+    time = run["time"].values
+    expected = mean(10.0 * time + 5.0 / TURN * np.sin(TURN * time), time)
+    np.testing.assert_allclose(run["normal_force"][1:], expected, rtol=1e-9)
+    lost = 0.3 * sum(
+        abs(quad(lambda t: load(t) * velocity(t), a, b, epsrel=1e-12)[0])
+        for a, b in pairwise(np.array([0.0, 0.25, 0.75, 1.0]) * DURATION)
+    )
+    np.testing.assert_allclose(run["friction_loss"][-1], lost, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("law", "path", "key"),
+    [
+        (HERTZ, {"normal": 1.0}, "gap"),
+        (HERTZ, {"gap": -1e-6, "normal": 1.0}, "normal"),
+        (cl.LagrangeStick(), {"gap": -1e-6}, "normal"),
+        (cl.LagrangeStick(), {"normal": -1.0}, "normal"),
+        (HERTZ, {"gap": TIME[1:]}, "gap"),
+        (HERTZ, {"gap": -1e-6, "slip": TIME[1:]}, "slip"),
+    ],
+)
+def test_a_path_of_another_kind_is_refused(law: cl.ContactLaw, path: dict[str, float], key: str) -> None:
+    with pytest.raises(ValueError, match=key):
+        cl.drive(law, TIME, **path)
+
+
+def test_a_run_is_saved_read_and_drawn(tmp_path) -> None:
+    law = cl.Composed(friction=cl.Mindlin())
+    run = cl.drive(law, TIME, gap=-1e-6, slip=1e-6 * np.sin(TURN * TIME))
+    run.save(tmp_path / "loop.nc")
+    read = cl.load(tmp_path / "loop.nc")
+    np.testing.assert_array_equal(read["friction_force"], run["friction_force"])
+    assert read.attrs["prescribed"] == "gap"
+    assert len(read.plot().axes) == 4
