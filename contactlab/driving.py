@@ -101,7 +101,7 @@ def drive(
     rows = {}
     for name in (wanted, "slip"):
         value: Any = paths[name]
-        rows[name] = np.full(time.shape, float(value)) if np.isscalar(value) else value
+        rows[name] = value + np.zeros(time.shape) if np.ndim(value) == 0 else value
         check_shape(name, rows[name], time.shape, "one number a sample")
     if not compliant and not (rows["normal"] > 0.0).all():
         raise ValueError(f"normal is {rows['normal'].min()} N at its least; it must be positive.")
@@ -109,20 +109,18 @@ def drive(
     length = (period or float(time[-1] - time[0])) if duration is None else duration
     if record_interval is None:
         record_interval = min(length / RECORDS, float(time[-1] - time[0]) / (time.size - 1))
-    if compliant and tolerance is None:
-        tolerance = TOLERANCE
     return simulate(
         led_body(path.delayed(float(time[0])), compliant),
         law,
         duration=length,
         record_interval=record_interval,
-        tolerance=tolerance,
+        tolerance=TOLERANCE if tolerance is None else tolerance,
         progress=progress,
     )
 
 
 def _cut_at_reversals(path: Waveform) -> Waveform:
-    """Let pieces of a path end where the slip reverses: so do steps then, and friction may have a kink there."""
+    """Let pieces of a path end where the slip reverses, and so steps: friction may have a kink there."""
     pieces: Any = path.pieces
     turns = scipy.interpolate.PPoly(pieces.c[:, :, 1], pieces.x).derivative().roots(extrapolate=False)
     edges = np.union1d(pieces.x, turns[np.isfinite(turns)])

@@ -22,6 +22,7 @@ from contactlab.engine.friction import (
     follow_bound,
     friction_and_steepness,
     missed_between,
+    missed_rate,
     mobility,
     push_node,
 )
@@ -40,6 +41,7 @@ from contactlab.engine.memory import (
     end_at,
     guess_memory,
     jump,
+    missed_flow,
     open_step,
     recall,
     recall_start,
@@ -120,8 +122,9 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     The error is what the polynomials of normal force, bound and friction miss of their known values
     at the step's start, as an impulse; friction that sticks has no known start and is judged by its
     highest coefficient, as is an elastic force that a damping outweighs, and of rate-dependent friction
-    counts what no change of the slip makes good. A step in which the gap opens, or the force ends or begins
-    before it, carries a kink, and stands only when the whole force left is negligible.
+    counts what no change of the slip makes good; internal variables have one where nothing else tells of
+    them. A step in which the gap opens, or the force ends or begins before it, carries a kink, and stands
+    only when the whole force left is negligible.
     """
     state, step = run.state, run.step
     normal, bound, bias, friction, steepness = known[:5]
@@ -156,6 +159,10 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
+    if normal == 0.0 == largest(state.normal.node):
+        # Without a force nothing tells of the internal variables: they have an error of their own.
+        flowed = max(missed_flow(run, law.memory), missed_rate(run, law)) / state.tolerance
+        return float(max(error * h / allowed, flowed))
     return float(error * h / allowed)
 
 
@@ -521,10 +528,12 @@ def _solve(
         error = attempt(run, law, level, known)
         # A dip that ends before the first node would be left where it begins, still approaching,
         # unless nothing of it could be seen.
-        hidden = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
-        if (error > 1.0 or hidden) and (level < finest or error == np.inf):
+        overlong = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
+        # A prescribed slip reverses where a piece of its path ends, and friction may have a kink there.
+        overlong = overlong or (run.plant.wave.led != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
+        if (error > 1.0 or overlong) and (level < finest or error == np.inf):
             state.rejected_steps += 1
-            level += 2 if error > 500.0 or hidden else 1
+            level += 2 if error > 500.0 or overlong else 1
             if error < np.inf:
                 level = min(level, finest)
         elif _contradicted(run, law, slip, known[1], known[2]):
@@ -618,7 +627,7 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
     """
     state, plant = run.state, run.plant
     h = step_length(run.propagator, run.propagator.rule.contact_level)
-    if plant.wave.led != 0:
+    if plant.wave.led != 0 and state.law.compliant != 0:
         depth, approach = plant.wave.depth, plant.wave.approach
         normal, least, most, _, _ = law.force(-depth, -approach, 0.0, state.impact_speed, law.parameters)
         return float(max(load, abs(normal), abs(least), abs(most)) * h)

@@ -121,14 +121,16 @@ def step_rigid(run: Run, law: Law) -> int:
 def _step_constrained(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through a rigid contact; returns the event that ends it.
 
-    A contact that approaches has its impact first, which takes no time. RELEASE is a normal force that falls
+    A contact that approaches has its impact first, which takes no time; under a prescribed load it has none.
+    RELEASE is a normal force that falls
     through zero, or a rebound.
     """
     state, step, contact = run.state, run.step, run.state.contact
     step.kind, state.accepted_length = COLLOCATED, 0.0
     state.length = step_length(run.propagator, state.level)
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    if contact.duration == 0.0 and contact.normal_impulse == 0.0 and rate < 0.0:
+    begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led == 0
+    if begins and rate < 0.0:
         if _impact(run, law, rate, slip):
             return _at_once(run, RELEASE)
         if state.ending != RUNNING:
@@ -161,12 +163,14 @@ def _step_constrained(run: Run, law: Law) -> int:
 def _momentum(run: Run, law: Law, normal: float) -> float:
     """Return the impulse [N s] that scales errors in a contact that begins with a normal force [N].
 
-    It is at least what round-off of the rates does to the forces of a stick.
+    It is at least what round-off of the rates does to the forces of a stick, which no prescribed slip has.
     """
     state = run.state
     d_nn, d_nt, d_tt = _matrix_of(run, contact_at(run.plant, START))
-    magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     scale = impulse_scale(run, law, state.impact_speed, normal, d_nn)
+    if run.plant.wave.led != 0:
+        return scale
+    magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     return float(scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified))
 
 
@@ -391,7 +395,7 @@ def settle(run: Run) -> Contact:
     frame = contact_at(run.plant, START)
     d_nn, d_nt, d_tt = _matrix_of(run, frame)
     p_n, p_t = -frame[1] / d_nn, 0.0
-    if run.state.mode == STICK:
+    if run.state.mode == STICK and run.plant.wave.led == 0:
         p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
     _move(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)
@@ -433,6 +437,9 @@ def _start(run: Run, law: Law) -> Known:
         if wedges(a_n, a_t, d_nn, d_nt, d_tt, state.law.friction_limit):
             state.wedged_steps += 1
         slip = frame[2]
+        if state.mode == STICK and abs(slip) > SLIP_ROUND_OFF:
+            # `settle` leaves a slip that is prescribed.
+            _become(run, law, SLIP, slip)
         if state.mode == STICK:
             normal, friction = stick_impulse(a_n, a_t, d_nn, d_nt, d_tt)
             if _sticks(run, law, normal, friction, d):

@@ -92,6 +92,25 @@ def friction_and_steepness(
     return friction, max((friction - steeper) / dv, 0.0)
 
 
+@inner_kernel
+def missed_rate(run: Run, law: Law) -> float:
+    """Return what the polynomial of a coupled variable misses of its rate at the step's start, over the step.
+
+    It is relative to the variable [1], as `contactlab.engine.memory.missed_flow` of the others.
+    """
+    state, step = run.state, run.step
+    if state.law.coupled == 0:
+        return 0.0
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    recall_start(run, law)
+    first = friction_at(law, (gap, rate, slip), end_at(run, law, law.memory, rate), 0.0)[1]
+    size = max(abs(state.memory[0]), abs(state.length * first))
+    for i in range(NODES):
+        size = max(size, abs(step.memory[i, 0]))
+    missed = state.length * abs(state.internal_rate.coefficient[0] - first)
+    return float(missed / size if missed > 0.0 else 0.0)
+
+
 @part_kernel
 def _nudge_of(slip: float, least: float) -> float:
     """Return the difference of the slip for a derivative [m/s], its way: mirrors give mirrored numbers."""

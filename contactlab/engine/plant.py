@@ -61,14 +61,14 @@ Plant = Any
 
 geometry [m], cosine and sine of its angle; mode_count, tone_count. modes[j]: coefficients and contact rows,
 displacement q and rate v at every place of a step; near, whether a tone is nearly resonant; led, whether the
-waveform is its displacement and no force. tones[k]: omega
-[rad/s], amplitudes of the steady state at the tip [m], [rad], cosine and sine of omega t at every place.
-phasors[j, k]: of force and steady-state displacement, the latter zero where mode and tone are `near`ly
-resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
-wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
-where it does not repeat itself; led, whether the gap is, and then depth, its deepest penetration [m], and
-approach, its fastest [m/s]; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e]
-[N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
+waveform is its displacement and no force. tones[k]: omega [rad/s], amplitudes of the steady state at the tip
+[m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force and steady-state displacement,
+the latter zero where mode and tone are `near`ly resonant. Real and imaginary parts stand apart because
+complex products are slow in compiled loops this short. wave: electrodes, their number, zero without a
+waveform; offset and period of its clock [s], the latter zero where it does not repeat itself; led, whether it
+is the displacement of any coordinate, and then depth, the deepest penetration [m], and approach, the fastest
+[m/s]; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e] [N/V kg^-1/2]; forces[j, m],
+derivatives of the modal force.
 """
 
 
@@ -156,7 +156,7 @@ def plant_of(motor: Motor) -> Plant:
         plant["couplings"][: count - 1, :electrodes] = modes.coupling
         if modes.prescribed is not None:
             made["led"][:-1] = modes.prescribed
-            wave["led"] = modes.prescribed[modes.approach != 0.0].any()
+            wave["led"] = 1
             wave["depth"], wave["approach"] = _reach(motor, waveform)
     return plant
 

@@ -28,6 +28,9 @@ HEAVY: Final = 1e18
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
 
+PRESSED_ROOT: Final = 1e-4
+"""Root of the mass that a prescribed load presses [kg^1/2]: what bends its path adds nothing to the load."""
+
 MOST_MODES: Final = 20
 """Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
 
@@ -116,23 +119,29 @@ def led_body(path: Waveform, gap: bool) -> Motor:
 
     Args:
         path: two rows: gap [m] or normal force [N], and way along the plate [m].
-        gap: whether the first row is the gap. Else it is a force that presses a kilogram on the plate.
+        gap: whether the first row is the gap. Else it is a force that presses the body on the plate.
     """
-    across = PRESCRIBED_ROOT if gap else 1.0
+    across = PRESCRIBED_ROOT if gap else PRESSED_ROOT
     modes = NormalModes(
         stiffness=np.zeros(2),
         damping=np.zeros(2),
-        coupling=np.diag([-across if gap else 1.0, PRESCRIBED_ROOT]),
+        coupling=np.diag([-across if gap else 1.0 / across, PRESCRIBED_ROOT]),
         # As of a block.
         tip_displacement=np.array([1.0 / across, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * PRESCRIBED_ROOT)]),
         prescribed=np.array([gap, True]),
     )
-    # A load is no displacement.
-    start = (np.array([gap, True]) * (modes.coupling @ path.voltage(0.0, order)) for order in (0, 1))
+    displacement, velocity = (modes.coupling @ path.voltage(0.0, order) for order in (0, 1))
+    if not gap:
+        # A load is no displacement. It presses from the start on: the least approach is a contact.
+        displacement[0], velocity[0] = 0.0, np.finfo(float).tiny
     plate = _belt(PRESCRIBED_ROOT**2)
     return Motor(
-        modes, Drive(waveform=path), ContactGeometry(FLAT, FLAT, 0.0), plate, start=ModalState(*start)
+        modes,
+        Drive(waveform=path),
+        ContactGeometry(FLAT, FLAT, 0.0),
+        plate,
+        start=ModalState(displacement, velocity),
     )
 
 

@@ -86,7 +86,7 @@ def test_the_age_of_a_contact_without_force_is_that_of_its_slip(slip: float) -> 
     steady = friction.renewal_distance / slip
     age = steady + (friction.fresh_age - steady) * np.exp(-made.time / steady)
     exact = np.log(friction.reference_velocity * age / friction.renewal_distance)
-    assert_allclose(made.series["internal_age"], exact, atol=1e-5)
+    assert_allclose(made.series["internal_age"], exact, atol=1e-7)
 
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-6])
