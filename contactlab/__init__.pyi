@@ -2,7 +2,8 @@ from contactlab.config import ConfigurationError as ConfigurationError, Setup as
 from contactlab.driving import drive as drive
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
-from contactlab.impacts import impact as impact
+from contactlab.impacts import impact as impact, normal_impact as normal_impact
+from contactlab.inference.calibration import Identification as Identification, identify as identify
 from contactlab.inference.cross_validation import ValidationError as ValidationError
 from contactlab.inference.nested_sampling import NoSamplerError as NoSamplerError
 from contactlab.laws import (

@@ -123,7 +123,7 @@ DEFINITE: Final = 1e-12
 ROUND_OFF: Final = 1e-9
 """Relative gain of energy that is round-off."""
 
-_IMPACT, _PAIR = ("impact",), ("impact", "direction")
+_IMPACT, _PAIR, _SPEED = ("impact",), ("impact", "direction"), ("speed",)
 _MATRIX: Final = ("impact", "direction", "other_direction")
 _RECORD: Final = ("impact", "record")
 _OF_CONTACT: Final = ("duration", "stick_duration", "peak_normal_force", "max_penetration")
@@ -165,6 +165,17 @@ HISTORY: Final = (
     Variable("time", _RECORD, "s", "t", "time since the touch-down"),
     *(_along(name, _RECORD) for name in ("normal_force", "friction_force", "gap")),
 )
+
+NORMAL: Final = {
+    variable.name: variable
+    for variable in (
+        Variable("restitution", _SPEED, "1", "e", "speed of separation over that of approach"),
+        Variable("contact_time", _SPEED, "s", "t_c", "time from touch-down to release"),
+        Variable("peak_force", _SPEED, "N", "N_max", "largest normal force"),
+        Variable("penetration", _SPEED, "m", "d_max", "largest penetration"),
+    )
+}
+"""What a normal impact, one without slip, is measured by."""
 
 
 @final
@@ -317,6 +328,87 @@ def impact(
         array([[0.8, 0. ]])
     """
     return Impacts(delassus, velocity_before).dataset(law, tolerance=tolerance, history=history)
+
+
+def delassus_of(mass: float) -> Array:
+    """Return D of a point mass [kg] on a plate [1/kg], shape (2, 2)."""
+    check_kind("mass", mass, float)
+    if not 0.0 < mass < np.inf:
+        raise ValueError(f"mass is {mass} kg; it must be greater than 0 kg and finite.")
+    return np.eye(2) / mass
+
+
+def normal_quantities(
+    law: ContactLaw, delassus: ArrayLike, speed: ArrayLike, tolerance: float | None = None
+) -> dict[str, Array]:
+    """Return the quantities of `NORMAL` of impacts without slip, each of shape (speed,).
+
+    Args:
+        law: of either family.
+        delassus: D [1/kg], shape (2, 2).
+        speed: of the approach [m/s], positive, shape (speed,).
+        tolerance: as of `impact`.
+
+    Returns:
+        SI; restitution and contact time are NaN where the bodies do not part, the peak force of a rigid law,
+        whose contact takes no time, is NaN.
+    """
+    speeds = _numbers("The speed", speed, (), "m/s")
+    for wrong in speeds[speeds <= 0.0][:1]:
+        raise ValueError(f"The speed has {wrong:g} m/s among its numbers; it must be greater than 0.")
+    impacts = Impacts(delassus, np.column_stack([-speeds, np.zeros_like(speeds)]))
+    outcomes = _Integration(law, tolerance, once=True).run(impacts.contacts)[0]
+    parted = np.where(outcomes["released"] != 0, 1.0, np.nan)
+    return {
+        "restitution": parted * outcomes["normal_rate"] / speeds,
+        "contact_time": parted * outcomes["duration"],
+        "peak_force": outcomes["peak_normal_force"].copy(),
+        "penetration": outcomes["max_penetration"].copy(),
+    }
+
+
+@accepts_units(mass="kg", tolerance="1")
+def normal_impact(
+    law: ContactLaw, speed: ArrayLike, *, mass: float, tolerance: float | None = None
+) -> xarray.Dataset:
+    """Tabulate a law's restitution, contact time, peak force and penetration over the speed of the approach.
+
+    They are those of a body on a plate, or of two with the reduced mass, that meet without slip.
+    `contactlab.identify` is the reverse.
+
+    Args:
+        law: of either family.
+        speed: of the approach [m/s], positive; one, or shape (speed,).
+        mass: of the body, or m_1 m_2/(m_1 + m_2) [kg].
+        tolerance: as of `contactlab.impact`.
+
+    Returns:
+        A dataset over speed: restitution [1], contact_time [s], peak_force [N], penetration [m], as of
+        `normal_quantities`.
+
+    Raises:
+        TypeError, ValueError: an argument of another kind or out of range; the message is a sentence.
+
+    Example:
+        >>> import contactlab as cl
+        >>> ball = cl.normal_impact(cl.HertzPenalty(), ["0.1 m/s", "0.2 m/s"], mass="2 g")
+        >>> ball.contact_time.values.round(9)
+        array([4.2463e-05, 3.6966e-05])
+    """
+    speeds = _numbers("The speed", speed, (), "m/s")
+    quantities = normal_quantities(law, delassus_of(mass), speeds, tolerance)
+    attributes = {"units": "m s-1", "long_name": "speed of the approach", "symbol": "v"}
+    return xarray.Dataset(
+        {name: (v.dims, quantities[name], cf_attributes(v)) for name, v in NORMAL.items()},
+        {"speed": ("speed", speeds, attributes)},
+        {
+            **code_attributes(),
+            "title": f"Normal impacts under the contact law {law.title}",
+            "law": law.name,
+            "law_parameters": json.dumps(law.describe()),
+            "mass": mass,
+        },
+    )
 
 
 def velocities_after(

@@ -1,99 +1,474 @@
-"""Laws brought to one datum, so that a difference between them is not one of default numbers."""
+"""Numbers of a law from what is known of it: restitutions, contact times, forces, materials.
+
+A normal impact of a law, computed by the engine as any other, has a restitution, a contact time, a peak force
+and a penetration at each speed. The numbers of the law that meet required values are solved for by least
+squares of the logarithms, log(q / q_required), in the unit cube of the numbers' ranges: no formula of a law
+is used, so that every law is identified alike, a user's own too.
+
+Which numbers are solved for follows from the law: as many as the quantities determine, and of those that
+do the first in the order of its fields. What no quantity determines stays as it is, and is named.
+"""
 
 import re
-from dataclasses import dataclass
-from math import inf
-from typing import Any, ClassVar, Final, Literal, Self, final
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import combinations
+from math import exp, expm1, inf, isfinite, isnan, pi, sqrt, tan
+from typing import Any, ClassVar, Final, Self, final
 
 import numpy as np
+import pandas
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.impacts import impact
-from contactlab.inference.free_parameters import FreeParameter, free_parameters, with_values
-from contactlab.laws import ContactLaw
+from contactlab.checks import accepts_units, check_kind
+from contactlab.engine.preparation import check_law
+from contactlab.impacts import NORMAL, delassus_of, normal_quantities
+from contactlab.inference.free_parameters import FreeParameter, free_parameters, to_cube, with_values
+from contactlab.inference.least_squares import best_fit
+from contactlab.inference.materials import Materials, effective_modulus
+from contactlab.laws import ContactLaw, MultiplierLaw
+from contactlab.parameter import from_cf
+from contactlab.quantity import UnitError, to_si
 
-EXPECTED: Final = (
-    "it must be restitution=VALUE@SPEED, greater than 0 and at most 1, or contact_time=VALUE@SPEED in s, "
-    "greater than 0; the speed in m/s, greater than 0"
-)
+IMPACT_TOLERANCE: Final = 1e-11
+"""Tolerance of the compliant impacts that are solved for."""
+
+EXACT: Final = 1e-6
+"""Largest |log(q / q_required)| that is agreement, unless a caller admits more."""
+
+REACH: Final = 1e6
+"""Factor, up and down, in which a positive number without upper bound is searched: a range of a fit, which is
+a prior, is narrower."""
+
+POINTS: Final = 9
+"""Values of a number over its range at which its effects are looked for."""
+
+EFFECT: Final = 1e-5
+"""Least change of log q over the range of a number that is an effect of it; impacts err by some 1e-11."""
+
+STEP: Final = 1e-5
+"""Step of finite differences in the unit cube."""
+
+SINGULAR: Final = 1e-5
+"""Singular value, over the largest, below which quantities do not determine a combination of numbers."""
+
+STARTS: Final = 4
+"""Searches that follow one from the law's own values, if that fails."""
+
+Required = float | str | tuple[float | str, float | str] | list[Any]
+"""Value and speed of a quantity, "0.8 @ 0.5 m/s" or (0.8, 0.5), or a list of such."""
 
 
 @final
 @dataclass(frozen=True)
 class Datum:
-    """What every law must have in a normal impact.
+    """A quantity that a law must have in a normal impact.
 
-    >>> Datum.of_text("restitution=0.6@0.1")
-    Datum(quantity='restitution', value=0.6, speed=0.1)
+    >>> Datum.of_text("contact_time=50 us @ 0.1 m/s")
+    Datum(quantity='contact_time', value=5e-05, speed=0.1)
 
     Args:
-        quantity: 'restitution', speed of separation over that of approach [1], or 'contact_time' [s].
-        value: of it, SI.
-        speed: of the approach [m/s].
+        quantity: a key of `contactlab.impacts.NORMAL`.
+        value: greater than 0, a restitution at most 1; SI, or a text with a unit.
+        speed: of the approach, greater than 0 [m/s], or a text with a unit.
     """
 
-    PATTERN: ClassVar[re.Pattern[str]] = re.compile(r"(restitution|contact_time)=([-+.\deE]+)@([-+.\deE]+)")
+    PATTERN: ClassVar[re.Pattern[str]] = re.compile(rf"({'|'.join(NORMAL)})=([^=@]+)@([^=@]+)")
     """Words of a command that are one: QUANTITY=VALUE@SPEED."""
 
-    quantity: Literal["restitution", "contact_time"]
-    value: float
-    speed: float
+    quantity: str
+    value: Any
+    speed: Any
 
     def __post_init__(self) -> None:
-        highest = {"restitution": 1.0, "contact_time": inf}.get(self.quantity, 0.0)
-        if not (0.0 < self.value <= highest and 0.0 < self.speed < inf):
-            raise ValueError(f"calibrate is {self}; {EXPECTED}.")
+        if self.quantity not in NORMAL:
+            raise ValueError(f"quantity is '{self.quantity}'; it must be one of {', '.join(NORMAL)}.")
+        highest = 1.0 if self.quantity == "restitution" else inf
+        speed = f"speed of {self.quantity}"
+        for name, label, unit, most in (
+            ("value", self.quantity, self.unit, highest),
+            ("speed", speed, "m/s", inf),
+        ):
+            x = getattr(self, name)
+            try:
+                number = to_si(x.strip(), unit) if isinstance(x, str) else x
+            except UnitError as error:
+                raise UnitError(f"{label} is '{x}', {error}.") from error
+            check_kind(label, number, float)
+            if not (0.0 < number <= most and isfinite(number)):
+                bound = "" if most == inf else f" and at most {most:g}"
+                raise ValueError(f"{label} is {number:g}; it must be greater than 0{bound}.")
+            object.__setattr__(self, name, float(number))
 
     @classmethod
     def of_text(cls, text: str) -> Self:
         """Read QUANTITY=VALUE@SPEED; a ValueError if it is something else."""
-        if not (word := cls.PATTERN.fullmatch(text.replace(" ", ""))):
-            raise ValueError(EXPECTED)
-        quantity: Any = word[1]
-        return cls(quantity, float(word[2]), float(word[3]))
+        if not (word := cls.PATTERN.fullmatch(text.strip())):
+            raise ValueError(f"it must be QUANTITY=VALUE@SPEED with a quantity {' or '.join(NORMAL)}")
+        quantity, value, speed = word.groups()
+        return cls(quantity, value, speed)
+
+    @classmethod
+    def each(cls, quantity: str, required: Required) -> Iterator[Self]:
+        """Yield what is required of a quantity; see `Required`."""
+        for item in required if isinstance(required, list) else [required]:
+            pair: Any = tuple(item.split("@")) if isinstance(item, str) else item
+            if not (isinstance(pair, tuple) and len(pair) == 2):
+                raise ValueError(
+                    f"{quantity} is {item!r}; it must have a value and the speed of the impact, as "
+                    "'0.8 @ 0.5 m/s' or (0.8, 0.5), or be a list of such."
+                )
+            yield cls(quantity, *pair)
+
+    @property
+    def unit(self) -> str:
+        """The unit of the value, as configurations write it."""
+        return from_cf(NORMAL[self.quantity].units)
 
     def __str__(self) -> str:
         return f"{self.quantity}={self.value}@{self.speed}"
 
     def measured(self, law: ContactLaw, delassus: Array) -> float:
         """Return the quantity of a law's normal impact; NaN where the bodies do not part."""
-        outcome = impact(law, delassus, [-self.speed, 0.0])
-        if not outcome["released"].item():
-            return float("nan")
-        if self.quantity == "contact_time":
-            return float(outcome["duration"].item())
-        return float(outcome["velocity_after"].sel(direction="normal").item()) / self.speed
+        return float(_measured(law, [self], delassus)[0])
+
+
+def _measured(law: ContactLaw, data: Sequence[Datum], delassus: Array) -> Array:
+    """Return the quantities of the data under a law, shape (datum,)."""
+    tolerance = None if isinstance(law, MultiplierLaw) else IMPACT_TOLERANCE
+    every = normal_quantities(law, delassus, [datum.speed for datum in data], tolerance)
+    return np.array([every[datum.quantity][i] for i, datum in enumerate(data)])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Requirements:
+    """Data that a law is to meet by its free numbers.
+
+    Args:
+        law: with the values of what is not free.
+        data: at least one.
+        delassus: D of the bodies [1/kg], shape (2, 2).
+        free: the numbers that may be solved for, in their ranges.
+        tolerance: largest |log(q / q_required)| that is agreement.
+    """
+
+    law: ContactLaw
+    data: tuple[Datum, ...]
+    delassus: Array
+    free: tuple[FreeParameter, ...]
+    tolerance: float = EXACT
+
+    def misses(self, free: Sequence[FreeParameter], values: Sequence[float] | Array) -> Array:
+        """Return log(q / q_required) with some numbers changed, shape (datum,); NaN or infinite without q."""
+        try:
+            changed = with_values(self.law, free, values)
+        except ValueError:
+            return np.full(len(self.data), np.nan)
+        required = np.array([datum.value for datum in self.data])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.log(_measured(changed, self.data, self.delassus) / required))
+
+    def start(self, free: Sequence[FreeParameter]) -> Array:
+        """Return the law's own values of some numbers [SI]."""
+        every = self.law.describe()
+        return np.array([every[item.name] for item in free])
+
+    def scan(self) -> Array:
+        """Return `misses` over the range of each number by itself, shape (number, point, datum)."""
+        shares = np.linspace(0.0, 1.0, POINTS)
+        scanned = [[self.misses([x], [x.from_unit(share)]) for share in shares] for x in self.free]
+        return np.array(scanned).reshape(len(self.free), POINTS, len(self.data))
+
+    def slopes(self, free: Sequence[FreeParameter], values: Array) -> Array:
+        """Return derivatives of `misses` in the unit cube, shape (datum, number)."""
+        columns = []
+        for i, share in enumerate(to_cube(free, values)):
+            ends = max(share - STEP, 0.0), min(share + STEP, 1.0)
+            low, high = ([*values[:i], free[i].from_unit(x), *values[i + 1 :]] for x in ends)
+            columns.append((self.misses(free, high) - self.misses(free, low)) / (ends[1] - ends[0]))
+        return np.array(columns).T.reshape(len(self.data), len(free))
+
+    def met(self, scanned: Array) -> "tuple[tuple[FreeParameter, ...], Array] | None":
+        """Return the numbers that the data determine, and their values [SI]; None if nothing meets the data.
+
+        The most numbers whose effects on the data are independent; of several such sets the first, in the
+        order of the law's fields.
+
+        Args:
+            scanned: that of `scan`.
+        """
+        effects = effects_of(scanned)
+        able = [i for i in range(len(self.free)) if effects[i].any()]
+        reached = effects.any(axis=0)
+        if not np.all(np.abs(self.misses((), ())[~reached]) <= self.tolerance):
+            return None
+        for count in range(min(len(able), int(reached.sum())), 0, -1):
+            solved = False
+            for chosen in combinations(able, count):
+                if np.array_equal(effects[[*chosen]].any(axis=0), reached):
+                    free = tuple(self.free[i] for i in chosen)
+                    values = self._solved(free)
+                    if values is not None:
+                        if self._determined(free, values):
+                            return free, values
+                        solved = True
+            if not solved:
+                # What more numbers do not meet, fewer of them do not.
+                return None
+        return None if reached.any() else ((), np.empty(0))
+
+    def _solved(self, free: Sequence[FreeParameter]) -> Array | None:
+        """Return values with which some numbers meet the data [SI], or None; searched from the law's own."""
+        for begin, starts in ((self.start(free), 1), (None, STARTS)):
+            try:
+                best = best_fit(
+                    partial(self.misses, free), free, starts, 0, begin=begin, step=STEP, accuracy=1e-14
+                )
+            except ValueError:
+                # The law is finite at none of the points.
+                continue
+            if np.all(np.abs(self.misses(free, best.values)) <= self.tolerance):
+                return best.values
+        return None
+
+    def _determined(self, free: Sequence[FreeParameter], values: Array) -> bool:
+        """Return whether no combination of some numbers leaves the data as they are."""
+        slopes = self.slopes(free, values)
+        sizes = np.linalg.svd(slopes, compute_uv=False) if np.isfinite(slopes).all() else np.zeros(1)
+        return bool(sizes[-1] > SINGULAR * sizes[0])
+
+
+def effects_of(scanned: Array) -> NDArray[np.bool_]:
+    """Return whether each number has an effect on each datum, shape (number, datum)."""
+    finite = np.isfinite(scanned)
+    spread = np.where(finite, scanned, -inf).max(axis=1) - np.where(finite, scanned, inf).min(axis=1)
+    return np.asarray(finite.any(axis=1) & (spread > EFFECT))
+
+
+def searched(law: ContactLaw, names: Sequence[str] | None = None) -> tuple[FreeParameter, ...]:
+    """Return numbers of a law, None are all, each in the range in which it is searched.
+
+    Raises:
+        ValueError: the law has no such number.
+    """
+    own, result = law.describe(), []
+    for item in free_parameters(law, None if names is None else dict.fromkeys(names)):
+        value, declared = own[item.name], item.parameter
+        low, high = max(declared.above, declared.at_least), min(declared.below, declared.at_most)
+        if low == 0.0 < value and high == inf:
+            item = replace(item, low=value / REACH, high=value * REACH, logarithmic=True)
+        result.append(item)
+    return tuple(result)
 
 
 def calibrated(law: ContactLaw, datum: Datum, delassus: Array) -> tuple[FreeParameter, float] | None:
-    """Return the number of a law by which it meets a datum, and its value, by Brent's method.
+    """Return the first number of a law that brings it to a datum, and its value; D [1/kg] of shape (2, 2).
 
-    The first number, in the order of the law's fields, whose range reaches the datum.
+    None where no number does, as to a restitution under a law without loss.
+    """
+    required = Requirements(law, (datum,), delassus, searched(law))
+    met = required.met(required.scan())
+    return (met[0][0], float(met[1][0])) if met and met[0] else None
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """A law with identified numbers, and where each of them comes from.
 
     Args:
-        law: any.
-        datum: of a normal impact.
-        delassus: D of the bodies [1/kg], shape (2, 2).
-
-    Returns:
-        None where no single number brings the law to the datum, as restitution under a law without loss.
+        law: with its numbers set.
+        parameters: a row for each number of the law: value [SI], unit, the quantities that it comes `from`,
+            empty where it is the law's own, and the quantities on which it acts nearby.
+        quantities: a row for each required quantity: speed [m/s], required and reached value [SI], and the
+            relative difference between the two.
     """
-    # Imported here: a run needs no scipy.optimize.
-    from scipy.optimize import brentq
 
-    for free in free_parameters(law):
+    law: ContactLaw
+    parameters: pandas.DataFrame
+    quantities: pandas.DataFrame
 
-        def off(share: float, free: FreeParameter = free) -> float:
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Names of the numbers that no quantity determines."""
+        return tuple(self.parameters.index[self.parameters["from"] == ""])
+
+    def __str__(self) -> str:
+        tables = [self.parameters, *([self.quantities] if len(self.quantities) else [])]
+        written = [table.to_string(float_format="{:.6g}".format) for table in tables]
+        return "\n\n".join([self.law.title, *written, f"Free: {', '.join(self.free) or 'nothing'}."])
+
+
+@accepts_units(mass="kg", radius="m", friction_angle="rad", tolerance="1")
+def identify(
+    law: ContactLaw,
+    *,
+    mass: float | None = None,
+    restitution: Required | None = None,
+    contact_time: Required | None = None,
+    peak_force: Required | None = None,
+    penetration: Required | None = None,
+    materials: Materials | None = None,
+    radius: float | None = None,
+    friction_angle: float | None = None,
+    free: Sequence[str] | None = None,
+    tolerance: float = EXACT,
+) -> Identification:
+    """Set the numbers of a law by measured or handbook quantities; `contactlab.normal_impact` is the reverse.
+
+    Materials, radius and angle of friction set what a law declares by symbol and unit as E*, R, K, mu:
+
+        1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2,   K = 4/3 E* sqrt(R),   mu = tan(angle)
+
+    Other numbers then meet the quantities of impacts: as many as these determine, and of those that do the
+    first in the order of the law's fields. Of two values that meet a quantity it is the one to which a search
+    from the law's own leads.
+
+    Args:
+        law: of either family, with its other numbers.
+        mass: of the body that meets a plate, or m_1 m_2/(m_1 + m_2) of two [kg].
+        restitution, contact_time, peak_force, penetration: value and speed of the impact, "0.8 @ 0.5 m/s" or
+            (0.8, 0.5), or a list of such.
+        materials: of the two bodies, "steel on alumina" of `contactlab.inference.materials`, or two of its
+            `Material` with constants of your own.
+        radius: relative radius R of the bodies [m], 1/R = 1/R_1 + 1/R_2.
+        friction_angle: of the incline on which a body begins to slide [rad], or a text, "17 deg".
+        free: names of the numbers that may change to meet the quantities of impacts; None is all others.
+        tolerance: largest relative difference of a quantity from its required value.
+
+    Raises:
+        TypeError, ValueError: an argument is faulty, the law has no number for it, it cannot have the
+            quantity, or quantities contradict each other; the message names them, with value and bound.
+
+    Example:
+        >>> import contactlab as cl
+        >>> law = cl.Composed(damping=cl.Flores())
+        >>> ball = dict(mass="2.5 g", contact_time="50 us @ 0.5 m/s", restitution="0.8 @ 0.5 m/s")
+        >>> result = cl.identify(law, **ball)
+        >>> result.free
+        ('damping.least_speed', 'friction.friction_coefficient', 'friction.static_ratio')
+        >>> f"{result.law.normal.stiffness:.4g} N/m^1.5"
+        '3.974e+09 N/m^1.5'
+    """
+    check_law(law)
+    required = {"restitution": restitution, "contact_time": contact_time}
+    required |= {"peak_force": peak_force, "penetration": penetration}
+    data = tuple(datum for name, x in required.items() if x is not None for datum in Datum.each(name, x))
+    known = _known(law, materials, radius, friction_angle)
+    if not (data or known):
+        raise ValueError("Nothing is known; there must be a quantity of an impact, materials or an angle.")
+    for name, (value, _) in known.items():
+        law = law.changed(name, value)
+    sources = {name: source for name, (_, source) in known.items()}
+    if not data:
+        return _identified(Requirements(law, (), np.eye(2), ()), sources)
+    if mass is None:
+        raise ValueError(f"mass is missing; {data[0].quantity} is that of an impact, and needs it.")
+    names = [item.name for item in searched(law) if item.name not in known] if free is None else free
+    requirements = Requirements(law, data, delassus_of(mass), searched(law, names), tolerance)
+    scanned = requirements.scan()
+    if (met := requirements.met(scanned)) is None:
+        raise ValueError(_refusal(requirements, scanned))
+    if met[0]:
+        # Effects of the required values on the numbers: where the first is zero, so is the second.
+        gains = np.abs(np.linalg.pinv(requirements.slopes(*met)))
+        for item, gain in zip(met[0], gains, strict=True):
+            sources[item.name] = _names(data, gain > SINGULAR * gain.max())
+    return _identified(replace(requirements, law=with_values(law, *met)), sources)
+
+
+def _names(data: Sequence[Datum], chosen: NDArray[np.bool_]) -> str:
+    """Return the names of the quantities of some data."""
+    return ", ".join(dict.fromkeys(data[int(i)].quantity for i in np.flatnonzero(chosen)))
+
+
+def _known(
+    law: ContactLaw, materials: Materials | None, radius: float | None, friction_angle: float | None
+) -> dict[str, tuple[float, str]]:
+    """Return the numbers of a law that follow without an impact [SI], each with what it comes from.
+
+    Raises:
+        TypeError, ValueError: what is known is faulty, or sets no number of the law.
+    """
+    derived: dict[tuple[str, str], tuple[float, str]] = {}
+    for name, value, most in (("radius", radius, inf), ("friction_angle", friction_angle, pi / 2.0)):
+        if value is not None:
+            check_kind(name, value, float)
+            if not 0.0 < value < most:
+                raise ValueError(f"{name} is {value}; it must be greater than 0 and less than {most:g}.")
+    if friction_angle is not None:
+        derived["mu", "1"] = tan(friction_angle), "friction_angle"
+    if radius is not None:
+        derived |= dict.fromkeys([("R", "m"), ("R'", "m"), ("R''", "m")], (radius, "radius"))
+    if materials is not None:
+        modulus = effective_modulus(materials)
+        derived["E*", "Pa"] = modulus, "materials"
+        if radius is not None:
+            derived["K", "N m-1.5"] = 4.0 / 3.0 * modulus * sqrt(radius), "materials, radius"
+    places = {name: (each.symbol, each.units) for name, _, each in law.effective() if each is not None}
+    known = {name: derived[place] for name, place in places.items() if place in derived}
+    used = ", ".join(source for _, source in known.values())
+    arguments = {"materials": materials, "radius": radius, "friction_angle": friction_angle}
+    for name in (name for name, value in arguments.items() if value is not None and name not in used):
+        every = ", ".join(f"{symbol} [{from_cf(units)}]" for symbol, units in places.values())
+        raise ValueError(
+            f"{name} sets no number of {law.title}, which has {every or 'none'}; materials set E* [Pa], a "
+            "radius R [m], both together K [N/m^1.5], friction_angle mu [1]."
+        )
+    return known
+
+
+def _identified(requirements: Requirements, sources: dict[str, str]) -> Identification:
+    """Return a law with the tables of its numbers and of what it reaches."""
+    law, data = requirements.law, requirements.data
+    free = searched(law)
+    misses = requirements.misses((), ()) if data else np.empty(0)
+    slopes = requirements.slopes(free, requirements.start(free)) if data else np.empty((0, len(free)))
+    acts = {x.name: _names(data, np.abs(slope) > EFFECT) for x, slope in zip(free, slopes.T, strict=True)}
+    rows = [
+        (name, value, declared.unit if declared else "", sources.get(name, ""), acts.get(name, ""))
+        for name, value, declared in law.effective()
+    ]
+    quantities = [
+        (x.quantity, x.unit, x.speed, x.value, x.value * exp(miss), expm1(miss))
+        for x, miss in zip(data, misses, strict=True)
+    ]
+    parameters = pandas.DataFrame(rows, columns=["parameter", "value", "unit", "from", "acts on"])
+    columns = ["quantity", "unit", "speed", "required", "reached", "residual"]
+    reached = pandas.DataFrame(quantities, columns=columns).set_index("quantity")
+    return Identification(law, parameters.set_index("parameter"), reached)
+
+
+def _refusal(requirements: Requirements, scanned: Array) -> str:
+    """Return why no numbers of a law meet the data, as sentences."""
+    law, data, free = requirements.law, requirements.data, requirements.free
+    names = ", ".join(item.name for item in free) or "nothing"
+    for i, (datum, miss) in enumerate(zip(data, requirements.misses((), ()), strict=True)):
+        known = [x for x in [*scanned[..., i].ravel(), miss] if not isnan(x)]
+        low, high = min(known, default=inf), max(known, default=-inf)
+        if max(low, -high) > requirements.tolerance:
+            unit = "" if datum.unit == "1" else f" {datum.unit}"
+            ends = [f"{datum.value * np.exp(end):.6g}{unit}" for end in (low, high) if known]
+            has = " to ".join(dict.fromkeys(ends)) or "none"
+            text = f"{datum} is required; {law.title} has {has} with any of {names} changed."
+            return f"{text} {_bound(law, free)}".rstrip()
+    best = best_fit(partial(requirements.misses, free), free, STARTS, 0, step=STEP)
+    nearest = np.exp(requirements.misses(free, best.values)) * [datum.value for datum in data]
+    return (
+        f"{' and '.join(map(str, data))} cannot be met by {law.title} with {names} free; the nearest that it "
+        f"has is {', '.join(f'{x:.6g}' for x in nearest)}."
+    )
+
+
+def _bound(law: ContactLaw, free: Sequence[FreeParameter]) -> str:
+    """Return the first sentence with which a law refuses an end of a range; empty if it admits all."""
+    for item in free:
+        for end in (item.low, item.high):
             try:
-                changed = with_values(law, [free], [free.from_unit(share)])
-            except ValueError:
-                return float("nan")
-            return datum.measured(changed, delassus) - datum.value
-
-        # Near an end of a wide range bodies may not part.
-        shares = np.linspace(0.0, 1.0, 9)
-        values = np.array([off(float(share)) for share in shares])
-        for i in np.flatnonzero(values[:-1] * values[1:] <= 0.0):
-            if values[i] != values[i + 1]:
-                return free, free.from_unit(float(brentq(off, shares[i], shares[i + 1], xtol=1e-12)))
-    return None
+                with_values(law, [item], [end])
+            except ValueError as error:
+                return str(error)
+    return ""

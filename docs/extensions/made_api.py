@@ -27,6 +27,8 @@ CHAPTERS: Final = {
 FURTHER: Final = {
     "contactlab.measured.files": "files of measured impacts and series",
     "contactlab.measured.series": "measured series of a motor",
+    "contactlab.inference.calibration": "numbers of laws from single quantities",
+    "contactlab.inference.materials": "elastic constants of handbook materials",
     "contactlab.inference.problem": "inference problems: data, law, free numbers, noise and priors",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",

@@ -89,7 +89,8 @@ class Compare(Study):
         str | Path | None, option("file of a fit, whose posteriors the laws' numbers are drawn from")
     ] = None
     calibrate: Annotated[
-        Datum | None, option("datum of all laws: restitution=VALUE@SPEED or contact_time=VALUE@SPEED, in SI")
+        Datum | None,
+        option("datum of all laws: restitution=VALUE@SPEED, or contact_time, peak_force, penetration"),
     ] = None
     observe: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
         field(default_factory=lambda: [*OBSERVED])
