@@ -25,7 +25,13 @@ from contactlab.arrays import Array
 from contactlab.checks import accepts_units, check_kind
 from contactlab.engine.preparation import check_law
 from contactlab.impacts import NORMAL, delassus_of, normal_quantities
-from contactlab.inference.free_parameters import FreeParameter, free_parameters, to_cube, with_values
+from contactlab.inference.free_parameters import (
+    FreeParameter,
+    free_parameters,
+    from_cube,
+    to_cube,
+    with_values,
+)
 from contactlab.inference.least_squares import best_fit
 from contactlab.inference.materials import Materials, effective_modulus
 from contactlab.laws import ContactLaw, MultiplierLaw
@@ -208,13 +214,15 @@ class Requirements:
         for count in range(min(len(able), int(reached.sum())), 0, -1):
             solved = False
             for chosen in combinations(able, count):
-                if np.array_equal(effects[[*chosen]].any(axis=0), reached):
-                    free = tuple(self.free[i] for i in chosen)
-                    values = self._solved(free)
-                    if values is not None:
-                        if self._determined(free, values):
-                            return free, values
-                        solved = True
+                free = tuple(self.free[i] for i in chosen)
+                if not np.array_equal(effects[[*chosen]].any(axis=0), reached):
+                    continue
+                if (values := self._solved(free)) is None:
+                    continue
+                solved, slopes = True, self.slopes(free, values)
+                sizes = np.linalg.svd(slopes, compute_uv=False) if np.isfinite(slopes).all() else np.zeros(1)
+                if sizes[-1] > SINGULAR * sizes[0]:
+                    return free, self._polished(free, values, slopes)
             if not solved:
                 # What more numbers do not meet, fewer of them do not.
                 return None
@@ -234,11 +242,12 @@ class Requirements:
                 return best.values
         return None
 
-    def _determined(self, free: Sequence[FreeParameter], values: Array) -> bool:
-        """Return whether no combination of some numbers leaves the data as they are."""
-        slopes = self.slopes(free, values)
-        sizes = np.linalg.svd(slopes, compute_uv=False) if np.isfinite(slopes).all() else np.zeros(1)
-        return bool(sizes[-1] > SINGULAR * sizes[0])
+    def _polished(self, free: Sequence[FreeParameter], values: Array, slopes: Array) -> Array:
+        """Return values after a step of Gauss and Newton, to an end of a range too: a search stays inside."""
+        misses = self.misses(free, values)
+        shares = to_cube(free, values) - np.linalg.pinv(slopes) @ misses
+        nearer = from_cube(free, np.clip(shares, 0.0, 1.0))
+        return nearer if np.linalg.norm(self.misses(free, nearer)) < np.linalg.norm(misses) else values
 
 
 def effects_of(scanned: Array) -> NDArray[np.bool_]:
