@@ -60,8 +60,8 @@ STEP: Final = 1e-5
 SINGULAR: Final = 1e-5
 """Singular value, over the largest, below which quantities do not determine a combination of numbers."""
 
-STARTS: Final = 4
-"""Searches that follow one from the law's own values, if that fails."""
+LOOKS: Final = 32
+"""Points from the best of which a search begins, if one from the law's own values fails."""
 
 Required = float | str | tuple[float | str, float | str] | list[Any]
 """Value and speed of a quantity, "0.8 @ 0.5 m/s" or (0.8, 0.5), or a list of such."""
@@ -230,11 +230,9 @@ class Requirements:
 
     def _solved(self, free: Sequence[FreeParameter]) -> Array | None:
         """Return values with which some numbers meet the data [SI], or None; searched from the law's own."""
-        for begin, starts in ((self.start(free), 1), (None, STARTS)):
+        for begin in (self.start(free), None):
             try:
-                best = best_fit(
-                    partial(self.misses, free), free, starts, 0, begin=begin, step=STEP, accuracy=1e-14
-                )
+                best = best_fit(partial(self.misses, free), free, 1, 0, looks=LOOKS, begin=begin, step=STEP)
             except ValueError:
                 # The law is finite at none of the points.
                 continue
@@ -455,29 +453,28 @@ def _refusal(requirements: Requirements, scanned: Array) -> str:
     """Return why no numbers of a law meet the data, as sentences."""
     law, data, free = requirements.law, requirements.data, requirements.free
     names = ", ".join(item.name for item in free) or "nothing"
-    for i, (datum, miss) in enumerate(zip(data, requirements.misses((), ()), strict=True)):
-        known = [x for x in [*scanned[..., i].ravel(), miss] if not isnan(x)]
+    effects, own = effects_of(scanned), requirements.misses((), ())
+    for i, datum in enumerate(data):
+        known = [x for x in [*scanned[..., i].ravel(), own[i]] if not isnan(x)]
         low, high = min(known, default=inf), max(known, default=-inf)
-        if max(low, -high) > requirements.tolerance:
+        alone = len(data) == 1 or not effects[:, i].any()
+        if alone and max(low, -high) > requirements.tolerance:
             unit = "" if datum.unit == "1" else f" {datum.unit}"
             ends = [f"{datum.value * np.exp(end):.6g}{unit}" for end in (low, high) if known]
             has = " to ".join(dict.fromkeys(ends)) or "none"
             text = f"{datum} is required; {law.title} has {has} with any of {names} changed."
             return f"{text} {_bound(law, free)}".rstrip()
-    best = best_fit(partial(requirements.misses, free), free, STARTS, 0, step=STEP)
-    nearest = np.exp(requirements.misses(free, best.values)) * [datum.value for datum in data]
-    return (
-        f"{' and '.join(map(str, data))} cannot be met by {law.title} with {names} free; the nearest that it "
-        f"has is {', '.join(f'{x:.6g}' for x in nearest)}."
-    )
+    required = " and ".join(map(str, data))
+    text = f"{required} cannot be met within {requirements.tolerance:g} by {law.title} with {names} free."
+    return f"{text} {_bound(law, free)}".rstrip()
 
 
 def _bound(law: ContactLaw, free: Sequence[FreeParameter]) -> str:
-    """Return the first sentence with which a law refuses an end of a range; empty if it admits all."""
+    """Return that a law refuses an end of a range, with its sentence; empty if it admits all."""
     for item in free:
         for end in (item.low, item.high):
             try:
                 with_values(law, [item], [end])
             except ValueError as error:
-                return str(error)
+                return f"Not all values are admitted: {error}"
     return ""
