@@ -85,8 +85,8 @@ class Datum:
     """Words of a command that are one: QUANTITY=VALUE@SPEED."""
 
     quantity: str
-    value: Any
-    speed: Any
+    value: float
+    speed: float
 
     def __post_init__(self) -> None:
         if self.quantity not in NORMAL:
@@ -113,8 +113,8 @@ class Datum:
         """Read QUANTITY=VALUE@SPEED; a ValueError if it is something else."""
         if not (word := cls.PATTERN.fullmatch(text.strip())):
             raise ValueError(f"it must be QUANTITY=VALUE@SPEED with a quantity {' or '.join(NORMAL)}")
-        quantity, value, speed = word.groups()
-        return cls(quantity, value, speed)
+        (result,) = cls.each(word[1], "@".join(word.groups()[1:]))
+        return result
 
     @classmethod
     def each(cls, quantity: str, required: Required) -> Iterator[Self]:
@@ -274,9 +274,9 @@ def searched(law: ContactLaw, names: Sequence[str] | None = None) -> tuple[FreeP
 def calibrated(law: ContactLaw, datum: Datum, delassus: Array) -> tuple[FreeParameter, float] | None:
     """Return the first number of a law that brings it to a datum, and its value; D [1/kg] of shape (2, 2).
 
-    None where no number does, as to a restitution under a law without loss.
+    None where no number does in the range of a fit, as to a restitution under a law without loss.
     """
-    required = Requirements(law, (datum,), delassus, searched(law))
+    required = Requirements(law, (datum,), delassus, free_parameters(law))
     met = required.met(required.scan())
     return (met[0][0], float(met[1][0])) if met and met[0] else None
 
