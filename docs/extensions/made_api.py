@@ -15,7 +15,7 @@ CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
     "Studies, and many runs": ("studies", "datasheet", "estimate"),
     "Steady states": ("steady_state", "settling"),
-    "Impacts and measurements": ("impacts", "measured", "inference"),
+    "Impacts and measurements": ("impacts", "driving", "measured", "inference"),
     "Motors": ("motor", "engine.equilibrium"),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),
