@@ -164,6 +164,8 @@ def candidates_of(
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
         if isinstance(data, MeasuredImpacts) and (copies := data.copies_warning()):
             origin["duplicates"] = copies
+        if isinstance(data, MeasuredImpacts) and data.tracks is not None:
+            origin["tracks"] = data.tracks.attrs["findings"]
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = truth_in(data, setup.configuration)
         truth = {item.name: numbers[item.name] for item in keys if item.name in numbers}
@@ -419,7 +421,9 @@ def _findings(
     candidate: Candidate, best: Optimum | None, posterior: Posterior, tree: xarray.DataTree
 ) -> list[str]:
     """Return sentences on search and posterior, and on what they do not determine."""
-    result = [line for line in (candidate.origin.get("duplicates"), candidate.numbers) if line]
+    result = [
+        line for line in (*map(candidate.origin.get, ("tracks", "duplicates")), candidate.numbers) if line
+    ]
     if best is not None:
         result.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
         result += [f"Least squares: {phrase}." for phrase in best.warnings()]

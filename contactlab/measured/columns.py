@@ -355,7 +355,8 @@ def _coordinates(table: Table) -> dict[str, bool]:
     if not result:
         raise MeasurementError(
             f"it has {excerpt(', '.join(table.names)) or 'no columns'}; it must have before_NAME and "
-            f"after_NAME for each coordinate (impacts), time and one of {', '.join(MEASURABLE)} (series), or "
-            "rotor_velocity and keys such as rotor.load_torque (operating points). See docs/measured_data.md."
+            "after_NAME for each coordinate (impacts), time, x and y (tracks), time and one of "
+            f"{', '.join(MEASURABLE)} (series), or rotor_velocity and keys such as rotor.load_torque "
+            "(operating points). See docs/measured_data.md."
         )
     return result

@@ -21,7 +21,7 @@ from typing import Final
 import numpy as np
 
 from contactlab.measured.bodies import BodyImpacts
-from contactlab.measured.impacts import MeasuredImpacts, odd_energies
+from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.motor.table import MeasurementError
 from contactlab.suggestion import excerpt
 
@@ -69,25 +69,17 @@ def read_ellipses(path: Path) -> MeasuredImpacts:
     ]
     shares = [bodies.outside_share() for bodies in made]
     bodies, taken = (made[1], "reversed") if shares[1] < shares[0] else (made[0], "as it stands")
-    before, after, delassus = bodies.contact(bodies.before), bodies.contact(bodies.after), bodies.delassus()
-    return MeasuredImpacts(
-        delassus=delassus,
-        velocity_before=before,
-        velocity_after=after,
-        kinetic_energy=bodies.energy(bodies.before),
-        outside=bodies.outside(),
-        covariance=None,
+    return MeasuredImpacts.of_bodies(
+        bodies,
         title="Impacts of an ellipse on a flat plate",
         source="Fazeli, Zapolsky, Drumwright and Rodriguez (2020), Robotics Research, 555; tracked at 250 Hz",
         licence="MIT, the authors; BSD-3-Clause, the copy in DAIRLab/ImpactModeling",
         left_out=int((~clean).sum()),
         number=np.flatnonzero(clean) + 1,
-        bodies=bodies,
         notes=(
             f"The third component of the tangential row is taken {taken}: so {100.0 * min(shares):.2f} % "
             "of the jump's energy (median) lies outside of what impulses can do, and "
             f"{100.0 * max(shares):.2f} % with the other sign.",
             "The gravity of one frame of 4 ms is in the velocities: 0.04 m/s.",
-            *odd_energies(before, after, delassus),
         ),
     )

@@ -1,4 +1,4 @@
-"""Files of measured impacts and series, docs/measured_data.md: CSV, netCDF, one published MATLAB file."""
+"""Files of measured impacts, tracks and series, docs/measured_data.md: CSV, netCDF and one MATLAB file."""
 
 from pathlib import Path
 from typing import Any, Final
@@ -18,6 +18,7 @@ from contactlab.measured.series import (
     points_of_table,
     series_of_table,
 )
+from contactlab.measured.tracks import impacts_of_tracks
 from contactlab.motor.table import MeasurementError as MeasurementError, Table, read_table, write_csv
 from contactlab.results.files import check_file, damage, digest_of_file, whole_file, whole_netcdf
 
@@ -25,9 +26,10 @@ _COMPRESSED: Final = {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue
 
 
 def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | MeasuredPoints:
-    """Read measured impacts, series or operating points, by content.
+    """Read measured impacts, tracks, series or operating points, by content.
 
-    Impacts have velocities before and after, series a time, operating points a rotor velocity and no time.
+    Impacts have velocities before and after, tracks a time, x and y, series a time, operating points a rotor
+    velocity and no time.
 
     Raises:
         OSError: the file cannot be read.
@@ -46,6 +48,8 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | Measured
             raise MeasurementError(fault)
         table = read_table(path)
         names = table.names
+        if {"time", "x", "y"} <= {*names}:
+            return impacts_of_tracks(table, path.stem)
         if {"time", *MEASURABLE} & {*names} == {VELOCITY}:
             return points_of_table(table, digest_of_file(path))
         if {"time", *MEASURABLE} & {*names} and not any(n.startswith(("before_", "after_")) for n in names):
@@ -60,7 +64,7 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | Measured
 
 
 def read_impacts(path: Path) -> MeasuredImpacts:
-    """Read measured impacts from a CSV or netCDF file, or from the published MATLAB file of ellipses.
+    """Read impacts, measured or of tracks, from CSV or netCDF, or from the published MATLAB file of ellipses.
 
     Raises:
         OSError: the file cannot be read.

@@ -11,6 +11,7 @@ from typing import Any, Final, Self, final
 
 import numpy as np
 import pandas
+import xarray
 from numpy.typing import NDArray
 from scipy.special import gammaincinv
 
@@ -53,6 +54,8 @@ class MeasuredImpacts:
         measurement: label of the measurement that each impact repeats, shape (impact,), whole numbers; None
             where each is a measurement of its own. Impacts of one label stay in one fold of `validate`.
         bodies: the impacts in generalised coordinates; None where only contact velocities are known.
+        tracks: positions, flights, and breaks with the reasons of those that are no impacts, as of
+            `contactlab.measured.tracks`; None where velocities were measured.
 
     Raises:
         TypeError, ValueError: an array of another kind or shape, a matrix that is not positive definite, a
@@ -73,6 +76,7 @@ class MeasuredImpacts:
     notes: tuple[str, ...] = ()
     measurement: NDArray[np.int64] | None = None
     bodies: BodyImpacts | None = None
+    tracks: xarray.Dataset | None = None
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
@@ -101,6 +105,28 @@ class MeasuredImpacts:
                 f"The least kinetic_energy is {self.kinetic_energy.min():g} J and the least energy outside "
                 f"{self.outside.min():g} J; the former must be positive and the latter not negative."
             )
+
+    @classmethod
+    def of_bodies(cls, bodies: BodyImpacts, **others: Any) -> Self:
+        """Return the impacts of bodies, with the other arguments by name.
+
+        The covariance is by default that of the bodies; sentences on odd energies are added to the notes.
+        """
+        before, after, delassus = (
+            bodies.contact(bodies.before),
+            bodies.contact(bodies.after),
+            bodies.delassus(),
+        )
+        others["notes"] = (*others.get("notes", ()), *odd_energies(before, after, delassus))
+        return cls(
+            delassus=delassus,
+            velocity_before=before,
+            velocity_after=after,
+            kinetic_energy=bodies.energy(bodies.before),
+            outside=bodies.outside(),
+            bodies=bodies,
+            **{"covariance": bodies.contact_covariance(), **others},
+        )
 
     def __len__(self) -> int:
         return len(self.velocity_before) if isinstance(self.velocity_before, np.ndarray) else 0

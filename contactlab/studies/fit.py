@@ -60,7 +60,7 @@ class Fit(Study):
 
     data: Annotated[
         str | Path | MeasuredSeries | MeasuredImpacts | MeasuredPoints,
-        option("file of measured impacts, or of series or operating points of a motor"),
+        option("file of measured impacts or tracks, or of series or operating points of a motor"),
     ] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None

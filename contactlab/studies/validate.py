@@ -44,6 +44,9 @@ SHOWN: Final = 40
 LEAST: Final = 1e-4
 """Difference below which four decimals show nothing."""
 
+TRACKS: Final = "tracks"
+"""Group of the tracks from which the impacts follow."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Validate(Study):
@@ -63,7 +66,7 @@ class Validate(Study):
     ignored: ClassVar[tuple[str, ...]] = OF_MOTOR
     files: ClassVar[str] = "data"
 
-    data: Annotated[str | Path | MeasuredImpacts, option("file of measured impacts")] = ""
+    data: Annotated[str | Path | MeasuredImpacts, option("file of measured impacts, or of tracks")] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
     folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
@@ -122,7 +125,7 @@ class Validate(Study):
         return sha256(repr(depends).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
-        """Return the assessment, see `inference.cross_validation`; further seeds are groups seed_N."""
+        """Return the assessment, see `inference.cross_validation`; further seeds and tracks are groups."""
         del setups
         trees = []
         for seed in self.seeds:
@@ -133,6 +136,8 @@ class Validate(Study):
             trees.append(assessed(outcomes, self.impacts, self.folds, seed, self.block))
         first, *others = trees
         groups = {f"seed_{seed}": data for seed, data in zip(self.seeds[1:], others, strict=True)}
+        if self.impacts.tracks is not None:
+            groups[TRACKS] = self.impacts.tracks
         return xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
@@ -149,13 +154,15 @@ class Validate(Study):
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the order of the laws, what limits it, and which impacts no law explains."""
         every = data.to_dataset()
-        trees = [every, *(child.to_dataset() for child in data.children.values())]
+        trees = [every, *(child.to_dataset() for name, child in data.children.items() if name != TRACKS)]
+        tracks = data[TRACKS].attrs["findings"].splitlines() if TRACKS in data.children else []
         return [
             headline(every),
             *comparisons(every),
             *(agreement(trees) if len(trees) > 1 else []),
             *limits(every),
             unexplained(every),
+            *tracks,
         ]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
@@ -190,15 +197,19 @@ class Validate(Study):
             draw_errors,
             draw_impacts,
             draw_residuals,
+            draw_tracks,
         )
 
         every = data.to_dataset()
-        return {
+        figures = {
             "prediction_error": draw_errors(every),
             "paired_differences": draw_differences(every),
             "residuals": draw_residuals(every),
             "impacts": draw_impacts(every),
         }
+        if TRACKS in data.children:
+            figures[TRACKS] = draw_tracks(data.children[TRACKS].to_dataset(inherit=False))
+        return figures
 
 
 def _cross_validated(

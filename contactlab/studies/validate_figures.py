@@ -1,5 +1,6 @@
 """Figures of a validation: errors, paired differences, residuals, and a map of the impacts."""
 
+from itertools import cycle, product
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -17,6 +18,12 @@ MOST_NUMBERED: Final = 12
 
 NEGLIGIBLE: Final = 1e-3
 """Share of the least error of a law below which a floor is not drawn."""
+
+CROSSES: Final = "x+1234|"
+"""Marks of the reasons for which breaks are no impacts, in turn."""
+
+MOST_TRACKS: Final = 3
+"""Largest number of tracks in a picture."""
 
 BINS: Final = 8
 FEWEST: Final = 10
@@ -145,6 +152,42 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
         legend_above(figure, axes)
     axes.set(xlabel="slip velocity before the impact (m/s)", ylabel="approach velocity (m/s)")
     return figure
+
+
+def draw_tracks(data: xarray.Dataset) -> Figure:
+    """Draw positions, fitted flights and breaks of the first tracks over time, with the reasons in words.
+
+    Args:
+        data: as of `contactlab.measured.tracks`.
+    """
+    labels = np.unique(data["sample_track"].values)[:MOST_TRACKS]
+    coordinates = [str(name) for name in data["coordinate"].values]
+    figure, panels = drawing(
+        len(coordinates), len(labels), 0.8 + 1.3 * len(coordinates), sharex="col", sharey="row"
+    )
+    reasons = data["reason"].values
+    numbers = {reason: np.flatnonzero(reasons == reason) for reason in dict.fromkeys(reasons)}
+    for (row, name), (column, label) in product(enumerate(coordinates), enumerate(labels)):
+        axes, here = panels[row * len(labels) + column], data.sel(coordinate=name)
+        own = here.isel(sample=here["sample_track"].values == label)
+        axes.plot(
+            own["sample_time"], own["sample_position"], ".", color="0.6", markersize=2, label="position"
+        )
+        axes.plot(own["sample_time"], own["flight_position"], color="C0", linewidth=0.9, label="flight")
+        for marker, (reason, places) in zip(cycle(CROSSES), numbers.items()):
+            shown = here.isel({"break": [x for x in places if here["break_track"].values[x] == label]})
+            mark = (
+                {"marker": marker, "color": COLOURS["fault"]} if reason else {"marker": "o", "color": "black"}
+            )
+            text = f"{reason}: {', '.join(map(str, places + 1))}" if reason else "impact"
+            axes.plot(shown["break_time"], shown["break_position"], linestyle="", label=text, **mark)
+        if column == 0:
+            axes.set_ylabel(f"{name} ({'rad' if name == 'angle' else 'm'})")
+        if row == len(coordinates) - 1:
+            axes.set_xlabel("time (s)")
+        if row == 0 and len(labels) > 1:
+            axes.set_title(f"track {label:g}")
+    return legend_above(figure, panels[0])
 
 
 class Binned(NamedTuple):

@@ -41,12 +41,8 @@ def measured(bodies: BodyImpacts) -> MeasuredImpacts:
     approaching = bodies.contact(bodies.before)[:, 0] < 0.0
     bodies = bodies.part(approaching)
     number = np.arange(1, len(bodies.before) + 1)
-    before, after = bodies.contact(bodies.before), bodies.contact(bodies.after)
-    energies = bodies.energy(bodies.before), bodies.outside()
-    texts = ("Bodies", "A generator", "CC0-1.0")
-    return MeasuredImpacts(
-        bodies.delassus(), before, after, *energies, None, *texts, 0, number, bodies=bodies
-    )
+    texts = {"title": "Bodies", "source": "A generator", "licence": "CC0-1.0"}
+    return MeasuredImpacts.of_bodies(bodies, **texts, left_out=0, number=number)
 
 
 def test_a_tilt_turns_the_delassus_matrix_and_inertia_and_arms_change_it_as_said() -> None:
