@@ -453,7 +453,7 @@ def _sentences(motion: Motion, phases: Sequence[Phase], noise: Array, breaks: Se
 def _dataset(
     motion: Motion, phases: Sequence[Phase], breaks: Sequence[Break], sentences: Sequence[str]
 ) -> xarray.Dataset:
-    """Return samples with their flights, and breaks: all that a table and a picture of the tracks need."""
+    """Return samples with their flights, and breaks, in SI."""
     fitted, size = np.full_like(motion.position, np.nan), motion.position.shape[1]
     fall = np.where(np.arange(size) == _VERTICAL, motion.gravity, 0.0)
     for each in phases:
@@ -469,5 +469,5 @@ def _dataset(
         "break_position": (("break", "coordinate"), [each.position for each in breaks]),
         "reason": ("break", np.array([each.reason for each in breaks], dtype=object)),
     }
-    about = {"title": "Tracks, in SI", "findings": "\n".join(sentences)}
+    about = {"gravity": motion.gravity, "findings": "\n".join(sentences)}
     return xarray.Dataset(variables, {"coordinate": [*POSITIONS][:size]}, about)

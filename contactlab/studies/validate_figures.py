@@ -183,6 +183,9 @@ def draw_tracks(data: xarray.Dataset) -> Figure:
             axes.plot(shown["break_time"], shown["break_position"], linestyle="", label=text, **mark)
         if column == 0:
             axes.set_ylabel(f"{name} ({'rad' if name == 'angle' else 'm'})")
+            if name == "y" and data.attrs["gravity"] < 0.0:
+                # In a picture y points downwards.
+                axes.invert_yaxis()
         if row == len(coordinates) - 1:
             axes.set_xlabel("time (s)")
         if row == 0 and len(labels) > 1:
