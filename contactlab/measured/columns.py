@@ -116,11 +116,7 @@ def impacts_of(table: Table, title: str) -> MeasuredImpacts:
         mechanics.
     """
     columns, texts = _Columns(table), table.texts
-    places, keep = columns.places, texts.get("jacobian")
-    if keep is not None and (columns.contact or keep.strip() != _CHECKED):
-        raise MeasurementError(
-            f"'jacobian' is '{keep}'; it must be '{_CHECKED}', beside a Jacobian, or absent."
-        )
+    places, keep = columns.places, jacobian_is_checked(texts, applies=not columns.contact)
     notes = texts["note"].split("\n") if "note" in texts else []
     before, after, covariance = columns.all_of(BEFORE), columns.all_of(AFTER), columns.covariance()
     bodies = None
@@ -148,7 +144,7 @@ def impacts_of(table: Table, title: str) -> MeasuredImpacts:
         notes.append("The data have no tangential direction: the slip is zero.")
     _check_positive(delassus, "Delassus matrix", places, 1e-9)
     if bodies is not None and len(columns.angles) > 2:
-        notes.append(sign_note(bodies, columns.angles, keep=keep is not None))
+        notes.append(sign_note(bodies, columns.angles, keep=keep))
     _check_approach(before[:, 0], after[:, 0], places)
     notes += odd_energies(before, after, delassus)
     if bodies is not None:
@@ -184,6 +180,20 @@ def impacts_of(table: Table, title: str) -> MeasuredImpacts:
         measurement=columns.whole(MEASUREMENT),
         bodies=bodies,
     )
+
+
+def jacobian_is_checked(texts: Mapping[str, str], *, applies: bool) -> bool:
+    """Return whether the texts of a file state that its Jacobian is right.
+
+    Raises:
+        MeasurementError: they state something else, or there is no Jacobian.
+    """
+    keep = texts.get("jacobian")
+    if keep is not None and not (applies and keep.strip() == _CHECKED):
+        raise MeasurementError(
+            f"'jacobian' is '{keep}'; it must be '{_CHECKED}', beside a Jacobian, or absent."
+        )
+    return keep is not None
 
 
 def _check_positive(matrices: Array, name: str, places: Sequence[str], least: float) -> None:

@@ -23,6 +23,7 @@ from scipy.special import chdtri, ndtri
 
 from contactlab.arrays import Array
 from contactlab.measured.bodies import BodyImpacts, sign_note
+from contactlab.measured.columns import jacobian_is_checked
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.motor.table import MeasurementError, Table, refuse
 from contactlab.parameter import from_cf
@@ -347,10 +348,11 @@ def impacts_of_tracks(table: Table, title: str) -> MeasuredImpacts:
     passed[:, 0] *= (bodies.contact(bodies.after) / bodies.contact(bodies.before))[:, :1]
     errors = np.concatenate([passed, bodies.jacobian], axis=2)
     texts = table.texts
+    keep = jacobian_is_checked(texts, applies=size > 2)
     notes = [*texts.get("note", "").splitlines(), *sentences]
     if size > 2:
         angles = {name: unit == "rad" for name, unit in POSITIONS.items()}
-        notes.append(sign_note(bodies, angles, keep="jacobian" in texts))
+        notes.append(sign_note(bodies, angles, keep=keep))
     return MeasuredImpacts.of_bodies(
         bodies,
         covariance=errors @ covariance @ errors.transpose(0, 2, 1),

@@ -226,6 +226,7 @@ def test_a_faulty_file_of_tracks_is_refused_by_the_name_the_value_and_the_bound(
     wrong = moved(made, made.position * [1.0, 1.0, -1.0])
     assert "tangential_angle" in refusal(wrong)
     impacts_of(wrong, jacobian="checked")
+    assert "jacobian" in refusal(wrong, jacobian="fine")
 
 
 def tokens(text: str) -> set[str]:
