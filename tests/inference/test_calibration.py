@@ -271,16 +271,19 @@ def test_every_number_that_a_quantity_tells_comes_back_from_it(law: cl.ContactLa
         assert_allclose(result.quantities["residual"], 0.0, atol=1e-9)
 
 
-def test_two_quantities_bring_two_numbers_back_and_the_table_says_which_from_which() -> None:
-    truth = cl.Composed(cl.HertzPoint(3e9), cl.Flores(0.65))
-    known = {
-        name: (x, SPEED)
-        for name, x in quantities_of(truth).items()
-        if name in ("restitution", "contact_time")
-    }
-    result = cl.identify(cl.Composed(damping=cl.Flores()), mass=MASS, **known)  # type: ignore[arg-type]
-    assert number(result, "normal.stiffness") == pytest.approx(3e9, rel=1e-7)
-    assert number(result, "damping.restitution") == pytest.approx(0.65, rel=1e-9)
+@settings(max_examples=15)
+@given(st.floats(6.0, 13.0), st.floats(0.05, 0.99), st.floats(-5.0, 0.0))
+def test_two_quantities_bring_two_numbers_back_and_the_table_says_which_from_which(
+    k: float, e: float, m: float
+) -> None:
+    stiffness, mass = 10.0**k, 10.0**m
+    truth = cl.normal_impact(
+        cl.Composed(cl.HertzPoint(stiffness), cl.Flores(e)), SPEED, mass=mass, tolerance=1e-11
+    )
+    known: dict[str, Any] = {x: (float(truth[x][0]), SPEED) for x in ("restitution", "contact_time")}
+    result = cl.identify(cl.Composed(damping=cl.Flores()), mass=mass, **known)
+    assert number(result, "normal.stiffness") == pytest.approx(stiffness, rel=1e-8)
+    assert number(result, "damping.restitution") == pytest.approx(e, rel=1e-8)
     # The restitution is that of the damping alone, the contact time that of both.
     source = result.parameters["from"]
     assert source["damping.restitution"] == "restitution"
