@@ -11,16 +11,19 @@ loop.plot()
 
 from collections.abc import Callable
 from math import factorial
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 import scipy
 
 from contactlab.arrays import Array
 from contactlab.checks import accepts_units, check_shape
+from contactlab.engine.equilibrium import penetrations
 from contactlab.engine.preparation import check_law
 from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.laws.composed import Composed
 from contactlab.motor.bodies import led_body
+from contactlab.motor.motor import Motor
 from contactlab.motor.waveform import Waveform
 from contactlab.simulation import Solution, simulate
 
@@ -33,15 +36,18 @@ RECORDS: Final = 1000
 SAME_TIME: Final = 1e-12
 """Share of a path within which two of its pieces begin at once."""
 
+Path = Array | Waveform | float
+"""Samples at the times, a waveform of one row from the first time on, or a number."""
+
 
 @accepts_units(period="s", duration="s", record_interval="s", tolerance="1")
 def drive(
     law: ContactLaw,
     time: Array,
     *,
-    gap: Array | float | None = None,
-    normal: Array | float | None = None,
-    slip: Array | float = 0.0,
+    gap: Path | None = None,
+    normal: Path | None = None,
+    slip: Path = 0.0,
     degree: int = 3,
     period: float | None = None,
     duration: float | None = None,
@@ -51,8 +57,7 @@ def drive(
 ) -> Solution:
     """Take a law along a prescribed path, and record its forces, internal variables and losses.
 
-    The gap of a compliant law is prescribed, of a rigid one, whose force does not follow from a gap, the
-    normal force. The motion is the path's, exactly; of the work that it does
+    The motion is the path's, exactly; of the work that it does
 
         drive_work = -int (N gdot + F v) dt = change of contact_energy + contact_loss + friction_loss
 
@@ -71,9 +76,10 @@ def drive(
     Args:
         law: of either family.
         time: of the samples [s], increasing, shape (sample,).
-        gap: of a compliant law [m], a number or shape (sample,).
-        normal: normal force on a rigid law [N], positive, a number or shape (sample,).
-        slip: way along the surface [m], a number or shape (sample,); its rate is the slip velocity.
+        gap: of a compliant law [m].
+        normal: normal force [N], positive, in place of the gap. Of a compliant law it is that of the gaps at
+            which the law has these forces at rest; damping, or memory, along the normal is refused.
+        slip: way along the surface [m]; its rate is the slip velocity.
         degree: of the spline through the samples: 1 joins them by lines, so that velocities jump; 3, 5 or 7
             is smooth, with an error of the fourth, sixth or eighth order in the time between samples.
         period: after which the path repeats itself [s], see `Waveform.sampled`; None is once.
@@ -90,33 +96,65 @@ def drive(
         TypeError, ValueError: an argument out of range, one too many or one too few.
         LawError: the law contradicts itself, or its code raised an exception.
     """
-    check_law(law)
-    compliant = isinstance(law, PenaltyLaw)
-    wanted, other = ("gap", "normal") if compliant else ("normal", "gap")
-    paths: dict[str, Any] = {"gap": gap, "normal": normal, "slip": slip}
-    if paths[wanted] is None or paths[other] is not None:
-        kind = "compliant" if compliant else "rigid"
-        raise ValueError(f"{law.name} is {kind}; it must be given a path of its {wanted}, and no {other}.")
-    check_shape("time", time, (-1,), "one number a sample")
-    rows = {}
-    for name in (wanted, "slip"):
-        value: Any = paths[name]
-        rows[name] = value + np.zeros(time.shape) if np.ndim(value) == 0 else value
-        check_shape(name, rows[name], time.shape, "one number a sample")
-    if not compliant and not (rows["normal"] > 0.0).all():
-        raise ValueError(f"normal is {rows['normal'].min()} N at its least; it must be positive.")
-    path = _cut_at_reversals(Waveform.sampled(time, np.stack(list(rows.values())), degree, period))
+    motor = driven_by(law, time, gap, normal, slip, degree, period)
     length = (period or float(time[-1] - time[0])) if duration is None else duration
     if record_interval is None:
         record_interval = min(length / RECORDS, float(time[-1] - time[0]) / (time.size - 1))
     return simulate(
-        led_body(path.delayed(float(time[0])), compliant),
+        motor,
         law,
         duration=length,
         record_interval=record_interval,
+        contact_step=longest_step(motor, law),
         tolerance=TOLERANCE if tolerance is None else tolerance,
         progress=progress,
     )
+
+
+def longest_step(motor: Motor, law: ContactLaw) -> float | None:
+    """Return the step in contact of a compliant law [s]: no step goes beyond a piece of the path."""
+    pieces: Any = cast(Waveform, motor.drive.waveform).pieces
+    return float(np.diff(pieces.x).max()) if isinstance(law, PenaltyLaw) else None
+
+
+def driven_by(
+    law: ContactLaw,
+    time: Array,
+    gap: Path | None,
+    normal: Path | None,
+    slip: Path,
+    degree: int = 3,
+    period: float | None = None,
+) -> Motor:
+    """Return the body that takes a law along a path; arguments and errors as of `drive`."""
+    check_law(law)
+    compliant = isinstance(law, PenaltyLaw)
+    if (gap is None) == (normal is None) or not (compliant or gap is None):
+        wanted = (
+            "a path of gap or of normal, and not of both" if compliant else "a path of normal, not of gap"
+        )
+        raise ValueError(f"{law.name} is {'compliant' if compliant else 'rigid'}; it must have {wanted}.")
+    check_shape("time", time, (-1,), "one number a sample")
+    first = _samples("gap", gap, time) if normal is None else _samples("normal", normal, time)
+    if normal is not None and not (first > 0.0).all():
+        raise ValueError(f"normal is {first.min()} N at its least; it must be positive.")
+    if isinstance(law, PenaltyLaw) and normal is not None:
+        if isinstance(law, Composed) and (law.damping.name != "none" or law.normal.internal_variables):
+            raise ValueError(
+                f"The normal force of {law.name} does not follow from its gap alone; give it a path of gap."
+            )
+        first = -penetrations(law, first)
+    rows = np.stack([first, _samples("slip", slip, time)])
+    path = _cut_at_reversals(Waveform.sampled(time, rows, degree, period)).delayed(float(time[0]))
+    return led_body(path, compliant)
+
+
+def _samples(name: str, path: Path | None, time: Array) -> Array:
+    """Return the values of a path at its times."""
+    value: Any = path.voltage(time)[0] if isinstance(path, Waveform) else path
+    samples = value + np.zeros(time.shape) if np.ndim(value) == 0 else np.asarray(value)
+    check_shape(name, samples, time.shape, "one number a sample")
+    return samples
 
 
 def _cut_at_reversals(path: Waveform) -> Waveform:

@@ -172,6 +172,7 @@ def study_in(
     finally:
         if storage is not None:
             storage.remove_session()
+            storage.engine.dispose()
 
 
 def attempt(study: optuna.Study, trial: Trial, setup: cl.Setup) -> None:

@@ -225,7 +225,9 @@ def test_a_rigid_law_under_a_prescribed_load(law: cl.ContactLaw) -> None:
 @pytest.mark.parametrize(
     ("law", "path", "key"),
     [
-        (HERTZ, {"normal": 1.0}, "gap"),
+        (HERTZ, {}, "gap"),
+        (cl.Composed(damping=cl.HuntCrossley()), {"normal": 1.0}, "gap"),
+        (cl.Composed(normal=cl.Prony()), {"normal": 1.0}, "gap"),
         (HERTZ, {"gap": -1e-6, "normal": 1.0}, "normal"),
         (cl.LagrangeStick(), {"gap": -1e-6}, "normal"),
         (cl.LagrangeStick(), {"normal": -1.0}, "normal"),
@@ -236,6 +238,26 @@ def test_a_rigid_law_under_a_prescribed_load(law: cl.ContactLaw) -> None:
 def test_a_path_of_another_kind_is_refused(law: cl.ContactLaw, path: dict[str, float], key: str) -> None:
     with pytest.raises(ValueError, match=key):
         cl.drive(law, TIME, **path)
+
+
+def test_a_compliant_law_has_the_normal_force_that_is_prescribed() -> None:
+    """Mindlin's spring, released: what the normal force can no longer hold is lost."""
+    law = cl.Composed(friction=cl.Mindlin(friction_coefficient=0.3))
+    time = TIME / DURATION
+    run = cl.drive(law, TIME, normal=10.0 - 9.0 * time, slip=1e-7 * time, degree=7)
+    load = 10.0 - 9.0 * 0.5 * (time[1:] + time[:-1])
+    np.testing.assert_allclose(run["normal_force"].values[1:], load, rtol=1e-9)
+    assert (np.abs(run["friction_force"].values[1:]) <= 0.3 * load * (1.0 + 1e-9)).all()
+    assert {1, 2} <= set(run["contact_mode"].values.tolist())
+    assert abs(float(run["energy_residual"][-1])) < 1e-11 * float(run["contact_energy"].max())
+
+
+def test_a_waveform_is_the_path_of_its_samples() -> None:
+    way = 1e-6 * np.sin(TURN * TIME)
+    wave = cl.Waveform.sampled(TIME, way[None], 7)
+    law = cl.Composed(friction=cl.Dahl())
+    given, made = (cl.drive(law, TIME, gap=-1e-6, slip=path, degree=7) for path in (way, wave))
+    np.testing.assert_allclose(made["friction_force"], given["friction_force"], rtol=1e-9, atol=1e-12)
 
 
 def test_a_run_is_saved_read_and_drawn(tmp_path) -> None:

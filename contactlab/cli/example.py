@@ -76,8 +76,11 @@ def examples() -> Iterator[Example]:
         name = _ORDER.sub("", path.stem)
         yield Example(name, title, path, f"{name}.py", f"python {name}.py runs it.")
     for path in sorted((root / GALLERY).glob("*.csv")):
-        match = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        text = path.read_text(encoding="utf-8")
+        match = re.search(r"^# title: (.+)$", text, re.MULTILINE)
         onward = f"contactlab validate {path.name} law=newton,poisson compares laws with it."
+        if re.search(r"^[^#].*\bslip\b", text, re.MULTILINE):
+            onward = f"contactlab drive {path.name} law=composed law/friction=dahl draws a law beside it."
         yield Example(path.stem, match[1] if match else "", path, path.name, onward)
     for copy, (folder, group, onward) in PACKAGES.items():
         text = (root / folder / "pyproject.toml").read_text(encoding="utf-8")

@@ -64,17 +64,7 @@ def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> tu
 
     def penetration(force: float) -> float:
         """Return d of a normal force, less a little of a rigid law."""
-        if not isinstance(law, PenaltyLaw):
-            return -OPEN
-        parameters, _, bound, errors = take_in(law)
-
-        def missing(depth: float) -> float:
-            return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
-
-        with errors():
-            if missing(DEEPEST) > 0.0:
-                return float(scipy.optimize.brentq(missing, 0.0, DEEPEST, xtol=1e-20, rtol=1e-14))
-        raise ValueError(f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest.")
+        return float(penetrations(law, np.array([force]))[0]) if isinstance(law, PenaltyLaw) else -OPEN
 
     force = 0.0
     if free.size:
@@ -91,3 +81,26 @@ def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> tu
     if free.size and force > 0.0:
         q[free[0]] = (clearance + penetration(force) - row[elastic] @ q[elastic]) / row[free[0]]
     return q, force
+
+
+def penetrations(law: PenaltyLaw, forces: Array) -> Array:
+    """Return the penetrations [m] at which a law's normal force at rest is each of some positive ones [N].
+
+    Raises:
+        ValueError: there is none up to `DEEPEST`.
+        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
+    """
+    parameters, _, bound, errors = take_in(law)
+
+    def missing(depth: float, force: float) -> float:
+        return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
+
+    result = np.empty_like(forces)
+    with errors():
+        for i, force in enumerate(forces):
+            if not missing(DEEPEST, force) > 0.0:
+                raise ValueError(
+                    f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest."
+                )
+            result[i] = scipy.optimize.brentq(missing, 0.0, DEEPEST, (force,), xtol=1e-20, rtol=1e-14)
+    return result

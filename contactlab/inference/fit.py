@@ -17,8 +17,10 @@ Sources: Gelman, Meng and Stern (1996), Stat. Sinica 6, 733; Gelman et al. (2013
 """
 
 import json
+from collections import ChainMap
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib.metadata import version
 from itertools import product
 from math import erfc, exp, hypot, inf, log, sqrt
@@ -34,10 +36,12 @@ from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import FreeParameter, label_of
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
+from contactlab.inference.joint_problem import JointProblem
 from contactlab.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.motor_problem import points_problem, series_problem
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
+from contactlab.inference.path_problem import path_problem
 from contactlab.inference.problem import Problem
 from contactlab.inference.repeats import MARGIN, not_stated
 from contactlab.inference.synthetic import truth_in
@@ -47,6 +51,8 @@ from contactlab.progress import part_of_progress
 
 STARTS: Final = 16
 """Default number of starts of least squares."""
+
+NO_LAW: Final = "The data contain no law; choose one, law=newton, or several, law=newton,poisson."
 
 FEWEST: Final = 3
 """Least number of impacts to which a law is fitted."""
@@ -118,11 +124,12 @@ class Candidate:
 
 
 def candidates_of(
-    data: Data,
+    data: Data | Mapping[str, Data],
     setups: Mapping[str, Setup],
     free: Free,
     known: Collection[str] = (),
     *,
+    own: Collection[str] = (),
     discrepancy: Discrepancy = "off",
     degrees_of_freedom: float | None = inf,
     name: str = "",
@@ -131,10 +138,11 @@ def candidates_of(
     """Return the laws to be fitted, twice if with and without discrepancy.
 
     Args:
-        data: measurements.
+        data: measurements, or several by label.
         setups: of the laws by label, which names those that are not named by their laws alone.
         free: ranges by key.
         known: keys of numbers that have the values of the setups.
+        own: keys of numbers that each of several measurements has of its own.
         discrepancy: whether the laws may be wrong.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
         name: of the data.
@@ -143,9 +151,17 @@ def candidates_of(
     Raises:
         ConfigurationError: with every fault.
     """
-    if isinstance(data, MeasuredImpacts):
-        _check_impacts(data, setups, discrepancy)
+    sets = data if isinstance(data, Mapping) else {"": data}
+    for each in sets.values():
+        if isinstance(each, MeasuredImpacts):
+            _check_impacts(each, discrepancy)
+    if not setups:
+        raise ConfigurationError(NO_LAW)
     every, corrections = free_numbers(setups, free, known), corrections_in(free)
+    if unknown := sorted({*own} - {item.name for keys in every.values() for item in keys}):
+        raise ConfigurationError(
+            [f"study.own has {key}, which is not free; leave it out." for key in unknown]
+        )
     tails = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
     likelihood = "normal" if degrees_of_freedom == inf else f"Student-t, degrees of freedom: {tails}"
     result, faults = list[Candidate](), list[str]()
@@ -156,26 +172,27 @@ def candidates_of(
     for (place, setup), may_err in product(setups.items(), cases):
         keys = every[place]
         try:
-            problem = _problem(data, setup, keys, corrections, degrees_of_freedom, discrepancy=may_err)
+            problem = _problem_of(sets, setup, keys, corrections, own, degrees_of_freedom, may_err)
         except ConfigurationError as error:
             faults += error.faults
             continue
         configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
-        if isinstance(data, MeasuredImpacts) and (copies := data.copies_warning()):
+        impacts = [each for each in sets.values() if isinstance(each, MeasuredImpacts)]
+        if copies := " ".join(filter(None, (each.copies_warning() for each in impacts))):
             origin["duplicates"] = copies
         if isinstance(data, MeasuredImpacts) and data.tracks is not None:
             origin["tracks"] = data.tracks.attrs["findings"]
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
-        numbers = truth_in(data, setup.configuration)
-        truth = {item.name: numbers[item.name] for item in keys if item.name in numbers}
+        numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
+        truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}
         result.append(Candidate(label, problem, truth, origin, numbers_of(setup, keys, [*free, *known])))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return result
 
 
-def _check_impacts(data: MeasuredImpacts, setups: Mapping[str, Setup], discrepancy: Discrepancy) -> None:
+def _check_impacts(data: MeasuredImpacts, discrepancy: Discrepancy) -> None:
     """Raise a ConfigurationError for impacts to which no law can be fitted as asked."""
     faults = []
     if len(data) < FEWEST:
@@ -185,10 +202,40 @@ def _check_impacts(data: MeasuredImpacts, setups: Mapping[str, Setup], discrepan
             "study.discrepancy must be off: the data state no noise, from which it could be distinguished. "
             "State it by noise."
         )
-    if not setups:
-        faults.append("The data contain no law; choose one, law=newton, or several, law=newton,poisson.")
     if faults:
         raise ConfigurationError(faults)
+
+
+def of_law(data: Data) -> bool:
+    """Return whether measurements are of a law alone, without a motor."""
+    return isinstance(data, MeasuredImpacts) or (isinstance(data, MeasuredSeries) and bool(data.path))
+
+
+def _problem_of(
+    sets: Mapping[str, Data],
+    setup: Setup,
+    keys: Sequence[FreeParameter],
+    corrections: tuple[FreeParameter, ...],
+    own: Collection[str],
+    degrees_of_freedom: float | None,
+    discrepancy: bool,
+) -> Problem:
+    """Return the problem of one law."""
+    of_laws, others = [*map(of_law, sets.values())], [item.name for item in keys if not item.field]
+    if all(of_laws) and others:
+        raise ConfigurationError(f"{', '.join(others)} is of the motor; these data depend on the law alone.")
+    impacts = any(isinstance(data, MeasuredImpacts) for data in sets.values())
+    if corrections and not impacts:
+        raise ConfigurationError(f"{corrections[0].name} is of measured impacts; the data have none.")
+    parts = {}
+    for (label, data), alone in zip(sets.items(), of_laws, strict=True):
+        chosen = [item for item in keys if item.field or not alone]
+        of_data = corrections if isinstance(data, MeasuredImpacts) else ()
+        parts[label] = _problem(data, setup, chosen, of_data, degrees_of_freedom, discrepancy=discrepancy)
+    problem = parts[""] if [*parts] == [""] else JointProblem(parts, own)
+    if not problem.free:
+        raise ConfigurationError(f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH.")
+    return problem
 
 
 def _problem(
@@ -200,16 +247,16 @@ def _problem(
     *,
     discrepancy: bool,
 ) -> Problem:
-    """Return the problem of one law."""
+    """Return the problem of one law and one data set."""
     problem: Problem
     if isinstance(data, MeasuredImpacts):
-        if others := [item.name for item in keys if not item.field]:
-            raise ConfigurationError(f"{', '.join(others)} is of the motor; impacts depend on the law.")
         predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
         unknown = discrepancy or data.covariance is None
         problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
-    elif corrections:
-        raise ConfigurationError(f"{corrections[0].name} is of measured impacts; the data are of a motor.")
+    elif isinstance(data, MeasuredSeries) and data.path:
+        problem = path_problem(
+            data, setup.law, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
+        )
     elif "resonator" not in setup.configuration:
         raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
     elif isinstance(data, MeasuredSeries):
@@ -220,8 +267,6 @@ def _problem(
         raise ConfigurationError("study.discrepancy must be off: operating points have no time.")
     else:
         problem = points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
-    if not problem.free:
-        raise ConfigurationError(f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH.")
     return problem
 
 
@@ -309,8 +354,8 @@ def _predictive(
     generator = np.random.default_rng([seed, 2])
     measured = {str(name): item.values for name, item in problem.data.items()}
     discrepancies: dict[str, Callable[..., float]] = {"p_deviance": problem.deviance}
-    if "time" in problem.data.dims:
-        discrepancies["p_succession"] = succession
+    if over_time := [name for name, item in problem.data.items() if str(item.dims[0]).endswith("time")]:
+        discrepancies["p_succession"] = partial(succession, [str(name) for name in over_time])
     exceeded = dict.fromkeys(discrepancies, 0)
     parts: list[dict[str, list[Array]]] = [{}, {}, {}]
     for values in draws:
@@ -344,10 +389,12 @@ def _predictive(
     return groups, {name: count / (REPLICAS * len(draws)) for name, count in exceeded.items()}
 
 
-def succession(predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array]) -> float:
-    """Return the correlation of successive residuals, the largest of all series."""
+def succession(
+    names: Sequence[str], predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array]
+) -> float:
+    """Return the correlation of successive residuals, the largest of the series with these names."""
     del values
-    every = [observed[name] - x for name, x in predicted.items()]
+    every = [observed[name] - predicted[name] for name in names]
     return max(float(x[1:] @ x[:-1]) / (float(x @ x) or 1.0) for x in every)
 
 

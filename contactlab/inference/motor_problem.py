@@ -171,25 +171,38 @@ class MotorProblem(Problem):
         return self.value(values, f"{DISCREPANCY}.{name}", 0.0)
 
 
-@final
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SeriesProblem(MotorProblem):
-    """See `Problem`; times are those of the data.
-
-    Args:
-        interval: of the records [s].
-        places: indices of the records at the times of the data; None where they lie between records.
-    """
+class OverTime(MotorProblem):
+    """Quantities over time; see `Problem`; times are those of the data."""
 
     measured: MeasuredSeries
-    interval: float
-    places: Array | None
 
     @cached_property
     def data(self) -> xarray.Dataset:
         """The series."""
         series = {n: ("time", x, {"units": MEASURABLE[n].units}) for n, x in self.measured.values.items()}
         return xarray.Dataset(series, {"time": self.measured.time})
+
+    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
+        """Return the log density of each residual given those before it, by a Kalman filter."""
+        terms = np.empty(missed.size)
+        time, correlation = self.measured.time, self.correlation or 1.0
+        series_log_densities(missed, time, noise, amplitude, correlation, terms)
+        return terms
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SeriesProblem(OverTime):
+    """Series of a motor.
+
+    Args:
+        interval: of the records [s].
+        places: indices of the records at the times of the data; None where they lie between records.
+    """
+
+    interval: float
+    places: Array | None
 
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return the series of the run at the times of the data, by name; None if it ends before."""
@@ -205,13 +218,6 @@ class SeriesProblem(MotorProblem):
             return {name: np.interp(self.measured.time, run.time, x) for name, x in series.items()}
         places = self.places.astype(np.int64)
         return {name: x[places] for name, x in series.items()}
-
-    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
-        """Return the log density of each residual given those before it, by a Kalman filter."""
-        terms = np.empty(missed.size)
-        time, correlation = self.measured.time, self.correlation or 1.0
-        series_log_densities(missed, time, noise, amplitude, correlation, terms)
-        return terms
 
 
 def series_problem(
@@ -253,10 +259,7 @@ def series_problem(
         raise ConfigurationError(
             "The drive has no period, the discrepancy's correlation time. Leave discrepancy out."
         )
-    if discrepancy and degrees_of_freedom != inf:
-        raise ConfigurationError(
-            "Student-t noise and a discrepancy of a series cannot be combined. Leave one out."
-        )
+    check_noise(discrepancy, degrees_of_freedom)
     duration = max(float(measured.time[-1]), interval)
     times = {"solver.duration": duration, "solver.until": "duration", "solver.precision": PRECISION}
     settings = {**flat(configuration), **times, "record.interval": interval}
@@ -271,6 +274,14 @@ def series_problem(
         correlation=period if discrepancy else 0.0,
         degrees_of_freedom=degrees_of_freedom,
     )
+
+
+def check_noise(discrepancy: bool, degrees_of_freedom: float | None) -> None:
+    """Raise a ConfigurationError for a discrepancy with Student-t noise."""
+    if discrepancy and degrees_of_freedom != inf:
+        raise ConfigurationError(
+            "Student-t noise and a discrepancy of a series cannot be combined. Leave one out."
+        )
 
 
 def records_at(time: Array) -> tuple[float, Array | None]:

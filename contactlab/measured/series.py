@@ -5,7 +5,15 @@
     NAME_error                 standard deviation of NAME's error, over time or one number; optional
     configuration              attribute: known keys of the motor, YAML as of a run; optional
 
-Forces are means over the interval that ends at their time, as of a run. Operating points of a settled motor:
+Forces are means over the interval that ends at their time, as of a run. A contact by itself on a prescribed
+path, where there is a column `slip`:
+
+    time                            s, increasing
+    slip, gap or normal             way along the surface [m]; gap [m] or normal force [N] that is prescribed
+    normal_force, friction_force    N, measured at these times; optional, but for a fit
+    normal_force_error, ...         as of a motor
+
+Operating points of a settled motor:
 
     rotor_velocity          rad/s, of the settled motor
     rotor_velocity_error    standard deviation of its error; optional
@@ -29,6 +37,9 @@ from contactlab.motor.table import MeasurementError, Table
 from contactlab.results.yaml_text import read_yaml
 from contactlab.suggestion import excerpt, suggestion
 
+FORCES: Final = ("normal_force", "friction_force")
+"""What can be measured of a contact on a prescribed path."""
+
 FEWEST: Final = 8
 """Smallest number of times."""
 
@@ -43,6 +54,9 @@ MEASURABLE: Final = {
 }
 """Quantities of a motor that can be measured, by name."""
 
+PATH: Final = {"slip": "m", "gap": "m", "normal": "N"}
+"""Units of what can be prescribed to a contact; a column of the first tells that it is."""
+
 ERROR: Final = "_error"
 """End of the name of a standard deviation."""
 
@@ -50,7 +64,7 @@ ERROR: Final = "_error"
 @final
 @dataclass(frozen=True, eq=False)
 class MeasuredSeries:
-    """Quantities of a motor that were measured at the same times.
+    """Quantities of a motor, or of a contact on a prescribed path, that were measured at the same times.
 
     Args:
         time: since the drive was switched on [s], increasing, shape (time,).
@@ -59,6 +73,7 @@ class MeasuredSeries:
         configuration: of the motor as far as the file states it, may be empty.
         attributes: all others of the file.
         digest: of the file.
+        path: of `PATH`, shape (time,) each, what was prescribed to a contact; empty for a motor.
     """
 
     time: Array
@@ -67,12 +82,14 @@ class MeasuredSeries:
     configuration: Mapping[str, Any]
     attributes: Mapping[str, Any]
     digest: str = ""
+    path: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def content_digest(self) -> str:
         """SHA-256 of numbers and configuration, 64 hexadecimal digits."""
         parts: list[Any] = [self.time.tobytes(), sorted(self.configuration.items())]
-        parts += [(name, x.tobytes()) for each in (self.values, self.errors) for name, x in each.items()]
+        every = (self.values, self.errors, self.path)
+        parts += [(name, x.tobytes()) for each in every for name, x in each.items()]
         return sha256(repr(parts).encode()).hexdigest()
 
     def only(self, names: Sequence[str]) -> "MeasuredSeries":
@@ -91,6 +108,8 @@ class MeasuredSeries:
     def to_xarray(self) -> xarray.Dataset:
         """Return the series as a file contains them."""
         data = xarray.Dataset(coords={"time": ("time", self.time, {"units": "s"})})
+        for name, values in self.path.items():
+            data[name] = ("time", values, {"units": PATH[name]})
         for name, values in self.values.items():
             units, long_name = MEASURABLE[name].units, MEASURABLE[name].long_name
             data[name] = ("time", values, {"units": units, "long_name": long_name})
@@ -109,13 +128,16 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     Raises:
         MeasurementError: the table has no time or no series, or a series is faulty.
     """
-    units = {"time": "s"} | {name: item.units for name, item in MEASURABLE.items()}
-    errors = {f"{name}{ERROR}": item.units for name, item in MEASURABLE.items()}
-    present = [name for name in MEASURABLE if name in table.names]
-    if "time" not in table.names or not present:
+    path = [name for name in PATH if name in table.names] if "slip" in table.names else []
+    measurable = {n: x for n, x in MEASURABLE.items() if not path or n in FORCES}
+    units = {"time": "s"} | {n: x.units for n, x in measurable.items()} | {n: PATH[n] for n in path}
+    errors = {f"{name}{ERROR}": item.units for name, item in measurable.items()}
+    present = [name for name in measurable if name in table.names]
+    if "time" not in table.names or not (present or path) or len(path) not in (0, 2):
+        asked = f"time and at least one of {', '.join(measurable)}"
         raise MeasurementError(
-            f"it has {excerpt(', '.join(table.names))}; it must have time and at least one of "
-            f"{', '.join(MEASURABLE)}."
+            f"it has {excerpt(', '.join(table.names))}; it must have {asked}"
+            + ("." if not path else ", and beside slip either gap or normal.")
         )
     # A run has other variables; an error of nothing is a misspelt one.
     runs = table.dimension == "time"
@@ -124,7 +146,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         if name in errors and name.removesuffix(ERROR) not in present:
             raise MeasurementError(f"{name} is the error of a series that is missing; leave it out.")
     time = table.numbers("time", "s")
-    if time.size < FEWEST or time[0] < 0.0 or not (np.diff(time) > 0.0).all():
+    if time.size < FEWEST or (time[0] < 0.0 and not path) or not (np.diff(time) > 0.0).all():
         raise MeasurementError(
             f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
             f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
@@ -149,6 +171,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         configuration,
         {str(key): value for key, value in table.data.attrs.items() if key != "configuration"},
         digest,
+        {name: table.numbers(name, units[name]) for name in path},
     )
 
 

@@ -28,8 +28,8 @@ HEAVY: Final = 1e18
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
 
-PRESSED_ROOT: Final = 1e-4
-"""Root of the mass that a prescribed load presses [kg^1/2]: what bends its path adds nothing to the load."""
+FLATTER: Final = 1e15
+"""Radius of its plate [m]: what bends its path adds nothing to a load."""
 
 MOST_MODES: Final = 20
 """Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
@@ -119,16 +119,16 @@ def led_body(path: Waveform, gap: bool) -> Motor:
 
     Args:
         path: two rows: gap [m] or normal force [N], and way along the plate [m].
-        gap: whether the first row is the gap. Else it is a force that presses the body on the plate.
+        gap: whether the first row is the gap. Else it is a force that presses a kilogram on the plate.
     """
-    across = PRESCRIBED_ROOT if gap else PRESSED_ROOT
+    across = PRESCRIBED_ROOT if gap else 1.0
     modes = NormalModes(
         stiffness=np.zeros(2),
         damping=np.zeros(2),
-        coupling=np.diag([-across if gap else 1.0 / across, PRESCRIBED_ROOT]),
+        coupling=np.diag([-across if gap else 1.0, PRESCRIBED_ROOT]),
         # As of a block.
         tip_displacement=np.array([1.0 / across, 0.0]),
-        tip_slope=np.array([0.0, -1.0 / (FLAT * PRESCRIBED_ROOT)]),
+        tip_slope=np.array([0.0, -1.0 / (FLATTER * PRESCRIBED_ROOT)]),
         prescribed=np.array([gap, True]),
     )
     displacement, velocity = (modes.coupling @ path.voltage(0.0, order) for order in (0, 1))
@@ -139,7 +139,7 @@ def led_body(path: Waveform, gap: bool) -> Motor:
     return Motor(
         modes,
         Drive(waveform=path),
-        ContactGeometry(FLAT, FLAT, 0.0),
+        ContactGeometry(FLATTER, FLATTER, 0.0),
         plate,
         start=ModalState(displacement, velocity),
     )

@@ -1,6 +1,6 @@
 """The picture of a law on a prescribed path: forces over the path, over time, and what the law remembers."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib import rc_context
@@ -17,6 +17,12 @@ from contactlab.variables import INTERNAL
 
 if TYPE_CHECKING:
     import xarray
+
+SAME = 1e-9
+"""Relative change of a gap or force that is none."""
+
+ZERO: Final[Any] = {"color": "0.8", "linewidth": 0.6, "zorder": 0}
+"""Line of no force, to which an axis of forces reaches: round-off of a constant one is not what is drawn."""
 
 MOST_NAMED = 6
 """Internal variables with a name in the picture."""
@@ -55,15 +61,16 @@ def _between(values: Array) -> Array:
 
 
 def _draw_normal(axes: Axes, run: Recording) -> None:
-    """Draw the normal force over the penetration; over time where it is what was prescribed."""
-    force = drawable(run.series["normal_force"][1:])
-    if run.attributes["prescribed"] == "gap":
+    """Draw the normal force over the penetration; over time where that does not change."""
+    force, gap = drawable(run.series["normal_force"][1:]), run.series["gap"]
+    if np.ptp(gap) > SAME * np.abs(gap).max():
         unit, scale = prefixed_unit(float(np.abs(run.series["gap"]).max()), "m")
         axes.plot(-_between(drawable(run.series["gap"])) / scale, force, color="black")
         axes.set_xlabel(f"penetration ({unit})")
     else:
         axes.plot(_between(run.time) / run.unit[1], force, color="black")
         axes.set_xlabel(f"time ({run.unit[0]})")
+    axes.axhline(0.0, **ZERO)
     axes.set_ylabel("normal force (N)")
 
 
@@ -71,7 +78,7 @@ def _draw_friction(axes: Axes, run: Recording) -> None:
     """Draw the friction over the way, a loop where that goes to and fro."""
     way = drawable(run.series["tip_tangential_displacement"])
     unit, scale = prefixed_unit(float(np.abs(way).max()), "m")
-    axes.axhline(0.0, color="0.8", linewidth=0.6)
+    axes.axhline(0.0, **ZERO)
     axes.plot(_between(way) / scale, drawable(run.series["friction_force"][1:]), color="black")
     axes.set_xlabel(f"way along the surface ({unit})")
     axes.set_ylabel("friction (N)")
@@ -86,7 +93,10 @@ def _draw_forces(axes: Axes, run: Recording) -> None:
     axes.plot(*envelope(time, friction), color="black", linestyle=(0, (4, 1.5)), label="friction")
     axes.set_xlabel(f"time ({run.unit[0]})")
     axes.set_ylabel("force (N)")
-    lines = axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.0)
+    shown = axes.get_lines()
+    lines = axes.legend(
+        handles=shown, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.0
+    )
     explain_shades(axes, 1.0)
     axes.add_artist(lines)
 

@@ -1,11 +1,17 @@
-"""Size, line styles and legend of the figures that show several laws."""
+"""Size, line styles and legend of the figures that show several laws, and their forces on a path."""
 
+from collections.abc import Mapping
 from textwrap import fill
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+
+from contactlab.plot.driven import ZERO
+
+if TYPE_CHECKING:
+    import xarray
 
 WIDTH: Final = 5.2
 """Width of a figure [in]; the text is legible where a phone scales it to its own width."""
@@ -53,3 +59,26 @@ def legend_above(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
     figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
     figure.align_ylabels()
     return figure
+
+
+def draw_paths(runs: Mapping[str, "xarray.DataTree"], measured: "xarray.Dataset | None") -> Figure:
+    """Draw the forces of laws on one path over the way, and over time, beside measured ones."""
+    figure, panels = drawing(2, 2, 3.9)
+    for row, name in zip((panels[:2], panels[2:]), ("normal_force", "friction_force"), strict=True):
+        for number, (label, run) in enumerate(runs.items()):
+            root = run.to_dataset()
+            way, time = (root[x].values for x in ("tip_tangential_displacement", "time"))
+            # Forces are means between the records.
+            middle = [0.5 * (values[1:] + values[:-1]) for values in (way, time)]
+            for axes, places, scale in zip(row, middle, (1e6, 1e3), strict=True):
+                axes.plot(scale * places, root[name].values[1:], label=label, **style(number))
+        if measured is not None and name in measured:
+            since = measured["time"].values - measured["time"].values[0]
+            for axes, places in zip(row, (1e6 * measured["slip"].values, 1e3 * since), strict=True):
+                axes.plot(places, measured[name], ".", color="black", markersize=1.5, label="measured")
+        for axes in row:
+            axes.axhline(0.0, **ZERO)
+        row[0].set_ylabel(f"{name.replace('_', ' ')} (N)")
+    panels[2].set_xlabel("way along the surface (um)")
+    panels[3].set_xlabel("time (ms)")
+    return legend_above(figure, panels[2])

@@ -1,5 +1,6 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -25,13 +26,14 @@ from contactlab.inference.fit import (
     evidences_of,
     fitted,
     misfits,
+    of_law,
 )
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
-from contactlab.measured.series import MeasuredPoints, MeasuredSeries
+from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
 from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_in
@@ -59,11 +61,12 @@ class Fit(Study):
     files: ClassVar[str] = "data"
 
     data: Annotated[
-        str | Path | MeasuredSeries | MeasuredImpacts | MeasuredPoints,
-        option("file of measured impacts or tracks, or of series or operating points of a motor"),
+        list[str | Path | Data] | str | Path | Data,
+        option("files of measured impacts, tracks, forces on a path, or series or points of a motor"),
     ] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
+    own: Annotated[list[str] | None, option("keys of numbers that several data do not share")] = None
     noise: Annotated[
         OrFree, option("standard deviation over the size of the data, or free", above=0.0, at_most=1.0)
     ] = None
@@ -75,13 +78,27 @@ class Fit(Study):
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
 
     @cached_property
-    def measurements(self) -> Data:
-        """The measurements with the chosen series and noise.
+    def measurements(self) -> Mapping[str, Data]:
+        """The measurements with the chosen series and noise, by the name of their file if there are several.
 
         Raises:
-            ConfigurationError: the file cannot be read, or an option does not apply to them.
+            ConfigurationError: a file cannot be read, or an option does not apply to them.
         """
-        data: Any = self.data
+        files = [Path(each) if isinstance(each, str | Path) else None for each in self._given]
+        labels = [re.sub(r"\W", "_", x.stem) if x else f"data_{i}" for i, x in enumerate(files, 1)]
+        if len({*labels}) < len(labels):
+            raise ConfigurationError(f"data are {', '.join(labels)}; each must have a name of its own.")
+        if len(labels) == 1:
+            labels = [""]
+        return {label: self._measured(each) for label, each in zip(labels, self._given, strict=True)}
+
+    @property
+    def _given(self) -> list[Any]:
+        """The data as they are given."""
+        return self.data if isinstance(self.data, list) else [self.data]
+
+    def _measured(self, data: Any) -> Data:
+        """Return one of the measurements with the chosen series and noise."""
         result: Data = read_file(data, read_measurements) if isinstance(data, str | Path) else data
         if self.series:
             if not isinstance(result, MeasuredSeries):
@@ -96,17 +113,30 @@ class Fit(Study):
 
     @property
     def base(self) -> Mapping[str, Any]:
-        """The configuration of the motor as far as the data state it."""
-        return {} if isinstance(self.measurements, MeasuredImpacts) else self.measurements.configuration
+        """The configuration of the motor as far as the data state it.
+
+        Raises:
+            ConfigurationError: they state several.
+        """
+        every = [x.configuration for x in self.measurements.values() if not isinstance(x, MeasuredImpacts)]
+        stated = [each for each in every if each]
+        if any(each != stated[0] for each in stated[1:]):
+            raise ConfigurationError("data are of motors with several configurations; they must be of one.")
+        return stated[0] if stated else {}
 
     @property
     def idle(self) -> tuple[str, ...]:
         """Groups and keys of a configuration on which no prediction depends."""
-        return OF_MOTOR if isinstance(self.measurements, MeasuredImpacts) else self.ignored
+        return OF_MOTOR if self._of_law else self.ignored
+
+    @property
+    def _of_law(self) -> bool:
+        """Whether all measurements are of a law alone."""
+        return all(map(of_law, self.measurements.values()))
 
     def put_to(self, setups: Setups) -> Setups:
         """Return the setups; without any that of a motor's data."""
-        if setups or isinstance(self.measurements, MeasuredImpacts):
+        if setups or self._of_law:
             return setups
         return {"": build(self.base)}
 
@@ -121,16 +151,21 @@ class Fit(Study):
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
             )
-        path = Path(self.data) if isinstance(self.data, str | Path) else None
+        files = [Path(each) for each in self._given if isinstance(each, str | Path)]
+        sets = self.measurements
         return candidates_of(
-            self.measurements,
+            sets[""] if [*sets] == [""] else sets,
             setups,
             free,
             self.known or (),
+            own=self.own or (),
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
-            name=path.name if path else "",
-            digest=digest_of_file(path) if path else getattr(self.data, "digest", ""),
+            name=", ".join(path.name for path in files),
+            digest=" ".join(
+                digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")
+                for x in self._given
+            ),
         )
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -216,13 +251,16 @@ class Fit(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return, for each law, the posterior of all pairs of numbers, and data beside predictions."""
         # Imported here: it brings matplotlib.
-        from contactlab.studies.fit_figures import draw_corner, draw_predictions
+        from contactlab.studies.fit_figures import draw_corner, draw_predictions, sets_in
 
-        return {
-            f"{name}{_ending(data, label)}": draw(fit)
-            for label, fit in data.children.items()
-            for name, draw in {"corner": draw_corner, "predictions": draw_predictions}.items()
-        }
+        figures = {}
+        for label, fit in data.children.items():
+            figures[f"corner{_ending(data, label)}"] = draw_corner(fit)
+            for each in sets_in(fit):
+                figures[f"predictions{_ending(data, label)}{each and f'_{each}'}"] = draw_predictions(
+                    fit, each
+                )
+        return figures
 
 
 def _fitted(

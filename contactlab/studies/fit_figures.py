@@ -89,12 +89,24 @@ def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> 
             axis.set_label_text(head, fontsize=6)
 
 
-def draw_predictions(fit: xarray.DataTree) -> Figure:
-    """Draw the data and the 90 % band of their predictions; a law that does not fit is named above."""
-    data, predictive = (
-        fit["observed_data"].to_dataset(),
-        fit["posterior_predictive"].to_dataset().isel(chain=0),
-    )
+def sets_in(fit: xarray.DataTree) -> list[str]:
+    """Return the labels of the data sets of a fit, "" of a single one."""
+    return [*dict.fromkeys(str(name).rpartition(".")[0] for name in fit["observed_data"].data_vars)]
+
+
+def _part(data: xarray.Dataset, label: str) -> xarray.Dataset:
+    """Return what is of one data set, by its names there."""
+    if not label:
+        return data
+    data = data[[name for name in data.data_vars if str(name).startswith(f"{label}.")]]
+    names = dict.fromkeys([*data.data_vars, *data.coords, *data.dims])
+    return data.rename({name: str(name).removeprefix(f"{label}.") for name in names})
+
+
+def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
+    """Draw one data set and the 90 % band of its predictions; a law that does not fit is named above."""
+    data = _part(fit["observed_data"].to_dataset(), label)
+    predictive = _part(fit["posterior_predictive"].to_dataset().isel(chain=0), label)
     if "time" in data.dims:
         figure = _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
     elif "point" in data.dims:
@@ -103,8 +115,8 @@ def draw_predictions(fit: xarray.DataTree) -> Figure:
         figure = _over(data, predictive, data[key].values, label)
     else:
         figure = _of_impacts(data, predictive)
-    for label, why in misfits({fit.attrs["title"].removeprefix("Posterior of "): fit}).items():
-        figure.suptitle(f"{label} does not fit: {why}", fontsize=7, color=COLOURS["fault"])
+    for law, why in misfits({fit.attrs["title"].removeprefix("Posterior of "): fit}).items():
+        figure.suptitle(f"{law} does not fit: {why}", fontsize=7, color=COLOURS["fault"])
     return figure
 
 

@@ -36,6 +36,10 @@ OWN: Final = {
         "contactlab.studies.compare.study:Compare",
         "Does the difference of contact laws survive where the motor is not exactly known?",
     ),
+    "drive": (
+        "contactlab.studies.drive:Driven",
+        "What forces does a law bring on a prescribed path, without a motor, and what does it lose?",
+    ),
     "fit": (
         "contactlab.studies.fit:Fit",
         "Which numbers of a law or a motor do measurements support, and which law?",

@@ -76,7 +76,7 @@ def test_succession_is_the_largest_correlation_of_successive_residuals() -> None
     predicted = {"a": np.zeros(50), "b": np.ones(50)}
     expected = max(np.sum(x[1:] * x[:-1]) / np.sum(x**2) for x in (draws[0], draws[1] - 1.0))
     observed = dict(zip(predicted, draws, strict=True))
-    assert succession(predicted, np.empty(0), observed) == pytest.approx(expected, rel=1e-12)
+    assert succession(["a", "b"], predicted, np.empty(0), observed) == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.long

@@ -10,6 +10,16 @@ from support.command_line import Command, cases
 from support.struck_discs import struck_discs
 
 import contactlab as cl
+from contactlab.studies.drive import Driven
+
+
+def path_in(folder: Path) -> Path:
+    time = np.linspace(0.0, 1e-3, 51)
+    rows = np.column_stack([time, 1e-6 * np.sin(2e3 * np.pi * time), np.full(time.size, 10.0)])
+    header = "time [s],slip [m],normal [N]"
+    np.savetxt(folder / "path.csv", rows, delimiter=",", header=header, comments="")
+    return folder / "path.csv"
+
 
 STUDIES: dict[str, Callable[[Path], cl.Result]] = {
     "steady": lambda folder: cl.steady(
@@ -24,6 +34,9 @@ STUDIES: dict[str, Callable[[Path], cl.Result]] = {
         [cl.build([f"law={law}", "solver.duration=5e-4"]) for law in ("newton", "hertz_penalty")],
         output=folder,
         refine=False,
+    ),
+    "drive": lambda folder: Driven(data=path_in(folder.parent))(
+        {law: cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")}, output=folder
     ),
     "fit": lambda folder: cl.fit(
         cl.build(["law=newton"]),
