@@ -256,8 +256,8 @@ def test_a_waveform_is_the_path_of_its_samples() -> None:
     way = 1e-6 * np.sin(TURN * TIME)
     wave = cl.Waveform.sampled(TIME, way[None], 7)
     law = cl.Composed(friction=cl.Dahl())
-    given, made = (cl.drive(law, TIME, gap=-1e-6, slip=path, degree=7) for path in (way, wave))
-    np.testing.assert_allclose(made["friction_force"], given["friction_force"], rtol=1e-9, atol=1e-12)
+    sampled, made = (cl.drive(law, TIME, gap=-1e-6, slip=path, degree=7) for path in (way, wave))
+    np.testing.assert_allclose(made["friction_force"], sampled["friction_force"], rtol=1e-9, atol=1e-12)
 
 
 def test_a_run_is_saved_read_and_drawn(tmp_path) -> None:

@@ -152,9 +152,9 @@ def candidates_of(
         ConfigurationError: with every fault.
     """
     sets = data if isinstance(data, Mapping) else {"": data}
-    for each in sets.values():
-        if isinstance(each, MeasuredImpacts):
-            _check_impacts(each, discrepancy)
+    of_impacts = [each for each in sets.values() if isinstance(each, MeasuredImpacts)]
+    for each in of_impacts:
+        _check_impacts(each, discrepancy)
     if not setups:
         raise ConfigurationError(NO_LAW)
     every, corrections = free_numbers(setups, free, known), corrections_in(free)
@@ -178,11 +178,11 @@ def candidates_of(
             continue
         configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
-        impacts = [each for each in sets.values() if isinstance(each, MeasuredImpacts)]
-        if copies := " ".join(filter(None, (each.copies_warning() for each in impacts))):
-            origin["duplicates"] = copies
-        if isinstance(data, MeasuredImpacts) and data.tracks is not None:
-            origin["tracks"] = data.tracks.attrs["findings"]
+        told = {
+            "duplicates": [each.copies_warning() for each in of_impacts],
+            "tracks": [each.tracks.attrs["findings"] for each in of_impacts if each.tracks is not None],
+        }
+        origin |= {key: "\n".join(lines) for key, lines in told.items() if any(lines)}
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
         truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}

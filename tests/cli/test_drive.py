@@ -46,7 +46,7 @@ def test_a_path_repeats_itself(command: Command) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "key"),
+    ("arguments", "key"),
     [
         (["law=newton", "degree=4"], "degree"),
         (["law=newton", "rotor.inertia=1e-6"], "rotor.inertia"),
@@ -55,8 +55,8 @@ def test_a_path_repeats_itself(command: Command) -> None:
         (["law=composed", "law/normal=prony"], "gap"),
     ],
 )
-def test_what_no_path_can_have_is_refused(command: Command, words: list[str], key: str) -> None:
-    status, _, error = command("drive", path(), *words, "output=out")
+def test_what_no_path_can_have_is_refused(command: Command, arguments: list[str], key: str) -> None:
+    status, _, error = command("drive", path(), *arguments, "output=out")
     assert status == 2
     assert key in error
     assert not Path("out").exists()

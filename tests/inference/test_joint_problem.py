@@ -49,13 +49,13 @@ def test_log_likelihoods_of_independent_data_add() -> None:
 
 def test_a_shared_number_is_known_as_the_algebra_says() -> None:
     """Linear in mu: 1/s^2 = 1/s_1^2 + 1/s_2^2, and the best value is the mean that these weights have."""
-    one, two = curve(0.1, 3), curve(0.3, 4)
+    sets = {"one": curve(0.1, 3), "two": curve(0.3, 4)}
     weights, best = [], []
-    for data in (one, two):
+    for data in sets.values():
         load, noise = data.path["normal"], data.errors["friction_force"]
         weights.append(np.sum((load / noise) ** 2))
         best.append(-np.sum(load * data.values["friction_force"] / noise**2) / weights[-1])
-    joint, step = problem_of({"one": one, "two": two}), 1e-3
+    joint, step = problem_of(sets), 1e-3
     mean = float(np.dot(weights, best) / sum(weights))
     slope = joint.residuals(np.array([mean + step])) - joint.residuals(np.array([mean - step]))
     np.testing.assert_allclose(np.sum((slope / (2.0 * step)) ** 2), sum(weights), rtol=1e-8)
@@ -97,7 +97,7 @@ def test_a_fit_of_two_files_draws_both_and_is_read_again(tmp_path: Path) -> None
         np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header=header, comments="")
     files = [str(tmp_path / f"{name}.csv") for name in ("first", "second")]
     result = cl.fit(setup_of(), data=files, free=FREE, points=50, output=tmp_path / "fit")
-    found = result.numbers[KEY]
-    assert abs(found.value - TRUTH) < 4.0 * found.error < 0.05
+    estimate = result.numbers[KEY]
+    assert abs(estimate.value - TRUTH) < 4.0 * estimate.error < 0.05
     assert {"predictions_first", "predictions_second"} <= {x.stem for x in (tmp_path / "fit").glob("*.png")}
     assert cl.load(tmp_path / "fit" / "fit.nc").numbers == result.numbers

@@ -144,6 +144,6 @@ def test_a_fit_of_a_loop_covers_the_truth(tmp_path: Path) -> None:
     path = written(tmp_path / "loop.csv", columns(NOISE))
     result = cl.fit(setup_of(), data=path, free=FREE, points=50, output=tmp_path / "fit")
     for key, truth in zip(FREE, (FRICTION, STIFFNESS), strict=True):
-        found = result.numbers[key]
-        assert abs(found.value - truth) < 4.0 * found.error
+        estimate = result.numbers[key]
+        assert abs(estimate.value - truth) < 4.0 * estimate.error
     assert cl.load(tmp_path / "fit" / "fit.nc").numbers == result.numbers
