@@ -54,6 +54,7 @@ from contactlab.laws import (
     Stribeck as Stribeck,
     Stronge as Stronge,
     Thornton as Thornton,
+    Tsuji as Tsuji,
     Undamped as Undamped,
     WaltonBraun as WaltonBraun,
     hertz_stiffness as hertz_stiffness,

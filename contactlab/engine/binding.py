@@ -373,13 +373,19 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, li
             return f"alone, alone_stored, stiffness, slope, lost = {normal.call('force', quantities)}"
         return f"alone, alone_stored, stiffness, slope = {normal.call('elastic', quantities)}"
 
+    pushed = {
+        **pressed,
+        "elastic_force": "alone",
+        "elastic_energy": "alone_stored",
+        "elastic_stiffness": "stiffness",
+    }
     loss = "(alone - normal) * gap_rate"
     bound = [f"bound = {friction.call('bound', {**_OF_FORCE, **_IN_CONTACT})}"]
     made = {
         "force": [
             spring(pressed),
             "stored = alone_stored",
-            f"normal = {damping.call('damped', {**pressed, 'elastic_force': 'alone'})}",
+            f"normal = {damping.call('damped', pushed)}",
             f"loss = lost + {loss}" if normal.has("force") else f"loss = {loss}",
             *([] if friction.has("bounds") else bound),
             *_bounds(friction),

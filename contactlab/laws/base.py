@@ -11,7 +11,8 @@ A kernel is a static method whose argument names say what it needs, in any order
   impact_speed [m/s], the approach at which the contact began (zero where it was pressed together);
   once the normal force is known also normal [N]. Frictions of a composed law have besides
   normal_stiffness = dN/dd [N/m] and its rate normal_stiffness_rate [N m^-1 s^-1], its dampings elastic_force
-  [N]. Rigid: see `MultiplierLaw.impact` and `MultiplierLaw.bound`;
+  [N], elastic_energy [J] and elastic_stiffness [N/m]. Rigid: see `MultiplierLaw.impact` and
+  `MultiplierLaw.bound`;
 * z and parameters, the internal variables and the coefficients as arrays, where their number varies.
 """
 

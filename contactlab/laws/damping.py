@@ -13,12 +13,17 @@ of a nominal restitution, and achieve it near 1 only; here D is solved for the r
     Flores                a = 8 (1 - e_n) / (5 e_n v)   v the speed of each impact
 
 A model whose largest nominal D, that of e_n = 0, is smaller than required raises an error.
+
+A dashpot along s = sqrt(2 V), V the stored energy, N = f(d) + 2 zeta sqrt(m) (f/s) dd/dt, makes an impact
+that of a linear oscillator, u du/ds = -s/m - 2 zeta u / sqrt(m), at any speed. Released at N = 0 it has
+
+    -ln e = 2 zeta arccos(zeta) / sqrt(1 - zeta^2),   arcosh and sqrt(zeta^2 - 1) where zeta > 1
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from math import exp, inf, log, log1p
+from math import acos, acosh, cosh, exp, inf, log, log1p, sqrt
 from typing import Annotated, Any, final
 
 import numpy as np
@@ -246,6 +251,51 @@ class Flores(SpeedHysteresis):
     source = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
 
 
+@cache
+def damping_ratio(restitution: float) -> float:
+    """Return zeta at which a linear oscillator, released at N = 0, has a restitution, 0 < e <= 1 [1]."""
+    loss = -log(restitution)
+
+    def excess(zeta: float) -> float:
+        if zeta == 1.0:
+            return 2.0 - loss
+        angle = acos(zeta) if zeta < 1.0 else acosh(zeta)
+        return 2.0 * zeta * angle / sqrt(abs((1.0 - zeta) * (1.0 + zeta))) - loss
+
+    return float(scipy.optimize.brentq(excess, 0.0, cosh(0.5 * loss), xtol=1e-20, rtol=1e-15))
+
+
+@final
+@dataclass(frozen=True)
+class Tsuji(Damping):
+    """A dashpot that stiffens with the contact: one restitution at all speeds of impact, at the mass m.
+
+    With Hertz's f = K d^1.5 it is the published alpha sqrt(m K) d^(1/4) dd/dt, alpha = sqrt(5) zeta; with
+    f = k d it is a constant dashpot. zeta is solved for a contact that is released at N = 0. One that pulls
+    until d = 0 has alpha = -sqrt(5) ln e / sqrt(ln(e)^2 + pi^2) (Antypov and Elliott 2011, EPL 94, 50004).
+    """
+
+    name = "tsuji"
+    equation = "N = max(f(d) + 2 zeta(e) sqrt(m/2V) f(d) dd/dt, 0), V = int f dd"
+    source = "Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239"
+    any_force = False
+
+    restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
+    effective_mass: Annotated[float, positive("m", "kg", "mass of the impact")] = 2e-3
+
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return 2 zeta sqrt(m) [kg^(1/2)]."""
+        return {"root_damping": 2.0 * damping_ratio(self.restitution) * sqrt(self.effective_mass)}
+
+    @staticmethod
+    @kernel
+    def damped(elastic_force, elastic_energy, elastic_stiffness, depth_rate, root_damping):
+        # f/sqrt(2V) of a force that begins linearly is sqrt(k) at the touch.
+        twice = 2.0 * elastic_energy
+        slope = elastic_force / sqrt(twice) if twice > 0.0 else sqrt(elastic_stiffness)
+        return float(max(elastic_force + root_damping * slope * depth_rate, 0.0))
+
+
 DAMPINGS: dict[str, type[Damping]] = {
-    part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores)
+    part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores, Tsuji)
 }

@@ -13,6 +13,7 @@ from contactlab.laws.damping import (
     HuntCrossley,
     LankaraniNikravesh,
     LinearDamping,
+    Tsuji,
     damping_coefficient,
 )
 from contactlab.laws.friction import Coulomb, LuGre, Mindlin, Regularised
@@ -222,7 +223,7 @@ def achieved_restitution(mass: float = 2e-3, speed: float = 0.1) -> Claims:
     (1 + e) D = ln[(1 + D)/(1 - e D)] with D = a v where the loss is in proportion to the force.
     """
     ball = block(mass, height=1e-6, gap_rate=-speed)
-    tuned = LinearDamping(0.6, mass, speed), HuntCrossley(0.55, speed)
+    tuned = LinearDamping(0.6, mass, speed), HuntCrossley(0.55, speed), Tsuji(0.5, mass)
     for spring in (part() for part in NORMAL_FORCES.values()):
         if spring.elastic is None or spring.allows_tension:
             continue

@@ -267,6 +267,7 @@ def forces_of_parts(
         spring, stored, stiffness, slope, lost = part.evaluate("force", **state, **pressed)
     damping: Any = law.damping
     solved = {**damping.solved(part), "elastic_force": spring}
+    solved |= {"elastic_energy": stored, "elastic_stiffness": stiffness}
     alone = damping.evaluate("damped", **state, **solved)
     pressing = {**state, **bent, "normal": alone}
     two_sided = drag.bounds is not None

@@ -329,7 +329,9 @@ PUBLISHED: Final[Mapping[str, tuple[Proof, ...]]] = {
     "hertz_point": (closed.hertz_impact, closed.achieved_restitution),
     "normal_linear": (closed.bilinear_oscillator, closed.achieved_restitution),
     "damping_linear": (closed.dashpot_impacts, closed.achieved_restitution),
-    **dict.fromkeys(("hunt_crossley", "lankarani_nikravesh", "flores"), (closed.achieved_restitution,)),
+    **dict.fromkeys(
+        ("hunt_crossley", "lankarani_nikravesh", "flores", "tsuji"), (closed.achieved_restitution,)
+    ),
     "coulomb": (closed.belt_stick_slip, closed.stops, closed.friction_oscillator),
     "regularised": (closed.regularised_creep,),
     "mindlin": (closed.spring_and_slider,),
