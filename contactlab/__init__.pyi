@@ -79,6 +79,7 @@ from contactlab.motor import (
     add_residual_modes as add_residual_modes,
     ball as ball,
     belt as belt,
+    block as block,
     cantilever as cantilever,
     on_bearing as on_bearing,
     oscillator as oscillator,

@@ -178,11 +178,11 @@ def candidates_of(
             continue
         configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
-        told = {
+        notes = {
             "duplicates": [each.copies_warning() for each in of_impacts],
             "tracks": [each.tracks.attrs["findings"] for each in of_impacts if each.tracks is not None],
         }
-        origin |= {key: "\n".join(lines) for key, lines in told.items() if any(lines)}
+        origin |= {key: "\n".join(lines) for key, lines in notes.items() if any(lines)}
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
         truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}

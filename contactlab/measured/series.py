@@ -134,10 +134,10 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     errors = {f"{name}{ERROR}": item.units for name, item in measurable.items()}
     present = [name for name in measurable if name in table.names]
     if "time" not in table.names or not (present or path) or len(path) not in (0, 2):
-        asked = f"time and at least one of {', '.join(measurable)}"
+        beside = ", and beside slip either gap or normal" if path else ""
         raise MeasurementError(
-            f"it has {excerpt(', '.join(table.names))}; it must have {asked}"
-            + ("." if not path else ", and beside slip either gap or normal.")
+            f"it has {excerpt(', '.join(table.names))}; it must have time and at least one of "
+            f"{', '.join(measurable)}{beside}."
         )
     # A run has other variables; an error of nothing is a misspelt one.
     runs = table.dimension == "time"

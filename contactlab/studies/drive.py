@@ -141,14 +141,14 @@ def _numbers(run: xarray.DataTree) -> dict[str, Estimate]:
 
 
 def _driven(setup: Setup, path: MeasuredSeries, times: Mapping[str, Any]) -> Part:
-    given = path.path
+    prescribed = path.path
     try:
         run = drive(
             setup.law,
             path.time,
-            gap=given.get("gap"),
-            normal=given.get("normal"),
-            slip=given["slip"],
+            gap=prescribed.get("gap"),
+            normal=prescribed.get("normal"),
+            slip=prescribed["slip"],
             **times,
         )
     except (ValueError, LawError) as error:

@@ -84,16 +84,16 @@ class Fit(Study):
         Raises:
             ConfigurationError: a file cannot be read, or an option does not apply to them.
         """
-        files = [Path(each) if isinstance(each, str | Path) else None for each in self._given]
+        files = [Path(each) if isinstance(each, str | Path) else None for each in self._sources]
         labels = [re.sub(r"\W", "_", x.stem) if x else f"data_{i}" for i, x in enumerate(files, 1)]
         if len({*labels}) < len(labels):
             raise ConfigurationError(f"data are {', '.join(labels)}; each must have a name of its own.")
         if len(labels) == 1:
             labels = [""]
-        return {label: self._measured(each) for label, each in zip(labels, self._given, strict=True)}
+        return {label: self._measured(each) for label, each in zip(labels, self._sources, strict=True)}
 
     @property
-    def _given(self) -> list[Any]:
+    def _sources(self) -> list[Any]:
         """The data as they are given."""
         return self.data if isinstance(self.data, list) else [self.data]
 
@@ -151,7 +151,7 @@ class Fit(Study):
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
             )
-        files = [Path(each) for each in self._given if isinstance(each, str | Path)]
+        files = [Path(each) for each in self._sources if isinstance(each, str | Path)]
         sets = self.measurements
         return candidates_of(
             sets[""] if [*sets] == [""] else sets,
@@ -164,7 +164,7 @@ class Fit(Study):
             name=", ".join(path.name for path in files),
             digest=" ".join(
                 digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")
-                for x in self._given
+                for x in self._sources
             ),
         )
 
