@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
+from support.command_line import cases
 
 import contactlab as cl
+from contactlab.laws.registry import origins
 from contactlab.testing.plants import Evaluator
 
 DURATION = 1e-3
@@ -268,3 +270,74 @@ def test_a_run_is_saved_read_and_drawn(tmp_path) -> None:
     np.testing.assert_array_equal(read["friction_force"], run["friction_force"])
     assert read.attrs["prescribed"] == "gap"
     assert len(read.plot().axes) == 4
+
+
+def every_law() -> list[tuple[str, ...]]:
+    """Overrides of each law and of each part of a composed one; a pull has a friction of its own."""
+    laws = [(f"law={each.name}",) for each in origins("")]
+    parts = [
+        ("law=composed", f"law/{family}={each.name}", *PULLS.get(each.name, ()))
+        for family in ("normal", "damping", "friction")
+        for each in origins(family)
+    ]
+    return laws + parts
+
+
+PULLS = {"jkr": ("law/friction=cohesive",), "dmt": ("law/friction=cohesive",)}
+
+
+@pytest.mark.parametrize("overrides", every_law(), ids=" ".join)
+def test_the_work_of_a_path_is_stored_or_lost_by_every_law(overrides: tuple[str, ...]) -> None:
+    law = cl.build([*overrides]).law
+    swing = 0.6 - 0.35 * np.cos(TURN * TIME)
+    path = {"gap": 0.1e-6 - 0.2e-6 * swing} if isinstance(law, cl.PenaltyLaw) else {"normal": 10.0 * swing}
+    way = 1e-6 * np.sin(2.0 * TURN * TIME) + 0.3e-6 * np.sin(3.0 * TURN * TIME + 0.3)
+    run = cl.drive(law, TIME, slip=way, degree=7, **path)
+    assert run.complete
+    # What a lining that relaxes turns over besides is not in the work.
+    assert abs(float(run["energy_residual"][-1])) < 1e-11 * abs(float(run["drive_work"][-1]))
+    assert float(run["friction_loss"][-1]) > 0.0
+
+
+@pytest.mark.parametrize("seed", cases(range(200), range(8)))
+def test_dahl_on_random_paths_is_its_closed_form_from_reversal_to_reversal(seed: int) -> None:
+    """F = -N sigma z, and over a way x without a reversal z = s m + (z_0 - s m) exp(-|x|/m), m = mu/sigma."""
+    draws = np.random.default_rng(seed)
+    count = int(draws.integers(1, 6))
+    frequencies, phases = draws.uniform(1.0, 6.0, count), draws.uniform(0.0, 2.0 * pi, count)
+    sizes = 10.0 ** draws.uniform(-7.0, -5.5, count)
+    stiffness, mu, depth = (
+        10.0 ** draws.uniform(5.0, 7.0),
+        draws.uniform(0.05, 0.8),
+        10.0 ** draws.uniform(-7.0, -5.5),
+    )
+
+    def way(t, order=0):
+        turns = TURN * frequencies
+        return (sizes * turns**order * np.sin(np.multiply.outer(t, turns) + phases + 0.5 * pi * order)).sum(
+            -1
+        )
+
+    fine = np.linspace(0.0, DURATION, 20001)
+    speeds = way(fine, 1)
+    turns = [
+        brentq(lambda t: way(t, 1), *fine[i : i + 2], xtol=1e-20)
+        for i in np.flatnonzero(speeds[1:] * speeds[:-1] < 0.0)
+    ]
+    law = cl.Composed(friction=cl.Dahl(friction_coefficient=mu, rest_stiffness=stiffness))
+    run = cl.drive(law, TIME, gap=-depth, slip=way(TIME), degree=7)
+
+    time, most = run["time"].values, mu / stiffness
+    expected, last, z = np.zeros(time.size), 0.0, 0.0
+    for end in (*turns, DURATION):
+        inside = (time > last) & (time <= end)
+        side = np.sign(way(end) - way(last))
+
+        def deflection(t, last=last, z=z, side=side):
+            return side * most + (z - side * most) * np.exp(-np.abs(way(t) - way(last)) / most)
+
+        expected[inside] = deflection(time[inside])
+        last, z = end, float(deflection(end))
+    np.testing.assert_allclose(
+        run["internal_deflection"].values[1:], expected[1:], rtol=0.0, atol=1e-9 * most
+    )
