@@ -34,7 +34,7 @@ Every law and every part of a composed law that comes with contactlab. `contactl
 on the terminal, with the laws that other packages bring. Friction coefficients are
 `contact.friction_coefficient`, the same for every law.
 
-The pictures show a standard cycle. A compliant law is driven by a body too heavy to be disturbed: it
+The pictures show a standard cycle. A compliant law is taken along a prescribed path, which
 presses by 1 µm for 50 µs and slides twice to and fro by 1 µm. One that pulls is pressed in less, to ten
 times its pull at the touch. A rigid law answers impacts of a body with the Delassus matrix [[600, 250],
 [250, 800]] 1/kg: left over the approach at a slip of 0.05 m/s, right over the slip at an approach of 0.1 m/s.
