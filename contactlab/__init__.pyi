@@ -30,6 +30,7 @@ from contactlab.laws import (
     Iwan as Iwan,
     Jkr as Jkr,
     Johnson as Johnson,
+    KuwabaraKono as KuwabaraKono,
     LagrangeAgeing as LagrangeAgeing,
     LagrangeSlip as LagrangeSlip,
     LagrangeStick as LagrangeStick,

@@ -3,7 +3,15 @@
 from contactlab.laws.archard import Archard
 from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
-from contactlab.laws.damping import Flores, HuntCrossley, LankaraniNikravesh, LinearDamping, Tsuji, Undamped
+from contactlab.laws.damping import (
+    Flores,
+    HuntCrossley,
+    KuwabaraKono,
+    LankaraniNikravesh,
+    LinearDamping,
+    Tsuji,
+    Undamped,
+)
 from contactlab.laws.declaration import FRICTION_COEFFICIENT, RESTITUTION, LawError
 from contactlab.laws.friction import (
     AgeingStick,

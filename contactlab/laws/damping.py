@@ -33,7 +33,7 @@ from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import Damping, NormalForce
 from contactlab.laws.declaration import Coefficient, names_of
-from contactlab.parameter import Parameter, positive
+from contactlab.parameter import Parameter, not_negative, positive
 
 ACHIEVED_RESTITUTION = Parameter("e", "1", "restitution of a free impact", above=0.0, at_most=1.0)
 
@@ -296,6 +296,34 @@ class Tsuji(Damping):
         return float(max(elastic_force + root_damping * slope * depth_rate, 0.0))
 
 
+@final
+@dataclass(frozen=True)
+class KuwabaraKono(Damping):
+    """Viscoelastic bodies that follow their contact at once: the dashpot is in proportion to the stiffness.
+
+    With Hertz's f = K d^1.5 it is the published 3/2 A K d^(1/2) dd/dt. A is a time of the material, from its
+    bulk and shear viscosities (Brilliantov et al. 1996, Phys. Rev. E 53, 5382). Restitution falls with the
+    speed v of an impact of a mass m, with y = 3/2 A (K/m)^(2/5) v^(1/5) << 1 as
+
+        e = 1 - 1.15345 y + 0.79827 y^2 + 4/15 y^(5/2) + O(y^3)
+
+    (Schwager and Poeschel 1998, Phys. Rev. E 57, 650); the last term is that of a release at N = 0.
+    """
+
+    name = "kuwabara_kono"
+    equation = "N = max(f(d) + A (df/dd) dd/dt, 0)"
+    source = "Kuwabara and Kono (1987), Jpn. J. Appl. Phys. 26, 1230"
+    any_force = False
+
+    viscous_time: Annotated[float, not_negative("A", "s", "viscous time of the material")] = 2e-6
+
+    @staticmethod
+    @kernel
+    def damped(elastic_force, elastic_stiffness, depth_rate, viscous_time):
+        return float(max(elastic_force + viscous_time * elastic_stiffness * depth_rate, 0.0))
+
+
 DAMPINGS: dict[str, type[Damping]] = {
-    part.name: part for part in (Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores, Tsuji)
+    part.name: part
+    for part in (*(Undamped, LinearDamping, HuntCrossley, LankaraniNikravesh, Flores), *(Tsuji, KuwabaraKono))
 }

@@ -110,7 +110,7 @@ def law_names(family: str = "") -> list[str]:
 
     >>> import contactlab as cl
     >>> cl.law_names("damping")
-    ['flores', 'hunt_crossley', 'lankarani_nikravesh', 'linear', 'none', 'tsuji']
+    ['flores', 'hunt_crossley', 'kuwabara_kono', 'lankarani_nikravesh', 'linear', 'none', 'tsuji']
     """
     return sorted({origin.name for origin in origins(family) if not origin.fault})
 

@@ -1,6 +1,7 @@
 """Dashpots whose constant follows the elastic force: impacts against closed forms and a plain integration."""
 
-from math import exp, sqrt
+from collections.abc import Callable
+from math import exp, gamma, pi, sqrt
 
 import numpy as np
 import pytest
@@ -22,25 +23,34 @@ def rebounds(normal: cl.NormalForce, damping: cl.Damping, speeds: list[float]) -
     return np.array(after) / speeds
 
 
-def rebound_of_tsuji(alpha: float) -> float:
-    """Restitution of d'' = -d^1.5 - alpha d^0.25 d', released without pull, by SciPy."""
+def rebound_of(dashpot: Callable[[float], float]) -> float:
+    """Restitution of d'' = -d^1.5 - c(d) d' from d' = 1, released without pull, by SciPy."""
 
-    def motion(t: float, y: np.ndarray) -> list[float]:
+    def force(t: float, y: np.ndarray) -> float:
         depth = max(y[0], 0.0)
-        return [y[1], -(depth**1.5) - alpha * depth**0.25 * y[1]]
+        return float(depth**1.5 + dashpot(depth) * y[1])
 
     def pushes(t: float, y: np.ndarray) -> float:
-        # The force over d^0.25, which is zero at the touch too.
-        return float(max(y[0], 0.0) ** 1.25 + alpha * y[1])
+        # At the touch, where there is no force yet, too.
+        return force(t, y) if y[1] < 0.0 else 1.0
 
     pushes.terminal, pushes.direction = True, -1  # type: ignore[attr-defined]
-    done = solve_ivp(motion, (0.0, 1e4), [0.0, 1.0], "DOP853", events=pushes, rtol=1e-12, atol=1e-14)
+    done = solve_ivp(
+        lambda t, y: [y[1], -force(t, y)],
+        (0.0, 1e4),
+        [0.0, 1.0],
+        "DOP853",
+        events=pushes,
+        rtol=1e-12,
+        atol=1e-14,
+    )
     return -float(done.y[1, -1])
 
 
 @pytest.mark.parametrize("e", [0.95, 0.7, 0.4, exp(-2.0), 0.05])
 def test_alpha_of_tsuji_has_its_restitution_by_a_plain_integration(e: float) -> None:
-    assert rebound_of_tsuji(sqrt(5.0) * damping_ratio(e)) == pytest.approx(e, rel=1e-7)
+    alpha = sqrt(5.0) * damping_ratio(e)
+    assert rebound_of(lambda depth: alpha * depth**0.25) == pytest.approx(e, rel=1e-7)
 
 
 @example(1.0 - 1e-9)
@@ -72,3 +82,28 @@ def test_tsujis_damping_of_a_hertzian_contact_is_as_published(depth: float, rate
     normal = cl.Tsuji(e, MASS).evaluate("damped", depth_rate=rate, **quantities)
     dashpot = alpha * sqrt(MASS * stiffness) * depth**0.25 * rate
     assert normal == pytest.approx(max(force + dashpot, 0.0), rel=1e-12, abs=1e-12 * abs(dashpot))
+
+
+def viscous(y: float, stiffness: float, speed: float) -> cl.KuwabaraKono:
+    """The damping with y = 3/2 A (K/m)^(2/5) v^(1/5)."""
+    return cl.KuwabaraKono(y / (1.5 * (stiffness / MASS) ** 0.4 * speed**0.2))
+
+
+@pytest.mark.parametrize("y", [0.1, 0.5, 2.0])
+def test_restitution_of_viscoelastic_spheres_is_that_of_a_plain_integration(y: float) -> None:
+    """In units of d^1.5 and of the speed, c(d) = y d^(1/2); so e depends on y alone."""
+    expected = rebound_of(lambda depth: y * sqrt(depth))
+    for stiffness, speed in ((1e10, 0.1), (1e8, 3.0)):
+        result = rebounds(cl.HertzPoint(stiffness), viscous(y, stiffness, speed), [speed])
+        assert_allclose(result, expected, rtol=1e-7)
+
+
+def test_viscoelastic_spheres_lose_in_slow_impacts_what_the_series_says() -> None:
+    """1 - e = C y - 3/5 C^2 y^2 - 4/15 y^(5/2) + O(y^3), C = 1.15345, at speeds that make y."""
+    c = gamma(0.6) * sqrt(pi) / (2.0**0.2 * 5.0**0.4 * gamma(2.1))
+    y = np.array([0.01, 0.02, 0.04])
+    damping, stiffness = viscous(0.04, 1e10, 1.0), 1e10
+    e = rebounds(cl.HertzPoint(stiffness), damping, list((y / 0.04) ** 5))
+    rest = e - (1.0 - c * y + 0.6 * (c * y) ** 2 + 4.0 / 15.0 * y**2.5)
+    assert np.polyfit(np.log(y), np.log(np.abs(rest)), 1)[0] == pytest.approx(3.0, abs=0.2)
+    assert np.all(np.abs(rest) < y**3)

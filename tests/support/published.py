@@ -5,7 +5,7 @@ function, and one more entry of `PUBLISHED`.
 """
 
 from collections.abc import Mapping
-from math import exp, log, log1p, pi, sqrt, tanh
+from math import exp, gamma, log, log1p, pi, sqrt, tanh
 from typing import Final
 
 import numpy as np
@@ -19,7 +19,9 @@ from contactlab.laws import (
     Coulomb,
     ElastoPlastic,
     HertzElliptic,
+    HertzPoint,
     Johnson,
+    KuwabaraKono,
     LagrangeAgeing,
     Line,
     Linear,
@@ -41,6 +43,9 @@ from contactlab.testing import closed_forms as closed
 from contactlab.testing.claim import Claim, Claims, Proof, close
 from contactlab.testing.closed_forms import SPRING, WEIGHT, resting, restitution
 from contactlab.testing.plants import HEAVY, block, first, impulses_of, last, run, way_of
+
+SLOWEST_LOSS: Final = gamma(0.6) * sqrt(pi) / (2.0**0.2 * 5.0**0.4 * gamma(2.1))
+"""Loss 1 - e of slow viscoelastic impacts, over y."""
 
 
 def ageing_breakaway(mu: float = 0.3, delta: float = 0.05, onset: float = 1e-3, belt: float = 0.1) -> Claims:
@@ -209,6 +214,16 @@ def johnson_restitution(modulus: float = 115e9, strength: float = 3e8, radius: f
     yield close("factor of eq. 11.47", (p_n / (mass * speed) - 1.0) / shape, 3.8, 0.016)
 
 
+def kuwabara_kono_restitution(mass: float = 2e-3, stiffness: float = 1e10, speed: float = 0.1) -> Claims:
+    """e = 1 - 1.153 y + 0.798 y^2 + 4/15 y^2.5, y = 1.5 A (K/m)^0.4 v^0.2 (Schwager, Poeschel 1998)."""
+    y = 0.01
+    viscous = y / (1.5 * (stiffness / mass) ** 0.4 * speed**0.2)
+    law = Composed(HertzPoint(stiffness), KuwabaraKono(viscous), Coulomb(0.0))
+    result = restitution(run(block(mass, height=1e-6, gap_rate=-speed), law, 1e-6 / speed + 1e-3))
+    expected = 1.0 - SLOWEST_LOSS * y + 0.6 * (SLOWEST_LOSS * y) ** 2 + 4.0 / 15.0 * y**2.5
+    yield close("restitution of viscoelastic spheres", result, expected, y**3)
+
+
 def lagrange_ageing_breakaway(
     mu: float = 0.3, static: float = 0.4, delta: float = 0.02, step: float = 1e-4
 ) -> Claims:
@@ -311,6 +326,7 @@ PUBLISHED: Final[Mapping[str, tuple[Proof, ...]]] = {
     "iwan": (iwan_microslip,),
     "jkr": (jkr_pull_off, jkr_lost),
     "johnson": (johnson_restitution,),
+    "kuwabara_kono": (kuwabara_kono_restitution,),
     "lagrange_ageing": (lagrange_ageing_breakaway,),
     "line": (palmgren,),
     "microslip": (patch_microslip,),
