@@ -61,6 +61,7 @@ from contactlab.laws import (
     hertz_stiffness as hertz_stiffness,
     law as law,
     law_names as law_names,
+    tabor_number as tabor_number,
 )
 from contactlab.motor import (
     Bearing as Bearing,

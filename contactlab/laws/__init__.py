@@ -44,6 +44,7 @@ from contactlab.laws.normal import (
     Prony,
     Thornton,
     WaltonBraun,
+    tabor_number,
 )
 from contactlab.laws.registry import LAWS, PARTS, law, law_class, law_names, origin_of
 from contactlab.parameter import Parameter

@@ -9,7 +9,7 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from support.normal_balance import forces
 
-from contactlab.laws import Composed, Dmt, HertzPoint, Jkr
+from contactlab.laws import Composed, Dmt, HertzPoint, Jkr, tabor_number
 from contactlab.testing.closed_forms import restitution
 from contactlab.testing.plants import attempt, block, first, last, run
 
@@ -111,3 +111,10 @@ def test_a_dmt_impact_is_elastic_at_every_speed(speed: float) -> None:
 
     deepest = brentq(left, 1e-8, 1e-4, xtol=1e-18)
     assert_allclose(first(made, "max_penetration"), deepest, rtol=1e-6)
+
+
+def test_tabors_number_is_the_gap_at_which_the_neck_breaks_over_the_equilibrium_distance() -> None:
+    """g = 3/4^(4/3) a_0^2/R, a_0 = (2 pi w R^2/E*)^(1/3), is 3 (pi/8)^(2/3) z_0 mu_T."""
+    distance = 3e-10
+    number = tabor_number(SPHERE.radius, SPHERE.effective_modulus, SPHERE.work_of_adhesion, distance)
+    assert 3.0 * (pi / 8.0) ** (2.0 / 3.0) * number * distance == pytest.approx(BREAK, rel=1e-12)

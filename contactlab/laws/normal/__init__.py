@@ -11,7 +11,7 @@ from contactlab.laws.normal.elastic import (
     approach_factor,
     hertz_elastic,
 )
-from contactlab.laws.normal.jkr import Jkr
+from contactlab.laws.normal.jkr import Jkr, tabor_number
 from contactlab.laws.normal.prony import Prony
 from contactlab.laws.normal.thornton import Thornton
 from contactlab.laws.normal.walton_braun import WaltonBraun

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, final
 
+from contactlab.checks import accepts_units
 from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.declaration import Coefficient
@@ -44,8 +45,8 @@ class Jkr(NormalForce):
     lasts to the gap 3/4^(4/3) a_0^2/R, where it breaks at N = -5/9 F_c. F_c = 3/2 pi w R is the largest
     pull; a constant one beyond it parts the bodies. V is zero at the touch, below it while the surfaces
     pull, and what is left at the break is lost: 7.09 (w^5 R^4/E*^2)^(1/3), whatever the speed. A body that
-    brings less never leaves. Valid where the surfaces reach less far than the neck is high,
-    (w^2 R/E*^2)^(1/3) much above the range of their forces, else see dmt. a is small against R.
+    brings less never leaves. Valid where the neck is much higher than the range of the surfaces' forces,
+    at a `contactlab.tabor_number` above 5; below 0.1 see dmt. a is small against R.
     """
 
     name = "jkr"
@@ -82,3 +83,25 @@ class Jkr(NormalForce):
     @kernel
     def limits(depth_unit):
         return 0.0, -BREAK * depth_unit
+
+
+@accepts_units(radius="m", effective_modulus="Pa", work_of_adhesion="J m-2", equilibrium_distance="m")
+def tabor_number(
+    radius: float, effective_modulus: float, work_of_adhesion: float, equilibrium_distance: float
+) -> float:
+    """Return Tabor's number, the height of an adhesive neck over the range of the surfaces' forces [1].
+
+        mu_T = (R w^2 / (E*^2 z_0^3))^(1/3)
+
+    `jkr` applies above about 5, `dmt` below about 0.1 (Tabor 1977, J. Colloid Interface Sci. 58, 2; Johnson
+    and Greenwood 1997, J. Colloid Interface Sci. 192, 326); no law of the package spans what is in between.
+    All arguments are positive: R relative radius, E* effective modulus, w work of adhesion, z_0 equilibrium
+    distance of the surfaces, 0.16 to 0.4 nm as a rule.
+
+        >>> import contactlab as cl
+        >>> f"{cl.tabor_number('4.2 mm', '115 GPa', 0.1, '0.2 nm'):.2f}"
+        '7.35'
+    """
+    return float(
+        (radius * work_of_adhesion**2 / (effective_modulus**2 * equilibrium_distance**3)) ** (1.0 / 3.0)
+    )
