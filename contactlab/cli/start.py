@@ -125,7 +125,7 @@ def main(arguments: list[str]) -> int:
         refuse_expansions(_folders(lines))
         with (
             warnings.catch_warnings(),
-            allowing("contactlab.cli.app.Check", "hydra.experimental.callbacks.*"),
+            allowing("contactlab.cli.app.Check", "hydra.experimental.callbacks.*", "logging.NullHandler"),
         ):
             # Hydra warns of a folder of options that does not exist, and goes on without.
             warnings.filterwarnings("error", ".* is not available", UserWarning)

@@ -161,8 +161,11 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
     if normal == 0.0 == largest(state.normal.node):
         # Without a force nothing tells of the internal variables: they have an error of their own.
-        flowed = max(missed_flow(run, law.memory), missed_rate(run, law)) / state.tolerance
-        return float(max(error * h / allowed, flowed))
+        flowed = missed_flow(run, law.memory)
+        if depends:
+            # A slider without a force keeps its spring, whatever rate the law has for it.
+            flowed = max(flowed, missed_rate(run, law))
+        return float(max(error * h / allowed, flowed / state.tolerance))
     return float(error * h / allowed)
 
 

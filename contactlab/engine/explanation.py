@@ -11,6 +11,7 @@ from contactlab.arrays import Array
 from contactlab.engine.compliant import most_events
 from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import contact_from
+from contactlab.engine.memory import SLIP_ROUND_OFF
 from contactlab.engine.plant import modes_of, resolved_rate
 from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
@@ -126,7 +127,9 @@ def balanced(
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_remainder, state.most_remainder]) - start
     residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
-    share = openness(float(residual), float(state.turnover), 0.0, start)
+    # A contact at rest turns nothing over but the work of its impulses at round-off of the slip.
+    digits = SLIP_ROUND_OFF * (abs(state.total.normal_impulse) + abs(state.total.friction_impulse))
+    share = openness(max(float(residual - digits), 0.0), float(state.turnover), 0.0, start)
     # A ledger that is no number is not closed.
     if share <= LEDGER_LIMIT:
         opened = _opened_by_contact(series, modes, float(state.turnover))
