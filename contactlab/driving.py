@@ -30,6 +30,12 @@ from contactlab.simulation import Solution, simulate
 TOLERANCE: Final = 1e-12
 """Default error of a step's impulse, over the largest force in the longest step [1]."""
 
+EVEN: Final = 64.0
+"""Longest step over the shortest piece of a path, as far as that takes no more than `MOST_STEPS`."""
+
+MOST_STEPS: Final = 50_000
+"""Longest steps of a path with pieces of many lengths."""
+
 RECORDS: Final = 1000
 """Least number of records of a run whose interval is not given."""
 
@@ -112,9 +118,14 @@ def drive(
 
 
 def longest_step(motor: Motor, law: ContactLaw) -> float | None:
-    """Return the step in contact of a compliant law [s]: no step goes beyond a piece of the path."""
-    pieces: Any = cast(Waveform, motor.drive.waveform).pieces
-    return float(np.diff(pieces.x).max()) if isinstance(law, PenaltyLaw) else None
+    """Return the step in contact of a compliant law [s]: no step goes beyond a piece of the path.
+
+    Of a path with long pieces beside short ones it is short enough for both.
+    """
+    edges = cast(Waveform, motor.drive.waveform).pieces.x
+    pieces, least = np.diff(edges), (edges[-1] - edges[0]) / MOST_STEPS
+    longest = min(pieces.max(), max(EVEN * pieces.min(), least))
+    return float(longest) if isinstance(law, PenaltyLaw) else None
 
 
 def driven_by(
@@ -145,8 +156,8 @@ def driven_by(
             )
         first = -penetrations(law, first)
     rows = np.stack([first, _samples("slip", slip, time)])
-    path = _cut_at_reversals(Waveform.sampled(time, rows, degree, period)).delayed(float(time[0]))
-    return led_body(path, compliant)
+    path = Waveform.sampled(time - time[0], rows, degree, period)
+    return led_body(_cut_at_reversals(path), compliant)
 
 
 def _samples(name: str, path: Path | None, time: Array) -> Array:

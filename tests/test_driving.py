@@ -56,6 +56,26 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
     assert set(run["contact_mode"].values.tolist()) == {1}
 
 
+@pytest.mark.parametrize("degree", [1, 3, 7])
+def test_a_slip_turns_half_way_between_two_samples(degree: int) -> None:
+    """There steps of powers of two end on the reversal but for the last digit of the clock."""
+    time = np.linspace(-DURATION / 6.0, 7.0 * DURATION / 6.0, 2001)
+    way = 1e-3 * np.sin(2.0 * TURN * time)
+    run = cl.drive(HERTZ, time, gap=-1e-6, slip=way, degree=degree)
+    assert run.complete
+    # The way of a full swing of each period, and what comes before and after.
+    length = quad(
+        lambda t: abs(2e-3 * TURN * np.cos(2.0 * TURN * t)),
+        time[0],
+        time[-1],
+        limit=500,
+        points=np.arange(-1, 10) * DURATION / 8,
+    )[0]
+    np.testing.assert_allclose(
+        run["friction_loss"][-1], 0.3 * 10.0 * length, rtol={1: 1e-4, 3: 1e-7, 7: 1e-9}[degree]
+    )
+
+
 def test_the_loop_of_dahl() -> None:
     """Settled, i = 1: the loss of a cycle is 4 F_c (X - F_c/sigma tanh(sigma X/F_c))."""
     law, amplitude = cl.Composed(friction=cl.Dahl(friction_coefficient=0.3, rest_stiffness=1e6)), 1e-6

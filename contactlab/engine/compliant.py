@@ -54,6 +54,7 @@ from contactlab.engine.rootfinding import (
     event_value,
     first_event,
     first_guard,
+    keeps_slip,
     track_extremes,
 )
 from contactlab.engine.state import (
@@ -452,6 +453,9 @@ CLOCK = 64.0 * np.finfo(np.float64).eps
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
 
+YIELDED = 1e-30
+"""Slip velocity [m/s] that no force leaves to a prescribed one, whose body is as heavy as can be."""
+
 GROWTH = 2.0**6
 """What the error of a step grows by where it doubles: it goes as h^(NODES + 1)."""
 
@@ -698,12 +702,17 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
 
     Stick is valid if its friction lies within `bound` of `bias` [N] at the start, not only at the first node;
     an excess counts by its impulse over the step, beyond the error of the friction. Slip that starts from
-    zero into the wrong direction must stick. Rate-dependent friction has no modes.
+    zero into the wrong direction must stick, or turn if it is prescribed. Rate-dependent friction has no
+    modes.
     """
     state, step = run.state, run.step
     friction, sticks = state.friction.node[0] - state.bias.node[0], state.mode == STICK
     if state.law.friction_kind == RATE_DEPENDENT:
         return False
+    if keeps_slip(run):
+        turned = state.sign * step.slip[0] < -YIELDED
+        state.sign = -state.sign if turned else state.sign
+        return bool(turned)
     if sticks:
         denied = abs(friction) > state.bound.node[0] * (1.0 + CONE_ROUND_OFF)
         demanded = value_at(state.friction, 0.0) - value_at(state.bias, 0.0)

@@ -157,7 +157,9 @@ def _piece_at(run: Run, waves: Array) -> tuple[int, float]:
         # A step that ends with a piece comes to this time, which must be the next one's.
         state.piece_end = end - wave.offset
         if state.piece_end > state.time:
-            return piece, max(min(clock - (waves[piece, 0] + turns), clock), 0.0)
+            # The silence before a waveform has no beginning.
+            begin = waves[piece, 0] + turns
+            return piece, max(clock - begin, 0.0) if begin > -np.inf else 0.0
         piece += 1
         if piece == count:
             piece, turns = 0, turns + wave.period

@@ -12,6 +12,7 @@ from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
 from contactlab.engine.propagator import step_length
 from contactlab.engine.recorder import CRAWL, commit, end_with_forces
+from contactlab.engine.rootfinding import keeps_slip
 from contactlab.engine.state import (
     CONE,
     FLIGHT,
@@ -184,7 +185,8 @@ def _open_contact(run: Run, law: Law) -> None:
     state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     law.row[SPEED] = state.impact_speed
-    state.mode = SLIP if slip != 0.0 or state.law.friction_kind == RATE_DEPENDENT else STICK
+    slides = slip != 0.0 or state.law.friction_kind == RATE_DEPENDENT or keeps_slip(run)
+    state.mode = SLIP if slides else STICK
     state.sign = 1 if slip > 0.0 else -1
     rule = run.propagator.rule
     state.level = rule.contact_level + state.law.compliant * TOUCH_REFINEMENT

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from contactlab.compiler.kernels import inner_kernel
+from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at
@@ -99,6 +99,18 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
     return s
 
 
+@part_kernel
+def keeps_slip(run: Run) -> bool:
+    """Return whether set-valued friction has a slip that is prescribed, which no friction can hold.
+
+    It reverses at ends of pieces alone, where steps end too.
+    """
+    state = run.state
+    return bool(
+        run.plant.wave.led != 0 and state.law.compliant != 0 and state.law.friction_kind == SET_VALUED
+    )
+
+
 @inner_kernel
 def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length.
@@ -109,6 +121,7 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     left, before = 0.0, rate
     sticks = state.mode == STICK
     slides = largest(state.bound.node) > 0.0 and state.law.friction_kind != RATE_DEPENDENT and not sticks
+    slides = slides and not keeps_slip(run)
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
