@@ -64,6 +64,8 @@ def slow(*_: object, **__: object) -> None:
 POINTS = "rotor.load_torque [N m],rotor_velocity [rad/s]\n-1e-4,-2\n-1e-3,-1\n"
 
 
+# The child runs the command at once, and no thread is left in it.
+@pytest.mark.filterwarnings("ignore:.*forkpty:DeprecationWarning")
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -183,3 +183,13 @@ def test_samples_of_a_formula_lie_close_enough() -> None:
     drive = cl.Chirp(first_frequency=100.0, last_frequency=900.0, duration=0.05).drive()
     assert drive.waveform is not None
     assert np.diff(drive.waveform.pieces.x[8:-8]).max() * 2.0 * pi * 900.0 <= SAMPLED_TURN * (1.0 + 1e-9)
+
+
+def test_a_waveform_that_begins_before_zero_is_read_from_its_own_beginning() -> None:
+    """The same samples with their clock ahead: what came before the drive was switched on."""
+    time = np.linspace(-1e-3, 1e-3, 9)
+    force = np.sin(4e3 * time + 0.3)[None]
+    early = cl.Waveform.sampled(time, force, 7)
+    shifted = cl.Waveform.sampled(time + 1e-3, force, 7).delayed(1e-3)
+    made, expected = (displacement(forced(each), 8e-4)[1] for each in (early, shifted))
+    np.testing.assert_allclose(made, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
