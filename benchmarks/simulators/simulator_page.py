@@ -15,7 +15,7 @@ from questions import Question, questions
 RESULTS: Final = Path(__file__).with_name("results.json")
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "simulators.md"
 
-MARKED: Final = re.compile(r"(<!-- made: (\w+) -->\n\n)(.*?)(\n\n<!-- end -->)", re.DOTALL)
+MARKED: Final = re.compile(r"(<!-- result: (\w+) -->\n\n)(.*?)(\n\n<!-- end -->)", re.DOTALL)
 
 Row = Mapping[str, Any]
 

@@ -103,7 +103,11 @@ def missed_rate(run: Run, law: Law) -> float:
         return 0.0
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     recall_start(run, law)
-    first = friction_at(law, (gap, rate, slip), end_at(run, law, law.memory, rate), 0.0)[1]
+    end = end_at(run, law, law.memory, rate)
+    if gap >= end:
+        # At the edge of the contact the law has no rate yet.
+        return 0.0
+    first = friction_at(law, (gap, rate, slip), end, 0.0)[1]
     size = max(abs(state.memory[0]), abs(state.length * first))
     for i in range(NODES):
         size = max(size, abs(step.memory[i, 0]))

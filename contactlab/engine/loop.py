@@ -153,6 +153,8 @@ def _release(run: Run, law: Law, ends: Array) -> None:
     else:
         # Round-off alone tells a graze from a miss.
         state.touchdowns -= 1
+        state.total.normal_impulse -= state.contact.normal_impulse
+        state.total.friction_impulse -= state.contact.friction_impulse
         lose_earlier(run, state.contact.energy_loss)
     state.mode, state.phase = FREE, RELEASED
     state.level = run.propagator.rule.fresh_level
