@@ -186,7 +186,7 @@ def test_samples_of_a_formula_lie_close_enough() -> None:
 
 
 def test_a_waveform_that_begins_before_zero_is_read_from_its_own_beginning() -> None:
-    """The same samples with their clock ahead: what came before the drive was switched on."""
+    """Against these samples with their clock ahead: what came before the drive was switched on."""
     time = np.linspace(-1e-3, 1e-3, 9)
     force = np.sin(4e3 * time + 0.3)[None]
     early = cl.Waveform.sampled(time, force, 7)
