@@ -157,6 +157,8 @@ def candidates_of(
         _check_impacts(each, discrepancy)
     if not setups:
         raise ConfigurationError(NO_LAW)
+    if own and len(sets) == 1:
+        raise ConfigurationError("study.own is set and there is one data set; leave it out.")
     every, corrections = free_numbers(setups, free, known), corrections_in(free)
     if unknown := sorted({*own} - {item.name for keys in every.values() for item in keys}):
         raise ConfigurationError(

@@ -96,15 +96,17 @@ def path_problem(
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
 
     Raises:
-        ConfigurationError: no force is measured, or a discrepancy has Student-t noise, whose likelihood has
-            no closed form.
-        ValueError: the path is not one of the law's.
+        ConfigurationError: no force is measured, the path is not one of the law's, or a discrepancy has
+            Student-t noise, whose likelihood has no closed form.
     """
     check_noise(discrepancy, degrees_of_freedom)
     if not measured.values:
         raise ConfigurationError(f"The data have a path and no force; they must have {' or '.join(FORCES)}.")
     path = measured.path
-    driven_by(law, measured.time, path.get("gap"), path.get("normal"), path["slip"])
+    try:
+        driven_by(law, measured.time, path.get("gap"), path.get("normal"), path["slip"])
+    except ValueError as error:
+        raise ConfigurationError(f"law={law.name}: {error}") from error
     span = float(measured.time[-1] - measured.time[0])
     return PathProblem(
         measured=measured,

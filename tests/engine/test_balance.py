@@ -5,6 +5,7 @@ import pytest
 from support.faulty_laws import Sound, Unledgered
 from support.motors import case_a, default_motor, every_law
 
+import contactlab as cl
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, LagrangeStick
 from contactlab.metrics import METRICS, assess
@@ -48,3 +49,12 @@ def test_ending_and_metric_judge_by_the_same_scale(law: ContactLaw) -> None:
         share = openness(float(np.abs(series["energy_residual"]).max()), *works, float(energy))
         assert assess(to_datatree(trajectory, {}))["energy_residual"] == pytest.approx(share, rel=1e-6)
         assert trajectory.complete == (share <= LEDGER_LIMIT)
+
+
+@pytest.mark.parametrize(
+    "law", [cl.LagrangeStick(friction_coefficient=0.3), cl.Newton(friction_coefficient=0.3)]
+)
+def test_a_block_at_rest_turns_nothing_over_and_is_complete(law: cl.ContactLaw) -> None:
+    run = cl.simulate(cl.block(1.0, weight=10.0, push=0.75), law, duration=1.0, record_interval=1e-3)
+    assert run.complete
+    assert np.abs(run["slip_velocity"]).max() < 1e-13

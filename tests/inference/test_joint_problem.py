@@ -80,6 +80,8 @@ def test_noise_that_is_not_stated_is_each_data_sets_own() -> None:
 def test_what_does_not_go_together_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ConfigurationError, match="own"):
         problem_of({"one": curve(0.1, 3), "two": curve(0.3, 4)}, own=["law.restitution"])
+    with pytest.raises(ConfigurationError, match="own"):
+        problem_of({"one": curve(0.1, 3)}, own=[KEY])
     with pytest.raises(ConfigurationError, match="rotor"):
         candidates_of({"one": curve(0.1, 3)}, {"": setup_of()}, {"rotor.inertia": (1e-7, 1e-5)})
     with pytest.raises(ConfigurationError, match="data"):

@@ -131,6 +131,14 @@ def test_a_path_without_a_force_fits_nothing(tmp_path: Path) -> None:
         candidates_of(data, {"": setup_of()}, FREE)
 
 
+def test_a_gap_is_no_path_of_a_rigid_law(tmp_path: Path) -> None:
+    table = columns(0.0)
+    del table["normal [N]"]
+    data = read_measurements(written(tmp_path / "path.csv", table | {"gap [um]": np.full(201, -1.0)}))
+    with pytest.raises(ConfigurationError, match="gap"):
+        candidates_of(data, {"": cl.build(["law=newton"])}, {"contact.friction_coefficient": (0.1, 0.5)})
+
+
 def test_a_number_of_the_motor_is_no_number_of_a_loop(tmp_path: Path) -> None:
     data = read_measurements(written(tmp_path / "loop.csv", columns(0.0)))
     with pytest.raises(ConfigurationError, match="rotor"):
