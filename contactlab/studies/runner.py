@@ -6,6 +6,7 @@ study that is killed therefore goes on where it stopped and leaves the same byte
 configuration or version are never taken for its own. They are removed when the study's dataset is written.
 """
 
+import errno
 import json
 import shutil
 import socket
@@ -35,6 +36,10 @@ TASKS: Final = "tasks"
 """Folder of the finished tasks, beside the files of the result."""
 
 
+class RemovedError(OSError):
+    """Another process ended the same study in the same folder, and removed its finished tasks."""
+
+
 @final
 class Parts(Mapping[str, xarray.DataTree]):
     """Data of the finished tasks by key, in the order of the tasks; those in a folder are read one by one."""
@@ -51,7 +56,10 @@ class Parts(Mapping[str, xarray.DataTree]):
             case Part(data):
                 return data
             case Path() as file:
-                return _loaded(file)
+                try:
+                    return _loaded(file)
+                except FileNotFoundError as error:
+                    raise RemovedError(*error.args) from error
         raise KeyError(key)
 
     def add(self, others: "Parts") -> None:
@@ -94,8 +102,10 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
         KeyboardInterrupt: as it comes; finished tasks are kept.
     """
     setups = study.put_to(setups)
-    parts, details = done_parts(study, setups, folder, progress)
-    return Result.of(study, setups, study.combine(setups, parts), details)
+    while True:
+        with suppress(RemovedError):
+            parts, details = done_parts(study, setups, folder, progress)
+            return Result.of(study, setups, study.combine(setups, parts), details)
 
 
 def done_parts(
@@ -187,7 +197,12 @@ class Store:
         """Write the data of a part and return the file."""
         self.folder.mkdir(parents=True, exist_ok=True)
         fresh = self.folder / f"{self._name(key)}.nc"
-        digest = write_tree(data, fresh)
+        try:
+            digest = write_tree(data, fresh)
+        except OSError as error:
+            if error.errno == errno.ENOENT or not self.folder.exists():
+                raise RemovedError(*error.args) from error
+            raise
         file = fresh.with_name(f"{fresh.stem}-{digest}.nc")
         # Another process that does the same task may have moved its own.
         with suppress(FileNotFoundError):

@@ -155,6 +155,33 @@ def test_two_processes_in_a_folder_leave_the_same_bytes(elsewhere: Elsewhere, wh
     assert bytes_of(elsewhere.folder / "shared") == bytes_of(whole)
 
 
+@pytest.mark.parametrize("at", [pytest.param(3, marks=pytest.mark.long), 6])
+def test_tasks_that_another_process_removes_are_done_again(
+    elsewhere: Elsewhere, whole: Path, at: int
+) -> None:
+    """It ended the same study while this one did a task, or before it combined them."""
+    script = """
+import json, shutil, sys
+from pathlib import Path
+import contactlab as cl
+from contactlab.studies.runner import run, finish
+from gain import Gain
+
+folder, at = Path(sys.argv[1]), int(sys.argv[2])
+removed = []
+
+def remove(done, total):
+    if done == at and not removed:
+        removed.append(done)
+        shutil.rmtree(folder / "tasks")
+
+finish(run(Gain(points=6), {"": cl.build(json.loads(sys.argv[3]))}, folder, remove), folder)
+"""
+    status, _, err = elsewhere.python("-c", script, f"removed-{at}", str(at), json.dumps(SHORT))
+    assert status == 0, err
+    assert bytes_of(elsewhere.folder / f"removed-{at}") == bytes_of(whole)
+
+
 def test_finished_tasks_are_not_done_again_and_damaged_ones_are(elsewhere: Elsewhere, whole: Path) -> None:
     script = """
 import json, sys
