@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from math import factorial
-from typing import Any, Final, final
+from typing import TYPE_CHECKING, Any, Final, final
 
 import numpy as np
 import scipy
@@ -10,6 +10,10 @@ import scipy
 from contactlab.arrays import Array
 from contactlab.checks import accepts_units, check_kind, check_shape
 from contactlab.immutable import Immutable, read_only
+
+if TYPE_CHECKING:
+    # Not by its whole name: the dataclasses of Python 3.15 would import the module to look it up.
+    from scipy.interpolate import PPoly
 
 MOST_DEGREE: Final = 7
 """Highest degree of a piece; the engine has room for so many powers of time."""
@@ -47,7 +51,7 @@ class Waveform(Immutable):
         ValueError: shape, degree, or times that do not increase.
     """
 
-    pieces: "scipy.interpolate.PPoly"
+    pieces: "PPoly"
     periodic: bool = False
     start: float = 0.0
 
