@@ -17,13 +17,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib.metadata import distributions
-from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 
 from contactlab.config import Setup
+from contactlab.processes import forked_pool
 from contactlab.studies.runner import run
 from contactlab.studies.sweep.plan import Outputs, Plan, planned
 from contactlab.studies.sweep.study import ScriptComposer, Sweep
@@ -73,7 +73,7 @@ def in_batches(plan: Plan, repeats: int) -> list[Row]:
         run(Sweep(plan=replace(plan.rows(cells), chunk=plan.chunk), workers=workers), {})
 
     Sweep.delay = 0.0
-    with get_context("fork").Pool(2) as independent:
+    with forked_pool(2) as independent:
         ways: dict[str, Callable[[range], object]] = {
             "bare engine": bare,
             "batch, one process": partial(swept, 1),

@@ -5,9 +5,14 @@ import multiprocessing
 import os
 import signal
 import threading
-from typing import Final
+import warnings
+from typing import TYPE_CHECKING, Final
 
-START_METHOD: Final = "fork" if "fork" in multiprocessing.get_all_start_methods() else None
+if TYPE_CHECKING:
+    from multiprocessing.pool import Pool
+
+FORKS: Final = "fork" in multiprocessing.get_all_start_methods()
+"""Whether a process of this system can have the memory of another."""
 
 
 class WorkerError(RuntimeError):
@@ -19,6 +24,14 @@ def processors() -> int:
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
+
+
+def forked_pool(count: int) -> "Pool":
+    """Return a pool of workers that have what this process has in memory."""
+    # Python warns of threads (those of the linear algebra) that a fork does not have.
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "This process", DeprecationWarning)
+        return multiprocessing.get_context("fork").Pool(count, begin_worker)
 
 
 def begin_worker() -> None:

@@ -155,19 +155,25 @@ def study_in(
     if file is not None:
         Path(file).parent.mkdir(parents=True, exist_ok=True)
     storage = None if file is None else optuna.storages.RDBStorage(f"sqlite:///{file}")
-    pruner = optuna.pruners.PercentilePruner(KEPT, n_startup_trials=POPULATION)
-    study = optuna.create_study(
-        study_name="contactlab", storage=storage, directions=directions, pruner=pruner, load_if_exists=True
-    )
-    # Without trials nothing depends on settings: the process was killed before they were written.
-    if not study.get_trials(deepcopy=False):
-        study.set_user_attr("settings", settings)
-    before, now = flat(study.user_attrs.get("settings", {})), flat(settings)
-    if differ := [key for key in {**now, **before} if before.get(key) != now.get(key)]:
-        raise ValueError(f"{file} has trials with another {', '.join(differ)}; choose another by file=FILE.")
-    for trial in study.get_trials(deepcopy=False, states=(TrialState.RUNNING,)):
-        study.tell(trial.number, state=TrialState.FAIL)
     try:
+        pruner = optuna.pruners.PercentilePruner(KEPT, n_startup_trials=POPULATION)
+        study = optuna.create_study(
+            study_name="contactlab",
+            storage=storage,
+            directions=directions,
+            pruner=pruner,
+            load_if_exists=True,
+        )
+        # Without trials nothing depends on settings: the process was killed before they were written.
+        if not study.get_trials(deepcopy=False):
+            study.set_user_attr("settings", settings)
+        before, now = flat(study.user_attrs.get("settings", {})), flat(settings)
+        if differ := [key for key in {**now, **before} if before.get(key) != now.get(key)]:
+            raise ValueError(
+                f"{file} has trials with another {', '.join(differ)}; choose another by file=FILE."
+            )
+        for trial in study.get_trials(deepcopy=False, states=(TrialState.RUNNING,)):
+            study.tell(trial.number, state=TrialState.FAIL)
         yield study
     finally:
         if storage is not None:

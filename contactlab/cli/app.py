@@ -128,6 +128,9 @@ def perform(setup: Setup, directory: Path, job: Job, *, swept: bool) -> bool:
 class Check(Callback):
     """Checks a single run before Hydra makes its folder, and collects the runs of a sweeper of others."""
 
+    def __init__(self) -> None:
+        self._collects = False
+
     def on_run_start(self, config: DictConfig, **_: Any) -> None:
         """Refuse a faulty run and announce a large one.
 
@@ -170,6 +173,7 @@ class Check(Callback):
             with suppress(OmegaConfBaseException), read_write(config.hydra):
                 folder = config.hydra.sweep.dir = str(config.hydra.sweep.dir)
                 config.hydra.overrides.hydra.append(f"hydra.sweep.dir={quoted(folder)}")
+            self._collects = True
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         """Collect what the sweeper of another package left.
@@ -177,7 +181,8 @@ class Check(Callback):
         Raises:
             SystemExit: a run is not complete.
         """
-        if _is_ours(config):
+        # Hydra 1.4 ends a sweep that was refused, too.
+        if not self._collects:
             return
         folder = Path(str(config.hydra.sweep.dir))
         collect_swept(folder)

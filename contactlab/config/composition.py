@@ -319,7 +319,7 @@ def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
             hint = suggestion(option, error.options)
             return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}".rstrip()]
         case errors.OverrideParseException():
-            return [f"{error.override} cannot be read ({text.rstrip('.')}); it must be KEY=VALUE."]
+            return [f"{error.override} cannot be read; it must be KEY=VALUE, brackets and quotes closed."]
         case RecursionError():
             return ["An argument is nested too deeply to be read; it must be a value."]
     if unknown := re.search(r"Could not override '([^']+)'", text):

@@ -160,14 +160,28 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
-    if normal == 0.0 == largest(state.normal.node):
-        # Without a force nothing tells of the internal variables: they have an error of their own.
+    flowed = _flow_error(run, law, normal, friction, allowed / h)
+    return float(max(error * h / allowed, flowed / state.tolerance))
+
+
+@inner_kernel
+def _flow_error(run: Run, law: Law, normal: float, friction: float, negligible: float) -> float:
+    """Return what internal variables miss over the step [1] of which no force tells, zero where one does.
+
+    Friction tells of its own where it is more than a `negligible` force [N].
+    """
+    state = run.state
+    idle, flowed = normal == 0.0 == largest(state.normal.node), 0.0
+    if idle:
         flowed = missed_flow(run, law.memory)
-        if depends:
-            # A slider without a force keeps its spring, whatever rate the law has for it.
+    if state.law.friction_kind == RATE_DEPENDENT:
+        most = abs(friction)
+        for i in range(NODES):
+            most = max(most, abs(state.friction.node[i]))
+        # A slider without a force keeps its spring, whatever rate the law has for it.
+        if idle or most <= negligible:
             flowed = max(flowed, missed_rate(run, law))
-        return float(max(error * h / allowed, flowed / state.tolerance))
-    return float(error * h / allowed)
+    return float(flowed)
 
 
 @part_kernel

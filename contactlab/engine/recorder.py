@@ -141,12 +141,14 @@ def _write_records(run: Run, law: Law, records: Records, s: float, now: float, r
         on_grid = state.origin + index * state.interval
         new = index == state.first + state.record_count
         # The last record lies at the end of the run.
-        due = state.end if new and state.record_count == records.series.size - 1 else on_grid
+        ends = new and state.record_count == records.series.size - 1
+        due = state.end if ends else on_grid
         if due > now:
             break
         at = max(min(due - start, s), 0.0)
         if refined:
-            terms = _sum_of(terms, _refined_terms(run, law, max(last, 0.0), at))
+            before, since = (NOTHING_ADDED, 0.0) if ends else (terms, max(last, 0.0))
+            terms = _sum_of(before, _refined_terms(run, law, since, at))
         else:
             terms = _terms_until(run, law, last, at, due != on_grid, terms)
         if new:

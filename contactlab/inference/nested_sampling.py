@@ -11,7 +11,6 @@ the seed repeats the sampler's path, and evaluations in the checkpoint are looke
 the same bits as one without a stop, and a checkpoint from somebody else can run no code.
 """
 
-import multiprocessing
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -33,7 +32,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.inference.free_parameters import FreeParameter, from_cube
 from contactlab.inference.problem import Problem
-from contactlab.processes import START_METHOD, begin_worker, processors
+from contactlab.processes import FORKS, forked_pool, processors
 from contactlab.progress import tell_progress, untold_progress
 from contactlab.results.files import whole_file
 
@@ -258,14 +257,10 @@ def _mapping(problem: Problem, workers: int | None) -> Iterator[Callable[..., It
     problem.log_likelihood(middle)
     pays = perf_counter() - began > WORTH_A_PROCESS
     count = workers or (processors() if pays else 1)
-    if count < 2 or START_METHOD is None:
+    if count < 2 or not FORKS:
         yield map
         return
-    # Python 3.12 warns of threads (those of the linear algebra) that a fork does not have.
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "This process", DeprecationWarning)
-        pool = multiprocessing.get_context(START_METHOD).Pool(count, begin_worker)
-    with pool:
+    with forked_pool(count) as pool:
         yield pool.map
 
 

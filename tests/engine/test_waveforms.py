@@ -56,14 +56,19 @@ def test_a_sampled_sine_is_the_tone(law: list[str], periodic: bool) -> None:
         assert samples.series[name] == pytest.approx(values, abs=1e-10 * np.abs(values).max()), name
 
 
+def swinging(long: float) -> PPoly:
+    """A piece that swings as Chebyshev's polynomial of the highest degree [V]."""
+    swings = Chebyshev.basis(MOST_DEGREE, domain=[0.0, long]).convert(kind=Polynomial, domain=[0.0, long])
+    powers = swings.convert(domain=[-1.0, 1.0], window=[-1.0, 1.0]).coef[::-1]
+    return PPoly(powers[:, None, None], np.array([0.0, long]))
+
+
 @pytest.mark.parametrize("law", [cl.MoreauJean(), cl.HertzPenalty()], ids=lambda law: law.name)
 def test_the_work_of_a_drive_that_turns_many_times_within_a_step_is_exact(law: cl.ContactLaw) -> None:
     """One piece of degree 7 with six turns: the steps resolve the oscillator, which is slower than that."""
     long = 0.02
-    swings = Chebyshev.basis(MOST_DEGREE, domain=[0.0, long]).convert(kind=Polynomial, domain=[0.0, long])
-    powers = swings.convert(domain=[-1.0, 1.0], window=[-1.0, 1.0]).coef[::-1]
-    piece = PPoly(powers[:, None, None], np.array([0.0, long]))
-    motor = forced(cl.Waveform(piece), damping=2.0, stiffness=100.0)
+    motor = forced(cl.Waveform(swinging(long)), damping=2.0, stiffness=100.0)
+    swings = Chebyshev.basis(MOST_DEGREE, domain=[0.0, long])
     ran = simulate(motor, law, duration=0.03, record_interval=1e-3, contact_step=0.01)
     assert ran.statistics["flight_steps"] <= 12
 
@@ -134,6 +139,16 @@ def test_a_run_that_goes_on_is_the_uncut_one(law: str) -> None:
     rest = replace(setup, duration=3e-3 - first.state["end"]).run(start=first.state)
     assert rest.series["rotor_velocity"][-1] == whole.series["rotor_velocity"][-1]
     assert rest.series["energy_residual"][-1] == whole.series["energy_residual"][-1]
+
+
+def test_the_last_work_of_a_run_is_that_of_its_last_step_wherever_its_records_lie() -> None:
+    """The drive turns many times within a step, so that the step's work is a sum of many pieces."""
+    motor = forced(cl.Waveform(swinging(0.02)), damping=2.0, stiffness=100.0)
+    runs = [
+        simulate(motor, cl.HertzPenalty(), duration=0.017, record_interval=interval, contact_step=0.01)
+        for interval in (1e-3, 1.3e-3, 1.9e-3, 0.016)
+    ]
+    assert len({float(run.series["drive_work"][-1]) for run in runs}) == 1
 
 
 def test_a_periodic_waveform_has_the_steady_state_of_its_tones() -> None:

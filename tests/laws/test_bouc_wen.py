@@ -29,6 +29,16 @@ def test_the_first_loading_is_exponential_for_n_1_and_a_hyperbolic_tangent_for_n
     assert_allclose(-series["friction_force"][1:] / LIMIT, np.diff(work) / 0.5, atol=1e-9)
 
 
+@pytest.mark.parametrize("coefficient", [0.0, 1e-12, MU])
+@pytest.mark.parametrize("speed", [5.0, 500.0, 5e4])
+def test_a_deflection_is_followed_whatever_friction_it_brings(coefficient: float, speed: float) -> None:
+    """Without a coefficient no force tells of it; over the way Y it is tanh(v t/Y) of Y."""
+    law = Composed(Linear(SPRING), friction=BoucWen(coefficient, YIELD, 2.0, 2.0))
+    made = run(resting(HEAVY, velocity=speed * YIELD), law, 5.0 / speed, 1e-2, 0.5 / speed)
+    way = 0.5 * np.arange(11)
+    assert_allclose(made.series["internal_deflection"], YIELD * np.tanh(way), atol=1e-7 * YIELD)
+
+
 WEN = [(1.0, 0.5, 0.5, 1.0), (2.0, 4e5, 1e5, 1.0), (1.5, 3e11, -1e11, 2.0), (1.0, 1e17, 1e17, 3.0)]
 """A [1], beta and gamma [m^-n], n."""
 
