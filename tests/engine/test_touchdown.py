@@ -1,9 +1,10 @@
-"""The first touch-down of a motor is that of its flight in closed form."""
+"""The first touch-down of a motor is that of its flight in closed form; what round-off does there."""
 
 import numpy as np
 import pytest
 from support.motors import case_a, default_motor, every_law, run
 
+from contactlab.config import build
 from contactlab.laws import ContactLaw
 from contactlab.testing.flights import flight_of
 
@@ -30,3 +31,23 @@ def test_a_gap_that_closes_from_the_first_instant_is_touched_where_it_closes(law
     assert expected is not None
     assert np.all(flight.at(np.linspace(1e-7, expected, 200))[1] < 0.0)
     assert run(motor, law, 1e-4, 1e-6).contacts["start_time"][0] == pytest.approx(expected, abs=TIME_DIGIT)
+
+
+def test_a_touch_by_round_off_leaves_no_impulse() -> None:
+    """The sums of a run are those of its contacts, of which there may be none."""
+    options = (
+        *("law=composed", "law/normal=lining", "law/damping=lankarani_nikravesh", "law/friction=cohesive"),
+        *("law.normal.soft_stiffness=2e6", "law.normal.hard_stiffness=8e7", "law.normal.lining_depth=9e-7"),
+        *("law.normal.passage=7e-8", "law.damping.restitution=0.96", "law.damping.least_speed=2.7e-3"),
+        *("law.friction.static_ratio=5", "law.friction.cohesion=0.0157", "drive=two_mode"),
+        *(
+            "placement.start=0.01546",
+            "placement.end=0.02427",
+            "drive.voltage_1=0",
+            "contact.clearance=0",
+            "solver.duration=1.2e-3",
+        ),
+    )
+    made = build(options).run()
+    impulse = float(made.series["normal_force"][1:] @ np.diff(made.time))
+    assert impulse == pytest.approx(made.contacts["normal_impulse"].sum(), rel=1e-12, abs=0.0)
