@@ -89,8 +89,8 @@ html_theme_options = {
     "pygments_light_style": "a11y-high-contrast-light",
     "pygments_dark_style": "a11y-high-contrast-dark",
 }
-# Pages without pages below them would have an empty column.
-html_sidebars = {page: [] for page in ("index", "install", "tutorial", "python", "paper", "architecture")}
+# It has no pages beside it.
+html_sidebars = {"index": []}
 
 
 def setup(app: Sphinx) -> None:
