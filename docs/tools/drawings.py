@@ -349,49 +349,88 @@ def impact_run() -> cl.Solution:
     return cl.simulate(cl.build(["law=lagrange_stick"]), duration=1.8e-3, record_interval=INTERVAL)
 
 
+def impulses_of(run: cl.Solution, name: str) -> Array:
+    """Return the normal or friction impulses of the impacts that contacts begin with [N s], shape (contact,).
+
+    The force recorded for an impact is its impulse and that of the force after it over the interval.
+    """
+    time, force = run["time"].values, run[f"{name}_force"].values
+    start = run.contacts["start_time"].values
+    at = np.searchsorted(time, start)
+    return np.asarray(force[at] * INTERVAL - force[at + 1] * (time[at] - start))
+
+
 def friction_coefficient() -> float:
     """Return mu of the default setup."""
     return float(cl.build().configuration["contact"]["friction_coefficient"])
 
 
+def around(run: cl.Solution, k: int) -> Recording:
+    """Return the part of a run around one of its contacts."""
+    start, lasts = (float(run.contacts[name][k]) for name in ("start_time", "duration"))
+    return recording_of(run.tree).between(start - 10e-6, start + lasts + 10e-6)
+
+
 def shown_contact() -> Recording:
-    """Return the part of the run around the contact that sticks longest."""
-    contacts = contact_run().contacts
-    k = int(contacts["stick_duration"].values.argmax())
-    start = float(contacts["start_time"][k])
-    return recording_of(contact_run().tree).between(
-        start - 10e-6, start + float(contacts["duration"][k]) + 10e-6
-    )
+    """Return the part of the compliant run around the contact that sticks longest."""
+    return around(contact_run(), int(contact_run().contacts["stick_duration"].values.argmax()))
 
 
 def draw_contact() -> Figure:
     """Draw one compliant contact over time: gap, forces, slip velocity and energies."""
     part = shown_contact()
+    figure, energy = _draw_over_time(part, "touch-down")
+    time = 1e6 * (part.time - part.contacts["start_time"][0])
+    stored = 1e6 * part.series["contact_energy"]
+    energy.plot(time, stored, color=ACCENT)
+    label(energy, (time[stored.argmax()], 0.72 * stored.max()), "stored $V_c$", ACCENT)
+    return figure
+
+
+def draw_impact() -> Figure:
+    """Draw one rigid contact over time, likewise: an impact, and the forces of the contact that lasts."""
+    part = around(impact_run(), 1)
+    figure, energy = _draw_over_time(part, "impact")
+    time, lost = 1e6 * (part.time - part.contacts["start_time"][0]), 1e6 * part.series["contact_loss"]
+    energy.plot(time, lost - lost[0], color=INK)
+    label(energy, (time[-1], lost[-1] - lost[0]), "lost in the impact $W_n$ ", ha="right", va="bottom")
+    figure.axes[0].set_ylim(-0.25, 0.62)
+    for axes, name, scale in zip(figure.axes[1:3], ("normal", "friction"), (11.0, 3.3), strict=True):
+        axes.set_ylim(-0.15 * scale if name == "normal" else -scale, scale)
+        impulse = 1e6 * impulses_of(impact_run(), name)[1]
+        arrow(axes, (0.0, 0.0), (0.0, 0.95 * scale), FORCE)
+        label(axes, (0.8, 0.8 * scale), f"impulse {impulse:.3g} µN s", FORCE, ha="left")
+    return figure
+
+
+def _draw_over_time(part: Recording, event: str) -> tuple[Figure, Axes]:
+    """Draw what both kinds of contact have, with the name of their first event; the last panel is energy."""
     start = float(part.contacts["start_time"][0])
     time = 1e6 * (part.time - start)
-    # Forces are means over the record interval before.
-    before = time - 0.5e6 * INTERVAL
-    bound = friction_coefficient() * part.series["normal_force"]
+    # Forces are means over the record interval before; what an impact is in has no force.
+    before, impact = time - 0.5e6 * INTERVAL, np.isinf(part.contacts["peak_normal_force"][0])
+    forces = {name: part.series[f"{name}_force"].copy() for name in ("normal", "friction")}
+    for force in forces.values():
+        force[np.searchsorted(time, 0.0)] *= np.nan if impact else 1.0
     figure = Figure(figsize=(WIDTH, 7.0), layout="constrained")
     panels = figure.subplots(5, 1, sharex=True)
     gap, normal, friction, slip, energy = panels
     gap.plot(time, 1e6 * part.series["gap"], color=INK)
-    normal.plot(before, part.series["normal_force"], color=FORCE)
-    friction.plot(before, part.series["friction_force"], color=FORCE)
-    for sign in (-1.0, 1.0):
+    normal.plot(before, forces["normal"], color=FORCE)
+    friction.plot(before, forces["friction"], color=FORCE)
+    bound = friction_coefficient() * forces["normal"]
+    most = float(np.nanmax(bound))
+    # Where the bound has fallen to half of its largest.
+    half = int(np.flatnonzero(bound > 0.5 * most)[-1])
+    for sign, text in ((-1.0, r"$-\mu N$"), (1.0, r"$\mu N$")):
         friction.plot(before, sign * bound, color=INK, linewidth=THIN, linestyle="--", zorder=1.5)
-    label(friction, (0.135, 0.82), r"$\mu N$", transform=friction.transAxes)
-    label(friction, (0.135, 0.18), r"$-\mu N$", transform=friction.transAxes)
+        label(friction, (before[half] + 1.5, sign * 0.95 * most), text)
     slip.plot(time, 1e3 * part.series["slip_velocity"], color=SPEED)
-    stored = 1e6 * part.series["contact_energy"]
     lost = 1e6 * (part.series["friction_loss"] - part.series["friction_loss"][0])
-    energy.plot(time, stored, color=ACCENT)
     energy.plot(time, lost, color=FORCE)
-    label(energy, (time[stored.argmax()], 0.72 * stored.max()), "stored $V_c$", ACCENT)
     label(energy, (time[-1], lost[-1]), "lost in friction $W_f$ ", FORCE, ha="right", va="bottom")
-    texts = ("gap $g$\n(µm)", "normal force\n$N$ (N)", "friction\n$F$ (N)", "slip velocity\n$v$ (mm/s)",
-             "energy\n(µJ)")  # fmt: skip
-    for axes, text in zip(panels, texts, strict=True):
+    texts = ("gap $g$\n(µm)", "normal force\n$N$ (N)", "friction\n$F$ (N)", "slip velocity\n$v$ (mm/s)")
+    for axes, text in zip(panels, (*texts, "energy\n(µJ)"), strict=True):
         shade(axes, part, start)
         axes.axhline(0.0, color=FAINT, linewidth=THIN)
         axes.set_ylabel(text)
@@ -400,14 +439,12 @@ def draw_contact() -> Figure:
     figure.align_ylabels(panels)
     spans = [(*span, mode) for mode, times in part.spans().items() for span in times]
     first, last = min(a for a, _, _ in spans), max(b for _, b, _ in spans)
-    phases = [(part.start, first, "approach"), *spans, (last, part.end, "flight")]
-    for instant, name, ha in ((first, "touch-down ", "right"), (last, " release", "left")):
-        x = 1e6 * (instant - start)
-        gap.plot(x, 0.0, "o", color=INK)
-        label(gap, (x, -0.1), name, ha=ha, va="top", fontsize=9)
-    for a, b, name in phases:
+    for instant, name, ha in ((first, f"{event} ", "right"), (last, " release", "left")):
+        gap.plot(1e6 * (instant - start), 0.0, "o", color=INK)
+        label(gap, (1e6 * (instant - start), -0.1), name, ha=ha, va="top", fontsize=9)
+    for a, b, name in ((part.start, first, "approach"), *spans, (last, part.end, "flight")):
         label(gap, (1e6 * (0.5 * (a + b) - start), 1.13), name, transform=gap.get_xaxis_transform())
-    return figure
+    return figure, energy
 
 
 def draw_cone() -> Figure:
@@ -424,10 +461,8 @@ def draw_cone() -> Figure:
         forces.plot(x, y, color=COLOURS[name], linewidth=BOLD, label=name)
     forces.set_title("Forces of a compliant contact", fontweight="bold")
     forces.set(xlabel="friction $F$ (N)", ylabel="normal force $N$ (N)")
-    # What the impulse of an impact is: all of the record interval that it falls into.
-    run, limit = impact_run(), friction_coefficient() * (1.0 - 1e-6)
-    at = np.searchsorted(run["time"].values, run.contacts["start_time"].values)
-    normal, friction = (1e6 * INTERVAL * run[f"{n}_force"].values[at] for n in ("normal", "friction"))
+    normal, friction = (1e6 * impulses_of(impact_run(), name) for name in ("normal", "friction"))
+    limit = friction_coefficient() * (1.0 - 1e-6)
     slips = np.abs(friction) >= limit * normal
     for those, name in ((slips, "slip"), (~slips, "stick")):
         impulses.plot(friction[those], normal[those], "o", color=COLOURS[name], markersize=6)
@@ -579,6 +614,7 @@ DRAWINGS: Final[dict[str, Callable[[], Figure]]] = {
     "motor": draw_motor,
     "frame": draw_frame,
     "contact": draw_contact,
+    "impact": draw_impact,
     "cone": draw_cone,
     "flight": draw_flight,
     "energy": draw_energy,

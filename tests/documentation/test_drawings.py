@@ -120,6 +120,16 @@ def test_gap_slip_and_torque_of_a_run_have_the_drawn_signs() -> None:
     assert rotor.inertia * float(run["rotor_velocity"][-1]) == pytest.approx(turned, rel=1e-9)
 
 
+def test_drawn_impulses_are_those_of_the_impacts_and_inside_the_cone() -> None:
+    run = drawings.impact_run()
+    normal, friction = (drawings.impulses_of(run, name) for name in ("normal", "friction"))
+    # The force after an impact changes within the record interval.
+    np.testing.assert_allclose(normal, run.contacts["largest_impact"], rtol=1e-4)
+    share = np.abs(friction) / (0.3 * normal)
+    assert share[0] == pytest.approx(1.0, rel=1e-4)
+    assert np.all(share[1:] < 0.9)
+
+
 def test_the_bound_of_the_flight_lies_below_its_gap_and_each_module_is_a_layer() -> None:
     (axes,) = drawings.draw_flight().axes
     gap = next(line for line in axes.lines if len(line.get_xdata()) > 2000)
