@@ -16,6 +16,7 @@ from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
+import scipy
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
@@ -23,7 +24,7 @@ from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.patched_beam import PatchedBeam
+from contactlab.motor.ritz import ClampedBeam, RitzResonator
 from contactlab.plot.overview import shade
 from contactlab.plot.recording import Recording, recording_of
 from contactlab.plot.style import COLOURS, STYLE
@@ -106,12 +107,12 @@ def box(axes: Axes, x: float, y: float, width: float, height: float, text: str, 
     label(axes, (x, y), text, linespacing=1.35)
 
 
-def resonator(setup: cl.Setup) -> PatchedBeam:
+def resonator(setup: cl.Setup) -> RitzResonator:
     """Return the beam of a setup in the basis of the paper."""
     values = setup.configuration["resonator"]
     names = ("length", "width", "beam_thickness", "patch_thickness", "shapes")
     start, end = (setup.configuration["placement"][name] for name in ("start", "end"))
-    return cl.RitzResonator(patch_start=start, patch_end=end, **{name: values[name] for name in names})
+    return RitzResonator(patch_start=start, patch_end=end, **{name: values[name] for name in names})
 
 
 def draw_motor(setup: cl.Setup | None = None) -> Figure:
@@ -185,6 +186,57 @@ def draw_motor(setup: cl.Setup | None = None) -> Figure:
         f"$U_e$ > 0 {'shortens' if poling < 0.0 else 'stretches'} the upper patch",
     )
     label(axes, (-35.0, 23.0), "\n".join(notes), ha="left", va="top", linespacing=1.4, fontsize=9)
+    return figure
+
+
+def draw_modes() -> Figure:
+    """Draw what each tone does: the two bending modes, and the path of the tip's end that both make."""
+    setup = cl.build()
+    beam = resonator(setup)
+    x = np.linspace(0.0, beam.length, 200)
+    shapes, matrices = ClampedBeam(beam.length, beam.shapes), beam.matrices
+    _, vectors = scipy.linalg.eigh(matrices.stiffness, matrices.mass)
+    # A mode's sign is free: here that of a positive voltage on the first electrode.
+    vectors = vectors * np.sign(vectors.T @ matrices.coupling[:, 0])
+    figure = Figure(figsize=(WIDTH, 3.3))
+    texts = ("first tone,\n$U_1 = U_2$:\nthe tip rises", "second tone,\n$U_1 = -U_2$:\nthe tip leans")
+    for k, text in enumerate(texts):
+        axes = figure.add_axes((0.01, 0.52 - 0.5 * k, 0.5, 0.46))
+        scene(axes, (-30.0, 30.0), (-5.0, 22.0))
+        w, middle, slope = (
+            np.tensordot(vectors[:, k], shapes.evaluate(place, order), 1)
+            for place, order in ((x, 0), (0.5 * beam.length, 0), (0.5 * beam.length, 1))
+        )
+        for sign, colour in ((-1.0, FAINT), (1.0, ACCENT)):
+            scale = sign * 2.2 / np.abs(w).max()
+            axes.plot(1e3 * x - 28.5, scale * w, color=colour, linewidth=BOLD)
+            foot, theta = scale * middle, np.arctan(1e-3 * scale * slope)
+            end = (-19.0 * np.sin(theta), foot + 19.0 * np.cos(theta))
+            axes.plot([0.0, end[0]], [foot, end[1]], color=colour, linewidth=BOLD)
+        label(axes, (-29.0, 14.0), text, ha="left", fontsize=9)
+    period = 1.0 / float(setup.motor.drive.frequency[0])
+    settled = cl.simulate(setup, duration=0.4, record_interval=period)
+    free = cl.simulate(cl.build(["contact.clearance=1 mm"]), duration=0.05, record_interval=period / 400)
+    path = figure.add_axes((0.62, 0.16, 0.36, 0.76))
+    for run, width, colour in (
+        (free, LINE, FAINT),
+        (cl.simulate(start=settled, duration=period, record_interval=period / 400), LINE, INK),
+    ):
+        across, up = (1e6 * run[f"tip_{n}_displacement"].values[-401:] for n in ("tangential", "normal"))
+        path.plot(across, up, color=colour, linewidth=width)
+        for i in range(20, across.size, 75):
+            arrow(path, (across[i - 1], up[i - 1]), (across[i], up[i]), colour)
+        if colour == INK:
+            modes = run["contact_mode"].values[-401:]
+            for k, name in enumerate(CONTACT_MODE.flags[1:], 1):
+                x, y = (np.where(modes == k, values, np.nan) for values in (across, up))
+                path.plot(x, y, color=COLOURS[name], linewidth=BOLD, label=name)
+    path.axhline(1e6 * setup.motor.geometry.clearance, color=INK, linewidth=THIN, linestyle="--")
+    label(path, (0.1, -4.5), "without rotor", FAINT, fontsize=9)
+    label(path, (0.5, -2.85), "with rotor", fontsize=9)
+    label(path, (-0.5, 1.4), "gap closed", fontsize=9)
+    path.legend(ncols=2, loc="upper center")
+    path.set(xlabel="tip end along $x$ (µm)", ylabel="displacement $u$ (µm)", ylim=(-5.2, 5.6))
     return figure
 
 
@@ -612,6 +664,7 @@ def draw_data() -> Figure:
 
 DRAWINGS: Final[dict[str, Callable[[], Figure]]] = {
     "motor": draw_motor,
+    "modes": draw_modes,
     "frame": draw_frame,
     "contact": draw_contact,
     "impact": draw_impact,

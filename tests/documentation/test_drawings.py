@@ -144,3 +144,17 @@ def test_the_bound_of_the_flight_lies_below_its_gap_and_each_module_is_a_layer()
     assert (
         {"engine", "motor", "laws"} <= {m for t in modules for m in t.get_text().split()} <= drawings.layers()
     )
+
+
+def test_the_drawn_modes_are_those_of_the_motor_at_equal_and_opposite_voltages() -> None:
+    modes = cl.build().motor.modes
+    first, second, _ = drawings.draw_modes().axes
+    # Mode shapes over the tip's height or lean, without a rotor: u and theta of the normal modes.
+    for axes, k, motion in ((first, 0, modes.tip_displacement), (second, 1, modes.tip_slope)):
+        tip = axes.lines[-1].get_xydata()
+        lean = -(tip[1] - tip[0])[0]
+        moved = tip[0, 1] if k == 0 else lean
+        assert np.sign(moved) == np.sign(motion[k] * modes.coupling[k, 0])
+        assert abs(lean) > 5.0 if k else abs(lean) < 1e-9
+        equal = modes.coupling[k, 0] * modes.coupling[k, 1] > 0.0
+        assert equal == (k == 0)
