@@ -458,13 +458,17 @@ def restitution_over_slip() -> str:
 
 def laws_against_spheres() -> str:
     """Return misfits of every law in errors of digitisation."""
-    names = ("restitution", "angle", "spin", "all", "both axes", "mean stiffness", "lowest", "at")
-    rows = (
-        (label.replace("_", "\\_"), law["kind"], *("" if law[x] is None else f"{law[x]:.3g}" for x in names),
-         law["free"].replace("_", "\\_"))
-        for label, law in results("measurements")["spheres"]["laws"].items()
-    )  # fmt: skip
-    return with_age("measurements", ["spheres"], markdown(("law", "kind", *names, "free"), rows))
+    names = ("restitution", "angle", "spin", "all", "both axes", "mean stiffness")
+
+    def row(label: str, law: Mapping[str, Any]) -> Iterator[str]:
+        yield label.replace("_", "\\_")
+        yield from ("" if law[name] is None else f"{law[name]:.3g}" for name in names)
+        yield f"{law['lowest']:.3g}" + ("" if law["at"] is None else f" at {law['at']:.3g}")
+        yield law["free"].replace("_", "\\_")
+
+    laws = results("measurements")["spheres"]["laws"]
+    rows = (row(label, law) for label, law in laws.items())
+    return with_age("measurements", ["spheres"], markdown(("law", *names, "lowest", "free"), rows))
 
 
 def carrying() -> str:

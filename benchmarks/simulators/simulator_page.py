@@ -5,7 +5,7 @@ python benchmarks/simulators/simulator_page.py
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from textwrap import fill
 from typing import Any, Final
@@ -55,7 +55,12 @@ COLUMNS: Final[Mapping[str, Callable[[Row], float | None]]] = {
     "speed at rest (m/s)": lambda row: error(row, "rest", "speed"),
     "time": lambda row: row["time"],
 }
-"""Columns of the table: errors but for the last."""
+"""Columns of the tables: errors but for the last."""
+
+FRICTION: Final = (
+    *("creep (m/s)", "sliding velocity", "drift (m)", "stick-slip amplitude", "stick-slip period", "time"),
+)
+"""Those of the table on friction; the other has the rest."""
 
 
 def shown(value: float | None) -> str:
@@ -71,11 +76,11 @@ def results() -> dict[str, Any]:
     return content
 
 
-def table() -> str:
-    """Return the table: a row for each setting."""
-    lines = ["| | " + " | ".join(COLUMNS) + " |", "|---" * (len(COLUMNS) + 1) + "|"]
+def table(names: Sequence[str]) -> str:
+    """Return a table of columns: a row for each setting."""
+    lines = ["| | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for row in results()["rows"]:
-        cells = [shown(column(row)) for column in COLUMNS.values()]
+        cells = [shown(COLUMNS[name](row)) for name in names]
         lines.append(f"| {row['entrant']}: {row['setting']} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -126,7 +131,12 @@ def versions() -> str:
     return " ".join(lines)
 
 
-PARTS: Final[Mapping[str, Callable[[], str]]] = {"findings": findings, "table": table, "versions": versions}
+PARTS: Final[Mapping[str, Callable[[], str]]] = {
+    "findings": findings,
+    "friction": lambda: table(FRICTION),
+    "impacts": lambda: table([name for name in COLUMNS if name not in FRICTION]),
+    "versions": versions,
+}
 
 
 def page() -> str:

@@ -12,6 +12,7 @@ from dataclasses import MISSING
 from itertools import product
 from operator import itemgetter
 from pathlib import Path
+from textwrap import fill
 from types import NoneType
 from typing import Any, Final, get_args, get_origin
 
@@ -30,6 +31,9 @@ LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 
 FILE: Final = re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
 """A word that is neither an option nor an override; a folder of a sweep is named by them, two/law=newton."""
+
+HELP_WIDTH: Final = 100
+"""Of the lines of a verb's help."""
 
 FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
@@ -219,7 +223,16 @@ def help_on(verb: str) -> str:
             re.sub(r"\n +", "\n", (study.__doc__ or "").strip()),
             "",
             "Options:",
-            *(f"  {name:<{width}}{_described(field)}" for name, field in fields.items()),
+            *(
+                fill(
+                    f"  {name:<{width}}{_described(field)}",
+                    HELP_WIDTH,
+                    subsequent_indent=" " * (width + 2),
+                    break_long_words=False,
+                    break_on_hyphens=False,
+                )
+                for name, field in fields.items()
+            ),
             f"  {'output':<{width}}folder of the files; {verb}",
             "",
             "KEY=VALUE and GROUP=OPTION are those of a run (contactlab --help). With -m every combination of",

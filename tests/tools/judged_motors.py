@@ -33,7 +33,7 @@ from support.judged_motors import (
     rows,
 )
 
-HEADS = ("rotor velocity", "normal impulse", "time in contact", "displacement", "contact work")
+HEADS = ("rotor velocity", "normal impulse", "time in contact", "tip", "contact work")
 LARGE = 1e-6
 """Error of a motor at the fine tolerance from which on it is listed by number."""
 
@@ -79,21 +79,17 @@ def worst(table: pd.DataFrame, effort: str, by: str = "row") -> list[str]:
     """Worst errors in Markdown, by row or by kind."""
     lines = [
         cells(
-            {"row": "law or part", "kind": "motor"}[by],
-            "motors",
-            "contacts",
-            "counts that differ",
-            *HEADS,
-            "change of the integrator",
+            {"row": "law or part", "kind": "motor"}[by], "motors", "contacts (that differ)", *HEADS, "judge"
         ),
-        cells(*["---"] * (5 + len(HEADS))),
+        cells(*["---"] * (4 + len(HEADS))),
     ]
     for name, group in table.groupby(by, sort=False):
         errors = [group[f"{effort} {quantity}"].max() for quantity in QUANTITIES]
         own = group[[f"judge {quantity}" for quantity in QUANTITIES]].max().max()
         differ = int((group[f"{effort} contacts"] != group["contacts"]).sum())
         text = ["" if error != error else f"{error:.0e}" for error in errors]
-        lines.append(cells(name, len(group), int(group["contacts"].sum()), differ, *text, f"{own:.0e}"))
+        contacts = f"{int(group['contacts'].sum())} ({differ})"
+        lines.append(cells(name, len(group), contacts, *text, f"{own:.0e}"))
     return lines
 
 
@@ -128,8 +124,9 @@ def page(table: pd.DataFrame, command: str) -> str:
             "changes while it runs (voltage, load, damping, preload; once or twice), and one has both; under "
             "johnson, whose slow rebounds lose nothing, none has a bearing. "
             "A row has the largest error of its motors, each over the scale of its quantity; contact work "
-            "is what the contact has taken from the motor, displacement is the tip's from the rotor. A "
-            "contact counts from a thousandth of the largest impulse on. The last column is the change of "
+            "is what the contact has taken from the motor, *tip* its displacement from the rotor. A contact "
+            "counts from a thousandth of the largest impulse on; in brackets stand the motors in which the "
+            "two solvers count another number. *Judge* is the change of "
             f"the integrator itself from the tolerance {LOOSE:g} to {TIGHT:g}.",
             "",
             "Rigid laws run in their limit of no step: impacts are maps, and what lasts is held by its "

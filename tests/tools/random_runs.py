@@ -258,6 +258,7 @@ MOST: Final = 12
 def page(outcomes: pd.DataFrame, command: str) -> str:
     """Return the tables as Markdown: parts, endings, and the worst figures of every law's complete runs."""
     rows = table(outcomes).reset_index()
+    whole = outcomes[outcomes["ending"] == COMPLETE]
     faults = sum(bool(broken(outcome)) for outcome in outcomes.to_dict("records"))
     parts = outcomes.assign(
         resonator="resonator=" + outcomes["resonator"],
@@ -300,22 +301,22 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             *_table(["runs", "ending and reason", "numbers"], reasons(outcomes)),
             "",
+            "## Worst of the complete runs",
+            "",
+            *_table(
+                ["invariant", "bound", "worst", "of the law", "motor"],
+                (
+                    [f"`{key}`", f"{bound:g}", f"{worst[key]:.1e}", worst["law"], worst["number"]]
+                    for key, bound in BOUNDS.items()
+                    for worst in [whole.loc[whole[key].idxmax()]]
+                ),
+            ),
+            "",
             "## Laws",
             "",
             *_table(
                 ["law", "motors", "contacts", "endings"],
                 rows[["law", "motors", "contacts", "endings"]].itertuples(index=False),
-            ),
-            "",
-            *_table(
-                ["worst of", *BOUNDS],
-                [
-                    ["bound", *(f"{bound:g}" for bound in BOUNDS.values())],
-                    *(
-                        [row["law"], *(f"{row[key]:.1e}" for key in BOUNDS)]
-                        for row in rows.to_dict("records")
-                    ),
-                ],
             ),
             "",
         ]
