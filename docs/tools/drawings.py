@@ -99,6 +99,21 @@ def scene(axes: Axes, x: tuple[float, float], y: tuple[float, float], title: str
     axes.set_title(title, fontweight="bold", color=INK)
 
 
+def sheet(height: float, x: tuple[float, float], y: tuple[float, float]) -> tuple[Figure, Axes]:
+    """Return a figure of some inches with one drawing that fills it."""
+    figure = Figure(figsize=(WIDTH, height))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    scene(axes, x, y)
+    return figure, axes
+
+
+def in_modes(axes: Axes, x: Array, y: Array, modes: Array) -> None:
+    """Draw the parts of a line where the contact slips and where it sticks."""
+    for k, name in enumerate(CONTACT_MODE.flags[1:], 1):
+        parts = (np.where(modes == k, values, np.nan) for values in (x, y))
+        axes.plot(*parts, color=COLOURS[name], linewidth=BOLD, label=name)
+
+
 def box(axes: Axes, x: float, y: float, width: float, height: float, text: str, **options: Any) -> None:
     """Draw a box with a text about its centre."""
     options = {"facecolor": STEEL, "edgecolor": INK, "linewidth": LINE} | options
@@ -122,9 +137,7 @@ def draw_motor(setup: cl.Setup | None = None) -> Figure:
     length, tip, radius = 1e3 * beam.length, 1e3 * geometry.tip_length, 1e3 * geometry.rotor_radius
     half, layer = 0.5e3 * THICKER * beam.beam_thickness, 1e3 * THICKER * beam.patch_thickness
     outer, end = half + layer, 0.5 * length
-    figure = Figure(figsize=(WIDTH, 5.0))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    scene(axes, (-36.0, 36.0), (-17.0, 33.0))
+    figure, axes = sheet(5.0, (-36.0, 36.0), (-17.0, 33.0))
 
     axes.add_patch(Rectangle((-end, -half), length, 2.0 * half, facecolor=STEEL, edgecolor=INK))
     for side in (-1.0, 1.0):
@@ -148,13 +161,17 @@ def draw_motor(setup: cl.Setup | None = None) -> Figure:
             axes.plot([x + 2.2] * 2, [side * outer, side * 7.0], color=ACCENT, linewidth=LINE)
             axes.plot(x + 2.2, side * 7.4, "o", color=ACCENT, markerfacecolor="none", markersize=5)
             label(axes, (x + 3.2, side * 7.4), f"$U_{number}$", ACCENT, ha="left")
-        if number == 1:
-            for x in (a, b):
-                axes.plot([x] * 2, [-outer - 0.3, -12.6], color=FAINT, linewidth=THIN)
-            axes.plot([-end] * 2, [-7.0, -15.4], color=FAINT, linewidth=THIN)
-            dimension(axes, (a, -11.6), (b, -11.6), f"$a_1$ to $b_1$:  {1e3 * first:.3f} to "
-                      f"{1e3 * last:.3f} mm", (0.5 * (b - a) + 0.8, 0.0), ha="left")  # fmt: skip
-    axes.plot([end] * 2, [-7.0, -15.4], color=FAINT, linewidth=THIN)
+    first, last = beam.patches[0]
+    a, b = 1e3 * first - end, 1e3 * last - end
+    for x, top, low in (
+        (a, -outer - 0.3, -12.6),
+        (b, -outer - 0.3, -12.6),
+        (-end, -7.0, -15.4),
+        (end, -7.0, -15.4),
+    ):
+        axes.plot([x] * 2, [top, low], color=FAINT, linewidth=THIN)
+    text = f"$a_1$ to $b_1$:  {1e3 * first:.3f} to {1e3 * last:.3f} mm"
+    dimension(axes, (a, -11.6), (b, -11.6), text, (0.5 * (b - a) + 0.8, 0.0), ha="left")
     dimension(axes, (-end, -15.0), (end, -15.0), f"$L$ = {length:.0f} mm", (0.0, 1.0))
     axes.plot([6.0] * 2, [-half, -5.5], color=INK, linewidth=LINE)
     for k, wide in enumerate((1.5, 0.9, 0.3)):
@@ -218,19 +235,16 @@ def draw_modes() -> Figure:
     settled = cl.simulate(setup, duration=0.4, record_interval=period)
     free = cl.simulate(cl.build(["contact.clearance=1 mm"]), duration=0.05, record_interval=period / 400)
     path = figure.add_axes((0.62, 0.16, 0.36, 0.76))
-    for run, width, colour in (
-        (free, LINE, FAINT),
-        (cl.simulate(start=settled, duration=period, record_interval=period / 400), LINE, INK),
+    for run, colour in (
+        (free, FAINT),
+        (cl.simulate(start=settled, duration=period, record_interval=period / 400), INK),
     ):
         across, up = (1e6 * run[f"tip_{n}_displacement"].values[-401:] for n in ("tangential", "normal"))
-        path.plot(across, up, color=colour, linewidth=width)
+        path.plot(across, up, color=colour, linewidth=LINE)
         for i in range(20, across.size, 75):
             arrow(path, (across[i - 1], up[i - 1]), (across[i], up[i]), colour)
         if colour == INK:
-            modes = run["contact_mode"].values[-401:]
-            for k, name in enumerate(CONTACT_MODE.flags[1:], 1):
-                x, y = (np.where(modes == k, values, np.nan) for values in (across, up))
-                path.plot(x, y, color=COLOURS[name], linewidth=BOLD, label=name)
+            in_modes(path, across, up, run["contact_mode"].values[-401:])
     path.axhline(1e6 * setup.motor.geometry.clearance, color=INK, linewidth=THIN, linestyle="--")
     label(path, (0.1, -4.5), "without rotor", FAINT, fontsize=9)
     label(path, (0.5, -2.85), "with rotor", fontsize=9)
@@ -275,7 +289,8 @@ class Pose:
 
     @property
     def directions(self) -> tuple[Array, Array]:
-        """Normal n and tangent t, from the engine's frame: n = (dt/du, dn/du), t = n turned by 90 degrees."""
+        """Normal n and tangent t, from the engine's frame; t is n turned by +90 degrees."""
+        # Seen along t and along n, a unit displacement u is t_y = n_x and n_y.
         _, n_y, _, n_x, _ = self.geometry.frame(self.u, self.theta)
         return np.array((n_x, n_y)), np.array((-n_y, n_x))
 
@@ -507,10 +522,7 @@ def draw_cone() -> Figure:
     normal, friction = part.series["normal_force"], part.series["friction_force"]
     # Forces are means: of intervals within one mode.
     modes = np.where(np.diff(part.series["contact_mode"], prepend=0) == 0, part.series["contact_mode"], 0)
-    for k, name in enumerate(CONTACT_MODE.flags[1:], 1):
-        # Elsewhere the line is interrupted.
-        x, y = (np.where(modes == k, force, np.nan) for force in (friction, normal))
-        forces.plot(x, y, color=COLOURS[name], linewidth=BOLD, label=name)
+    in_modes(forces, friction, normal, modes)
     forces.set_title("Forces of a compliant contact", fontweight="bold")
     forces.set(xlabel="friction $F$ (N)", ylabel="normal force $N$ (N)")
     normal, friction = (1e6 * impulses_of(impact_run(), name) for name in ("normal", "friction"))
@@ -586,9 +598,7 @@ def draw_energy() -> Figure:
     names = ("drive_work", "damping_loss", "friction_loss", "contact_loss", "load_work")
     works = [1e6 * float(run[name][-1] - run[name][-1 - each]) for name in names]
     drive, damping, friction, contact, load = works
-    figure = Figure(figsize=(WIDTH, 2.9))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    scene(axes, (0.0, 72.0), (0.0, 29.0))
+    figure, axes = sheet(2.9, (0.0, 72.0), (0.0, 29.0))
     boxes = ((22.0, "resonator", "$T + V$"), (41.0, "contact", "$V_c$"), (60.0, "rotor", "$T$"))
     for x, name, energy in boxes:
         box(axes, x, 19.0, 10.0, 7.0, f"{name}\n{energy}")
@@ -620,9 +630,7 @@ def layers() -> set[str]:
 
 def draw_data() -> Figure:
     """Draw the way of the data from a configuration to a page, with the modules that it passes."""
-    figure = Figure(figsize=(WIDTH, 5.0))
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    scene(axes, (0.0, 72.0), (0.0, 50.0))
+    figure, axes = sheet(5.0, (0.0, 72.0), (0.0, 50.0))
 
     def modules(place: tuple[float, float], *names: str, **options: Any) -> None:
         if unknown := {*names} - layers():
@@ -630,22 +638,18 @@ def draw_data() -> Figure:
         label(axes, place, "\n".join(names), ACCENT, gid="modules", family="DejaVu Sans Mono",
               linespacing=1.4, fontsize=9, **options)  # fmt: skip
 
-    paper = {"facecolor": "none"}
-    box(axes, 11.0, 43.0, 20.0, 8.0, "configuration\nconf/, overrides", **paper)
-    box(axes, 11.0, 24.0, 20.0, 8.0, "run.nc, run.png\nand back by load", **paper)
-    box(axes, 11.0, 5.0, 20.0, 8.0, "STUDY.nc\nreport.html", **paper)
-    box(axes, 64.0, 5.0, 14.0, 8.0, "measured\ndata", **paper)
-    box(axes, 39.0, 43.0, 18.0, 8.0, "Setup\nMotor, ContactLaw")
-    box(axes, 39.0, 24.0, 18.0, 8.0, "Solution\nseries, contacts, state")
-    box(axes, 39.0, 5.0, 18.0, 8.0, "Result\nnumbers, findings")
-    box(
-        axes,
-        62.0,
-        33.5,
-        18.0,
-        9.0,
-        "law's kernels\n$g,\\ \\dot g,\\ v \\to N,\\ F$\n$\\dot g,\\ v,\\ D \\to p_n,\\ p_t$",
-    )
+    for x, y, width, text, colour in (
+        (11.0, 43.0, 20.0, "configuration\nconf/, overrides", "none"),
+        (11.0, 24.0, 20.0, "run.nc, run.png\nand back by load", "none"),
+        (11.0, 5.0, 20.0, "STUDY.nc\nreport.html", "none"),
+        (64.0, 5.0, 14.0, "measured\ndata", "none"),
+        (39.0, 43.0, 18.0, "Setup\nMotor, ContactLaw", STEEL),
+        (39.0, 24.0, 18.0, "Solution\nseries, contacts, state", STEEL),
+        (39.0, 5.0, 18.0, "Result\nnumbers, findings", STEEL),
+    ):
+        box(axes, x, y, width, 8.0, text, facecolor=colour)
+    kernels = r"$g,\ \dot g,\ v \to N,\ F$", r"$\dot g,\ v,\ D \to p_n,\ p_t$"
+    box(axes, 62.0, 33.5, 18.0, 9.0, "\n".join(("law's kernels", *kernels)))
     for start, end in (
         ((21, 43), (30, 43)), ((39, 39), (39, 28)), ((30, 24), (21, 24)), ((39, 20), (39, 9)),
         ((30, 5), (21, 5)), ((57, 5), (48, 5)), ((39.6, 34.5), (53, 34.5)), ((53, 32.5), (39.6, 32.5)),
