@@ -15,7 +15,7 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import SHARED, Declared, family_of, members_of
 from contactlab.laws.memory import ODD, InternalVariable
 from contactlab.laws.registry import PARTS, Origin, class_of, law_names, origins
-from contactlab.parameter import DeclaredField
+from contactlab.parameter import DeclaredField, from_cf
 from contactlab.suggestion import suggestion
 
 STICK = {True: "tangentially rigid", False: "not rigid: it yields, creeps or chatters"}
@@ -107,15 +107,15 @@ def _described(owner: type[Declared], title: str, origin: str) -> str:
     return "\n".join([title, *lines])
 
 
-def described_parameter(name: str, member: DeclaredField, own: bool = False) -> str:
+def described_parameter(name: str, member: DeclaredField) -> str:
     """Return symbol, unit, meaning, default and range of a number, or the options of a part."""
     declared, default = member.parameter, member.default
     if declared is None:
         family = family_of(member)
-        options = dict.fromkeys([*PARTS[family], *([] if own else law_names(family))])
+        options = dict.fromkeys([*PARTS[family], *law_names(family)])
         shown = "" if default is MISSING else f", default {default.name}"
         return f"a part, law/{family}={', '.join(options)}{shown}"
-    unit = "" if declared.units == "1" else f" [{declared.units}]"
+    unit = "" if declared.units == "1" else f" [{declared.unit}]"
     shown = "must be given" if default is MISSING else "default none" if default is None else ""
     shown = "contact.friction_coefficient" if name == SHARED else shown or f"default {default:g}"
     return f"{declared.symbol}{unit}, {declared.meaning}, {shown}, {declared.range or 'finite'}"
@@ -125,7 +125,7 @@ def declared_rows(owner: type[Declared]) -> dict[str, str]:
     """Return the declarations of a law or part by name, with the defaults of its parameters."""
     is_open = any(member.default is MISSING for member in members_of(owner).values())
     law: Any = owner if owner is Composed or is_open else owner()
-    rows: dict[str, str] = {}
+    rows = {"valid for": owner.validity}
     if issubclass(owner, ContactLaw):
         rows["family"] = "compliant" if issubclass(owner, PenaltyLaw) else "rigid"
     if issubclass(owner, ContactLaw) or getattr(law, "allows_tension", False):
@@ -177,7 +177,7 @@ def _variables(variables: Iterable[InternalVariable]) -> Iterator[tuple[str, str
             " to ".join(dict.fromkeys((getattr(first, key), getattr(last, key))))
             for key in ("name", "symbol", "meaning")
         )
-        unit = f" [{first.units}]" if first.units != "1" else ""
+        unit = f" [{from_cf(first.units)}]" if first.units != "1" else ""
         symbol = f"{symbols}{unit}, ".lstrip() if symbols or unit else ""
         life = {"contact": "with every contact", "run": "with the run and not with a contact"}[first.life]
         text = f"{symbol}{meanings}, {'begin' if rest else 'begins'} at {first.initial:g} {life}"

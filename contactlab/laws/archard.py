@@ -22,12 +22,11 @@ def wear_rate(normal, slip, wear_coefficient, hardness, apparent_area):
 class Archard(PenaltyLaw):
     """A Hertz point contact whose surface recedes by w, in proportion to load and way (Archard's law).
 
-        A dw/dt = (k/H) N |v|,  N = K max(-g - w, 0)^1.5,  V = 2/5 K max(-g - w, 0)^2.5
-
-    The volume worn off, A w = (k/H) int N |v| dt, stays for the whole run, and what comes down later has
-    the more clearance. The apparent area A over which it is spread is a constant, of the order of the
-    contact's radius squared or that of a patch already run in, and the curvature keeps its value too. What
-    was pressed and wears off takes its elastic energy along, N dw/dt, a loss of the contact.
+    Stored is V = 2/5 K max(-g - w, 0)^2.5. The volume worn off, A w = (k/H) int N |v| dt, stays for the whole
+    run, and what comes down later has the more clearance. The apparent area A over which it is spread is a
+    constant, of the order of the contact's radius squared or that of a patch already run in, and the
+    curvature keeps its value too. What was pressed and wears off takes its elastic energy along, N dw/dt, a
+    loss of the contact.
     """
 
     name = "archard"
@@ -35,6 +34,7 @@ class Archard(PenaltyLaw):
         "dw/dt = k N |v| / (H A), N = K max(-g - w, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
     )
     source = "Archard (1953), J. Appl. Phys. 24, 981; Hertz (1881)"
+    validity = "a patch that is run in, of constant area and curvature"
     default_contact_step = 4e-6
     internal_variables = (InternalVariable("wear", "w", "m", "depth worn off", life="run"),)
 

@@ -22,7 +22,7 @@ class Composed(PenaltyLaw):
     """Any normal force with any damping and any friction."""
 
     name = "composed"
-    equation = "N of law/normal and law/damping, F of law/friction"
+    equation = "N of the normal force and the damping, F of the friction"
     source = "that of its parts"
     default_contact_step = 4e-6
 

@@ -55,6 +55,7 @@ class Undamped(Damping):
     name = "none"
     equation = "no loss"
     source = "Hertz (1881)"
+    validity = "bodies without material damping"
 
     @staticmethod
     @kernel
@@ -74,6 +75,7 @@ class LinearDamping(Damping):
     name = "linear"
     equation = "N = max(f(d) + c dd/dt, 0), c solved for e of (m, v)"
     source = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    validity = "impacts of one mass at one speed"
     any_force = False
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
@@ -192,6 +194,7 @@ class HuntCrossley(Hysteretic):
     name = "hunt_crossley"
     equation = "N = f(d) max(1 + a dd/dt, 0), a v = D(e)"
     source = "Hunt and Crossley (1975), J. Appl. Mech. 42, 440"
+    validity = "impacts near the speed v"
     largest = 1.5
 
     impact_speed: Annotated[float, positive("v", "m s-1", "speed at which e is achieved")] = 0.1
@@ -235,6 +238,7 @@ class LankaraniNikravesh(SpeedHysteresis):
     name = "lankarani_nikravesh"
     equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0), D <= 3/4"
     source = "Lankarani and Nikravesh (1990), J. Mech. Des. 112, 369"
+    validity = "restitution above 0.663"
     largest = 0.75
 
 
@@ -249,6 +253,7 @@ class Flores(SpeedHysteresis):
     name = "flores"
     equation = "N = f(d) max(1 + D(e) (dd/dt)/v, 0)"
     source = "Flores et al. (2011), Multibody Syst. Dyn. 25, 357"
+    validity = "any restitution above zero, at any speed"
 
 
 @cache
@@ -276,8 +281,9 @@ class Tsuji(Damping):
     """
 
     name = "tsuji"
-    equation = "N = max(f(d) + 2 zeta(e) sqrt(m/2V) f(d) dd/dt, 0), V = int f dd"
+    equation = "N = max(f(d) + 2 zeta(e) sqrt(m/(2 V)) f(d) dd/dt, 0), V = int f dd"
     source = "Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239"
+    validity = "impacts of one mass, at any speed"
     any_force = False
 
     restitution: Annotated[float, ACHIEVED_RESTITUTION] = 0.8
@@ -313,6 +319,7 @@ class KuwabaraKono(Damping):
     name = "kuwabara_kono"
     equation = "N = max(f(d) + A (df/dd) dd/dt, 0)"
     source = "Kuwabara and Kono (1987), Jpn. J. Appl. Phys. 26, 1230"
+    validity = "viscoelastic bodies that relax much faster than an impact lasts"
     any_force = False
 
     viscous_time: Annotated[float, not_negative("A", "s", "viscous time of the material")] = 2e-6

@@ -49,6 +49,8 @@ class Declared(ABC):
     """What it says, in one line."""
     source: ClassVar[str]
     """Where it is published."""
+    validity: ClassVar[str] = ""
+    """Where it holds, in a few words; empty where its source sets no limit."""
 
     def __init__(self, *positional: object, **named: object) -> None:
         # A dataclass has its own: this one is reached where the decorator is missing.

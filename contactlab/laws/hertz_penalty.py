@@ -22,14 +22,14 @@ TIP_RADIUS = positive("r", "m", "radius of the tip", hint=LEFT_OUT)
 class HertzPenalty(PenaltyLaw):
     """Hertz point contact with Coulomb friction and tangentially rigid stick: a composition that has a name.
 
-    Elastic: the normal direction loses nothing, V = 2/5 K max(-g, 0)^(5/2). Not valid when the contact
-    radius nears the tip's, nor above the yield limit. Exactly one of stiffness and tip radius is given;
-    the other way round the stiffness is that of steel on a rotor (`on_rotor`).
+    Elastic: the normal direction loses nothing, V = 2/5 K max(-g, 0)^(5/2). Exactly one of stiffness and tip
+    radius is given; the other way round the stiffness is that of steel on a rotor (`on_rotor`).
     """
 
     name = "hertz_penalty"
     equation = "N = K max(-g, 0)^1.5, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
+    validity = "contact radius well below the tip's radius; no yield (Johnson 1985, ch. 4)"
     default_contact_step = 4e-6
 
     stiffness: Annotated[float | None, STIFFNESS] = 1e10

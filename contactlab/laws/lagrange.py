@@ -26,6 +26,7 @@ class LagrangeSlip(MultiplierLaw):
     name = "lagrange_slip"
     equation = "g = 0, N >= 0, F = -mu N sign(v)"
     source = "Andersen, Blanke and Helbo (2001), eqs. 49-59"
+    validity = "contacts that slide throughout; impacts that are short against the periods of the bodies"
     sticks = False
     violations = MappingProxyType(
         {
@@ -95,6 +96,7 @@ class LagrangeStick(MultiplierLaw):
     name = "lagrange_stick"
     equation = "g = 0, N >= 0, |F| <= mu N, F = -mu N sign(v) where v != 0"
     source = "Andersen, Blanke and Helbo (2001), eqs. 60-66"
+    validity = "impacts that are short against the periods of the bodies, and plastic"
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
 

@@ -30,6 +30,7 @@ class LagrangeAgeing(MultiplierLaw):
     name = "lagrange_ageing"
     equation = "g = 0, N >= 0, |F| <= (mu_s + delta ln(1 + min(t, t_max)/t_0)) N, F = -mu N sign(v) in slip"
     source = "Dieterich (1972), J. Geophys. Res. 77, 3690; Andersen, Blanke and Helbo (2001), eqs. 60-66"
+    validity = "sticks as long as the measured ones; others extrapolate"
     internal_variables = (InternalVariable("age", "t", "s", "age of stick"),)
 
     friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3

@@ -13,6 +13,7 @@ from enum import Enum
 from importlib import import_module
 from typing import Any, Final
 
+import equations
 import made_api
 from docutils import nodes
 from sphinx.addnodes import pending_xref
@@ -103,7 +104,9 @@ def with_parameters(app: Sphinx, what: str, name: str, item: Any, options: Any, 
         return
     equation = getattr(item, "equation", "")
     if isinstance(equation, str) and equation:
-        lines += ["", "::", "", *[f"    {line}" for line in equation.splitlines()], ""]
+        lines += [
+            part for line in equations.lines(equation) for part in ("", ".. math::", "", f"    {line}", "")
+        ]
     annotations = [each for kind in item.__mro__ for each in vars(kind).get("__annotations__", {}).values()]
     # Others may be annotated for type checkers alone, with names that are not imported.
     if not any("Annotated" in str(each) for each in annotations):

@@ -2,19 +2,22 @@
 
 from collections.abc import Iterable
 
+from page_tables import table, unit
+
 from contactlab.variables import BEARING, CONTACT_MODE, CONTACTS, RESONATOR, SERIES, TIME, Variable
 
-HEAD = "| variable | dimensions | unit | symbol | meaning |\n|---|---|---|---|---|"
+HEADS = ("variable", "dimensions", "unit", "symbol", "meaning")
 
 
 def variables() -> str:
     """Return a table for the root of a dataset and one for the group of its contacts."""
-    parts = ["## The root\n", HEAD, *_rows([TIME, *SERIES, BEARING, CONTACT_MODE, *RESONATOR]), ""]
-    parts += ["## The group `contacts`\n", HEAD, *_rows(CONTACTS), ""]
+    root = [TIME, *SERIES, BEARING, CONTACT_MODE, *RESONATOR]
+    parts = ["## The root\n", *table(HEADS, _rows(root))]
+    parts += ["## The group `contacts`\n", *table(HEADS, _rows(CONTACTS))]
     return "\n".join(parts)
 
 
-def _rows(result: Iterable[Variable]) -> Iterable[str]:
+def _rows(result: Iterable[Variable]) -> Iterable[list[str]]:
     for item in result:
         text = [item.long_name]
         if item.flags:
@@ -22,4 +25,4 @@ def _rows(result: Iterable[Variable]) -> Iterable[str]:
         if item.comment:
             text.append(item.comment)
         dims = ", ".join(item.dims)
-        yield f"| `{item.name}` | {dims} | {item.units} | `{item.symbol}` | {'; '.join(text)} |"
+        yield [f"`{item.name}`", dims, unit(item.units), f"`{item.symbol}`", "; ".join(text)]

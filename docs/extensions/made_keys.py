@@ -1,20 +1,21 @@
 """The reference of the configuration, from what the classes declare of its keys."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import MISSING
 from itertools import chain
 from types import NoneType
 from typing import Any, get_args
 
+from law_families import FAMILIES
+from page_tables import raised, symbol, table
+
 from contactlab.cli.start import SECTIONS
 from contactlab.config.composition import conf_directory
-from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
+from contactlab.config.groups import FAMILIES as PARTS, GROUPS, LAW, Section
 from contactlab.config.options import full_keys
-from contactlab.laws import LAWS, PARTS
 from contactlab.parameter import DeclaredField
 
-HEAD = "| key | meaning | default | range |\n|---|---|---|---|"
+HEADS = ("key", "meaning", "default", "range")
 
 _KINDS = {bool: "true, false", str: "text", list[str]: "list of texts"}
 
@@ -29,23 +30,26 @@ def groups() -> str:
 def laws() -> str:
     """Return a chapter for the laws and one for each family of parts, with their keys."""
     parts = ["## `law`\n", "What acts between tip and rotor: `law=NAME`, `law.KEY=VALUE`.\n"]
-    seen: Counter[str] = Counter()
-    parts += chain.from_iterable(_law("law", name, LAW, seen) for name in LAWS)
-    for family, section in FAMILIES.items():
-        parts += [
-            f"## `law/{family}`\n",
-            f"A part of `law=composed`: `law/{family}=NAME`, `law.{family}.KEY=VALUE`.\n",
-        ]
-        parts += chain.from_iterable(_law(f"law.{family}", n, section, seen) for n in PARTS[family])
+    for family in FAMILIES:
+        prefix, part = family.choice.replace("/", "."), family.page
+        if family.choice != "law":
+            parts += [
+                f"## `law/{part}`\n",
+                f"A part of `law=composed`: `law/{part}=NAME`, `law.{part}.KEY=VALUE`.\n",
+            ]
+        section = PARTS.get(part, LAW)
+        for name in family.owners:
+            parts += [f"### `{family.choice}={name}`\n", f"[What it is](../{family.address(name)})\n"]
+            parts += keys_of(prefix, section.options[name], without={f"{prefix}.name"})
     return "\n".join(parts)
 
 
-def table(prefix: str, keys: Any, *, without: Iterable[str] = ()) -> list[str]:
+def keys_of(prefix: str, keys: Any, *, without: Iterable[str] = ()) -> list[str]:
     """Return the lines of a table of keys; none where there is no key to set."""
     rows = [
         _row(key, field) for key, field in full_keys(keys, f"{prefix}.", selected=False) if key not in without
     ]
-    return [HEAD, *rows, ""] if rows else ["It has no key of its own.\n"]
+    return table(HEADS, rows) if rows else ["It has no key of its own.\n"]
 
 
 def _group(name: str, section: Section) -> Iterator[str]:
@@ -54,28 +58,18 @@ def _group(name: str, section: Section) -> Iterator[str]:
     for option, keys in section.options.items():
         if len(section.options) > 1 or files:
             yield f"### `{name}={option}`\n"
-        yield from table(name, keys, without={f"{name}.{section.selector}"})
+        yield from keys_of(name, keys, without={f"{name}.{section.selector}"})
     for option, stated in files:
         yield f"### `{name}={option}`\n"
         yield f"{stated}\n"
 
 
-def _law(prefix: str, name: str, section: Section, seen: Counter[str]) -> Iterator[str]:
-    yield f"### `{prefix.replace('.', '/')}={name}`\n"
-    # Where a name comes again, its heading there gets a number.
-    anchor = f"{name}-{seen[name]}" if seen[name] else name
-    seen[name] += 1
-    yield f"[What it is](../laws.md#{anchor})\n"
-    yield from table(prefix, section.options[name], without={f"{prefix}.name"})
-
-
 def _experiments() -> Iterator[str]:
     yield "## `experiment`\n"
     yield "A named set of changes to the default run: `experiment=NAME`.\n"
-    yield "| name | what it is |\n|---|---|"
-    for option, stated in _files("experiment"):
-        yield f"| `{option}` | {stated} |"
-    yield ""
+    yield from table(
+        ("name", "what it is"), ((f"`{option}`", stated) for option, stated in _files("experiment"))
+    )
 
 
 def _files(group: str) -> list[tuple[str, str]]:
@@ -88,14 +82,14 @@ def _files(group: str) -> list[tuple[str, str]]:
     return result
 
 
-def _row(key: str, field: DeclaredField) -> str:
+def _row(key: str, field: DeclaredField) -> list[str]:
     stated = field.parameter
     if stated is None:
-        return f"| `{key}` | | {_default(field)} | |"
-    text = f"`{stated.symbol}`, {stated.meaning}" if stated.symbol else stated.meaning
+        return [f"`{key}`", "", _default(field), ""]
+    text = f"{symbol(stated.symbol)}, {stated.meaning}" if stated.symbol else stated.meaning
     text = f"{text}. {stated.hint}" if stated.hint else text
     bounds = stated.range or ("" if field.is_number else _kinds(field))
-    return f"| `{key}` | {text} | {_default(field)} | {bounds} |"
+    return [f"`{key}`", raised(text), raised(_default(field)), raised(bounds)]
 
 
 def _default(field: DeclaredField) -> str:

@@ -14,11 +14,19 @@ _TAG: Final = re.compile(r"\s*\\tag\{([^}]*)\}\s*")
 # Bars that stand for themselves would be spaced as relations.
 _SIZE: Final = re.compile(r"(?<!left)(?<!right)\|((?:[^|\\]|\\(?!left|right))*)\|")
 
+# A browser takes a minus behind another operator for a difference, and spaces functions as relations.
+_SIGN: Final = re.compile(r"(?<=</mo>)(?<!&#x00029;</mo>)<mo>&#x02212;</mo>")
+_FUNCTION: Final = re.compile(r"<mo>([a-z]+)</mo>((?:<mrow>)?(?=<mo stretchy)|)")
+
 
 def formula(text: str, display: str) -> str:
     """Return a formula as MathML."""
     made: str = convert(_SIZE.sub(r"\\left|\1\\right|", text.strip()), display=display)
-    return made
+    made = _SIGN.sub('<mo form="prefix">&#x02212;</mo>', made)
+    return _FUNCTION.sub(
+        lambda part: f'<mo lspace="0.17em" rspace="{"0" if part[2] else "0.17em"}">{part[1]}</mo>{part[2]}',
+        made,
+    )
 
 
 def visit_inline(translator: Any, node: nodes.Element) -> None:

@@ -1,122 +1,235 @@
-"""Make docs/laws.md from what the laws declare, with a picture of each.
+"""Make docs/laws.md and the pages below docs/laws/ from what the laws declare, with a picture of each.
 
     python docs/tools/law_page.py [--output DIR]
 
-A test makes the text again and compares, so that the page cannot go stale.
+A test makes the text again and compares, so that the pages cannot go stale.
 """
 
 import argparse
 import inspect
 import sys
 from collections.abc import Iterator, Sequence
+from dataclasses import MISSING, replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 from standard_cycle import curves_of, draw
 
-from contactlab.cli.laws import declared_rows, described_parameter
-from contactlab.laws import LAWS, PARTS, ContactLaw, law_class
-from contactlab.laws.base import Part
+from contactlab.cli.laws import declared_rows
+from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.laws.composed import Composed
-from contactlab.laws.declaration import members_of
+from contactlab.laws.declaration import SHARED, Declared, members_of
+from contactlab.laws.memory import ODD
+from contactlab.parameter import DeclaredField
 from contactlab.plot.style import STYLE
 
 DOCS = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(DOCS / "extensions"))
+
+import equations  # noqa: E402
+from law_families import FAMILIES, Family  # noqa: E402
+from page_tables import raised, symbol, table, unit  # noqa: E402
+
 PAGE = "laws.md"
-PICTURES = "laws"
+FOLDER = "laws"
+MADE = "<!-- Made by docs/tools/law_page.py from the declarations of the laws. Do not edit. -->\n"
 
-OPENING = """\
-# Contact laws
+ENTRY = f"""\
+# Which law do I need?
 
-<!-- Made by docs/tools/law_page.py from the declarations of the laws. Do not edit. -->
-
-Every law and every part of a composed law that comes with contactlab. `contactlab laws` prints the same
-on the terminal, with the laws that other packages bring. Friction coefficients are
-`contact.friction_coefficient`, the same for every law.
-
-The pictures show a standard cycle. A compliant law is taken along a prescribed path, which
-presses by 1 µm for 50 µs and slides twice to and fro by 1 µm. One that pulls is pressed in less, to ten
-times its pull at the touch. A rigid law answers impacts of a body with the Delassus matrix [[600, 250],
-[250, 800]] 1/kg: left over the approach at a slip of 0.05 m/s, right over the slip at an approach of 0.1 m/s.
-
-What a law remembers is drawn over time, each internal variable over its largest value. Where a rigid law
-remembers, or the cycle does not stir what a compliant one does, the friction is that of stick-slip: a block
-of 2 g on a spring of 1 N/µm, pressed by 10 N onto a belt of 20 mm/s.
+{MADE}
+By what a contact has to have: one table a family, the words explained [below](#the-columns). A law is chosen
+by `law=NAME`, the parts of a composed one by `law=composed law/normal=NAME law/damping=NAME
+law/friction=NAME`.
 """
 
-FAMILIES = {
-    "normal": "Normal forces (`law=composed law/normal=NAME`)",
-    "damping": "Dampings (`law=composed law/damping=NAME`)",
-    "friction": "Frictions (`law=composed law/friction=NAME`)",
-}
+END = """\
+## The columns
+
+* *Contact*: *rigid*, with impulses and a gap held at zero, or *compliant*, with a force over the penetration.
+* *Normal loss*: how much of the energy of the approach a contact does not give back.
+* *Stick*: tangentially *rigid*; *elastic*, so that it yields before it slides; *creep* under any load; or
+  *none*.
+* *Rate*: the same path, or impact, at another speed has other forces.
+* *Memory*: the internal variables.
+* *Adhesion*: the contact bears tension, or has friction under it.
+* *Needs*: what has to be measured or known besides the friction coefficient; numbers have defaults.
+* *Valid for*: as the source of the law says, where it does.
+
+Loss and rate are those of the standard cycle, with default parameters. How far laws are apart in a motor is
+another question: [When does the law matter?](when_laws_matter.md)
+
+## The pictures
+
+A compliant law is taken along a standard cycle, a prescribed path that presses by 1 µm for 50 µs and slides
+twice to and fro by 1 µm. One that pulls is pressed in less, to ten times its pull at the touch-down. A rigid
+law answers impacts of a body with the Delassus matrix [[600, 250], [250, 800]] 1/kg: normal impulses over the
+approach at a slip of 0.05 m/s, friction impulses over the slip at an approach of 0.1 m/s.
+
+The reference is grey: Hertz without damping and with Coulomb friction for compliant laws, the plastic impact
+`lagrange_stick` for rigid ones. A curve that is the reference's is left out.
+
+Internal variables are drawn over time, each over its largest value. Where a rigid law remembers, or the cycle
+does not change what a compliant one does, the friction is that of stick-slip: a block of 2 g on a spring of 1
+N/µm, pressed by 10 N onto a belt of 20 mm/s.
+
+## Further
+
+* [Contracts and publications](law_table.md): what each law is held to, and what is published of it
+* [Writing a contact law](writing_laws.md): an example of every kind, from ten lines to a plastic dent
+* [The laws' keys](reference/law_keys.md): what each can be given
+* `contactlab laws` prints the same on the terminal, with the laws that other packages bring
+"""
+
+HEADS = ("contact", "normal loss", "stick", "rate", "memory", "adhesion")
 
 
-def entries() -> Iterator[tuple[str, str, type[ContactLaw] | type[Part], ContactLaw]]:
-    """Heading above, name, class, and the law that the picture is of."""
-    for name in LAWS:
-        law = law_class(name)
-        yield "Laws (`law=NAME`)", name, law, law()
-    for family, table in PARTS.items():
-        for name, part in table.items():
-            yield FAMILIES[family], f"{family}/{name}", part, Composed(**{family: part()})
+def law_of(owner: type[Declared]) -> ContactLaw:
+    """Return the law that a page draws: a part stands in an otherwise plain composition."""
+    made: Any = owner()
+    return made if isinstance(made, ContactLaw) else Composed(**{made.family: made})
 
 
-def page() -> str:
-    """The text of the page."""
-    parts = [OPENING]
-    above = ""
-    for heading, name, owner, law in entries():
-        if heading != above:
-            parts.append(f"## {heading}\n")
-            above = heading
-        parts.append(section(name, owner, curves_of(law).numbers))
-    return "\n".join(parts)
+def pages() -> Iterator[tuple[str, str]]:
+    """Yield the path and text of every page."""
+    parts = [ENTRY, *(choice(family) for family in FAMILIES), END, "```{toctree}\n:hidden:\n"]
+    parts[-1] += "".join(f"\n{FOLDER}/{family.page}.md" for family in FAMILIES)
+    parts[-1] += "\nContracts and publications <law_table.md>\nwriting_laws.md\n```\n"
+    yield PAGE, "\n".join(parts)
+    for family in FAMILIES:
+        sections = (section(name, owner) for name, owner in family.owners.items())
+        composed = "" if family.choice == "law" else "law=composed "
+        chosen = f"Chosen by `{composed}{family.choice}=NAME`. [Which law do I need?](../laws.md)\n"
+        opening = f"# {family.title}\n\n{MADE}\n{chosen}"
+        yield f"{FOLDER}/{family.page}.md", "\n".join([opening, *sections])
 
 
-def section(name: str, owner: type[ContactLaw] | type[Part], numbers: str) -> str:
-    """What the page says of one law or part."""
-    label = inspect.getdoc(owner) or ""
-    label = label.partition("\nArgs:")[0].partition("\nSource:")[0].strip()
-    rows = [f"| `{n}` | {described_parameter(n, m, own=True)} |" for n, m in members_of(owner).items()]
-    table = ["| parameter | symbol, unit, meaning, default, range |", "|---|---|", *rows, ""]
-    declared = [f"* {word}: {text}" for word, text in declared_rows(owner).items() if text]
-    # Where the words have equations of their own, it is one of their kind, and not the first.
-    derived = "\n    " in label
+def choice(family: Family) -> str:
+    """Return the table of a family: what all have alike is a sentence below it."""
+    owners = {name: owner for name, owner in family.owners.items() if owner is not Composed}
+    rows = [properties(owner) for owner in owners.values()]
+    columns = {head: [*cells] for head, cells in zip(HEADS, zip(*rows, strict=True), strict=True)}
+    alike = {head: cells[0] for head, cells in columns.items() if len({*cells}) == 1 < len(cells)}
+    columns = {
+        "law" if family.choice == "law" else family.page: [f"[{n}]({family.address(n)})" for n in owners],
+        **{head: cells for head, cells in columns.items() if head not in alike},
+        "needs": [needs(owner) for owner in owners.values()],
+        "valid for": [owner.validity for owner in owners.values()],
+    }
+    lines = table([*columns], zip(*columns.values(), strict=True))
+    common = ", ".join(f"{head} {cell}" for head, cell in alike.items())
+    return "\n".join([f"## {family.title}\n", *lines, *([f"All of them: {common}.\n"] if common else [])])
+
+
+def properties(owner: type[Declared]) -> tuple[str, ...]:
+    """Return what the columns of `HEADS` say of a law or part."""
+    law = law_of(owner)
+    curves, _ = curves_of(law)
+    variables = law.internal_variables
+    lasting = any(variable.units == "s" for variable in variables)
+    names = dict.fromkeys(variable.name.rstrip("_0123456789").replace("_", " ") for variable in variables)
+    return (
+        "rigid" if isinstance(law, MultiplierLaw) else "compliant",
+        curves.loss,
+        stick(law),
+        "yes" if curves.rate or lasting else "no",
+        ", ".join(names) or "none",
+        "yes" if law.allows_tension or law.friction_offset else "no",
+    )
+
+
+def stick(law: Any) -> str:
+    """Return how a contact that is held behaves."""
+    if not getattr(law, "sticks", True):
+        return "none"
+    if law.exact_stick:
+        return "rigid"
+    return "elastic" if any(v.parity == ODD and v.units == "m" for v in law.internal_variables) else "creep"
+
+
+def needs(owner: type[Declared]) -> str:
+    """Return the meanings of the numbers that are a law's own; how finely it is resolved is none of them."""
+    numbers = [each for name, each in members_of(owner).items() if name != SHARED and int not in each.kinds]
+    return ", ".join(dict.fromkeys(each.parameter.meaning for each in numbers if each.parameter))
+
+
+def section(name: str, owner: type[Declared]) -> str:
+    """Return what a page says of a law or part."""
+    first, _, rest = described(owner).partition("\n\n")
+    curves, _ = curves_of(law_of(owner))
+    rows = [parameter_row(n, member) for n, member in members_of(owner).items()]
+    declared = {**declared_rows(owner), "source": owner.source}
     return "\n".join(
         [
-            f"### {name.rpartition('/')[2]}",
-            "",
-            label,
-            "",
-            *([] if derived else [f"    {owner.equation}", ""]),
-            *(table if rows else []),
-            *([f"* equation: `{owner.equation}`"] if derived else []),
-            *declared,
-            f"* source: {owner.source}",
-            "",
-            numbers,
-            "",
-            f"![{name}]({picture(name)})",
+            f"## {name}\n",
+            f"{first}\n",
+            display(owner.equation),
+            f"![{name}]({picture(owner)})\n",
+            f"{curves.numbers}\n",
+            f"{in_formulas(rest)}\n" if rest else "",
+            *(table(("parameter", "symbol", "unit", "default", "meaning"), rows) if rows else []),
+            *(
+                f"* {word}: {raised(text) if '[' in text else text}"
+                for word, text in declared.items()
+                if text
+            ),
             "",
         ]
     )
 
 
-def picture(name: str) -> str:
-    """Path of a picture beside the page."""
-    return f"{PICTURES}/{name.replace('/', '_')}.png"
+def described(owner: type[Declared]) -> str:
+    """Return the words of a law or part without its arguments and sources."""
+    text = inspect.getdoc(owner) or ""
+    return text.partition("\nArgs:")[0].partition("\nSource:")[0].strip()
+
+
+def formulas_of(owner: type[Declared]) -> list[str]:
+    """Return the equations among the words, a line each."""
+    return [line.strip() for line in described(owner).splitlines() if line.startswith("    ")]
+
+
+def in_formulas(text: str) -> str:
+    """Return words with their equations set."""
+    return "\n".join(display(line.strip()) if line.startswith("    ") else line for line in text.splitlines())
+
+
+def display(equation: str) -> str:
+    """Return an equation as displayed formulas."""
+    return "\n".join(f"$$\n{line}\n$$\n" for line in equations.lines(equation))
+
+
+def parameter_row(name: str, member: DeclaredField) -> list[str]:
+    """Return name, symbol, unit, default and meaning of a number, or the default of a part."""
+    declared, default = member.parameter, member.default
+    if declared is None:
+        return [f"`{name}`", "", "", f"`{default.name}`", f"the [{name}]({name}.md)"]
+    shown = "none" if default is None else "must be given" if default is MISSING else f"{default:g}"
+    shown = "that of the contact" if name == SHARED else shown
+    bounds = replace(declared, units="1").range
+    meaning = f"{declared.meaning}; {bounds}" if bounds else declared.meaning
+    return [f"`{name}`", symbol(declared.symbol), unit(declared.units), shown, meaning]
+
+
+def picture(owner: type[Declared]) -> str:
+    """Return the path of a picture beside the pages."""
+    return f"{owner.family}_{owner.name}.png".lstrip("_")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Write the page and its pictures; returns the exit status."""
+    """Write the pages and their pictures; returns the exit status."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--output", type=Path, default=DOCS)
     folder: Path = parser.parse_args(arguments).output
-    (folder / PICTURES).mkdir(parents=True, exist_ok=True)
-    (folder / PAGE).write_text(page(), encoding="utf-8")
+    (folder / FOLDER).mkdir(parents=True, exist_ok=True)
+    for path, text in pages():
+        (folder / path).write_text(text, encoding="utf-8")
     with plt.style.context(STYLE):
-        for _, name, _, law in entries():
-            draw(curves_of(law)).savefig(folder / picture(name), dpi=110, metadata={"Software": None})
+        for owner in (owner for family in FAMILIES for owner in family.owners.values()):
+            figure = draw(*curves_of(law_of(owner)))
+            figure.savefig(folder / FOLDER / picture(owner), dpi=110, metadata={"Software": None})
+            plt.close(figure)
     return 0
 
 

@@ -8,18 +8,18 @@ The contracts run in full, which takes minutes. A test makes sure that no law is
 import argparse
 import inspect
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from law_page import FAMILIES, law_of, table, unit
 from tqdm import tqdm
 
-from contactlab.laws import LAWS, PARTS, ContactLaw, MultiplierLaw
-from contactlab.laws.base import Part
-from contactlab.laws.composed import Composed
+from contactlab.laws import ContactLaw
+from contactlab.laws.declaration import Declared
 from contactlab.testing.claim import Claim, proofs_of
 from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench
@@ -35,25 +35,24 @@ OPENING = """\
 
 <!-- Made by docs/tools/law_table.py. Do not edit. -->
 
-One row a law, or a part in a law that is a Hertz contact with Coulomb friction but for it. *Lines* are those
-of its class, words and blank lines included. *Remembers* counts the internal variables with the default
-parameters. The contract is `contactlab.testing.LawContract`: how many of its properties hold, and which
-the law declares to break, with the reason at its class. What is published is a number or a closed form of the
-source, ours is what the law answers or does in the engine.
-
-| law | lines | remembers | contract | published | | ours | apart |
-|---|---|---|---|---|---|---|---|
+One row a law; a part is tested in a law that otherwise is a Hertz contact with Coulomb friction. *Breaks*:
+which properties of the contract, `contactlab.testing.LawContract`, the law declares to break, with the reason
+on its page; all others hold. *Published*: a number or a closed form of the source, and what the law answers
+or does in the engine where that is another number; *apart*: the difference over the published one.
 """
 
-UNPUBLISHED = "no closed form of it is held to"
+ELSEWHERE = "Laws of a package outside"
+HEADS = ("law", "breaks", "published", "value", "apart")
+UNPUBLISHED = "no closed form"
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A law or part of the table: family, class, the law that contains it, and its first published claim."""
+    """A row: heading of its table, group of choice, class, its law, and its first published claim."""
 
-    family: str
-    owner: type[ContactLaw] | type[Part]
+    title: str
+    group: str
+    owner: type[Declared]
     law: ContactLaw
     number: Callable[[], Claim | None]
     heading: str
@@ -61,24 +60,19 @@ class Entry:
     @property
     def name(self) -> str:
         """As configurations choose it."""
-        return f"{self.family}={self.owner.name}"
+        return f"{self.group}={self.owner.name}"
 
 
 def entries() -> Iterator[Entry]:
     """Return every law and part of contactlab, then those of the package outside of it."""
-    for name, owner in LAWS.items():
-        yield _own("law", owner, owner(), "", name)
-    for family, table in PARTS.items():
-        for name, part in table.items():
-            yield _own(f"law/{family}", part, Composed(**{family: part()}), family, name)
-    yield from outside()
-
-
-def _own(group: str, owner: type, law: ContactLaw, family: str, name: str) -> Entry:
     published = _module("support.published", ROOT / "tests")
-    proofs = published.published_of(name, family)
-    heading = _first_line(proofs[0]) if proofs else ""
-    return Entry(group, owner, law, partial(published.headline, name, family), heading)
+    for family in FAMILIES:
+        for name, owner in family.owners.items():
+            proofs = published.published_of(name, owner.family)
+            heading = _first_line(proofs[0]) if proofs else ""
+            number = partial(published.headline, name, owner.family)
+            yield Entry(family.title, family.choice, owner, law_of(owner), number, heading)
+    yield from outside()
 
 
 def _module(name: str, folder: Path) -> Any:
@@ -95,9 +89,10 @@ def outside() -> Iterator[Entry]:
     for owner in vars(numbers).values():
         if isinstance(owner, type) and getattr(owner, "name", "") in proofs:
             proof = proofs[owner.name]
-            law = owner() if issubclass(owner, ContactLaw) else Composed(**{owner.family: owner()})
-            group = "law" if law.__class__ is owner else f"law/{owner.family}"
-            yield Entry(group, owner, law, partial(_first_claim, proof), _first_line(proof))
+            group = f"law/{owner.family}".rstrip("/")
+            yield Entry(
+                ELSEWHERE, group, owner, law_of(owner), partial(_first_claim, proof), _first_line(proof)
+            )
 
 
 def _first_claim(proof: Callable[[], Iterator[Claim]]) -> Claim | None:
@@ -108,35 +103,28 @@ def _first_line(proof: object) -> str:
     return (inspect.getdoc(proof) or "").partition("\n")[0]
 
 
-def row(entry: Entry) -> str:
-    """Return the row of a law, its contract run in full."""
+def row(entry: Entry) -> list[str]:
+    """Return the cells of a law, its contract run in full."""
     bench = Bench(entry.law)
     verdicts = {name: check(bench, name) for name in PROPERTIES}
-    broken = [n for n, claims in verdicts.items() if any(claim.excuse for claim in claims)]
-    failed = [n for n, claims in verdicts.items() if not all(claim.holds for claim in claims)]
-    fixed = len(verdicts) - len({*broken, *failed})
-    contract = f"{fixed} hold"
-    contract += f"; declared broken: {', '.join(broken)}" if broken else ""
-    contract += f"; **fails**: {', '.join(failed)}" if failed else ""
-    lines = len(inspect.getsourcelines(entry.owner)[0])
-    kind = "rigid" if isinstance(entry.law, MultiplierLaw) else "compliant"
-    variables = entry.law.internal_variables
-    remembers = f"{len(variables)}" if variables else ""
-    number = _number(entry)
-    return f"| `{entry.name}` ({kind}) | {lines} | {remembers} | {contract} | {number} |"
+    broken = [name for name, claims in verdicts.items() if any(claim.excuse for claim in claims)]
+    failed = [name for name, claims in verdicts.items() if not all(claim.holds for claim in claims)]
+    breaks = ", ".join([*broken, *(f"**fails {name}**" for name in failed)])
+    return [f"`{entry.name}`", breaks, *_number(entry)]
 
 
-def _number(entry: Entry) -> str:
+def _number(entry: Entry) -> tuple[str, str, str]:
     claim = entry.number()
     if claim is None:
-        return f"{UNPUBLISHED} | | | "
-    unit = "" if claim.units == "1" else f" {claim.units}"
+        return UNPUBLISHED, "", ""
     relation = "" if claim.relation == "=" else f"{claim.relation} "
     size = abs(claim.expected)
     apart = f"{abs(claim.value - claim.expected) / size:.1e}" if size and not relation else ""
-    wrong = "" if claim.true else "**"
-    text = f"{entry.heading} {claim.statement}".replace("|", "\\|")
-    return f"{text} | {relation}{claim.expected:.6g}{unit} | {wrong}{claim.value:.6g}{unit}{wrong} | {apart}"
+    ours = f"{claim.value:.6g}"
+    ours = ours if claim.true else f"**{ours}**"
+    value = f"{relation}{claim.expected:.6g}"
+    value = " ".join(filter(None, [value if value == ours else f"{value}; here {ours}", unit(claim.units)]))
+    return f"{entry.heading} {claim.statement}".replace("|", "\\|"), value, apart
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -144,9 +132,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--output", type=Path, default=ROOT / "docs")
     folder: Path = parser.parse_args(arguments).output
-    rows = [row(entry) for entry in tqdm(list(entries()), unit=" laws", disable=None)]
-    (folder / PAGE).write_text(OPENING + "\n".join(rows) + "\n", encoding="utf-8")
-    return int("**" in "".join(rows))
+    tables: dict[str, list[list[str]]] = {}
+    for entry in tqdm(list(entries()), unit=" laws", disable=None):
+        tables.setdefault(entry.title, []).append(row(entry))
+    text = page(tables)
+    (folder / PAGE).write_text(text, encoding="utf-8")
+    return int("**" in text)
+
+
+def page(tables: Mapping[str, Iterable[Sequence[str]]]) -> str:
+    """Return the text of the page from the rows of each table."""
+    return OPENING + "".join(
+        f"\n## {title}\n\n" + "\n".join(table(HEADS, rows)) for title, rows in tables.items()
+    )
 
 
 if __name__ == "__main__":

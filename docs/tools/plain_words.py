@@ -13,7 +13,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDERS = ("contactlab", "hydra_plugins", "experiments", "benchmarks", "tests", "docs", "paper")
-MADE = ("docs/examples", "docs/followed", "docs/laws.md", "docs/plausibility.md")
+MADE = ("docs/examples", "docs/followed", "docs/laws.md", "docs/laws/", "docs/plausibility.md")
 """Pages made from docstrings, which are checked themselves."""
 
 NAMES = re.compile(

@@ -13,18 +13,52 @@ from first_hour import Step, page_of
 from PIL import Image, ImageSequence
 from readme_commands import FIGURE, GREEN, commands_of, steps_of
 
+import contactlab as cl
+from contactlab.laws import LAWS, PARTS
+from contactlab.laws.declaration import Declared
+
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 
 
 @pytest.mark.long
-def test_the_page_of_the_laws_is_current() -> None:
-    assert (DOCS / "laws.md").read_text(encoding="utf-8") == law_page.page(), "python docs/tools/law_page.py"
+def test_the_pages_of_the_laws_are_current() -> None:
+    for path, text in law_page.pages():
+        assert (DOCS / path).read_text(encoding="utf-8") == text, "python docs/tools/law_page.py"
 
 
 def test_every_law_has_a_picture_and_every_picture_a_law() -> None:
-    shown = re.findall(r"\]\((laws/\w+\.png)\)", (DOCS / "laws.md").read_text(encoding="utf-8"))
-    assert {*shown} == {f"laws/{path.name}" for path in (DOCS / "laws").iterdir()}
+    pages = "".join(path.read_text(encoding="utf-8") for path in (DOCS / "laws").glob("*.md"))
+    assert sorted(re.findall(r"\]\((\w+\.png)\)", pages)) == sorted(
+        path.name for path in (DOCS / "laws").glob("*.png")
+    )
+
+
+def test_the_laws_of_the_paper_come_first_and_each_law_has_a_row_and_a_section() -> None:
+    entry = (DOCS / law_page.PAGE).read_text(encoding="utf-8")
+    rows = re.findall(r"^\| \[(\w+)\]\((laws/\w+\.md)#(\w+)\)", entry, re.MULTILINE)
+    assert [name for name, _, _ in rows[:3]] == ["lagrange_slip", "lagrange_stick", "hertz_penalty"]
+    assert len(rows) == len(LAWS) - 1 + sum(map(len, PARTS.values()))  # A composed law is its parts.
+    for name, page, anchor in rows:
+        assert anchor == name
+        assert f"\n## {name}\n" in (DOCS / page).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("law", "kind"),
+    [
+        (cl.LagrangeSlip(), ("rigid", "all", "none", "no", "none", "no")),
+        (cl.HertzPenalty(), ("compliant", "none", "rigid", "no", "none", "no")),
+        (cl.HuntCrossley(), ("compliant", "some", "rigid", "yes", "none", "no")),
+        # Its loss goes by the ratio of the speed to that of the approach.
+        (cl.Flores(), ("compliant", "some", "rigid", "no", "none", "no")),
+        (cl.Jkr(), ("compliant", "some", "rigid", "no", "none", "yes")),
+        (cl.Dahl(), ("compliant", "none", "elastic", "no", "deflection", "no")),
+        (cl.RateAndState(), ("compliant", "none", "creep", "yes", "age", "no")),
+    ],
+)
+def test_what_a_law_has_follows_from_its_declarations(law: Declared, kind: tuple[str, ...]) -> None:
+    assert law_page.properties(type(law)) == kind
 
 
 @pytest.mark.long
@@ -45,7 +79,7 @@ def test_the_table_of_the_laws_has_a_row_for_each_and_none_that_fails() -> None:
     assert [cells[0].split("`")[1] for cells in lines] == [*entries], "python docs/tools/law_table.py"
     assert "**" not in page
     # 0.000693147 m s-1 = 1 mm/s ln 2: where half of the smooth cone's friction is reached.
-    assert "0.000693147 m s-1" in law_table.row(entries["law/friction=smooth_cone"])
+    assert "0.000693147 m/s" in law_table.row(entries["law/friction=smooth_cone"])
 
 
 @pytest.mark.long

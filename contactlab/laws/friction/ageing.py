@@ -15,9 +15,6 @@ from contactlab.parameter import not_negative, positive
 class AgeingStick(Friction):
     """Set-valued friction with tangentially rigid stick, the stronger the longer it sticks.
 
-        |F| <= mu_s(t) N in stick,  mu_s(t) = mu + delta ln(1 + min(t, t_max)/t_0)
-        F = -mu N sign(v) in slip;  dt/dt = 1 in stick;  t = 0 at touch-down and where slip begins
-
     t is the age, the time since the present stick began: slip of any length forgets it, where
     rate-and-state friction needs a distance. Tenfold age adds delta ln 10 once t is well above t_0.
     Dieterich (1972) has A log10(1 + B t), here delta = A/ln 10 and t_0 = 1/B. There is no end to his
@@ -30,6 +27,7 @@ class AgeingStick(Friction):
     name = "ageing_stick"
     equation = "|F| <= (mu + delta ln(1 + min(t, t_max)/t_0)) N in stick, F = -mu N sign(v) in slip"
     source = "Dieterich (1972), J. Geophys. Res. 77, 3690"
+    validity = "sticks as long as the measured ones; others extrapolate"
     internal_variables = (InternalVariable("age", "t", "s", "age of stick"),)
 
     strengthening: Annotated[float, not_negative("delta", "1", "growth of mu_s for an e-fold age")] = 0.01

@@ -19,8 +19,6 @@ SHAPE = Parameter(
 class BoucWen(Friction):
     """Friction that grows with the way and slides at mu N, with loops of many shapes.
 
-        F = -mu N z/Y,  dz/dt = v - beta |v| |z/Y|^(n-1) z/Y - (1 - beta) v |z/Y|^n
-
     Wen's equation is dz/dt = A v - beta |v| |z|^(n-1) z - gamma v |z|^n, with the ultimate value
     z_u = (A/(beta + gamma))^(1/n). Friction reaches mu N there, so that of his four constants three are
     left: Y = z_u/A, beta/(beta + gamma) and n, as Constantinou et al. have them for sliding bearings. See
@@ -35,6 +33,7 @@ class BoucWen(Friction):
     name = "bouc_wen"
     equation = "F = -mu N z/Y, dz/dt = v - beta |v| |z/Y|^(n-1) z/Y - (1 - beta) v |z/Y|^n"
     source = "Wen (1976), J. Eng. Mech. Div. 102, 249; Constantinou et al. (1990), J. Struct. Eng. 116, 455"
+    validity = "large cycles: small ones drift"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
     # The rate has a kink where the slip reverses, and no step ends there.

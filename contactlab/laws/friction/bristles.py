@@ -65,6 +65,7 @@ class LuGre(Bristles):
     name = "lugre"
     equation = "F = -N (sigma_0 z + sigma_1 dz/dt), dz/dt = v - sigma_0 |v| z / g(v)"
     source = "Canudas de Wit et al. (1995), IEEE Trans. Autom. Control 40, 419"
+    validity = "loads that do not swing inside of mu N: it drifts"
 
     @staticmethod
     @kernel

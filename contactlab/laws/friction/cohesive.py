@@ -14,8 +14,6 @@ from contactlab.parameter import not_negative
 class Cohesive(Friction):
     """Two-term friction with tangentially rigid stick, as if the force C pressed the bodies together too.
 
-        |F| <= mu_s (N + C),  F = -mu (N + C) sign(v) where v != 0,  N > -C
-
     There is friction at N = 0, from the touch-down on, and under a pull down to -C. Over a normal force
     of Johnson, Kendall and Roberts with the pull-off force F_c, Thornton (1991) has C = 2 F_c, so that
     mu F_c is left at the pull-off; Derjaguin has C = A p_0 of the molecular attraction p_0 over the area
@@ -27,6 +25,7 @@ class Cohesive(Friction):
     name = "cohesive"
     equation = "|F| <= mu_s (N + C), F = -mu (N + C) sign(v) where v != 0"
     source = "Derjaguin (1934), Z. Phys. 88, 661; Thornton (1991), J. Phys. D 24, 1942"
+    validity = "normal forces above -C"
     # Friction jumps where a contact begins and ends, which coarse tolerances do not see.
     convergence_order = 0.9
 

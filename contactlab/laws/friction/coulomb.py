@@ -17,5 +17,6 @@ class Coulomb(Friction):
     name = "coulomb"
     equation = "|F| <= mu_s N, F = -mu N sign(v) where v != 0"
     source = "Coulomb (1785); Moreau (1988)"
+    validity = "displacements far beyond the elastic one of the contact"
 
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0

@@ -17,9 +17,7 @@ class Dahl(Friction):
 
         dF/dx = sigma |1 - (F/F_c) sgn v|^i sgn(1 - (F/F_c) sgn v)     of the resisting F, F_c = mu N
 
-    Here it is in proportion to N, with sigma = sigma_0 N: z, |z| < mu/sigma_0, is the deflection, and
-
-        F = -sigma_0 N z on the tip,  dz/dt = v |1 - s|^i sgn(1 - s),  s = (sigma_0 z/mu) sgn v
+    Here it is in proportion to N, with sigma = sigma_0 N: z, |z| < mu/sigma_0, is the deflection.
 
     At constant N from rest i = 1 has F = F_c (1 - exp(-sigma x/F_c)), and loses
     4 F_c (X - (F_c/sigma) tanh(sigma X/F_c)) in a cycle of amplitude X. The larger i, the later it slides.
@@ -32,6 +30,7 @@ class Dahl(Friction):
     name = "dahl"
     equation = "F = -N sigma_0 z, dz/dt = v |1 - s|^i sgn(1 - s), s = (sigma_0 z/mu) sgn(v)"
     source = "Dahl (1976), AIAA J. 14, 1675"
+    validity = "loads that do not swing inside of mu N: it drifts"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
     # The rate has a kink where the slip reverses, and no step ends there.

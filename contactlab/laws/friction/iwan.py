@@ -28,8 +28,6 @@ YIELD, REVERSE = 0, 1
 class Iwan(Friction):
     """Jenkins elements whose distribution is that of microslip in a round contact.
 
-        F = -N sum_j s_j z_j,  |z_j| <= x_j,  dz_j/dt = v, or 0 where the element slides
-
     Under a constant N the first loading is that of Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327,
     F = mu N [1 - (1 - x/x_s)^(3/2)], and its reversals follow by Masing's rule. What sticks at x has the
     share u = sqrt(1 - x/x_s) of the stiffness 3 mu N/(2 x_s); element j has that of u from cos(pi j/(2n))
@@ -45,6 +43,7 @@ class Iwan(Friction):
     name = "iwan"
     equation = "F = -N sum s_j z_j, |z_j| <= x_j, dz_j/dt = v - sliding; mu N (1 - (1 - x/x_s)^1.5) at first"
     source = "Iwan (1966), J. Appl. Mech. 33, 893; Iwan (1967), J. Appl. Mech. 34, 612"
+    validity = "normal force that hardly changes while the contact is loaded"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
     # Steps end where elements begin to slide, and one that begins late makes an error of its own.

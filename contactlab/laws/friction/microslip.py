@@ -62,6 +62,7 @@ class Microslip(Friction):
     name = "microslip"
     equation = "F = -kappa sum k_j z_j, |kappa k_j z_j| <= mu N_j; mu N (1 - (1 - x/x_s)^1.5) at first"
     source = "Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327; Popov and Hess (2015), ch. 5"
+    validity = "contacts of spheres; elsewhere the rings have another share of N"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
     # Rings begin to slide within a step.

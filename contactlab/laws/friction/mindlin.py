@@ -28,6 +28,7 @@ class Mindlin(Friction):
     name = "mindlin"
     equation = "F = -kappa (dN/dd) z, |F| <= mu N, dz/dt = v - sliding"
     source = "Mindlin (1949), J. Appl. Mech. 16, 259; Elata and Berryman (1996)"
+    validity = "displacements from full slip on: without microslip"
     friction_kind = ELASTOPLASTIC
     exact_stick = False
     internal_variables = (InternalVariable("stretch", "z", "m", "stretch of the spring", parity=ODD),)

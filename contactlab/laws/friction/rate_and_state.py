@@ -29,8 +29,6 @@ def asinh_of(slip, exponent):
 class RateAndState(Friction):
     """A contact of age theta that ages at rest and is renewed by a slip of D: Dieterich's ageing law.
 
-        F/N = -a asinh(v/(2 v_0) exp((mu + b z)/a)),  z = ln(v_0 theta/D),  dz/dt = (v_0 exp(-z) - |v|)/D
-
     Of a faster slip friction rises by a ln(v_2/v_1) at once, and falls by b ln(v_2/v_1) over the way D;
     at steady slip F/N = mu + (a - b) ln(v/v_0), so that with b > a fast slip is easy. mu is that at v_0. It
     never sticks: at rest it creeps with a slip that falls as exp(-mu/a), a few pm/s and less, where the
@@ -47,6 +45,7 @@ class RateAndState(Friction):
     name = "rate_and_state"
     equation = "F = -N a asinh(v/(2 v_0) exp((mu + b ln(v_0 theta/D))/a)), dtheta/dt = 1 - |v| theta/D"
     source = "Dieterich (1979), J. Geophys. Res. 84, 2161; Ruina (1983), J. Geophys. Res. 88, 10359"
+    validity = "slips well above v_c and below 10 m/s"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
 

@@ -21,6 +21,7 @@ class Regularised(Friction):
     name = "regularised"
     equation = "F = -mu N v / sqrt(v^2 + v_0^2)"
     source = "Mostaghel and Davis (1997), Earthquake Eng. Struct. Dyn. 26, 593"
+    validity = "sliding: no load is held, it creeps"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
 

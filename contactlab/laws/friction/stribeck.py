@@ -15,18 +15,16 @@ from contactlab.parameter import positive
 class Stribeck(Friction):
     """Coulomb's cone with a Stribeck curve for its coefficient: rigid stick, and no jump where it ends.
 
-        |F| <= mu(v) N,  F = -mu(v) N sign(v) where v != 0
-        mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p)
-
     Steady sliding of a mass m on a spring without damping grows at the rate -N mu'(v)/(2 m): it chatters
-    wherever the curve falls. The viscous part of the source is left out. p is 1 with Tustin, 2 with
-    Armstrong-Helouvry, 0.5 to 1 with Bo and Pavelescu (1982), Wear 82, 277; for p below 1 the curve is
-    infinitely steep at v = 0. As v_s goes to 0 it becomes `coulomb`.
+    wherever the curve falls. p is 1 with Tustin, 2 with Armstrong-Helouvry, 0.5 to 1 with Bo and Pavelescu
+    (1982), Wear 82, 277; for p below 1 the curve is infinitely steep at v = 0. As v_s goes to 0 it becomes
+    `coulomb`.
     """
 
     name = "stribeck"
-    equation = "|F| <= mu(v) N, mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p)"
+    equation = "|F| <= mu(v) N, F = -mu(v) N sign(v) where v != 0, mu(v) = mu + (mu_s - mu) exp(-(|v|/v_s)^p)"
     source = "Armstrong-Helouvry, Dupont, Canudas de Wit (1994), Automatica 30, 1083"
+    validity = "speeds at which viscous friction is small"
 
     static_ratio: Annotated[float, STATIC_RATIO] = 1.3
     stribeck_velocity: Annotated[float, positive("v_s", "m s-1", "Stribeck velocity")] = 1e-2

@@ -56,5 +56,6 @@ class Brach(ImpactLaw):
     name = "brach"
     equation = "gdot+ = -e gdot-, |p_t| = min(mu, mu_c, mu_T) p_n, slip+(mu_c) = 0, loss(mu_T) = 0"
     source = "Brach (1989), J. Appl. Mech. 56, 133; Brach (1991), Mechanical Impact Dynamics"
+    validity = "impacts without tangential restitution"
 
     impact = staticmethod(brach_impulse)

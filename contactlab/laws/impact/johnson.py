@@ -28,12 +28,13 @@ class Johnson(MultiplierLaw):
     3 P^2/(10 a E*). Their ratio is e^2, and e falls as V^(-1/4). The mass is that of the impact, 1/d_nn.
     The factor of the equation is 3.743; Johnson's eq. 11.47 prints 3.8. Up to 27 times the speed of
     `first_yield` that form gives back more than came, and e is one; in truth e falls below one at first yield
-    and meets the form from below. So it is good for a ball that has yielded all over, whose dent is small.
+    and meets the form from below.
     """
 
     name = "johnson"
     equation = "gdot+ = -e gdot-, e = min(1, 3.74 (Y/E*)^(1/2) (m gdot-^2/(2 Y R^3))^(-1/8)), m = 1/d_nn"
     source = "Johnson (1985), Contact Mechanics, eqs. 11.46 and 11.47"
+    validity = "balls that have yielded all over, with a small dent"
     default_contact_step = 5e-8
     violations = OF_THE_GAP_RATE
 

@@ -47,6 +47,7 @@ class Newton(ImpactLaw):
     name = "newton"
     equation = "gdot+ = -e gdot-, N >= 0, |F| <= mu N, F = -mu N sign(v+) where v+ != 0"
     source = "Newton (1687), Principia, scholium to the laws of motion"
+    validity = "e measured at the speed of the impacts; slip that ends or reverses can create energy"
     violations = OF_THE_GAP_RATE
 
     impact = staticmethod(newton_impulse)
@@ -68,6 +69,7 @@ class MoreauJean(ImpactLaw):
     name = "moreau_jean"
     equation = "0 <= p _|_ gdot_end + e gdot_start >= 0 where g <= 0, |p_t| <= mu p, p_t = -mu p sign(v_end)"
     source = "Moreau (1988); Jean (1999), Comput. Methods Appl. Mech. Eng. 177, 235"
+    validity = "as newton; the contact penetrates by O(step)"
     projects = False
     violations = OF_THE_GAP_RATE
 

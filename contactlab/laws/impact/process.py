@@ -101,6 +101,7 @@ class Poisson(ImpactProcess):
     name = "poisson"
     equation = "p = (1 + e) p_c, gdot(p_c) = 0, dp_t = -mu dp sign(v) or v = 0"
     source = "Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635"
+    validity = "plane impacts; e measured at the speed of the impacts"
 
     @staticmethod
     @kernel
@@ -118,8 +119,9 @@ class Stronge(ImpactProcess):
     """
 
     name = "stronge"
-    equation = "int_pc^p gdot dp = -e^2 int_0^pc gdot dp, dp_t = -mu dp sign(v) or v = 0"
+    equation = "int_p_c^p gdot dp = -e^2 int_0^p_c gdot dp, dp_t = -mu dp sign(v) or v = 0"
     source = "Stronge (1990), Proc. R. Soc. A 431, 169"
+    validity = "plane impacts; e measured at the speed of the impacts"
 
     @staticmethod
     @kernel

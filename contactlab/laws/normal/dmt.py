@@ -24,6 +24,7 @@ class Dmt(NormalForce):
     name = "dmt"
     equation = "N = 4/3 E* sqrt(R) d^1.5 - 2 pi w R"
     source = "Derjaguin, Muller and Toporov (1975), J. Colloid Interface Sci. 53, 314"
+    validity = "Tabor number below 0.1"
     allows_tension = True
     convergence_order = 0.9
 

@@ -43,6 +43,7 @@ class HertzPoint(NormalForce):
     name = "hertz_point"
     equation = "N = K d^1.5"
     source = "Hertz (1881); Johnson, Contact Mechanics (1985), eq. 4.23"
+    validity = "contact radius well below the radii; no yield (Johnson 1985, ch. 4)"
 
     stiffness: Annotated[float, positive("K", "N m-1.5", "contact stiffness")] = 1e10
 
@@ -62,6 +63,7 @@ class HertzElliptic(NormalForce):
     name = "hertz_elliptic"
     equation = "N = 4/3 E* sqrt(R_e) (d / F_2(R'/R''))^1.5, R_e = sqrt(R' R'')"
     source = "Hertz (1881); Johnson, Contact Mechanics (1985), eqs. 4.26 to 4.28"
+    validity = "contact ellipse well below the radii; no yield (Johnson 1985, ch. 4)"
 
     radius_along: Annotated[float, positive("R'", "m", "relative radius")] = 5e-3
     radius_across: Annotated[float, positive("R''", "m", "relative radius")] = 4.2e-3
@@ -127,6 +129,7 @@ class Line(NormalForce):
     name = "line"
     equation = "N = E* (d L^0.8 / 1.36)^(10/9)"
     source = "Lundberg and Sjovall (1958); Palmgren (1959)"
+    validity = "steel rollers in raceways: Palmgren's rule within 2 %"
 
     length: Annotated[float, positive("L", "m", "length of the line")] = 16e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL
@@ -152,6 +155,7 @@ class Linear(NormalForce):
     name = "linear"
     equation = "N = k d"
     source = "Johnson, Contact Mechanics (1985), sec. 11.5"
+    validity = "flat faces, or small changes of the depth"
 
     stiffness: Annotated[float, positive("k", "N m-1", "contact stiffness")] = 1e7
 
@@ -175,8 +179,8 @@ class Lining(NormalForce):
     equation = "dN/dd = k_1 for d < d_1, k_2 for d > d_1 + w, linear in between"
     source = "after Shaw and Holmes (1983), J. Sound Vib. 90, 129"
 
-    soft_stiffness: Annotated[float, positive("k_1", "N m-1", "of the lining")] = 5e6
-    hard_stiffness: Annotated[float, positive("k_2", "N m-1", "of what is behind")] = 5e7
+    soft_stiffness: Annotated[float, positive("k_1", "N m-1", "stiffness of the lining")] = 5e6
+    hard_stiffness: Annotated[float, positive("k_2", "N m-1", "stiffness of what is behind")] = 5e7
     lining_depth: Annotated[float, positive("d_1", "m", "depth of the lining")] = 5e-7
     passage: Annotated[float, positive("w", "m", "width of the passage")] = 1e-7
 

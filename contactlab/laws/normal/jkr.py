@@ -50,8 +50,9 @@ class Jkr(NormalForce):
     """
 
     name = "jkr"
-    equation = "N = 4 E* a^3/3 R - sqrt(8 pi w E* a^3), d = a^2/R - sqrt(2 pi w a/E*)"
+    equation = "N = 4 E* a^3/(3 R) - sqrt(8 pi w E* a^3), d = a^2/R - sqrt(2 pi w a/E*)"
     source = "Johnson, Kendall and Roberts (1971), Proc. R. Soc. A 324, 301; Thornton and Ning (1998)"
+    validity = "Tabor number above 5; contact radius well below R"
     allows_tension = True
     convergence_order = 0.9
 

@@ -40,13 +40,14 @@ class Prony(NormalForce):
     name = "prony"
     equation = "N = k_inf d + sum k_i (d - z_i), dz_i/dt = (d - z_i)/tau_i"
     source = "Christensen, Theory of Viscoelasticity (1982), sec. 1.6; Simo and Hughes (1998), sec. 10.2"
+    validity = "flat faces of a linear viscoelastic lining"
 
-    relaxed_stiffness: Annotated[float, positive("k_inf", "N m-1", "of slow loads")] = 5e6
-    first_stiffness: Annotated[float, positive("k_1", "N m-1", "of the first arm")] = 5e6
+    relaxed_stiffness: Annotated[float, positive("k_inf", "N m-1", "stiffness of slow loads")] = 5e6
+    first_stiffness: Annotated[float, positive("k_1", "N m-1", "stiffness of the first arm")] = 5e6
     first_time: Annotated[float, positive("tau_1", "s", "relaxation time")] = 1e-5
-    second_stiffness: Annotated[float, not_negative("k_2", "N m-1", "of the second arm")] = 0.0
+    second_stiffness: Annotated[float, not_negative("k_2", "N m-1", "stiffness of the second arm")] = 0.0
     second_time: Annotated[float, positive("tau_2", "s", "relaxation time")] = 1e-4
-    third_stiffness: Annotated[float, not_negative("k_3", "N m-1", "of the third arm")] = 0.0
+    third_stiffness: Annotated[float, not_negative("k_3", "N m-1", "stiffness of the third arm")] = 0.0
     third_time: Annotated[float, positive("tau_3", "s", "relaxation time")] = 1e-3
 
     @property

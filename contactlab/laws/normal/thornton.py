@@ -48,6 +48,7 @@ class Thornton(NormalForce):
     name = "thornton"
     equation = "N = K d^1.5, N_y + pi p_y R (d - d_y) as it yields, 4/3 E* sqrt(R_p) (d - d_p)^1.5 after it"
     source = "Thornton (1997), J. Appl. Mech. 64, 383; Thornton and Ning (1998), Powder Technol. 99, 154"
+    validity = "p_y between 1.6 and 3 times the yield stress, a mean over the depth"
 
     radius: Annotated[float, positive("R", "m", "relative radius")] = 4.2e-3
     effective_modulus: Annotated[float, EFFECTIVE_MODULUS] = STEEL

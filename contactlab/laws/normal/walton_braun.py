@@ -36,9 +36,12 @@ class WaltonBraun(NormalForce):
     name = "walton_braun"
     equation = "N = k_1 d as it loads, (k_2 + S N*) (d - d_p) below its largest force N*"
     source = "Walton and Braun (1986), J. Rheol. 30, 949"
+    validity = "contacts that yield from the first touch"
 
-    loading_stiffness: Annotated[float, positive("k_1", "N m-1", "as it loads")] = 1e7
-    unloading_stiffness: Annotated[float, positive("k_2", "N m-1", "as it unloads from N* = 0")] = 1.5e7
+    loading_stiffness: Annotated[float, positive("k_1", "N m-1", "stiffness of loading")] = 1e7
+    unloading_stiffness: Annotated[float, positive("k_2", "N m-1", "stiffness of unloading from N* = 0")] = (
+        1.5e7
+    )
     hardening: Annotated[float, not_negative("S", "m-1", "growth of k_2 with the largest force")] = 0.0
 
     internal_variables = (
