@@ -166,7 +166,10 @@ class _Reader:
             whole = self.next.parted or (self.behind(1).text == "(" and not derivative)
             first = 0 if whole else len(parts) - 1
             self.at += 1
-            parts[first:] = [_fraction(_spaced(parts[first:]), self.factor())]
+            below = self.factor()
+            if below.large in FUNCTIONS.values():
+                raise ValueError(f"The equation '{self.text}' divides by a function without brackets.")
+            parts[first:] = [_fraction(_spaced(parts[first:]), below)]
         return _spaced(parts)
 
     def begins_factor(self) -> bool:

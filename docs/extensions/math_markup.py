@@ -14,18 +14,20 @@ _TAG: Final = re.compile(r"\s*\\tag\{([^}]*)\}\s*")
 # Bars that stand for themselves would be spaced as relations.
 _SIZE: Final = re.compile(r"(?<!left)(?<!right)\|((?:[^|\\]|\\(?!left|right))*)\|")
 
+# The converter has a single upright letter in italics.
+_UPRIGHT: Final = re.compile(r"\\mathrm\{([A-Za-z]+)\}")
 # A browser takes a minus behind another operator for a difference, and spaces functions as relations.
 _SIGN: Final = re.compile(r"(?<=</mo>)(?<!&#x00029;</mo>)<mo>&#x02212;</mo>")
-_FUNCTION: Final = re.compile(r"<mo>([a-z]+)</mo>((?:<mrow>)?(?=<mo stretchy)|)")
+_FUNCTION: Final = re.compile(r"<mo>([a-z]+)</mo>(?=((?:<mrow>)?<mo stretchy)?)")
 
 
 def formula(text: str, display: str) -> str:
     """Return a formula as MathML."""
-    made: str = convert(_SIZE.sub(r"\\left|\1\\right|", text.strip()), display=display)
+    text = _UPRIGHT.sub(r"\\text{\1}", _SIZE.sub(r"\\left|\1\\right|", text.strip()))
+    made: str = convert(text, display=display)
     made = _SIGN.sub('<mo form="prefix">&#x02212;</mo>', made)
     return _FUNCTION.sub(
-        lambda part: f'<mo lspace="0.17em" rspace="{"0" if part[2] else "0.17em"}">{part[1]}</mo>{part[2]}',
-        made,
+        lambda part: f'<mo lspace="0.17em" rspace="{0 if part[2] else 0.17}em">{part[1]}</mo>', made
     )
 
 

@@ -24,6 +24,13 @@ def raised(text: str) -> str:
     return re.sub(r"\^(-?[\d.]+)", r"<sup>\1</sup>", text)
 
 
+def powers_of_ten(text: str) -> str:
+    """Return a text with its numbers as they are printed: "1.5e-05" as 1.5 times a power of ten."""
+    text = re.sub(r"(\d)e([-+]\d+)", lambda part: f"{part[1]}\u00b710<sup>{int(part[2])}</sup>", text)
+    text = re.sub(r"(?<![\d.])1\u00b710", "10", text)
+    return re.sub(r"(?<=<sup>)-", "\N{MINUS SIGN}", text)
+
+
 def symbol(text: str) -> str:
     """Return a symbol as a formula in a line; empty for none."""
     return f"${equations.formula(text)}$" if text else ""

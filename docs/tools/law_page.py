@@ -29,7 +29,7 @@ sys.path.insert(0, str(DOCS / "extensions"))
 
 import equations  # noqa: E402
 from law_families import FAMILIES, Family  # noqa: E402
-from page_tables import raised, symbol, table, unit  # noqa: E402
+from page_tables import powers_of_ten, raised, symbol, table, unit  # noqa: E402
 
 PAGE = "laws.md"
 FOLDER = "laws"
@@ -81,6 +81,9 @@ N/µm, pressed by 10 N onto a belt of 20 mm/s.
 * [The laws' keys](reference/law_keys.md): what each can be given
 * `contactlab laws` prints the same on the terminal, with the laws that other packages bring
 """
+
+USUAL = {("tension", "none"), ("contact step", "none"), ("convergence order", "1")}
+"""What is declared of most laws, and left out."""
 
 HEADS = ("contact", "normal loss", "stick", "rate", "memory", "adhesion")
 
@@ -169,11 +172,7 @@ def section(name: str, owner: type[Declared]) -> str:
             f"{curves.numbers}\n",
             f"{in_formulas(rest)}\n" if rest else "",
             *(table(("parameter", "symbol", "unit", "default", "meaning"), rows) if rows else []),
-            *(
-                f"* {word}: {raised(text) if '[' in text else text}"
-                for word, text in declared.items()
-                if text
-            ),
+            *(f"* {w}: {raised(text)}" for w, text in declared.items() if text and (w, text) not in USUAL),
             "",
         ]
     )
@@ -205,7 +204,13 @@ def parameter_row(name: str, member: DeclaredField) -> list[str]:
     declared, default = member.parameter, member.default
     if declared is None:
         return [f"`{name}`", "", "", f"`{default.name}`", f"the [{name}]({name}.md)"]
-    shown = "none" if default is None else "must be given" if default is MISSING else f"{default:g}"
+    shown = (
+        "none"
+        if default is None
+        else "must be given"
+        if default is MISSING
+        else powers_of_ten(f"{default:g}")
+    )
     shown = "that of the contact" if name == SHARED else shown
     bounds = replace(declared, units="1").range
     meaning = f"{declared.meaning}; {bounds}" if bounds else declared.meaning

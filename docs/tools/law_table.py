@@ -15,7 +15,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from law_page import FAMILIES, law_of, table, unit
+from law_page import FAMILIES, law_of, powers_of_ten, table, unit
 from tqdm import tqdm
 
 from contactlab.laws import ContactLaw
@@ -48,19 +48,14 @@ UNPUBLISHED = "no closed form"
 
 @dataclass(frozen=True)
 class Entry:
-    """A row: heading of its table, group of choice, class, its law, and its first published claim."""
+    """A row: heading of its table, label, class, its law, and its first published claim."""
 
     title: str
-    group: str
+    label: str
     owner: type[Declared]
     law: ContactLaw
     number: Callable[[], Claim | None]
     heading: str
-
-    @property
-    def name(self) -> str:
-        """As configurations choose it."""
-        return f"{self.group}={self.owner.name}"
 
 
 def entries() -> Iterator[Entry]:
@@ -71,7 +66,8 @@ def entries() -> Iterator[Entry]:
             proofs = published.published_of(name, owner.family)
             heading = _first_line(proofs[0]) if proofs else ""
             number = partial(published.headline, name, owner.family)
-            yield Entry(family.title, family.choice, owner, law_of(owner), number, heading)
+            label = f"[{name}]({family.address(name)})"
+            yield Entry(family.title, label, owner, law_of(owner), number, heading)
     yield from outside()
 
 
@@ -89,10 +85,9 @@ def outside() -> Iterator[Entry]:
     for owner in vars(numbers).values():
         if isinstance(owner, type) and getattr(owner, "name", "") in proofs:
             proof = proofs[owner.name]
-            group = f"law/{owner.family}".rstrip("/")
-            yield Entry(
-                ELSEWHERE, group, owner, law_of(owner), partial(_first_claim, proof), _first_line(proof)
-            )
+            label = f"`{f'law/{owner.family}'.rstrip('/')}={owner.name}`"
+            number = partial(_first_claim, proof)
+            yield Entry(ELSEWHERE, label, owner, law_of(owner), number, _first_line(proof))
 
 
 def _first_claim(proof: Callable[[], Iterator[Claim]]) -> Claim | None:
@@ -110,7 +105,7 @@ def row(entry: Entry) -> list[str]:
     broken = [name for name, claims in verdicts.items() if any(claim.excuse for claim in claims)]
     failed = [name for name, claims in verdicts.items() if not all(claim.holds for claim in claims)]
     breaks = ", ".join([*broken, *(f"**fails {name}**" for name in failed)])
-    return [f"`{entry.name}`", breaks, *_number(entry)]
+    return [entry.label, breaks, *_number(entry)]
 
 
 def _number(entry: Entry) -> tuple[str, str, str]:
@@ -119,12 +114,14 @@ def _number(entry: Entry) -> tuple[str, str, str]:
         return UNPUBLISHED, "", ""
     relation = "" if claim.relation == "=" else f"{claim.relation} "
     size = abs(claim.expected)
-    apart = f"{abs(claim.value - claim.expected) / size:.1e}" if size and not relation else ""
+    distance = abs(claim.value - claim.expected)
+    apart = "0" if not distance else f"{distance / size:.1e}" if size and not relation else ""
     ours = f"{claim.value:.6g}"
     ours = ours if claim.true else f"**{ours}**"
     value = f"{relation}{claim.expected:.6g}"
     value = " ".join(filter(None, [value if value == ours else f"{value}; here {ours}", unit(claim.units)]))
-    return f"{entry.heading} {claim.statement}".replace("|", "\\|"), value, apart
+    published = f"{entry.heading} {claim.statement}".replace("|", "\\|")
+    return published, powers_of_ten(value), powers_of_ten(apart)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -257,10 +257,10 @@ def draw(curves: Curves, reference: Curves) -> Figure:
         first, last = curves.memory[0][0], curves.memory[-1][0]
         axes.set(xlabel="time (µs)", ylabel="internal variables")
         if several:
-            axes.set_title(f"{first} to {last}", fontsize="x-small")
+            axes.set_title(f"{first} to {last}", fontsize="small")
         else:
             axes.legend(
-                fontsize="x-small", frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2
+                fontsize="small", frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2
             )
     return figure
 

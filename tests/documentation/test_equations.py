@@ -86,7 +86,7 @@ def test_a_text_means_what_its_formula_does(text: str, latex: str) -> None:
     assert equations.formula(text) == latex
 
 
-@pytest.mark.parametrize("text", ["N = (k d", "N = k d)", "N = k $ d", "N = / d", "|v", "N = "])
+@pytest.mark.parametrize("text", ["N = (k d", "N = k d)", "N = k $ d", "N = / d", "|v", "N = ", "a / sum b"])
 def test_a_text_that_is_no_equation_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"equation"):
         equations.formula(text)
