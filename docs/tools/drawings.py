@@ -158,9 +158,9 @@ def draw_motor(setup: cl.Setup | None = None) -> Figure:
             x, middle = 0.5 * (a + b), side * (half + 0.5 * layer)
             arrow(axes, (x - 2.2, middle - 0.9 * poling), (x - 2.2, middle + 0.9 * poling), INK, "poling")
             label(axes, (x - 0.6, middle), "P")
-            axes.plot([x + 2.2] * 2, [side * outer, side * 7.0], color=ACCENT, linewidth=LINE)
-            axes.plot(x + 2.2, side * 7.4, "o", color=ACCENT, markerfacecolor="none", markersize=5)
-            label(axes, (x + 3.2, side * 7.4), f"$U_{number}$", ACCENT, ha="left")
+            axes.plot([x + 1.4] * 2, [side * outer, side * 7.0], color=ACCENT, linewidth=LINE)
+            axes.plot(x + 1.4, side * 7.4, "o", color=ACCENT, markerfacecolor="none", markersize=5)
+            label(axes, (x + 2.3, side * 7.4), f"$U_{number}$", ACCENT, ha="left")
     first, last = beam.patches[0]
     a, b = 1e3 * first - end, 1e3 * last - end
     for x, top, low in (
