@@ -22,7 +22,7 @@ from sphinx.environment import BuildEnvironment
 from sphinx.ext.napoleon import Config, GoogleDocstring
 
 from contactlab.laws.declaration import Declared
-from contactlab.parameter import declared_fields
+from contactlab.parameter import DeclaredField, declared_fields
 
 GOOGLE: Final = Config(napoleon_use_rtype=False, napoleon_use_ivar=True)
 SECTION: Final = re.compile(r"(Args|Attributes|Returns|Raises|Yields|Example|Examples|Note):$")
@@ -118,14 +118,27 @@ def with_parameters(app: Sphinx, what: str, name: str, item: Any, options: Any, 
     for key, field in declared.items():
         stated = field.parameter
         assert stated is not None
-        default = "" if field.default is dataclasses.MISSING else f"{field.default}{stated.label}"
-        meaning = f"`{stated.symbol}`, {stated.meaning}" if stated.symbol else stated.meaning
-        lines += _row([f"`{key}`", meaning, default, stated.range])
+        meaning = _escaped(stated.meaning)
+        if stated.symbol:
+            meaning = f":math:`{equations.formula(stated.symbol)}`, {meaning}"
+        lines += _row([f"`{key}`", meaning, _default(field), _raised(stated.range)])
     lines.append("")
 
 
 def _row(cells: list[str]) -> list[str]:
-    return [f"   {'*' if i == 0 else ' '} - {_escaped(cell)}" for i, cell in enumerate(cells)]
+    return [f"   {'*' if i == 0 else ' '} - {cell}" for i, cell in enumerate(cells)]
+
+
+def _default(field: DeclaredField) -> str:
+    if field.default is dataclasses.MISSING or field.parameter is None:
+        return ""
+    if type(field.default) is not float:
+        return _escaped(str(field.default))
+    return _raised(f"{field.default:.6g}{field.parameter.label}")
+
+
+def _raised(text: str) -> str:
+    return re.sub(r"\^(-?[\d.]+)", r"\\ :sup:`\1`", text)
 
 
 def short_signature(
