@@ -90,3 +90,22 @@ def test_a_text_means_what_its_formula_does(text: str, latex: str) -> None:
 def test_a_text_that_is_no_equation_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"equation"):
         equations.formula(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "signs"),
+    [("F = -mu N", 1), ("max(-g, 0)", 1), ("(a) - b", 0), ("a - |b|", 0), ("|a| - b", 0), ("a^2 - b", 0)],
+)
+def test_a_minus_is_a_sign_behind_an_operator_and_a_difference_behind_a_number(text: str, signs: int) -> None:
+    markup = math_markup.formula(equations.formula(text), "inline")
+    assert (
+        markup.count('<mo form="prefix">\N{MINUS SIGN}') + markup.count('<mo form="prefix">&#x02212;')
+        == signs
+    )
+
+
+def test_a_function_is_set_close_to_its_bracket_and_a_derivative_with_upright_letters() -> None:
+    markup = math_markup.formula(equations.formula("a max(dz/dt, 0) sgn v"), "inline")
+    assert '<mo lspace="0.17em" rspace="0em">max</mo>' in markup
+    assert '<mo lspace="0.17em" rspace="0.17em">sgn</mo>' in markup
+    assert markup.count("<mtext>d</mtext>") == 2
