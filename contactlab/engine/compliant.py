@@ -160,28 +160,30 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
-    flowed = _flow_error(run, law, normal, friction, allowed / h)
-    return float(max(error * h / allowed, flowed / state.tolerance))
+    return float(max(error * h / allowed, _flow_error(run, law, known, h) / state.tolerance))
 
 
 @inner_kernel
-def _flow_error(run: Run, law: Law, normal: float, friction: float, negligible: float) -> float:
-    """Return what internal variables miss over the step [1] of which no force tells, zero where one does.
+def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
+    """Return what internal variables miss over a step of length h [1], where no force tells of them.
 
-    Friction tells of its own where it is more than a `negligible` force [N].
+    None does without a normal force, nor where the longest step in contact would not feel the friction. Else,
+    and in a step that is too short to feel the normal force, it is zero.
     """
-    state = run.state
-    idle, flowed = normal == 0.0 == largest(state.normal.node), 0.0
+    state, propagator, normal = run.state, run.propagator, known[0]
+    allowed = state.tolerance * state.impulse_scale
+    depends, pressed, missed = state.law.friction_kind == RATE_DEPENDENT, largest(state.normal.node), 0.0
+    idle = normal == 0.0 == pressed
     if idle:
-        flowed = missed_flow(run, law.memory)
-    if state.law.friction_kind == RATE_DEPENDENT:
-        most = abs(friction)
+        missed = missed_flow(run, law.memory)
+    if depends and (idle or max(normal, pressed) * h > allowed):
+        most = abs(known[3])
         for i in range(NODES):
             most = max(most, abs(state.friction.node[i]))
         # A slider without a force keeps its spring, whatever rate the law has for it.
-        if idle or most <= negligible:
-            flowed = max(flowed, missed_rate(run, law))
-    return float(flowed)
+        if most * step_length(propagator, propagator.rule.contact_level) <= allowed:
+            missed = max(missed, missed_rate(run, law))
+    return float(missed)
 
 
 @part_kernel

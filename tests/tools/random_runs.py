@@ -308,6 +308,7 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
                 (
                     [f"`{key}`", f"{bound:g}", f"{worst[key]:.1e}", worst["law"], worst["number"]]
                     for key, bound in BOUNDS.items()
+                    if whole[key].notna().any()
                     for worst in [whole.loc[whole[key].idxmax()]]
                 ),
             ),

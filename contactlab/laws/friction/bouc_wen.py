@@ -68,6 +68,8 @@ class BoucWen(Friction):
         share = deflection / yield_displacement
         # Steps may overshoot by their tolerance; the force stays in the cone.
         force = -friction_coefficient * max(normal, 0.0) * min(max(share, -1.0), 1.0)
-        bent = abs(share) ** exponent
+        # The rate goes on along its tangent there, so that no step is solved by a root far beyond.
+        size = abs(share)
+        bent = size**exponent if size < 1.0 else 1.0 + exponent * (size - 1.0)
         signed = shape if slip * deflection > 0.0 else -shape
         return force, slip * (1.0 - bent * (signed + 1.0 - shape)), -0.5 * force * deflection, 0.0
