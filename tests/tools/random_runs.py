@@ -305,12 +305,7 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             *_table(
                 ["invariant", "bound", "worst", "of the law", "motor"],
-                (
-                    [f"`{key}`", f"{bound:g}", f"{worst[key]:.1e}", worst["law"], worst["number"]]
-                    for key, bound in BOUNDS.items()
-                    if whole[key].notna().any()
-                    for worst in [whole.loc[whole[key].idxmax()]]
-                ),
+                ([f"`{key}`", f"{bound:g}", *_worst(whole, key)] for key, bound in BOUNDS.items()),
             ),
             "",
             "## Laws",
@@ -322,6 +317,14 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
         ]
     )
+
+
+def _worst(runs: pd.DataFrame, key: str) -> tuple[str, str, int | str]:
+    """Return the largest value of an invariant, with the law and the number of its motor."""
+    if runs[key].isna().all():
+        return "", "", ""
+    row = runs.loc[runs[key].idxmax()]
+    return f"{row[key]:.1e}", str(row["law"]), int(row["number"])
 
 
 def _way(law: str, stepped: bool) -> str:
