@@ -130,16 +130,6 @@ def balanced(
     # A contact at rest turns nothing over but the work of its impulses at round-off of the slip.
     digits = SLIP_ROUND_OFF * (abs(state.total.normal_impulse) + abs(state.total.friction_impulse))
     share = openness(max(float(residual - digits), 0.0), float(state.turnover), 0.0, start)
-    # A ledger that is no number is not closed.
-    if share <= LEDGER_LIMIT:
-        opened = _opened_by_contact(series, modes, float(state.turnover))
-        if opened <= LEDGER_LIMIT:
-            return Ending.COMPLETE, ""
-        return Ending.UNBALANCED, (
-            f"The run reached its end, but in contact its energy ledger opens by {opened:.3g} of what a "
-            f"contact stores and loses; it must be at most {LEDGER_LIMIT:g}. The energy that the law stores "
-            "does not fit its force: mend the law."
-        )
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
@@ -147,6 +137,15 @@ def balanced(
         else f"{_unresolved(run, contact_step)}Choose a shorter solver.contact_step than {contact_step:.3g} "
         "s, or leave it out: the law is solved in its limit then."
     )
+    # A ledger that is no number is not closed.
+    if share <= LEDGER_LIMIT:
+        opened = _opened_by_contact(series, modes, float(state.turnover))
+        if opened <= LEDGER_LIMIT:
+            return Ending.COMPLETE, ""
+        return Ending.UNBALANCED, (
+            f"The run reached its end, but in contact its energy ledger opens by {opened:.3g} of what a "
+            f"contact stores and loses; it must be at most {LEDGER_LIMIT:g}. {way_out}"
+        )
     return Ending.UNBALANCED, (
         f"The run reached its end, but its energy ledger is open by {share:.3g} of the energy turned "
         f"over, {SCALE}; it must be at most {LEDGER_LIMIT:g}. {way_out}"
