@@ -16,7 +16,8 @@ from contactlab.laws.friction import LuGre
 from contactlab.testing.plants import paper_motor
 from contactlab.trajectory import Trajectory
 
-DURATION = 4e-4
+DURATION = 2.5e-4
+"""The first contact, from 131 us on, is over by then [s]."""
 LAWS = (HertzPenalty(), Stronge(), Composed(friction=LuGre()))
 
 SCRIPT = """

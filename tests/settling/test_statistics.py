@@ -67,7 +67,7 @@ def test_an_oscillator_that_does_not_slide_has_the_kind_of_its_motion() -> None:
 @pytest.mark.long
 def test_means_of_an_irregular_motor_hold_against_a_run_ten_times_as_long() -> None:
     setup = cl.build(["law=lagrange_slip", "solver.contact_step=2e-7"])
-    short, other = (cl.steady(setup, longest=longest) for longest in (3000, 30000))
+    short, other = (cl.steady(setup, longest=longest) for longest in (1500, 15000))
     (mean, error), (better, rest) = short.velocity, other.velocity
     assert short.orbit is None
     assert rest < error

@@ -17,8 +17,10 @@ KILLS = 2
 LAWS = "law=hertz_penalty,newton"
 COMMANDS = {
     "basins": ["basins", "count=4", "output=killed"],
-    "characterise": ["characterise", LAWS, "output=killed"],
-    "compare": ["compare", LAWS, "samples=2", "starts=2", "workers=1", "output=killed"],
+    "characterise": ["characterise", "law=newton", "output=killed"],
+    "compare": [
+        "compare", LAWS, "samples=2", "starts=1", "observe=rotor_velocity", "workers=1", "output=killed",
+    ],
     "steady states over phase": ["-m", "steady", "drive.phase=0,-0.6", LAWS, "output=killed"],
     "numbers of runs": [
         "-m", "contact.clearance=linspace(0,2e-6,30)", LAWS, "sweep.keep=metrics", "sweep.chunk=2",

@@ -28,9 +28,7 @@ def test_a_range_has_the_values_that_were_typed(text: str) -> None:
     ("text", "values"),
     [
         ("range(0 um,3 um,1 um)", [0.0, 1.0, 2.0]),
-        pytest.param("range(0,3e-6,1e-6)", [0.0, 1.0, 2.0], marks=pytest.mark.long),
-        pytest.param("linspace(1 um,3 um,3)", [1.0, 2.0, 3.0], marks=pytest.mark.long),
-        pytest.param("geomspace(1 um,4e-6,3)", [1.0, 2.0, 4.0], marks=pytest.mark.long),
+        ("geomspace(1 um,4e-6,3)", [1.0, 2.0, 4.0]),
         ("sort(range(0,3e-6,1e-6),reverse=true)", [2.0, 1.0, 0.0]),
     ],
 )
