@@ -81,7 +81,7 @@ class Scheduling(LoadFileScheduling):
 
 
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Scheduling | None:
-    """The scheduling above, unless another is asked for."""
+    """The scheduling above, unless another is chosen."""
     return Scheduling(config, log) if config.getvalue("dist") == "loadfile" else None
 
 

@@ -7,7 +7,7 @@ written down: the states at which a law's kernels are evaluated are those that i
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from math import ceil, copysign, cos, isfinite, pi, sin
 from typing import NamedTuple, final
 
@@ -315,6 +315,8 @@ class Walker:
     def _in_contact(self, time: float, end: float) -> float:
         parts = self.parts(time, end - time)
 
+        # Guards, release and the step itself evaluate the end.
+        @cache
         def after(t: float) -> Array:
             return self.flown(time, t - time, parts) if t > time else self.kept
 
