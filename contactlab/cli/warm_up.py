@@ -6,7 +6,7 @@ from typing import Final
 from contactlab.cli.arguments import Parser
 from contactlab.cli.terminal import COMPLETE
 
-LAWS: Final = (
+FAMILIES: Final = (
     ["law=hertz_penalty"],
     ["law=lagrange_stick"],
     ["law=composed", "law/normal=walton_braun"],
@@ -27,19 +27,22 @@ def main(arguments: list[str]) -> int:
     )
     parser.read(arguments)
     # Imported here: they bring the compiler, which --help does not need.
-    from contactlab.compiler.kernels import INTERPRETED, code_folder
+    from contactlab.compiler.folders import code_folder, shipped_folder
+    from contactlab.compiler.kernels import INTERPRETED
     from contactlab.compiler.notice import telling
     from contactlab.config import build
     from contactlab.engine.binding import bind
     from contactlab.engine.preparation import LOOPS, SECONDS, kind_of
     from contactlab.impacts import velocities_after
-    from contactlab.laws.base import PenaltyLaw
+    from contactlab.laws.base import ContactLaw, PenaltyLaw
+    from contactlab.laws.composed import Composed
+    from contactlab.laws.registry import LAWS, PARTS
 
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")
         return COMPLETE
     width, whole = max(map(len, SECONDS)), perf_counter()
-    for overrides in LAWS:
+    for overrides in FAMILIES:
         setup = build(overrides)
         # An impact of a compliant law is integrated as a run is.
         for impacts in (False,) if isinstance(setup.law, PenaltyLaw) else (False, True):
@@ -52,6 +55,12 @@ def main(arguments: list[str]) -> int:
             done = "compiled" if LOOPS & {*compiled.functions} else "was there, loaded"
             kind = kind_of(bind(setup.law), impacts)
             print(f"{kind:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
+    # What makes a law's own functions of its kernels.
+    made: list[ContactLaw] = [law() for law in LAWS.values()]
+    for family, parts in PARTS.items():
+        made += (Composed(**{family: part()}) for part in parts.values())  # type: ignore[arg-type]
+    for law in made:
+        bind(law)
     seconds = perf_counter() - whole
-    print(f"The engine is ready after {seconds:.0f} s; its code is kept in {code_folder()}.")
+    print(f"The engine is ready after {seconds:.0f} s; its code is in {shipped_folder() or code_folder()}.")
     return COMPLETE

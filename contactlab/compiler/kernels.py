@@ -2,16 +2,14 @@
 
 Numba decides by a kernel's own file whether its machine code is still good, but a kernel holds the code
 of every kernel that it calls. The code is therefore kept in a folder named after a digest of all
-sources of kernels, in the package or else in the user's cache. Kernels of other packages, which may call
+sources of kernels, see `contactlab.compiler.folders`. Kernels of other packages, which may call
 anything, are compiled in every session: about 0.1 s a law. The compiler itself is imported when the first
 kernel is called: listings, help and configurations need none.
 """
 
 import os
-import shutil
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from functools import cache, cached_property, update_wrapper
 from hashlib import sha256
@@ -19,6 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast, final
 
+from contactlab.compiler.folders import code_folder, shipped_folder
 from contactlab.foreign import is_own
 
 Function = TypeVar("Function", bound=Callable[..., object])
@@ -26,47 +25,8 @@ Function = TypeVar("Function", bound=Callable[..., object])
 INTERPRETED = bool(int(os.environ.get("NUMBA_DISABLE_JIT") or 0))
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
-PACKAGE = Path(__file__).parents[1]
-SOURCES = ("compiler/*.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
-"""Where kernels stand, and the constants that are compiled into them."""
-
 OPTIONS = {"error_model": "numpy", "_nrt": False}
 """Of every kernel, see `kernel`."""
-
-PREFIX = "kernels-"
-OLD = 30 * 86400.0
-"""Age in seconds at which the code of other sources is given up."""
-
-
-@cache
-def code_folder() -> Path:
-    """Return the folder of the compiled code of exactly these sources."""
-    digest = sha256()
-    for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
-        digest.update(source.relative_to(PACKAGE).as_posix().encode())
-        digest.update(source.read_bytes())
-        # Numba goes by it, and would find a folder with other dates full of code it does not take.
-        digest.update(str(source.stat().st_mtime_ns).encode())
-    name = f"{PREFIX}{digest.hexdigest()[:16]}"
-    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    for parent in [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]:
-        try:
-            (parent / name).mkdir(parents=True, exist_ok=True)
-            with tempfile.TemporaryFile(dir=parent / name):
-                _remove_old(parent, name)
-                return parent / name
-        except OSError:
-            continue
-    # Nowhere to keep it: compile for this process alone.
-    return Path(tempfile.mkdtemp(prefix="contactlab-"))
-
-
-def _remove_old(parent: Path, name: str) -> None:
-    """Remove the code of other sources that has not been added to for a month."""
-    for folder in parent.glob(f"{PREFIX}*"):
-        if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 @cache
@@ -184,3 +144,8 @@ def _keep_in(folder: Path, kernel: Any) -> None:
         kernel.enable_caching()
     finally:
         settings.CACHE_DIR = before
+    if shipped_folder():
+        from contactlab.compiler.shipped import Shipped
+
+        # That of the compiler's version that the code was made with.
+        kernel._cache = Shipped(kernel._cache, kernel.py_func)

@@ -11,6 +11,8 @@ from typing import Never, final
 from numba.core import event
 from tqdm import tqdm
 
+from contactlab.compiler.folders import of_version, shipped, shipped_folder
+
 SURE = 1.0
 """Time of a processor from which the pace is known [s]."""
 
@@ -40,7 +42,9 @@ class Compiled(event.Listener):
         if self._began is not None or not self._what:
             return
         self._began = perf_counter(), process_time()
-        _say(f"compiling {self._what}, once for an installation: about {self._usual:.0f} s.")
+        versions = [] if shipped_folder() else sorted(each.name for each in shipped().glob(of_version("*")))
+        came = f" (what came with the package is for {', '.join(versions)})" if versions else ""
+        _say(f"compiling {self._what}, once for an installation: about {self._usual:.0f} s{came}.")
         # tqdm shows nothing on a terminal that does not tell its size.
         columns, lines = get_terminal_size()
         self._bar = tqdm(

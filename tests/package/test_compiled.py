@@ -11,20 +11,20 @@ import xarray
 from numba.core.errors import TypingError
 from support.command_line import cases
 
-from contactlab.compiler import kernels as compiled
+from contactlab.compiler import folders, kernels as compiled
 from contactlab.compiler.notice import telling
 
-PROBE = "from contactlab.compiler import kernels as compiled; print(compiled.code_folder())"
+PROBE = "from contactlab.compiler.folders import code_folder; print(code_folder())"
 
 
 def test_the_folder_is_the_same_in_every_process() -> None:
     result = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True, check=True)
-    assert Path(result.stdout.strip()) == compiled.code_folder()
+    assert Path(result.stdout.strip()) == folders.code_folder()
 
 
 def test_a_chosen_cache_directory_is_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    assert compiled.code_folder.__wrapped__().parent == tmp_path
+    assert folders.code_folder.__wrapped__().parent == tmp_path
 
 
 def test_without_a_writable_directory_the_code_lives_for_the_process(
@@ -33,7 +33,7 @@ def test_without_a_writable_directory_the_code_lives_for_the_process(
     blocked = tmp_path / "file"
     blocked.touch()
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(blocked))
-    result = compiled.code_folder.__wrapped__()
+    result = folders.code_folder.__wrapped__()
     assert result.is_dir()
     assert result.name.startswith("contactlab-")
 
@@ -44,11 +44,11 @@ def test_a_change_of_a_kernels_source_changes_the_folder(
     (tmp_path / "engine").mkdir()
     source = tmp_path / "engine" / "module.py"
     source.write_text("a = 1\n")
-    monkeypatch.setattr(compiled, "PACKAGE", tmp_path)
+    monkeypatch.setattr(folders, "PACKAGE", tmp_path)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    before = compiled.code_folder.__wrapped__()
+    before = folders.code_folder.__wrapped__()
     source.write_text("a = 2\n")
-    after = compiled.code_folder.__wrapped__()
+    after = folders.code_folder.__wrapped__()
     assert before != after
     assert before.parent == after.parent == tmp_path / "__pycache__"
 
@@ -60,10 +60,10 @@ def test_a_read_only_installation_falls_back_to_the_users_cache(
     package.mkdir()
     # A file in the way stands for a directory without write permission, which root does not have.
     (package / "__pycache__").touch()
-    monkeypatch.setattr(compiled, "PACKAGE", package)
+    monkeypatch.setattr(folders, "PACKAGE", package)
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "users"))
-    assert compiled.code_folder.__wrapped__().parent == tmp_path / "users" / "contactlab"
+    assert folders.code_folder.__wrapped__().parent == tmp_path / "users" / "contactlab"
 
 
 @compiled.inner_kernel

@@ -1,0 +1,71 @@
+"""The folders of the kernels' machine code: one that this machine fills, one that came with the package."""
+
+import os
+import shutil
+import tempfile
+import time
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Final
+
+PACKAGE = Path(__file__).parents[1]
+SOURCES: Final = ("compiler/*.py", "motor/geometry.py", "variables.py", "laws/**/*.py", "engine/*.py")
+"""Where kernels stand, and the constants that are compiled into them."""
+
+PREFIX: Final = "kernels-"
+OLD: Final = 30 * 86400.0
+"""Age in seconds at which the code of other sources is given up."""
+
+
+def code_name() -> str:
+    """Return the name of a folder of the code of exactly these sources."""
+    digest = sha256()
+    for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
+        digest.update(source.relative_to(PACKAGE).as_posix().encode())
+        digest.update(source.read_bytes())
+    return f"{PREFIX}{digest.hexdigest()[:16]}"
+
+
+@cache
+def code_folder() -> Path:
+    """Return the folder in which this machine keeps the code of exactly these sources."""
+    name = code_name()
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    for parent in [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]:
+        try:
+            (parent / name).mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryFile(dir=parent / name):
+                _remove_old(parent, name)
+                return parent / name
+        except OSError:
+            continue
+    # Nowhere to keep it: compile for this process alone.
+    return Path(tempfile.mkdtemp(prefix="contactlab-"))
+
+
+def _remove_old(parent: Path, name: str) -> None:
+    """Remove the code of other sources that has not been added to for a month."""
+    for folder in parent.glob(f"{PREFIX}*"):
+        if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
+            shutil.rmtree(folder, ignore_errors=True)
+
+
+def shipped() -> Path:
+    """Return the folder of the code that came with the package, if it is from a platform's wheel."""
+    return PACKAGE / "compiled"
+
+
+def of_version(version: str) -> str:
+    """Return the name of the folder of code made with a version of Numba."""
+    return f"numba-{version}"
+
+
+@cache
+def shipped_folder() -> Path | None:
+    """Return the folder of the code that came with the package for exactly these sources and this Numba."""
+    from numba import __version__
+
+    folder = shipped() / of_version(__version__) / code_name()
+    return folder if folder.is_dir() else None
