@@ -2,7 +2,7 @@
 
 The compiler keeps a kernel's code in a folder named after the path of its module and of this machine's
 processor. Here both are left out, so that code made in one place is found in another. The compiler's classes
-that do it are not documented: they are asked only in the very version that made the code.
+that do it are not documented, and used only in the very version that made the code.
 """
 
 from collections.abc import Iterator
