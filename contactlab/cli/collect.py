@@ -18,22 +18,28 @@ def main(arguments: list[str]) -> int:
     parser = Parser("collect", ", with a status and a reason where one is missing.")
     parser.add_argument("directory", metavar="DIR", help="a folder of runs, as -m leaves it")
     parser.option("output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc")
+    parser.option(
+        "series",
+        default="",
+        metavar="NAME[,NAME]",
+        help="time series that go into the group 'series'; the runs must be recorded at the same times",
+    )
     read = parser.read(arguments)
     if read.output and (read.output.suffix != ".nc" or not read.output.parent.is_dir()):
         parser.error(f"output is '{read.output}'; it must end in .nc and lie in a folder that exists")
-    _collect(Path(read.directory), read.output)
+    _collect(Path(read.directory), read.output, read.series)
     return COMPLETE
 
 
-def collect_swept(folder: Path, metrics: Sequence[str] = ()) -> None:
+def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[str] = ()) -> None:
     """Collect what a sweep left; its failure is printed and is none of the sweep."""
     try:
-        _collect(folder, None, metrics)
+        _collect(folder, None, series, metrics)
     except RefusalError as error:
         tell(f"The runs could not be collected: {error}", sys.stderr)
 
 
-def _collect(folder: Path, output: Path | None, metrics: Sequence[str] = ()) -> None:
+def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab import SweepError
     from contactlab.config import ConfigurationError
@@ -43,7 +49,7 @@ def _collect(folder: Path, output: Path | None, metrics: Sequence[str] = ()) -> 
 
     try:
         with terminal.progress(1.0, "folder"), terminal.raising():
-            dataset = collect(folder, output, metrics)
+            dataset = collect(folder, output, *kept)
     except (ConfigurationError, SweepError) as error:
         raise RefusalError(str(error)) from error
     except OSError as error:

@@ -57,6 +57,7 @@ class Sweep(Checked):
 
     keep: Annotated[Literal["runs", "metrics"], _declared("a folder a run, or numbers alone")] = "runs"
     metrics: Annotated[_Names, _declared("names of metrics that are kept, or all")] = None
+    series: Annotated[_Names, _declared("names of time series that are kept as well")] = None
     samples: Annotated[str | None, _declared("table whose columns are keys and whose rows are runs")] = None
     over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
     chunk: Annotated[int | None, _declared("runs of a task, which one process does", at_least=1)] = None

@@ -252,7 +252,9 @@ class Sweeping:
             full_keys(table(settings.samples), arguments.keys, arguments.options)
             if settings.samples
             else arguments.columns,
-            Outputs.of_study(study) if study else Outputs.named(settings.metrics, "sweep."),
+            Outputs.of_study(study)
+            if study
+            else Outputs.named(settings.metrics, settings.series or (), "sweep."),
             samples=settings.samples is not None,
             # A cell of a study takes seconds: every one is kept as it ends.
             chunk=settings.chunk or (1 if study else None),
@@ -285,7 +287,7 @@ class Sweeping:
         )
         dataset = self._done(sweep, folder)
         if keep == "runs":
-            collect_swept(folder, plan.outputs.metrics if settings.metrics else ())
+            collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
             return status_of_runs(folder / name for name in names)
         if dataset is None:
             return INCOMPLETE

@@ -7,7 +7,7 @@ import pytest
 from support.sweeps import left_run
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab import ComparisonError, compare
+from contactlab import ComparisonError, SweepError, compare
 from contactlab.metrics import read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.run_state import Status, is_done
@@ -39,6 +39,8 @@ def test_a_number_that_was_changed_in_place_reaches_no_metric(tmp_path: Path) ->
     file.write_bytes(changed)
     result = collect(tmp_path)
     assert result["status"].values.tolist() == [Status.FAILED]
+    with pytest.raises(SweepError, match="complete"):
+        collect(tmp_path, series=["gap"])
     with pytest.raises(ComparisonError, match=r"run\.nc"):
         compare([tmp_path], refine=False)
 

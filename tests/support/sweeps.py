@@ -97,11 +97,11 @@ def left_run(folder: Path) -> Path:
 CELLS, CHUNK = 9, 3
 
 
-def small_sweep(first: float = 0.0) -> Sweep:
+def small_sweep(first: float = 0.0, series: tuple[str, ...] = ("gap",)) -> Sweep:
     """A sweep of nine short runs in three tasks."""
     composer = ScriptComposer(["law=newton", "solver.duration=1e-4", "record.interval=1e-5"])
     values = {"drive.phase": [first + number for number in range(CELLS)]}
-    return Sweep(plan=planned(composer, values, Outputs(("peak_force",)), chunk=CHUNK))
+    return Sweep(plan=planned(composer, values, Outputs(("peak_force",), series), chunk=CHUNK))
 
 
 def begun(path: Path, finished: int, **changes: Any) -> Sweep:

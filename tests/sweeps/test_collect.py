@@ -244,9 +244,38 @@ def test_the_same_sweep_gives_the_same_bytes(command: Command, simulations: Simu
     assert len(set(files)) == 1
 
 
+@pytest.mark.long
+def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simulations) -> None:
+    simulations.duration = lambda _: 1e-3
+    simulations.endings = {2.0: RuntimeError("no luck")}
+    assert command("-m", *GRID, *QUICK)[0] == 1
+    names = "rotor_velocity,gap"
+    status, out, err = command("collect", "sweep", f"series={names}", "output=all.nc")
+    assert status == 0, err
+    assert "Collected in all.nc" in out
+    with xarray.open_datatree("all.nc", decode_times=False) as tree:
+        assert set(METRICS) <= set(tree.data_vars)
+        series = tree["series"]
+        assert series["gap"].dims == ("law", "clearance", "time")
+        assert series["gap"].attrs["units"] == "m"
+        failed = series["gap"].sel({"clearance": 2e-6})
+        assert np.isnan(failed).all()
+        cell = {"law": "lagrange_stick", "clearance": 3e-6}
+        run = read_run(Path("sweep") / str(tree["job"].sel(cell).values) / "run.nc")
+        for name in names.split(","):
+            np.testing.assert_array_equal(series[name].sel(cell), run[name])
+        np.testing.assert_array_equal(series["time"], run["time"])
+
+
 @pytest.mark.parametrize(
     ("arguments", "key"),
-    [(["nowhere"], "nowhere"), (["."], "."), (["sweep", "--output", "nowhere/all.nc"], "output")],
+    [
+        (["nowhere"], "nowhere"),
+        (["."], "."),
+        (["sweep", "--series", "speed"], "speed"),
+        (["sweep", "--series", "gap"], "series"),
+        (["sweep", "--output", "nowhere/all.nc"], "output"),
+    ],
 )
 def test_what_cannot_be_collected_is_refused_by_its_key_and_leaves_no_file(
     command: Command, simulations: Simulations, arguments: list[str], key: str

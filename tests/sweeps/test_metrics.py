@@ -109,9 +109,21 @@ def test_cells_whose_values_are_faulty_together_are_refused_alone(command: Comma
     assert result.attrs["runs_refused"] == 1
 
 
-def test_all_metrics_are_kept_where_they_are_wanted(command: Command) -> None:
-    assert command(*HERE, "drive.phase=0,1", "sweep.metrics=all")[0] == 0
+def test_series_lie_beside_the_metrics(command: Command) -> None:
+    interval = "record.interval=10 us"
+    kept = ("sweep.series=gap,rotor_velocity", "sweep.metrics=all", "sweep.chunk=2")
+    assert command(*HERE, interval, "drive.phase=0,1,2", "law.stiffness=1e9,1e10", *kept)[0] == 0
     assert set(METRICS) <= set(opened(Path("here")).data_vars)
+    command(SHORT, interval, "drive.phase=2", "law.stiffness=1e9", "hydra.run.dir=run")
+    with (
+        xarray.open_datatree(Path("here") / DATASET, decode_times=False) as tree,
+        xarray.open_dataset(Path("run") / "run.nc", decode_times=False) as run,
+    ):
+        cell = tree["series"].to_dataset().sel({"phase": 2.0, "stiffness": 1e9})
+        assert np.array_equal(cell["time"], run["time"])
+        for name in ("gap", "rotor_velocity"):
+            assert np.array_equal(cell[name], run[name])
+            assert cell[name].attrs["units"] == run[name].attrs["units"]
 
 
 @pytest.mark.long

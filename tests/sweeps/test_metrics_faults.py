@@ -18,6 +18,8 @@ FAULTS = [
     (["drive.phase=1,2", "solver.duratio=1"], ["solver.duration"]),
     (["drive.phase=1,2", "rotor.load_torque=${oc.decode:'1e-3'}"], ["${NAME:...}"]),
     (["drive.phase=1,2", "sweep.metrics=peak_farce"], ["sweep.metrics", "peak_force"]),
+    (["drive.phase=1,2", "sweep.series=gab"], ["sweep.series", "gab"]),
+    (["solver.duration=1e-3,2e-3", "sweep.series=gap"], ["solver.duration"]),
     (["drive.phase=1,2", "hydra/launcher=joblib"], ["hydra/launcher", "sweep.keep"]),
     (["drive.phase=1,2", "hydra/launcher=joblib", "sweep.keep=runs", "sweep.chunk=2"], ["sweep.chunk"]),
     (["drive.phase=1,2", "sweep.samples=nowhere.csv"], ["sweep.samples"]),

@@ -79,6 +79,21 @@ def test_all_metrics_are_those_of_the_datasets() -> None:
             assert result[key].attrs["units"] == METRICS[key].units
 
 
+def test_series_are_those_of_the_runs_and_stop_where_a_run_did() -> None:
+    result = sweep(
+        {"clearance": CLEARANCES, "phase": PHASES},
+        lambda clearance, phase: setup_at(clearance, phase, hertz(0.1 * (1.0 + clearance * 1e6)), 3e-5),
+        series=["rotor_velocity", "gap"],
+        workers=2,
+    )
+    run = simulate(motor_at(1e-6, 0.0), hertz(0.2), duration=DURATION, record_interval=3e-5)
+    cell = result.sel(clearance=1e-6, phase=0.0)
+    assert np.array_equal(result["time"], run.time)
+    for name in ("rotor_velocity", "gap"):
+        assert np.array_equal(cell[f"{name}_series"], run.series[name])
+    assert result["gap_series"].attrs["units"] == "m"
+
+
 def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() -> None:
     def setup(voltage: float) -> cl.Setup:
         if voltage < 0.0:
@@ -86,12 +101,13 @@ def test_a_run_that_fails_leaves_a_code_and_a_sentence_and_the_others_alone() ->
         motor = default_motor(voltage_1=voltage, voltage_2=voltage)
         return cl.Setup.of(motor, hertz(stiffness=1e3), DURATION, 1e-5)
 
-    result = sweep({"voltage": [-1.0, 100.0, 1e5]}, setup, workers=2)
+    result = sweep({"voltage": [-1.0, 100.0, 1e5]}, setup, series=["gap"], workers=2)
     codes = [Status(code) for code in result["status"].values]
     assert codes == [Status.FAILED, Status.COMPLETE, Status.DIVERGED]
     assert "no negative voltage here" in result["reason"].values[0]
     assert [bool(reason) for reason in result["reason"].values] == [True, False, True]
     assert np.isnan(result["peak_force"].values).tolist() == [True, False, True]
+    assert np.isnan(result["gap_series"].values).all(axis=1).tolist() == [True, False, True]
 
 
 def test_an_axis_brings_its_unit() -> None:
@@ -138,6 +154,7 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
     ("changes", "key"),
     [
         ({"metrics": ["peak_farce"]}, "peak_farce"),
+        ({"series": ["gab"]}, "gab"),
         ({"metrics": []}, "metric"),
         ({"output": "here"}, "output"),
     ],

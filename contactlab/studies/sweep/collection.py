@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import prod
 from pathlib import Path
 from types import NoneType
@@ -17,6 +17,7 @@ import numpy as np
 import pandas
 import xarray
 import yaml
+from numpy.typing import NDArray
 from xarray.indexes import PandasMultiIndex
 
 from contactlab.config import validate
@@ -42,8 +43,10 @@ from contactlab.studies.sweep.dataset import (
     DATASET,
     DIMENSION,
     REASONS,
+    SERIES,
     Axis,
     Outcome,
+    Slab,
     columns_of,
     dataset_of,
     text_of,
@@ -53,6 +56,7 @@ from contactlab.studies.sweep.plan import Outputs
 from contactlab.studies.sweep.study import collected, read_plan
 from contactlab.studies.sweep.values import SweepError
 from contactlab.trajectory import Ending
+from contactlab.variables import INTERNAL, Variable
 
 NOT_CONFIGURED: Final = "No run was configured."
 """Reason of a cell of a grid that no run has."""
@@ -81,7 +85,10 @@ class Run(Outcome):
 
 
 def collect(
-    directory: str | Path, output: str | Path | None = None, metrics: Sequence[str] | str = ()
+    directory: str | Path,
+    output: str | Path | None = None,
+    series: Sequence[str] | str = (),
+    metrics: Sequence[str] | str = (),
 ) -> xarray.Dataset:
     """Collect every run below a folder into one dataset, written to a file, whole or not at all.
 
@@ -99,6 +106,7 @@ def collect(
     Args:
         directory: of a sweep, of several, or of any runs.
         output: the file; without, `sweep.nc` in the directory.
+        series: those that go into the group `series` of the file, over the cells and `time`.
         metrics: keys of `contactlab.metrics.METRICS`; all where none is named.
 
     Returns:
@@ -109,8 +117,8 @@ def collect(
         the attribute `source` of the dataset's `encoding`.
 
     Raises:
-        ConfigurationError: there is no such metric.
-        SweepError: there is no such folder or no run in it.
+        ConfigurationError: there is no such metric or series.
+        SweepError: there is no such folder or no run in it, or the series of the runs are at different times.
         OSError: the file cannot be written.
     """
     directory = Path(directory)
@@ -118,10 +126,10 @@ def collect(
         raise SweepError(f"'{directory}' must be a folder of runs, as `contactlab -m ...` leaves it.")
     plan = read_plan(directory)
     if plan and plan.keep == "metrics":
-        if output or metrics:
-            raise SweepError(f"'{directory}' keeps metrics alone; file and metrics must be left out.")
+        if output or series or metrics:
+            raise SweepError(f"'{directory}' keeps metrics alone; file, series and metrics must be left out.")
         return collected(directory, plan)
-    outputs = Outputs.named(metrics or "all")
+    outputs = Outputs.named(metrics or "all", series)
     if not (runs := list(discovered(directory))):
         raise SweepError(f"'{directory}' must have a run, itself or in a folder below it.")
     dataset = _dataset(runs, outputs.metrics)
@@ -138,7 +146,8 @@ def collect(
         dataset.attrs["complete"] = int(not dataset["status"].any())
     path = directory / DATASET if output is None else Path(output)
     with files.whole_netcdf(path) as partial:
-        write(dataset, partial)
+        kept = _kept(runs, outputs)
+        write(dataset, partial, kept, lambda: _slabs(runs, dataset, kept))
     dataset.encoding["source"] = str(path)
     return dataset
 
@@ -215,6 +224,55 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         attributes,
         samples=True,
     )
+
+
+def _kept(runs: Sequence[Run], outputs: Outputs) -> tuple[Variable, ...]:
+    """Return the series as variables; an internal one is described by the files, alike in all."""
+    wanted = {name for name in outputs.series if name.startswith(INTERNAL)}
+    variables: dict[str, Variable] = {}
+    for run in runs if wanted else ():
+        if run.status is Status.COMPLETE:
+            tree = _tree_of(run)
+            for name in wanted.intersection(map(str, tree.variables)):
+                attrs = tree[name].attrs
+                texts = (str(attrs.get(key, "")) for key in ("units", "symbol", "long_name"))
+                variable = Variable(name, ("time",), *texts, comment=str(attrs.get("comment", "")))
+                if variables.setdefault(name, variable) != variable:
+                    raise SweepError(f"'{run.name}' has another {name} than other runs; leave it out.")
+    if lacking := sorted(wanted - {*variables}):
+        raise SweepError(f"No complete run has {lacking[0]}; leave it out of series.")
+    return replace(outputs, internal=tuple(variables.values())).kept
+
+
+def _tree_of(run: Run) -> xarray.DataTree:
+    try:
+        return read_run(run.folder / files.DATASET)
+    except ValueError as error:
+        raise SweepError(str(error)) from error
+
+
+def _slabs(runs: Sequence[Run], dataset: xarray.Dataset, kept: Sequence[Variable]) -> Iterator[Slab]:
+    """Yield the time series of the complete runs; a SweepError if they cannot be joined."""
+    places = {job: place for place, job in np.ndenumerate(dataset["job"].values)}
+    complete = [run for run in runs if run.status is Status.COMPLETE]
+    if not complete:
+        raise SweepError("There is no complete run; there must be one for series.")
+    first: NDArray[Any] | None = None
+    for run in complete:
+        tree = _tree_of(run)
+        time = np.asarray(tree["time"].values, dtype=np.float64)
+        first = time if first is None else first
+        if not np.array_equal(time, first):
+            raise SweepError(
+                f"'{run.name}' is recorded at other times than '{complete[0].name}'; for series all runs "
+                "must have one solver.duration and one record.interval."
+            )
+        rows = {each.name: np.asarray(tree[each.name]) for each in kept if each.name in tree.variables}
+        if lacking := [each.name for each in kept if each.name in SERIES and each.name not in rows]:
+            raise SweepError(f"'{run.name}' has no {lacking[0]}; leave it out of series.")
+        # A law without the internal variable has none.
+        none = np.full(time.size, np.nan)
+        yield places[run.name], time, {each.name: rows.get(each.name, none) for each in kept}
 
 
 def dimensions(dataset: xarray.Dataset) -> list[str]:

@@ -1,14 +1,17 @@
 """Many runs as one dataset: parameters as coordinates, numbers as variables, and the status of each run."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, final
 
+import netCDF4
 import numpy as np
 import xarray
 from numpy.typing import NDArray
 
+from contactlab import variables
+from contactlab.arrays import Array
 from contactlab.config.nesting import Value
 from contactlab.metrics import METRICS
 from contactlab.results.netcdf import cf_attributes
@@ -23,7 +26,13 @@ DATASET: Final = "sweep.nc"
 DIMENSION: Final = "run"
 """Dimension of runs that form no grid."""
 
-TAKEN: Final = frozenset({*METRICS, "status", "reason", "job", DIMENSION})
+GROUP: Final = "series"
+"""Group of the file with the time series."""
+
+SERIES: Final = {variable.name: variable for variable in variables.SERIES}
+"""Series of every run; a law with internal variables has more, see `contactlab.results.netcdf`."""
+
+TAKEN: Final = frozenset({*METRICS, *SERIES, "status", "reason", "job", "time", DIMENSION})
 """Names of a dataset that no parameter can have."""
 
 REASONS: Final = {
@@ -42,9 +51,12 @@ _ATTRIBUTES: Final[dict[str, dict[str, Any]]] = {
     "reason": {"long_name": "why a run has no numbers"},
     "job": {"long_name": "folder of the run"},
 }
-"""Attributes of the variables by name."""
+"""Attributes of the variables that are no series, by name."""
 
 _PACKED: Final[dict[str, Any]] = {"zlib": True, "complevel": 1, "shuffle": True}
+
+Slab = tuple[tuple[int, ...], Array, Mapping[str, Array]]
+"""Place of a run, times of its records, and its series by name."""
 
 
 @final
@@ -74,11 +86,13 @@ class Axis:
 
 @dataclass
 class Outcome:
-    """Status of a run, the reason where it has no numbers, and its numbers."""
+    """Status of a run, the reason where it has no numbers, its numbers and its time series."""
 
     status: Status = Status.FAILED
     reason: str = ""
     numbers: Mapping[str, float] = field(default_factory=dict)
+    time: Any = None
+    series: Mapping[str, Any] | None = None
 
 
 def columns_of(runs: Sequence[Outcome], numbers: Iterable[str]) -> dict[str, NDArray[Any]]:
@@ -96,32 +110,39 @@ def dataset_of(
     attributes: dict[str, Any] | None = None,
     *,
     samples: bool = False,
+    series: Sequence[Variable] = (),
     numbers: Sequence[Variable] = (),
 ) -> xarray.Dataset:
     """Return one dataset of many runs.
 
     Args:
         axes: the parameters; each is a dimension, in this order, or all lie along `DIMENSION`.
-        columns: metrics, 'status' and 'reason', of the runs in C order over the axes.
+        columns: metrics, series over time, 'status' and 'reason', the first dimension that of the runs in C
+            order over the axes.
         attributes: of the dataset, beside those that every sweep has.
         samples: whether the n-th run has the n-th value of every axis.
+        series: those that are kept, here or in the file.
         numbers: those of a study, whose columns are not metrics.
     """
-    taken = TAKEN.union(variable.name for variable in numbers)
+    taken = TAKEN.union(variable.name for variable in (*series, *numbers))
     names = list(short_names([axis.key for axis in axes], taken).values())
-    described = _ATTRIBUTES | {each.name: cf_attributes(each) for each in numbers}
+    described = _ATTRIBUTES | {f"{each.name}_series": cf_attributes(each) for each in series}
+    described |= {each.name: cf_attributes(each) for each in numbers}
     dims, shape = ([DIMENSION], [-1]) if samples else (names, [len(axis.values) for axis in axes])
 
     def variable(name: str, values: NDArray[Any]) -> xarray.Variable:
         cells = values.astype(object) if values.dtype.kind == "U" else values
-        return xarray.Variable(dims, cells.reshape(shape), described[name])
+        along = [*dims, *["time"][: values.ndim - 1]]
+        return xarray.Variable(along, cells.reshape(*shape, *values.shape[1:]), described[name])
 
     coordinates: dict[str, Any] = {}
     for name, axis in zip(names, axes, strict=True):
         texts = {"key": axis.key, "units": axis.units, "long_name": axis.long_name}
         shown = {key: text for key, text in texts.items() if text}
         coordinates[name] = ([DIMENSION] if samples else [name], axis.coordinate, shown)
-    status = columns["status"]
+    status, time = columns["status"], columns.get("time", np.empty(0))
+    if time.size:
+        coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
     every = {
         **code_attributes(),
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or DIMENSION}",
@@ -129,18 +150,46 @@ def dataset_of(
         "runs": int(status.size),
         **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},
     }
-    cells = {name: variable(name, values) for name, values in columns.items()}
+    cells = {name: variable(name, values) for name, values in columns.items() if name != "time"}
     return xarray.Dataset(cells, coordinates, every | (attributes or {}))
 
 
-def write(dataset: xarray.Dataset, path: Path) -> None:
-    """Write the dataset of `dataset_of` into a new file; the same dataset gives the same bytes."""
+def write(
+    dataset: xarray.Dataset,
+    path: Path,
+    series: Sequence[Variable] = (),
+    slabs: Callable[[], Iterable[Slab]] = tuple,
+) -> None:
+    """Write the dataset of `dataset_of` into a new file; the same dataset gives the same bytes.
+
+    The `series` go into the group of that name, one of the `slabs` in memory at a time; they are NaN
+    where a run has none.
+    """
     encoding = {
         name: _PACKED
         for name, variable in dataset.data_vars.items()
         if variable.dtype.kind in "fi" and variable.size
     }
     dataset.to_netcdf(path, format="NETCDF4", engine="netcdf4", encoding=encoding)
+    if not series:
+        return
+    dims: Any = dataset["status"].dims
+    with netCDF4.Dataset(path, "a") as file:
+        group = None
+        for place, time, rows in slabs():
+            if group is None:
+                group = file.createGroup(GROUP)
+                group.createDimension("time", time.size)
+                axis = group.createVariable("time", "f8", ["time"])
+                axis.setncatts(cf_attributes(variables.TIME))
+                axis[:] = time
+                # A slab is a chunk, so that a run is read or written without its neighbours.
+                size: Any = {"fill_value": np.nan, "chunksizes": [1] * len(dims) + [time.size]}
+                for each in series:
+                    target = group.createVariable(each.name, "f8", [*dims, "time"], **_PACKED, **size)
+                    target.setncatts(cf_attributes(each))
+            for each in series:
+                group[each.name][place] = rows[each.name]
 
 
 def summary(dataset: xarray.Dataset, path: Path, most: int = 20) -> str:

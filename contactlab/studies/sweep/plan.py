@@ -19,15 +19,18 @@ from contactlab.config.composition import with_references
 from contactlab.config.faults import faults_added, raise_faults
 from contactlab.config.nesting import Value
 from contactlab.config.schema import KEYS, declared_in
+from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
 from contactlab.quantity import describe
+from contactlab.results.netcdf import internal_series
+from contactlab.settling.criterion import STEADY
 from contactlab.studies.keys import WITH_STUDY, study_in
 from contactlab.studies.registry import study_class
 from contactlab.studies.run_state import code_digest_of
-from contactlab.studies.sweep.dataset import Axis
+from contactlab.studies.sweep.dataset import SERIES, Axis
 from contactlab.studies.sweep.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread
 from contactlab.suggestion import suggestion
-from contactlab.variables import Variable
+from contactlab.variables import INTERNAL, Variable
 
 if TYPE_CHECKING:
     from contactlab.studies.study import Study
@@ -48,6 +51,8 @@ Configuration = Mapping[str, Any]
 ONE_PROCESS: Final[Configuration] = {"workers": 1, "scheduler": None}
 """Options of a study in a sweep, whose workers do whole cells."""
 
+_TIMES: Final = ("solver.duration", "solver.until", "solver.precision", "record.interval")
+
 Columns = Mapping[str, Sequence[Value]]
 """Swept values by key or group, each a number, a text, or a text that stands for several."""
 
@@ -55,14 +60,18 @@ Columns = Mapping[str, Sequence[Value]]
 @final
 @dataclass(frozen=True)
 class Outputs:
-    """Names of the metrics that are kept of every run.
+    """Names of the metrics and time series that are kept of every run.
 
     Args:
         metrics: keys of `contactlab.metrics.METRICS`, or the numbers of a study.
+        series: names of time series, internal variables of laws included.
+        internal: the internal variables among the series, which depend on the laws.
         study: name of the study whose numbers are kept, each with its error, in place of metrics of a run.
     """
 
     metrics: tuple[str, ...] = tuple(key for key, metric in METRICS.items() if metric.usual)
+    series: tuple[str, ...] = ()
+    internal: tuple[Variable, ...] = ()
     study: str = ""
 
     @classmethod
@@ -71,25 +80,56 @@ class Outputs:
         return cls(tuple(variable.name for variable in numbers_of(name)), study=name)
 
     @classmethod
-    def named(cls, metrics: Iterable[str] | str | None, group: str = "") -> "Outputs":
+    def named(
+        cls, metrics: Iterable[str] | str | None, series: Iterable[str] | str, group: str = ""
+    ) -> "Outputs":
         """Return outputs by names, each once; None is the usual metrics and 'all' all of them.
 
-        Faults name the key `metrics` of a group, 'sweep.'.
+        Faults name the keys `metrics` and `series` of a group, 'sweep.'.
 
         Raises:
-            ConfigurationError: a name that is no metric, or nothing at all.
+            ConfigurationError: a name that is no metric or no series, or nothing at all.
         """
         chosen = cls.metrics if metrics is None else METRICS if metrics == "all" else metrics
-        kept = tuple(dict.fromkeys(listed(chosen) if isinstance(chosen, str) else chosen))
-        raise_faults(
-            f"{group}metrics has '{name}'; it must be one of {', '.join(METRICS)}. "
-            f"{suggestion(name, METRICS)}"
-            for name in kept
-            if name not in METRICS
+        kept, recorded = (
+            tuple(dict.fromkeys(listed(each) if isinstance(each, str) else each)) for each in (chosen, series)
         )
-        if not kept:
-            raise ConfigurationError(f"{group}metrics has none; there must be one.")
-        return cls(kept)
+        unknown = [("metrics", name, [*METRICS]) for name in kept if name not in METRICS]
+        unknown += [
+            ("series", name, [*SERIES])
+            for name in recorded
+            if name not in SERIES and not name.startswith(INTERNAL)
+        ]
+        raise_faults(
+            f"{group}{key} has '{name}'; it must be one of {', '.join(known)}. {suggestion(name, known)}"
+            for key, name, known in unknown
+        )
+        if not kept and not recorded:
+            raise ConfigurationError(f"{group}metrics and {group}series have none; there must be one.")
+        return cls(kept, recorded)
+
+    def of_laws(self, laws: Iterable[ContactLaw]) -> "Outputs":
+        """Return the outputs with the internal variables of these laws among the series.
+
+        Raises:
+            ConfigurationError: one that no law has, or that is not the same in all that have it.
+        """
+        wanted = {name: set[Variable]() for name in self.series if name not in SERIES}
+        for law in laws if wanted else ():
+            for variable in internal_series(law):
+                wanted.get(variable.name, set()).add(variable)
+        raise_faults(
+            f"The series '{name}' is {'ambiguous' if variables else 'unknown'} with these laws; leave it out."
+            for name, variables in wanted.items()
+            if len(variables) != 1
+        )
+        return replace(self, internal=tuple(each for variables in wanted.values() for each in variables))
+
+    @property
+    def kept(self) -> tuple[Variable, ...]:
+        """The series as variables, once the laws are known."""
+        known = SERIES | {each.name: each for each in self.internal}
+        return tuple(known[name] for name in self.series)
 
     @property
     def numbers(self) -> tuple[Variable, ...]:
@@ -99,7 +139,7 @@ class Outputs:
     @property
     def sampled(self) -> bool:
         """Whether more records than the last are needed."""
-        return any(METRICS[key].needs_records for key in self.metrics if key in METRICS)
+        return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics if key in METRICS)
 
 
 def numbers_of(study: str) -> tuple[Variable, ...]:
@@ -227,15 +267,18 @@ def planned(
         ConfigurationError: with every fault.
     """
     groups = {key: options for key in columns if (options := composer.options(key))}
-    raise_faults(_faults_of(columns, groups))
+    raise_faults(_faults_of(columns, groups, outputs))
     listing = [columns[group] for group in groups]
     choices = tuple(dict.fromkeys(zip(*listing, strict=True) if samples and groups else product(*listing)))
     bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
     if keep == "metrics" and "study" in bases[0]:
         # The workers of the sweep share its runs.
         bases = tuple({**base, "study": {**base["study"], **ONE_PROCESS}} for base in bases)
+    if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
+        raise ConfigurationError("solver.until is steady; series must be at the same times in every run.")
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = _trials(bases, values)
+    outputs = outputs.of_laws(_laws(trials))
     declared = {}
     # Of groups alone too: a value that none of them admits is refused before anything is written.
     sound = _sound(trials).configuration
@@ -343,7 +386,7 @@ def _built(configuration: Configuration) -> Setup:
     return build(run)
 
 
-def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]]) -> Iterator[str]:
+def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:
     """Yield why columns can be no sweep at all."""
     for key, column in columns.items():
         if not len(column):
@@ -354,6 +397,8 @@ def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]]) -> Iterato
             elif key in groups and value not in groups[key]:
                 listing, hint = ", ".join(groups[key]), suggestion(str(value), groups[key])
                 yield f"{key} is {describe(value)}; it must be one of {listing}. {hint}"
+        if outputs.series and key in _TIMES:
+            yield f"{key} is swept and series are kept; they must be at the same times in every run."
 
 
 def _sound(trials: Sequence[Configuration]) -> Setup:
@@ -362,6 +407,13 @@ def _sound(trials: Sequence[Configuration]) -> Setup:
         with suppress(ConfigurationError):
             return _built(trial)
     return _built(trials[0])
+
+
+def _laws(trials: Iterable[Configuration]) -> Iterator[ContactLaw]:
+    """Yield the laws of the trials that are sound."""
+    for trial in trials:
+        with suppress(ConfigurationError):
+            yield _built(trial).law
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:

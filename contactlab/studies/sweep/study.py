@@ -39,6 +39,7 @@ from contactlab.metrics import Run, assess
 from contactlab.processes import processors
 from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
+from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_state import (
     INTERRUPTED,
@@ -52,7 +53,17 @@ from contactlab.studies.run_state import (
 )
 from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
-from contactlab.studies.sweep.dataset import DATASET, REASONS, Axis, Outcome, columns_of, dataset_of, write
+from contactlab.studies.sweep.dataset import (
+    DATASET,
+    REASONS,
+    SERIES,
+    Axis,
+    Outcome,
+    Slab,
+    columns_of,
+    dataset_of,
+    write,
+)
 from contactlab.studies.sweep.plan import (
     NOTHING,
     ONE_PROCESS,
@@ -120,9 +131,9 @@ class Sweep(Study):
         return range(self.plan.cells) if self.folders is None else [*self.folders]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
-        """Return the dataset of all runs."""
+        """Return the dataset of all runs, their time series included."""
         del setups
-        return xarray.DataTree(combined(self.plan, parts))
+        return xarray.DataTree(combined(self.plan, parts, with_series=True))
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return none: the numbers of a sweep are variables of its dataset."""
@@ -147,7 +158,7 @@ class Cells:
 
 
 def _done(work: Cells) -> Part:
-    """Run cells and return their numbers along `run`."""
+    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
     outputs = work.plan.outputs
     runs = []
     for done, cell in enumerate(work.cells):
@@ -155,7 +166,16 @@ def _done(work: Cells) -> Part:
             tell_progress("", 0.0)
             runs.append(_left(*work.folders[done]) if work.folders else _outcome(work, cell))
     root = {name: ("run", column) for name, column in columns_of(runs, outputs.metrics).items()}
-    return Part(xarray.DataTree(xarray.Dataset(root)))
+    groups = {"/": xarray.Dataset(root)}
+    time = next((each.time for each in runs if each.time is not None), None)
+    if time is not None:
+        none = np.full(time.size, np.nan)
+        rows = {
+            name: (("run", "time"), np.stack([each.series[name] if each.series else none for each in runs]))
+            for name in outputs.series
+        }
+        groups["/series"] = xarray.Dataset({**rows, "times": ("time", time)})
+    return Part(xarray.DataTree.from_dict(groups))
 
 
 def _left(folder: Path, job: Job) -> Outcome:
@@ -184,6 +204,14 @@ def _outcome(work: Cells, cell: int) -> Outcome:
         outcome = Outcome(status_of(trajectory.ending), trajectory.message)
         if trajectory.ending.reached_end:
             outcome.numbers = assess(Run.of_trajectory(trajectory, setup.configuration), outputs.metrics)
+            if outputs.series:
+                # A copy: a view would keep all that the run has recorded in memory.
+                there = {*SERIES, *(variable.name for variable in internal_series(trajectory.law))}
+                none = np.full(trajectory.time.size, np.nan)
+                outcome.time = trajectory.time
+                outcome.series = {
+                    name: trajectory.series[name].copy() if name in there else none for name in outputs.series
+                }
     except ConfigurationError as error:
         return Outcome(Status.REFUSED, " ".join(error.faults))
     except LawError as error:
@@ -205,20 +233,49 @@ def _numbers(study: Study, setup: Setup) -> Outcome:
     return Outcome(Status.COMPLETE, numbers=values | errors)
 
 
-def combined(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> xarray.Dataset:
+def combined(
+    plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
+) -> xarray.Dataset:
     """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
     absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], plan.outputs.metrics)
     columns: dict[str, Any] = {name: np.repeat(column, plan.cells) for name, column in absent.items()}
+    scalars = [*columns]
     for key, part in parts.items():
         start = int(key)
         size = part.sizes["run"]
-        for name, column in columns.items():
-            column[start : start + size] = part[name].values
+        for name in scalars:
+            columns[name][start : start + size] = part[name].values
+        if with_series and "series" in part.children:
+            series = part["series"].to_dataset()
+            columns.setdefault("time", series["times"].values)
+            for name in plan.outputs.series:
+                if f"{name}_series" not in columns:
+                    columns[f"{name}_series"] = np.full((plan.cells, series.sizes["time"]), np.nan)
+                columns[f"{name}_series"][start : start + size] = series[name].values
     attributes: dict[str, Any] = {}
     if plan.bases != ({},):
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         attributes["configuration"] = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
-    return dataset_of(plan.axes, columns, attributes, samples=plan.samples, numbers=plan.outputs.numbers)
+    return dataset_of(
+        plan.axes,
+        columns,
+        attributes,
+        samples=plan.samples,
+        series=plan.outputs.kept,
+        numbers=plan.outputs.numbers,
+    )
+
+
+def _slabs(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> Iterator[Slab]:
+    """Yield the time series of every run, one task in memory at a time."""
+    for start, part in parts.items():
+        if "series" in part.children:
+            group = part["series"].to_dataset()
+            time = group["times"].values
+            rows = {name: group[name].values for name in plan.outputs.series}
+            for row in range(part.sizes["run"]):
+                place = tuple(map(int, np.unravel_index(int(start) + row, plan.shape)))
+                yield place, time, {name: values[row] for name, values in rows.items()}
 
 
 def begin(folder: Path, plan: Plan) -> None:
@@ -252,7 +309,7 @@ def read_plan(folder: Path) -> Plan | None:
 def continued(study: Sweep, folder: Path, progress: Progress | None = None) -> xarray.Dataset:
     """Do what is left of a sweep in its folder, write sweep.nc and return the dataset.
 
-    The file is the attribute `source` of its `encoding`.
+    Series are in the file only, which is the attribute `source` of its `encoding`.
 
     Raises:
         SweepError: sweep.nc is damaged.
@@ -273,10 +330,10 @@ def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.
     while not file.exists():
         try:
             parts = parts_of()
-            dataset = combined(plan, parts)
+            dataset, kept = combined(plan, parts), plan.outputs.kept
             path = folder / UNFINISHED if parts.missing else file
             with whole_netcdf(path) as partly:
-                write(dataset, partly)
+                write(dataset, partly, kept, partial(_slabs, plan, parts))
                 if path == file:
                     # Before the sweep has its name: killed in between, the tasks make the same again.
                     with whole_file(folder / DIGEST) as digest:
@@ -318,6 +375,7 @@ def sweep(
     *,
     study: Study | None = None,
     metrics: Sequence[str] | str | None = None,
+    series: Sequence[str] = (),
     output: str | Path | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -355,6 +413,8 @@ def sweep(
             returns the setup, whose exception makes the run a failed one.
         study: the study that is put to every setup; without one it is run.
         metrics: keys of `contactlab.metrics.METRICS`, or 'all'; None is those that cost next to nothing.
+        series: names of `contactlab.variables.SERIES` that are kept whole, each as NAME_series; and
+            internal_NAME of internal variables, NaN under laws without them.
         output: folder of the dataset, in which finished tasks are kept until then, so that the same sweep
             continues; for sweeps over keys of the configuration alone, since functions and motors made in
             Python cannot be identified.
@@ -376,9 +436,9 @@ def sweep(
     columns = {str(name): _values(table[name]) for name in table}
     if not columns:
         raise ValueError(NOTHING)
-    if study is not None and metrics is not None:
-        raise ValueError("A study has numbers of its own; metrics are those of runs.")
-    outputs = Outputs.named(metrics) if study is None else Outputs.of_study(study.name)
+    if study is not None and (metrics is not None or series):
+        raise ValueError("A study has numbers of its own; metrics and series are those of runs.")
+    outputs = Outputs.named(metrics, series) if study is None else Outputs.of_study(study.name)
     in_python = callable(base) or (isinstance(base, Setup) and base.made_in_python)
     if in_python and output is not None:
         raise ValueError("output is for sweeps over a configuration; a motor made in Python has no identity.")
@@ -405,17 +465,21 @@ def sweep(
     )
     report = runs_of(swept, progress) if progress else None
     if output is None:
-        return combined(plan, done_parts(swept, {}, None, report)[0])
+        return combined(plan, done_parts(swept, {}, None, report)[0], with_series=True)
     begin(Path(output), plan)
     return continued(swept, Path(output), report)
 
 
 def _in_python(make: Maker, axes: Iterable[Axis], samples: bool, outputs: Outputs) -> Sweep:
     """Return a sweep whose setups are made in Python; a ValueError if a parameter has no values."""
-    plan = Plan(axes=tuple(axes), samples=samples, outputs=outputs)
+    plan, laws = Plan(axes=tuple(axes), samples=samples, outputs=outputs), []
     if empty := [axis.key for axis in plan.axes if not axis.values]:
         raise ValueError(f"{', '.join(empty)} has no values; every parameter must have one at least.")
-    return Sweep(plan=plan, make=make)
+    # What a function raises at both ends, its runs raise too.
+    for cell in (0, plan.cells - 1):
+        with suppress(Exception):
+            laws.append(make(plan, cell).law)
+    return Sweep(plan=replace(plan, outputs=outputs.of_laws(laws)), make=make)
 
 
 def _returned(function: Callable[..., Setup], plan: Plan, cell: int) -> Setup:
