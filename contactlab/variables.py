@@ -125,11 +125,11 @@ CONTACTS: Final = _along(
     ("friction_impulse", "N s", "p_t", "time integral of the friction force"),
     ("peak_normal_force", "N", "N_max", "largest normal force; infinite with an impact"),
     ("max_penetration", "m", "d_max", "largest penetration"),
-    ("approach_velocity", "m s-1", "g_dot_0", "gap rate at touch-down, negative"),
+    ("approach_velocity", "m s-1", "gdot_0", "gap rate at touch-down, negative"),
     (
         "separation_velocity",
         "m s-1",
-        "g_dot_1",
+        "gdot_1",
         "gap rate at release; missing for a contact that the end of the run cut",
     ),
     ("energy_loss", "J", "W", "friction and contact loss of the contact, until the next begins"),

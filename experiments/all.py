@@ -3,8 +3,8 @@
     python experiments/all.py [NAME ...] [output=DIR]
 
 The page, index.html, contains its pictures; it is left out where experiments are named. Claims, findings and
-tables are written to docs/results/experiments.json too, from which docs/paper.md has them. Exit status 1 if a
-finding does not hold.
+tables are written to docs/results/experiments.json too, from which docs/paper.md has them, and the figures
+of the paper to docs/paper. Exit status 1 if a finding does not hold.
 """
 
 import sys
@@ -12,10 +12,11 @@ from base64 import b64encode
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
+from shutil import copyfile
 
 from experiment import CONTRADICTED, DONE, OUTPUTS, REFUSED, Experiment, class_of, perform
 from jinja2 import Environment
-from results_store import PHYSICS, put
+from results_store import PHYSICS, ROOT, put
 from tqdm import tqdm
 
 from contactlab.processes import processors
@@ -50,6 +51,9 @@ BEYOND = (
     "when_laws_matter",
 )
 """Experiments beyond it."""
+
+FIGURES = ROOT / "docs" / "paper"
+"""Folder of the figures that docs/paper.md shows."""
 
 PAGE = """<!doctype html><html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -120,6 +124,8 @@ def main(arguments: Sequence[str]) -> int:
     results = []
     for name in tqdm(names, unit=" experiments", disable=None):
         result = store(name, partial(perform, name, folder / name, workers=processors()))
+        if name.startswith("fig"):
+            copyfile(folder / name / f"{name}.png", FIGURES / f"{name}.png")
         results.append((result, folder / name))
         holds = results[-1][0].data.attrs["holds"]
         tqdm.write(f"{name}: {'holds' if holds else 'DOES NOT HOLD'}")

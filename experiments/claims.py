@@ -9,7 +9,7 @@ predicate states numbers. `results_pages.py` writes the sentence that holds on i
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from math import floor, log10
 from pathlib import Path
 from typing import Any, Final, Self
@@ -112,6 +112,31 @@ def velocity(section: str, law: str) -> Any:
     return value(f"{section}/{law}/rotor_velocity")
 
 
+def settling_times() -> list[float]:
+    """Return the times in which the default motor settles by e under the laws that come to an orbit [s]."""
+    times = (value(f"default motor/{basis}/{law}/settling_time") for basis in BASES for law in PICTURED)
+    return [float(time) for time in times if time is not None]
+
+
+def rows_of(experiment: str) -> list[dict[str, Any]]:
+    """Return the rows of an experiment's table."""
+    USED.add(("experiments", experiment))
+    rows: list[dict[str, Any]] = results("experiments")[experiment]["rows"]
+    return rows
+
+
+def hastened() -> list[float]:
+    """Return settled speeds of the default motor over those of figure 8 after 5 ms, by law."""
+    early = {row["law"]: row["1 um, 5 ms"] for row in rows_of("fig8_rotor_velocity")}
+    names = {"slip": "lagrange_slip", "stick": "lagrange_stick", "hertz": "hertz_penalty"}
+    return [float(velocity("default motor/four shapes", x) / early[name]) for x, name in names.items()]
+
+
+def steps_of_peak(column: str) -> list[float]:
+    """Return peaks or impulses of figure 9 at a step, at a quarter of it, and under a Hertz contact."""
+    return [float(row[column]) for row in rows_of("fig9_normal_force")]
+
+
 def ratio(basis: str, mode: int) -> float:
     """Return a damping ratio of the default motor [1]."""
     return float(value(f"modes/{basis}/damping_ratio/{mode}"))
@@ -149,6 +174,7 @@ NAMES: Final = {
     "mindlin": "composed, `mindlin`",
     "slip": "`lagrange_slip`",
 }
+BASES: Final = ("four shapes", "converged")
 THREE, FOUR = ("stick", "newton", "hertz"), ("hertz", "stick", "newton", "mindlin")
 FIVE, PICTURED = (*THREE, "poisson", "mindlin"), tuple(motor_findings.PICTURED)
 PHASE: Final = "converged, by phase"
@@ -156,6 +182,13 @@ DAMPING: Final = "converged, by damping ratio at equal free amplitude"
 PAPER, *LOWER = (f"{DAMPING}/{damping}" for damping in motor_findings.DAMPING)
 ROD: Final = "converged, with a rod"
 
+
+OF_THE_PAPER: Final = {
+    part[0]: name
+    for name in read("experiments")["sections"]
+    if (part := re.match(r"(?:table|fig)\d+", name)) is not None
+}
+"""Experiments on tables and figures of the paper, by these."""
 
 SPRING: Final = "hertz_point + flores + mindlin"
 CASES: Final = ("as measured", "inertia", "arms", "tilt and inertia")
@@ -228,9 +261,7 @@ def geometry(case: str, name: str) -> float:
 
 def carried(law: str, name: str, inertia: int = 0) -> Any:
     """Return a number of the published motor under a law [mm/s], the second time with more inertia."""
-    USED.add(("experiments", "published_motor"))
-    rows = results("experiments")["published_motor"]["rows"]
-    return [row for row in rows if row["law"] == law][inertia][name]
+    return [row for row in rows_of("published_motor") if row["law"] == law][inertia][name]
 
 
 def published(name: str) -> float:
@@ -255,12 +286,10 @@ def is_function(law: str) -> bool:
 
 def mattering() -> list[dict[str, Any]]:
     """Return the rows of the experiment on when laws matter."""
-    USED.add(("experiments", "when_laws_matter"))
-    rows: list[dict[str, Any]] = results("experiments")["when_laws_matter"]["rows"]
     # A column with gaps has counts as floats.
     return [
         {key: int(x) if isinstance(x, float) and x.is_integer() else x for key, x in row.items()}
-        for row in rows
+        for row in rows_of("when_laws_matter")
     ]
 
 
@@ -555,12 +584,28 @@ def known_worlds() -> str:
 
 
 def experiments() -> str:
-    """Return the finding of each experiment, and whether its claim holds."""
-    rows = (
-        (f"`{name}`", "yes" if each["holds"] else "no", each["finding"])
-        for name, each in results("experiments").items()
-    )
-    return with_age("experiments", results("experiments"), markdown(("script", "holds", "finding"), rows))
+    """Return the findings of the experiments beyond the paper, and whether their claims hold."""
+    those = {x: each for x, each in results("experiments").items() if x not in OF_THE_PAPER.values()}
+    rows = ((f"`{x}`", "yes" if each["holds"] else "no", each["finding"]) for x, each in those.items())
+    return with_age("experiments", those, markdown(("script", "holds", "finding"), rows))
+
+
+def finding(experiment: str) -> str:
+    """Return the finding of an experiment."""
+    return with_age("experiments", [experiment], str(results("experiments")[experiment]["finding"]))
+
+
+def first_table() -> str:
+    """Return the numbers of the paper's Table 1, the printed ones in brackets."""
+    cells: dict[str, dict[str, str]] = {}
+    for row in rows_of("table1_placement"):
+        name, unit = row["quantity"].split(" ", 1)
+        digits = ".0f" if unit == "[Hz]" else ".4f"
+        cell = f"{row['computed']:{digits}} ({row['printed']:{'.0f' if unit == '[Hz]' else '.3f'}})"
+        cells.setdefault(row["placement"], {})[f"{name} {unit}".replace(" V-1", "/V")] = cell
+    head = ("", *next(iter(cells.values())))
+    rows = ((placement, *row.values()) for placement, row in cells.items())
+    return with_age("experiments", ["table1_placement"], markdown(head, rows))
 
 
 TABLES: Final[dict[str, Callable[[], str]]] = {
@@ -569,6 +614,8 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "by phase": by_phase,
     "by damping": by_damping,
     "experiments": experiments,
+    "of Table 1": first_table,
+    **{f"of {short}": partial(finding, name) for short, name in OF_THE_PAPER.items()},
     "laws against ellipses": laws_against_ellipses,
     "free geometry": free_geometry,
     "restitution over slip": restitution_over_slip,

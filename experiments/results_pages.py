@@ -107,7 +107,10 @@ def in_place(old: str, new: str, column: int) -> str:
     """Return a new sentence with the line breaks of the old one, or with new ones where they do not fit."""
     tokens, breaks = new.split(), re.findall(r"\s+", old)
     if len(tokens) == len(old.split()):
-        return "".join(a + b for a, b in zip_longest(tokens, breaks, fillvalue=""))
+        kept = "".join(a + b for a, b in zip_longest(tokens, breaks, fillvalue=""))
+        # Markdown with directives takes a line that begins with a percent sign for a comment.
+        if not re.search(r"^\s*%", kept, re.MULTILINE):
+            return kept
     # A number stays with its unit.
     whole = re.sub(r"(\d) (?=%|rad/s|mm/s|m[NW] )", "\\1\N{NO-BREAK SPACE}", new)
     indent = " " * (column - 1)

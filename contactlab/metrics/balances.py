@@ -62,8 +62,8 @@ def rotor_momentum(run: Run) -> float:
 
 
 @invariant(
-    "max over n, t of |sum p - sum F dt| / sum(|p_n| + |p_t|)",
-    "impulses of the contacts against the recorded mean forces",
+    "max(|sum p - sum F dt|) / sum(|p_n| + |p_t|)",
+    "impulses of the contacts against the recorded mean forces, normal and tangential",
     bound=ROUND_OFF,
     reason="a recorded force is the mean of its interval: both are the same integral but for round-off",
     source="definition of impulse and of mean force",
@@ -97,7 +97,7 @@ def loss_balance(run: Run) -> float:
 
 
 @invariant(
-    "contacts with t_c <= 0 or t_s < end of the one before, over all",
+    "share with t_c <= 0 or t_s before the last end",
     "share of the contacts without duration, or that overlap the previous contact",
     bound=0.0,
     reason="a contact takes time, and there is one tip",
@@ -115,7 +115,7 @@ def phantom_contacts(run: Run) -> float:
 
 
 @invariant(
-    "max(-g_dot_1, g_dot_0, 0) / max|g_dot|",
+    "max(-gdot_1, gdot_0, 0) / max(|gdot|)",
     "largest gap rate of the wrong sign: closing at a release or opening at a touch-down, over the fastest; "
     "the latter is left out for laws that define the gap at which contacts begin",
     bound=1e-3,
@@ -135,7 +135,7 @@ def closing_release(run: Run) -> float:
 
 
 @invariant(
-    "max(-g, 0) without contact / A",
+    "max(-g, 0) / A without contact",
     "deepest overlap of tip and rotor without contact, over half the range of the tip's normal motion; not "
     "applicable to laws that define the gap at which contacts begin",
     bound=1e-3,
@@ -177,13 +177,13 @@ def peak_deficit(run: Run) -> float:
 
 
 @invariant(
-    "max(-min g - max d_max - max(|g_dot_0| h / 2), 0) / A, h = p_i / N_max",
+    "max(-min g - max d_max - max(|gdot_0| h / 2), 0) / A, h = p_i / N_max",
     "recorded overlap beyond the largest penetration of the contacts, over half the range of the tip's "
     "normal motion",
     bound=1e-2,
     reason="no record lies deeper than the deepest point. Time stepping of a rigid law knows the depth where "
     "steps begin: in the step h of an impact a constant force stops the approach, and the gap sinks by "
-    "g_dot_0 h / 2 at most; what other forces add in a step is a few thousandths",
+    "gdot_0 h / 2 at most; what other forces add in a step is a few thousandths",
     source="definition of a maximum",
 )
 def depth_deficit(run: Run) -> float:

@@ -113,7 +113,7 @@ def cone(run: Run) -> tuple[float, float]:
 
 
 @metric(
-    "max(-N, 0) / (sum p_n / sum t_c)",
+    "max(-N, 0) / (sum(p_n) / sum(t_c))",
     "largest pull over the mean normal force in contact; not applicable to laws that declare adhesion",
     bound=ONE_STEP,
     reason="dry bodies do not pull, except in the step in which a contact ends, a thousandth of it",
@@ -126,7 +126,7 @@ def tension(run: Run) -> float:
 
 
 @metric(
-    "max(|N| max(g, 0)) / (A_u sum p_n / sum t_c)",
+    "max(|N| max(g, 0)) / (A_u sum(p_n) / sum(t_c))",
     "normal force while the gap is open, over mean force in contact times amplitude; not applicable to "
     "adhesion over an open gap",
     bound=ROUND_OFF,
@@ -147,7 +147,7 @@ def force_at_distance(run: Run) -> float:
 
 
 @metric(
-    "max(|F| - mu_s (|N| + C), 0) / (sum p_n / sum t_c)",
+    "max(|F| - mu_s (|N| + C), 0) / (sum(p_n) / sum(t_c))",
     "friction beyond its bound, over the mean normal force in contact, with the cohesion C that the law "
     "declares; intervals in which adhesion begins to pull are left out",
     bound=ROUND_OFF,
@@ -209,7 +209,7 @@ def _falls(run: Run, name: str) -> float:
 
 
 @metric(
-    "sum max(-W, 0) / sum|W|",
+    "sum max(-W, 0) / sum(|W|)",
     "energy gained in whole contacts, over the losses of all",
     bound=ROUND_OFF,
     reason="a contact returns the energy that it stores by its end: a whole contact only loses energy",
@@ -221,7 +221,7 @@ def contact_gain(run: Run) -> float:
 
 
 @metric(
-    "sum W_g / sum p_n |g_dot_0|",
+    "sum(W_g) / sum(p_n |gdot_0|)",
     "kinetic energy that the impacts of a rigid law created, over the impulses times the approach velocities",
     bound=ROUND_OFF,
     reason="passive bodies have no more energy after an impact than before, but for round-off",
@@ -234,7 +234,7 @@ def impact_gain(run: Run) -> float:
 
 
 @metric(
-    "max|v| in stick / A_v",
+    "max(|v|) / A_v in stick",
     "largest slip velocity while the contact sticks, over the amplitude of the tip's tangential velocity; "
     "not applicable to friction with a tangential spring",
     bound=ONE_STEP,
@@ -256,7 +256,7 @@ def stick_slip(run: Run) -> float:
 
 
 @metric(
-    "touch-downs with p_t v_0 < 0 and v_1 v_0 < 0, over all with friction",
+    "share with p_t v_0 < 0 and v_1 v_0 < 0",
     "share of touch-downs whose friction reverses the slip, beyond its own change within a record interval; "
     "a tangential compliance may reverse it, see friction_work",
     source="Routh (1891); Wang and Mason (1992), J. Appl. Mech. 59, 635",

@@ -84,16 +84,16 @@ for _value, _judged, _key, _symbol, _name, _except in (
         "peak force",
         "; not applicable to rigid laws, whose impacts have an impulse and no force",
     ),
-    (total_impulse, total_impulse, "impulse", "sum p_n", "normal impulse", ""),
+    (total_impulse, total_impulse, "impulse", "sum(p_n)", "normal impulse", ""),
 ):
     of_steps(
-        f"d ln {_symbol} / d ln h",
+        f"d(ln {_symbol}) / d(ln h)",
         f"exponent of the {_name} in the step, by least squares",
         key=f"{_key}_exponent",
         source="paper, fig. 9",
     )(partial(_exponent, value=_value))
     of_steps(
-        f"|d ln {_symbol} / d ln h|",
+        f"|d(ln {_symbol}) / d(ln h)|",
         f"dependence of the {_name} on the step{_except}",
         key=f"{_key}_step_dependence",
         bound=0.05,
@@ -113,7 +113,7 @@ def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
 
 
 @of_steps(
-    "p = ln(d1/d2) / ln(h1/h2)",
+    "p = ln(d_1/d_2) / ln(h_1/h_2)",
     "observed order of the rotor velocity over the three finest steps",
     source=ROACHE,
 )
@@ -126,7 +126,10 @@ def velocity_order(ladder: Ladder) -> float:
 
 
 @of_steps(
-    "Omega_3 - d2 / (ratio^p - 1)", "rotor velocity extrapolated to a step of zero", "rad s-1", source=ROACHE
+    "Omega_3 - d_2 / (r^p - 1), r = h_1/h_2",
+    "rotor velocity extrapolated to a step of zero",
+    "rad s-1",
+    source=ROACHE,
 )
 def extrapolated_rotor_velocity(ladder: Ladder) -> float:
     _, second, third, ratio = _velocities(ladder)
@@ -180,13 +183,13 @@ def _sensitivity(runs: Mapping[str, tuple[float, Run]], thing: str, value: Calla
 
 
 for _thing, _symbol, _base in (
-    ("basis", "d {0} / {0}", "with the basis"),
-    ("friction", "(d {0} / {0}) / (d mu / mu)", "over that of the friction coefficient"),
+    ("basis", "d{0} / {0}", "with the basis"),
+    ("friction", "(d{0} / {0}) / (dmu / mu)", "over that of the friction coefficient"),
 ):
     for _value, _letter, _name in (
         (rotor_velocity, "Omega", "mean rotor velocity"),
         (peak_force, "N_max", "peak normal force"),
-        (total_impulse, "sum p_n", "sum of the normal impulses"),
+        (total_impulse, "P", "sum P of the normal impulses"),
     ):
         metric(
             _symbol.format(_letter),

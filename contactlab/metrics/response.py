@@ -82,13 +82,13 @@ def contact_duration(run: Run) -> float:
     return float(np.median(run.whole_contacts("duration")))
 
 
-@without_records("sum t_st / sum t_c", "share of the time in contact that sticks", usual=True)
+@without_records("sum(t_st) / sum(t_c)", "share of the time in contact that sticks", usual=True)
 def stick_share(run: Run) -> float:
     return float(run.contacts("stick_duration").sum()) / positive(contact_time(run))
 
 
 @without_records(
-    "median(-g_dot_1 / g_dot_0)",
+    "median(-gdot_1 / gdot_0)",
     "apparent restitution: separation over approach velocity. As the drive works on, one is no bound",
     source="Stronge (2000), Impact Mechanics, ch. 3",
 )
@@ -238,16 +238,13 @@ def settled_velocity_error(run: Run) -> float:
     return run.settling.error
 
 
-@metric(
-    "|Omega_n - Omega_n-1|", "change of the mean rotor velocity from a drive period to the next", "rad s-1"
-)
+@metric("|Delta Omega|", "change of the mean rotor velocity from a drive period to the next", "rad s-1")
 def velocity_drift(run: Run) -> float:
     return abs(run.settling.drift)
 
 
 @metric(
-    "|P_n - P_n-1| / P_n, P = sum p_n of a period",
-    "relative change of the contacts' normal impulse from a period to the next",
+    "|Delta P| / P, P = sum(p_n)", "relative change of the contacts' normal impulse from a period to the next"
 )
 def impulse_drift(run: Run) -> float:
     return run.settling.impulse_drift

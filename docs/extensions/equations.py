@@ -19,7 +19,7 @@ GREEK: Final = frozenset(
 SIGNS: Final = {"sum": r"\sum", "int": r"\int"}
 FUNCTIONS: Final = (
     {name: f"\\{name}" for name in ("max", "min", "exp", "ln", "sin", "cos", "tan", "tanh", "sqrt")}
-    | {name: rf"\operatorname{{{name}}}" for name in ("sign", "sgn", "asinh", "clip")}
+    | {name: rf"\operatorname{{{name}}}" for name in ("sign", "sgn", "asinh", "clip", "mean", "median")}
     | SIGNS
 )
 RELATIONS: Final = {"=": "=", "<": "<", ">": ">", "<<": r"\ll"} | {
@@ -34,7 +34,7 @@ LINE: Final = 44
 """Length of text whose formula fits into a line on a phone."""
 
 _TOKEN: Final = re.compile(
-    r"\s*(?:(?P<number>\d+(?:\.\d+)?)"
+    r"\s*(?:(?P<number>\d+(?:\.\d+)?(?:e[-+]?\d+)?)"
     r"|(?P<name>[A-Za-z]+(?:-[a-z]{2,})?(?:'+|\*)?(?:_(?:\w+|\(\w+\)))?(?:[-+](?=[\s,^()]|$))?)"
     r"|(?P<mark><<|<=|>=|!=|_\|_|[-+=<>/^|()\[\],;]))"
 )
@@ -198,7 +198,7 @@ class _Reader:
                 f"The equation '{self.text}' has '{token.text}' in the place of a number or name."
             )
         if token.kind == "number":
-            return _plain(self.take())
+            return _plain(_number(self.take()))
         if self.is_word():
             return _plain(rf"\text{{{self.take()}}}")
         name = _name(self.take())
@@ -246,6 +246,14 @@ def _bare(latex: str) -> str:
             whole = result.end() == len(latex) and latex.startswith(r"\left(")
             return latex[6:-7] if whole else latex
     return latex
+
+
+def _number(text: str) -> str:
+    """Return a number, "2.5e-06", with its power of ten."""
+    digits, _, power = text.partition("e")
+    if not power:
+        return text
+    return ("" if digits == "1" else rf"{digits} \cdot ") + f"10^{{{int(power)}}}"
 
 
 def _is_differential(name: str) -> bool:

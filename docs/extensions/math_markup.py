@@ -1,6 +1,7 @@
 r"""Formulas as MathML, which browsers set themselves: no script, no font and no network.
 
-An equation's number is its own `\tag{...}`, the same in a repository browser; `#equation-N` leads to it.
+An equation's number is its own `\tag{...}`, the same in a repository browser; `PAGE.md#equation-N` leads
+to it.
 """
 
 import re
@@ -49,7 +50,17 @@ def visit_display(translator: Any, node: nodes.Element) -> None:
     raise nodes.SkipNode
 
 
+def with_equations(app: Sphinx, page: nodes.document) -> None:
+    """Add the equations of a page to the headings that links from other pages may lead to."""
+    places = app.env.metadata[app.env.docname].setdefault("myst_slugs", {})
+    for node in page.findall(nodes.math_block):
+        if result := _TAG.search(node.astext()):
+            name = f"equation-{result[1]}"
+            places[name] = (node.line, name, result[1])
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the renderer."""
+    app.connect("doctree-read", with_equations)
     app.add_html_math_renderer("mathml", (visit_inline, None), (visit_display, None))
     return {"version": "1", "parallel_read_safe": True, "parallel_write_safe": True}

@@ -10,9 +10,14 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Metric
-
 DOCS = Path(__file__).resolve().parents[1]
+# Where Sphinx has its extensions.
+sys.path.insert(0, str(DOCS / "extensions"))
+import equations  # noqa: E402
+import page_tables  # noqa: E402
+
+from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Metric  # noqa: E402
+
 PAGE = "plausibility.md"
 
 OPENING = """\
@@ -43,9 +48,9 @@ def page() -> str:
 
 def entry(metric: Metric) -> str:
     """What the page says of one metric."""
-    unit = "" if metric.units == "1" else f" [{metric.units}]"
+    unit = f" ({label})" if (label := page_tables.unit(metric.units)) else ""
     lines = [f"### `{metric.key}`", "", f"{metric.meaning[0].upper()}{metric.meaning[1:]}{unit}.", ""]
-    lines += [f"    {metric.symbol}", ""]
+    lines += [f"$$\n{line}\n$$\n" for line in equations.lines(metric.symbol)]
     if metric.threshold:
         lines += [f"* must be {metric.threshold}: {metric.reason}."]
         lines += [f"* beyond it: {metric.conclusion}."]

@@ -25,8 +25,10 @@ TERMS = re.compile(r"one_line|one_sided|held_out|struck_discs")
 OPENINGS = re.compile(r"(?:Give|Tell|Say|Of|And|The same)\b")
 PHRASES = re.compile(
     r"\b(?:is|are|was|were|be) (?:told|asked|taken in)\b|\bcannot (?:be told|tell)\b|\bopen ledger\b"
-    r"|\b(?:strobes?|lures?|struck|front door|exact stick|due to the law|closed books|in our words)\b",
-    re.IGNORECASE,
+    r"|\b(?:strobes?|lures?|struck|front door|exact stick|due to the law|closed books|in our words)\b"
+    # A line of a page that begins so is a comment, and is not shown.
+    r"|^% ",
+    re.IGNORECASE | re.MULTILINE,
 )
 
 

@@ -1,12 +1,14 @@
-"""The pictures of README, the home page and the paper: the motor in slow motion, and laws compared.
+"""The pictures of README, the home page, the paper and the steady states: a motor filmed, and laws compared.
 
-`python docs/tools/readme_pictures.py` leaves `motor.gif` and `laws.png` in `docs/static`, or in the folder
-that is given, and prints what pages quote of them.
+`python docs/tools/readme_pictures.py` leaves `motor.gif`, `laws.png` and `order.png` in `docs/static`, or in
+the folder that is given, and prints what pages quote of them. The last is drawn from `docs/results`.
 """
 
+import json
 import sys
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -44,10 +46,19 @@ APART: Final = 0.17
 """Least distance of two labels [rad/s]."""
 
 
+ORDERED: Final = {"stick": "rigid, sticks", "newton": "restitution 0.5", "mindlin": "Hertz, Mindlin"}
+"""Laws that are compared with a Hertz contact, by their names in the results."""
+
+PHASES: Final = "converged, by phase"
+DAMPINGS: Final = "converged, by damping ratio at equal free amplitude"
+"""Sections of the results that they are compared in."""
+
+
 def main(folder: Path = STATIC) -> None:
-    """Make both pictures."""
+    """Make the pictures."""
     draw_motor(folder / "motor.gif")
     draw_laws(folder / "laws.png")
+    draw_order(folder / "order.png")
 
 
 def draw_motor(path: Path) -> None:
@@ -101,6 +112,42 @@ def _spread(wanted: np.ndarray) -> np.ndarray:
     steps = APART * np.arange(wanted.size)
     places = np.maximum.accumulate(wanted - steps) + steps
     return np.asarray(places - np.mean(places - wanted))
+
+
+def draw_order(path: Path) -> None:
+    """Draw settled speeds over that under a Hertz contact, by phase and by damping."""
+    stored = json.loads((STATIC.parent / "results" / "motor.json").read_text(encoding="utf-8"))["sections"]
+    phases, dampings = (stored[name]["results"] for name in (PHASES, DAMPINGS))
+    names = [name if name == "configured" else f"{float(name):g} rad" for name in phases]
+    with plt.rc_context(STYLE | dict.fromkeys(("font.size", "axes.labelsize", "legend.fontsize"), 9)):
+        figure, (left, right) = plt.subplots(1, 2, figsize=(7.4, 3.1), sharey=True, layout="constrained")
+        for number, (law, text) in enumerate(ORDERED.items()):
+            style: dict[str, Any] = {"color": f"C{number}", "marker": "o", "markersize": 5, "capsize": 2}
+            values, errors = _ratios(phases.values(), law)
+            left.errorbar(names, values, errors, linestyle="none", label=text, **style)
+            for kind, inner in (("stiffness_damping", f"C{number}"), ("damping_ratio", "white")):
+                cells = [cell for name, cell in dampings.items() if name.startswith(kind)]
+                ratios = [cell["damping_ratio"][0] for cell in cells]
+                right.errorbar(ratios, *_ratios(cells, law), markerfacecolor=inner, **style)
+        left.set(xlabel="phase of the drive", ylabel="speed over that of Hertz, Coulomb")
+        left.legend()
+        left.margins(x=0.15)
+        right.set(xlabel="damping ratio of the first mode", xscale="log")
+        for axes in (left, right):
+            axes.axhline(1.0, color="0.15", linewidth=0.8, zorder=1)
+        with whole_file(path) as partial:
+            figure.savefig(partial, format="png", pad_inches=0.12, metadata={"Software": None})
+        plt.close(figure)
+
+
+def _ratios(cells: Iterable[Mapping[str, Any]], law: str) -> tuple[list[float], list[float]]:
+    """Return settled speeds over those under a Hertz contact, with errors; NaN where a law has none."""
+    pairs = [(cell[law], cell["hertz"]["rotor_velocity"]) for cell in cells]
+    values, errors = (
+        [own[name] / hertz if name in own else np.nan for own, hertz in pairs]
+        for name in ("rotor_velocity", "rotor_velocity_error")
+    )
+    return values, np.abs(errors).tolist()
 
 
 if __name__ == "__main__":

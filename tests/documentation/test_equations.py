@@ -11,6 +11,7 @@ import pytest
 
 from contactlab.laws import LAWS, PARTS
 from contactlab.laws.declaration import members_of
+from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS
 
 math_markup = pytest.importorskip("math_markup", reason="needs Sphinx", exc_type=ImportError)
 
@@ -22,6 +23,7 @@ TEXTS = {
     for name, owner in OWNERS.items()
     for symbols in [[m.parameter.symbol for m in members_of(owner).values() if m.parameter]]
 }
+TEXTS |= {key: [m.symbol] for key, m in {**METRICS, **STEP_METRICS, **SENSITIVITIES}.items()}
 SIGNS = {"∑": "sum", "∫": "int", "∞": "inf", "≤": "<=", "≥": ">=", "≠": "!=", "⊥": "_|_", "≪": "<<"} | {
     "\N{MINUS SIGN}": "-",
     "\N{PRIME}": "'",
@@ -33,6 +35,7 @@ SIGNS = {"∑": "sum", "∫": "int", "∞": "inf", "≤": "<=", "≥": ">=", "�
 
 def letters_of_text(text: str) -> str:
     """Return a text without what a formula shows by places and sizes: slashes, brackets, powers, indices."""
+    text = re.sub(r"(\d)e-0*(\d+)", lambda part: f"{part[1] * (part[1] != '1')}10-{part[2]}", text)
     return re.sub(r"[\s/^()]|(?<!_)_(?!\|)|sqrt|(?<=_\|)_(?=\w)", "", text.replace("_|_", "⊥")).replace(
         "⊥", "_|_"
     )
@@ -45,8 +48,9 @@ def letters_of_formula(latex: str) -> str:
     text = re.sub(r"(\w)[˙\u0307]", r"\1dot", text)
     for character in {*text}:
         name = unicodedata.name(character, "")
-        if name.startswith("GREEK SMALL LETTER"):
-            text = text.replace(character, name.split()[3].lower().replace("lamda", "lambda"))
+        if name.startswith("GREEK"):
+            _, size, _, letter = name.replace("LAMDA", "LAMBDA").split()
+            text = text.replace(character, letter.lower() if size == "SMALL" else letter.capitalize())
     for sign, plain in SIGNS.items():
         text = text.replace(sign, plain)
     return re.sub(r"[\s/()]", "", text.replace("\xa0", ""))
@@ -71,6 +75,7 @@ def test_the_formulas_of_a_law_are_whole(name: str) -> None:
 @pytest.mark.parametrize(
     ("text", "latex"),
     [
+        ("2.5e-06 E", r"2.5 \cdot 10^{-6} E"),
         ("1/2 k d", r"\frac{1}{2} k d"),
         ("3 mu N/(2 k)", r"\frac{3 \mu N}{2 k}"),
         ("a b / c d", r"\frac{a b}{c} d"),
