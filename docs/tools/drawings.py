@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,9 +21,12 @@ import scipy
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch, Polygon, Rectangle
+from scipy.interpolate import CubicSpline
 
 import contactlab as cl
 from contactlab.arrays import Array
+from contactlab.engine.propagator import radau_rule
+from contactlab.engine.state import NODES
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.ritz import ClampedBeam, RitzResonator
 from contactlab.plot.overview import shade
@@ -57,6 +61,9 @@ HOUSE: Final[dict[str, Any]] = STYLE | {
 
 THICKER, GAP_SHOWN = 2.5, 1.0
 """Factor of the thicknesses in the drawing of the motor, and its gap at rest [mm]."""
+
+STEP_SHOWN: Final = 16e-6
+"""Length of the drawn step [s]; the engine's are shorter."""
 
 INTERVAL: Final = 1e-7
 """Time between records of the runs that are drawn [s]."""
@@ -514,6 +521,61 @@ def _draw_over_time(part: Recording, event: str) -> tuple[Figure, Axes]:
     return figure, energy
 
 
+def draw_step() -> Figure:
+    """Draw a collocated step: the force at the nodes, the polynomial through them, and what it misses."""
+    part, setup = shown_contact(), cl.build()
+    start, lasts = (float(part.contacts[name][0]) for name in ("start_time", "duration"))
+    gap = CubicSpline(part.time - start, part.series["gap"])
+    stiffness = float(setup.configuration["law"]["stiffness"])
+
+    def force(s: Array) -> Array:
+        return np.asarray(stiffness * np.maximum(-gap(s), 0.0) ** 1.5)
+
+    nodes, _, lagrange, _ = radau_rule(NODES)
+    x, h = np.linspace(0.0, 1.0, 200), STEP_SHOWN
+
+    def polynomial(begin: float, length: float, at: Array) -> Array:
+        return np.asarray((at[:, None] ** np.arange(NODES)) @ (force(begin + length * nodes) @ lagrange))
+
+    figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+    whole, step = figure.subplots(1, 2, width_ratios=(1.0, 1.25))
+    time = np.linspace(0.0, lasts, 400)
+    whole.plot(1e6 * time, force(time), color=INK)
+    for begin in np.arange(0.0, lasts, h):
+        whole.axvline(1e6 * begin, color=FAINT, linewidth=THIN, linestyle="--", zorder=0)
+        at = begin + h * nodes
+        whole.plot(1e6 * at[at < lasts], force(at[at < lasts]), "o", color=FORCE, markersize=4)
+    whole.axvspan(0.0, 1e6 * h, color=ACCENT, alpha=0.15, linewidth=0.0)
+    whole.set_title("A contact in steps", fontweight="bold")
+    step.plot(x, force(h * x), color=INK, linewidth=LINE)
+    step.plot(x, polynomial(0.0, h, x), color=FORCE, linestyle="--", linewidth=LINE, gid="polynomial")
+    step.plot(nodes, force(h * nodes), "o", color=FORCE, markersize=6, gid="nodes")
+    step.set_title("The first step", fontweight="bold")
+    for k, c in enumerate(nodes, 1):
+        step.plot([c, c], [0.0, float(force(h * np.array([c]))[0])], color=FAINT, linewidth=THIN, zorder=0)
+        label(step, (c, -0.45), f"$c_{k}$")
+    label(
+        step,
+        (0.02, 3.6),
+        "$N_m$ at five nodes, and the\npolynomial through them",
+        FORCE,
+        ha="left",
+        fontsize=9,
+    )
+    inset = step.inset_axes((0.12, 0.66, 0.34, 0.24))
+    near = x[x < 0.08]
+    inset.plot(near, 1e3 * force(h * near), color=INK, linewidth=LINE)
+    inset.plot(near, 1e3 * polynomial(0.0, h, near), color=FORCE, linestyle="--", linewidth=LINE)
+    missed = 1e3 * float(polynomial(0.0, h, np.zeros(1))[0])
+    arrow(inset, (0.0, 0.0), (0.0, missed), ACCENT)
+    inset.set_title("missed at the start (mN)", color=ACCENT, fontsize=9)
+    whole.set(xlabel="time since touch-down (µs)", ylabel="normal force $N$ (N)")
+    step.set(xlabel="$x = s/h$", ylim=(-0.8, 7.4))
+    for axes in (whole, step, inset):
+        axes.axhline(0.0, color=FAINT, linewidth=THIN)
+    return figure
+
+
 def draw_cone() -> Figure:
     """Draw Coulomb's cone with the reactions of a compliant contact and the impulses of rigid impacts."""
     figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
@@ -587,6 +649,76 @@ def draw_flight() -> Figure:
     label(axes, (75.0, -0.5), "open: no zero is missed", SPEED)
     label(axes, (354.0, 4.4), "one\nzero", FORCE)
     axes.set(xlabel="time (µs)", ylabel="gap $g$ (µm)")
+    return figure
+
+
+def draw_memory() -> Figure:
+    """Draw two things that a contact remembers: the stretch of its friction, and the dent that it left."""
+    figure = Figure(figsize=(WIDTH, 3.4), layout="constrained")
+    loop, dent = figure.subplots(1, 2)
+    turns = np.linspace(0.0, 1.0, 801)[:-1]
+    way = 1.2e-6 * np.sin(2.0 * np.pi * turns)
+    for friction, colour, style in ((cl.Coulomb(), FAINT, "--"), (cl.Dahl(), FORCE, "-")):
+        law = cl.Composed(friction=friction)
+        run = cl.drive(law, 1e-3 * turns, gap=-1e-6, slip=way, degree=7, period=1e-3, duration=2e-3)
+        x, force = run["tip_tangential_displacement"].values, run["friction_force"].values
+        # Forces are means over the record interval before; the second turn is the loop.
+        second = slice(x.size // 2, None)
+        loop.plot(0.5e6 * (x[1:] + x[:-1])[second], force[1:][second], color=colour, linestyle=style)
+    label(loop, (0.0, 0.9), "remembers\nits stretch $z$", FORCE, fontsize=9)
+    label(loop, (-0.62, 2.1), "no memory", FAINT, fontsize=9)
+    loop.set(xlabel="displacement along the surface (µm)", ylabel="friction $F$ (N)", ylim=(-3.6, 3.6))
+    loop.set_title("Friction, to and fro", fontweight="bold")
+    corners = 1e-6 * np.array([0.0, 1.0, 0.2, 1.5, 0.0])
+    run = cl.drive(cl.Composed(cl.WaltonBraun()), 1e-3 * np.arange(5.0), gap=-corners, degree=1)
+    depth, force = -1e6 * run["gap"].values, run["normal_force"].values
+    dent.plot(0.5 * (depth[1:] + depth[:-1]), force[1:], color=FORCE, gid="yielding")
+    left = 1e-6 * float(depth[1:][force[1:] > 0.0][-1])
+    arrow(dent, (0.0, -0.9), (1e6 * left, -0.9), ACCENT, "dent", "<|-|>")
+    label(dent, (0.5e6 * left, -1.9), "dent left", ACCENT, fontsize=9)
+    label(dent, (0.62, 9.4), "loads along $k_1$", FORCE, fontsize=9)
+    label(dent, (1.42, 4.0), "unloads and\nreloads\nalong $k_2$", FORCE, fontsize=9)
+    dent.set(xlabel="penetration $-g$ (µm)", ylabel="normal force $N$ (N)", ylim=(-3.0, 16.5))
+    dent.set_title("A contact that yields", fontweight="bold")
+    for axes in (loop, dent):
+        axes.axhline(0.0, color=FAINT, linewidth=THIN, zorder=0)
+    return figure
+
+
+SKIPPED: Final = 20
+"""Periods of the drive from one drawn point of the period map to the next."""
+
+
+def draw_map() -> Figure:
+    """Draw the period map: the rotor from rest, some periods by some periods, and Floquet's multipliers."""
+    setup = cl.build()
+    state = cl.steady(setup)
+    assert state.orbit is not None
+    period = 1.0 / float(setup.motor.drive.frequency[0])
+    run = cl.simulate(setup, duration=12 * SKIPPED * period, record_interval=period)
+    velocity = run["rotor_velocity"].values[::SKIPPED]
+    figure = Figure(figsize=(WIDTH, 3.5), layout="constrained")
+    cobweb, circle = figure.subplots(1, 2)
+    ends = np.array([1.15 * velocity.min(), 0.0])
+    cobweb.plot(ends, ends, color=FAINT, linewidth=THIN)
+    for a, b in pairwise(velocity):
+        cobweb.plot([a, a, b], [a, b, b], color=ACCENT, linewidth=THIN)
+    cobweb.plot(velocity[:-1], velocity[1:], "o-", color=ACCENT, gid="map")
+    fixed = float(state.velocity.value)
+    cobweb.plot(fixed, fixed, "o", color=FORCE, markersize=7, gid="fixed point")
+    label(cobweb, (fixed + 0.12, fixed - 0.1), "fixed point, found by shooting", FORCE, ha="left", fontsize=9)
+    label(cobweb, (-0.2, -1.05), "from rest", ACCENT, fontsize=9)
+    cobweb.set(xlabel=r"$\Omega(t)$ (rad/s)", ylabel=rf"$\Omega(t + {SKIPPED}\,T)$ (rad/s)", aspect="equal")
+    cobweb.set_title("The rotor, period by period", fontweight="bold")
+    angle = np.linspace(0.0, 2.0 * np.pi, 200)
+    circle.plot(np.cos(angle), np.sin(angle), color=FAINT, linewidth=LINE)
+    multipliers = state.orbit.multipliers
+    circle.plot(multipliers.real, multipliers.imag, "o", color=ACCENT, gid="multipliers")
+    largest = float(np.abs(multipliers).max())
+    label(circle, (0.86, 0.14), f"rotor, {largest:.4f}", ACCENT, ha="right", fontsize=9)
+    label(circle, (0.0, -0.8), "stable inside", FAINT, fontsize=9)
+    circle.set(xlabel=r"$\mathrm{Re}\,\lambda$", ylabel=r"$\mathrm{Im}\,\lambda$", aspect="equal")
+    circle.set_title("Floquet's multipliers", fontweight="bold")
     return figure
 
 
@@ -671,10 +803,13 @@ DRAWINGS: Final[dict[str, Callable[[], Figure]]] = {
     "modes": draw_modes,
     "frame": draw_frame,
     "contact": draw_contact,
+    "step": draw_step,
     "impact": draw_impact,
     "cone": draw_cone,
     "flight": draw_flight,
+    "memory": draw_memory,
     "energy": draw_energy,
+    "map": draw_map,
     "data": draw_data,
 }
 """Drawings by the names of their files."""

@@ -130,6 +130,47 @@ def test_drawn_impulses_are_those_of_the_impacts_and_inside_the_cone() -> None:
     assert np.all(share[1:] < 0.9)
 
 
+def test_the_drawn_step_is_collocated_at_radau_nodes_of_the_force_of_the_run() -> None:
+    figure = drawings.draw_step()
+    (nodes,) = named(figure, drawings.plt.Line2D, "nodes")
+    (polynomial,) = named(figure, drawings.plt.Line2D, "polynomial")
+    c, force = nodes.get_data()
+    # Five nodes with the last at the end have a quadrature of degree 8.
+    weights = np.linalg.solve(c ** np.arange(5)[:, None], 1.0 / np.arange(1, 6))
+    assert c[-1] == pytest.approx(1.0)
+    assert weights @ c**8 == pytest.approx(1.0 / 9.0)
+    part = drawings.shown_contact()
+    time = part.time - part.contacts["start_time"][0] - 0.5 * drawings.INTERVAL
+    recorded = np.interp(c * drawings.STEP_SHOWN, time, part.series["normal_force"])
+    np.testing.assert_allclose(force, recorded, atol=0.002 * force.max())
+    x, drawn = polynomial.get_data()
+    np.testing.assert_allclose(np.polyval(np.polyfit(c, force, 4), x), drawn, atol=1e-9)
+
+
+def test_the_drawn_memory_loads_and_unloads_along_the_stiffnesses_of_its_law() -> None:
+    law = cl.WaltonBraun()
+    (line,) = named(drawings.draw_memory(), drawings.plt.Line2D, "yielding")
+    depth, force = 1e-6 * line.get_xdata(), line.get_ydata()
+    deepest = int(depth.argmax())
+    slopes = np.gradient(force, depth)
+    assert slopes[deepest - 50] == pytest.approx(law.loading_stiffness, rel=1e-3)
+    assert slopes[deepest + 50] == pytest.approx(law.unloading_stiffness, rel=1e-3)
+    # No force before the body is back at the surface: k_1 d* = k_2 (d* - d_p).
+    dent = depth.max() * (1.0 - law.loading_stiffness / law.unloading_stiffness)
+    assert depth[force > 1e-3][-1] == pytest.approx(dent, abs=0.01e-6)
+
+
+def test_the_drawn_map_has_the_slope_of_its_largest_multiplier_at_the_fixed_point() -> None:
+    figure = drawings.draw_map()
+    (points,), (fixed,) = (named(figure, drawings.plt.Line2D, name) for name in ("map", "fixed point"))
+    (multipliers,) = named(figure, drawings.plt.Line2D, "multipliers")
+    largest = np.hypot(*multipliers.get_data()).max()
+    x, y = (np.asarray(values) for values in points.get_data())
+    slope = (y[-1] - y[-2]) / (x[-1] - x[-2])
+    assert slope == pytest.approx(largest**drawings.SKIPPED, rel=0.02)
+    assert x[-1] + (y[-1] - x[-1]) / (1.0 - slope) == pytest.approx(float(fixed.get_xdata()[0]), rel=1e-3)
+
+
 def test_the_bound_of_the_flight_lies_below_its_gap_and_each_module_is_a_layer() -> None:
     (axes,) = drawings.draw_flight().axes
     gap = next(line for line in axes.lines if len(line.get_xdata()) > 2000)
