@@ -15,6 +15,8 @@ import contactlab
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE / "extensions"))
 
+import kept_pages  # noqa: E402
+
 project = "contactlab"
 author = "The contactlab developers"
 copyright = author  # noqa: A001
@@ -44,7 +46,8 @@ autodoc_typehints_format = "short"
 # Imported for type checkers alone.
 nitpick_ignore = [("py:class", "Figure")]
 
-# Its scripts run at every build: the code may have changed, if they have not.
+# Its scripts run again where they, or the code, have changed.
+CODE = kept_pages.digest()
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "examples",
@@ -54,7 +57,7 @@ sphinx_gallery_conf = {
     "reset_modules": ("gallery_figures.styled",),
     "capture_repr": (),
     "abort_on_example_error": True,
-    "run_stale_examples": True,
+    "run_stale_examples": not kept_pages.is_current(HERE / "examples", CODE),
     "download_all_examples": False,
     "show_signature": False,
     "write_computation_times": False,
@@ -94,5 +97,7 @@ html_sidebars = {"index": []}
 
 
 def setup(app: Sphinx) -> None:
-    """Let tables of text in pages be called what they are."""
+    """Let tables of text in pages be called what they are, and note what the gallery was made by."""
     app.add_lexer("csv", TextLexer)
+    # By now it has been made, or the build has failed.
+    app.connect("env-before-read-docs", lambda *_: kept_pages.keep(HERE / "examples", CODE))

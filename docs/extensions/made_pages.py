@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import made_api
+import made_citation
 import made_dataset
 import made_keys
 import made_verbs
@@ -16,6 +17,7 @@ _MARK: Final = re.compile(r"^<!-- made: (\w+) -->$", re.MULTILINE)
 MAKERS: Final[dict[str, Callable[[], str]]] = {
     "front_door": made_api.front_door,
     "further": made_api.further,
+    "citation": made_citation.citation,
     "keys": made_keys.groups,
     "law_keys": made_keys.laws,
     "verbs": made_verbs.verbs,

@@ -7,7 +7,7 @@ what the block before it prints, where `...` stands for anything and white space
 
 import re
 from dataclasses import dataclass
-from typing import Final, final
+from typing import Any, Final, final
 
 _ITEM: Final = re.compile(
     r"^(?P<mark><!-- not run: [^>\n]+ -->\n)?```(?P<language>bash|python|text)\n(?P<code>.*?)^```$"
@@ -90,11 +90,42 @@ def pictures(text: str) -> list[Picture]:
     ]
 
 
+NOTEBOOK: Final = "<!-- notebook -->"
+"""Line of a page that leads to the page as a notebook."""
+
+
 def with_pictures(text: str, folder: str) -> str:
     """Show the pictures of a page, which are in a folder, where they are named."""
     return _ITEM.sub(
         lambda each: f"![{each['words']}]({folder}/{each['path']})" if each["path"] else each[0], text
     )
+
+
+def notebook(text: str) -> dict[str, Any]:
+    """Return a page as a Jupyter notebook: what is run as cells of code, all else between them."""
+    cells: list[tuple[str, str]] = []
+    at = 0
+    for each in _ITEM.finditer(text):
+        # Pictures are made by running it.
+        if each["path"] or (each["language"] != "text" and not each["mark"]):
+            cells.append(("markdown", text[at : each.start()]))
+            at = each.end()
+        if each["path"]:
+            cells.append(("markdown", f"![{each['words']}]({each['path']})"))
+        elif at == each.end():
+            cells.append(("code", ("%%bash\n" if each["language"] == "bash" else "") + each["code"]))
+    cells.append(("markdown", text[at:]))
+    code = {"outputs": [], "execution_count": None}
+    return {
+        "cells": [
+            {"cell_type": kind, "metadata": {}, "source": source.strip(), **(code if kind == "code" else {})}
+            for kind, source in cells
+            if source.strip()
+        ],
+        "metadata": {"kernelspec": {"name": "python3", "display_name": "Python 3", "language": "python"}},
+        "nbformat": 4,
+        "nbformat_minor": 4,
+    }
 
 
 def agrees(output: str, printed: str) -> bool:
