@@ -9,6 +9,7 @@ import inspect
 import re
 import sys
 import typing
+from collections.abc import Iterable
 from enum import Enum
 from importlib import import_module
 from typing import Any, Final
@@ -39,6 +40,8 @@ _READABLE: Final = {
 }
 """What annotations are expanded to, and how the code writes them."""
 _LONG: Final = re.compile(r"=( ?)(\d{5,}\.\d+|\d\.\d{6,}e[-+]\d+)")
+SYMBOLS: Final = {*equations.GREEK, *equations.FUNCTIONS}
+_NAMED: Final = re.compile(r"\b([a-z]{3,})_(?=[a-z])")
 _LITERAL: Final = re.compile(r"`+[^`]+`+")
 _SPECIAL: Final = re.compile(r"([*|\\])|(?<=\w)_(?=\W|$)")
 
@@ -75,7 +78,37 @@ def translated(lines: list[str]) -> list[str]:
             made += ["", "::", ""]
             literal = True
         made.append(line if literal else _escaped(line))
+    return _with_formulas(made)
+
+
+def _with_formulas(lines: list[str]) -> list[str]:
+    """Return reStructuredText with those of its literal blocks as formulas that are nothing else."""
+    made: list[str] = []
+    while lines:
+        if lines[0] != "::":
+            made.append(lines.pop(0))
+            continue
+        end = next((i for i, line in enumerate(lines[1:], 1) if line and line[0] != " "), len(lines))
+        block, lines = lines[:end], lines[end:]
+        texts = [line.strip() for line in block[1:] if line]
+        made += [*_math(texts), ""] if all(map(_is_formula, texts)) else block
     return made
+
+
+def _is_formula(text: str) -> bool:
+    """Return whether a line is an equation; names of the code, `drive_work`, are none of its symbols."""
+    if "=" not in text or any(base not in SYMBOLS for base in _NAMED.findall(text)):
+        return False
+    try:
+        return bool(equations.lines(text))
+    except ValueError:
+        return False
+
+
+def _math(texts: Iterable[str]) -> list[str]:
+    """Return equations as formulas of their own."""
+    formulas = [formula for text in texts for formula in equations.lines(text)]
+    return [part for formula in formulas for part in ("", ".. math::", "", f"    {formula}", "")]
 
 
 def _escaped(line: str) -> str:
@@ -104,9 +137,7 @@ def with_parameters(app: Sphinx, what: str, name: str, item: Any, options: Any, 
         return
     equation = getattr(item, "equation", "")
     if isinstance(equation, str) and equation:
-        lines += [
-            part for line in equations.lines(equation) for part in ("", ".. math::", "", f"    {line}", "")
-        ]
+        lines += _math([equation])
     annotations = [each for kind in item.__mro__ for each in vars(kind).get("__annotations__", {}).values()]
     # Others may be annotated for type checkers alone, with names that are not imported.
     if not any("Annotated" in str(each) for each in annotations):

@@ -11,11 +11,14 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, replace
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import matplotlib.pyplot as plt
+import numpy as np
 from standard_cycle import curves_of, draw
 
+import contactlab as cl
 from contactlab.cli.laws import declared_rows
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.laws.composed import Composed
@@ -35,14 +38,8 @@ PAGE = "laws.md"
 FOLDER = "laws"
 MADE = "<!-- Made by docs/tools/law_page.py from the declarations of the laws. Do not edit. -->\n"
 
-ENTRY = f"""\
-# Which law do I need?
-
-{MADE}
-By what a contact has to have: one table a family, the words explained [below](#the-columns). A law is chosen
-by `law=NAME`, the parts of a composed one by `law=composed law/normal=NAME law/damping=NAME
-law/friction=NAME`.
-"""
+GUIDE = Path(__file__).with_name("law_guide.txt")
+"""What stands before the tables, with marks for numbers."""
 
 END = """\
 ## The columns
@@ -96,7 +93,7 @@ def law_of(owner: type[Declared]) -> ContactLaw:
 
 def pages() -> Iterator[tuple[str, str]]:
     """Yield the path and text of every page."""
-    parts = [ENTRY, *(choice(family) for family in FAMILIES), END, "```{toctree}\n:hidden:\n"]
+    parts = [entry(), *(choice(family) for family in FAMILIES), END, "```{toctree}\n:hidden:\n"]
     parts[-1] += "".join(f"\n{FOLDER}/{family.page}.md" for family in FAMILIES)
     parts[-1] += "\nContracts and publications <law_table.md>\nwriting_laws.md\n```\n"
     yield PAGE, "\n".join(parts)
@@ -106,6 +103,49 @@ def pages() -> Iterator[tuple[str, str]]:
         chosen = f"Chosen by `{composed}{family.choice}=NAME`. [Which law do I need?](../laws.md)\n"
         opening = f"# {family.title}\n\n{MADE}\n{chosen}"
         yield f"{FOLDER}/{family.page}.md", "\n".join([opening, *sections])
+
+
+def entry() -> str:
+    """Return what stands before the tables."""
+    text = GUIDE.read_text(encoding="utf-8")
+    for mark, made in (("steel", steel()), ("stick", stick_of_the_motor())):
+        text = text.replace(f"MADE: {mark}", fill(made, 110))
+    return text
+
+
+def steel() -> str:
+    """Return what a steel tip at 0.1 m/s does on steel, by Hertz's closed forms."""
+    setup, speed, radius, modulus = cl.build(), 0.1, 5e-3, 210e9 / (2.0 * (1.0 - 0.3**2))
+    mass = float(setup.configuration["resonator"]["tip_mass"])
+    stiffness = 4.0 / 3.0 * modulus * radius**0.5
+    depth = (1.25 * mass * speed**2 / stiffness) ** 0.4
+    force, time = stiffness * depth**1.5, 2.94 * depth / speed
+    pressure = (6.0 * force * modulus**2 / (np.pi**3 * radius**2)) ** (1.0 / 3.0)
+    share = time * float(setup.motor.drive.frequency[0])
+    return (
+        f"**A steel tip at {speed:g} m/s**, of {1e3 * radius:g} mm radius and {1e3 * mass:.2g} g, against "
+        f"steel: it presses with {force:.2g} N over {1e6 * time:.2g} µs, {1e6 * depth:.2g} µm deep, at "
+        f"{1e-9 * pressure:.2g} GPa. Both bodies stay elastic if they yield above "
+        f"{1e-6 * pressure / 1.6:.0f} MPa, as hardened steel does, and a Hertz contact is the law; softer "
+        "steel yields, which takes "
+        "`thornton` or a restitution that is measured at this speed. The contact lasts "
+        f"{100 * share:.0f} % of a period of the default motor, in which the tip goes on along its path: a "
+        "rigid law is an approximation to be compared."
+    )
+
+
+def stick_of_the_motor() -> str:
+    """Return up to which slip a plastic impact of the default motor sticks."""
+    setup = cl.build()
+    modes, geometry, rotor = setup.motor.modes, setup.motor.geometry, setup.motor.rotor
+    normal = float(np.sum(modes.tip_displacement**2))
+    tangential = float(np.sum((geometry.tip_length * modes.tip_slope) ** 2))
+    ratio = (tangential + geometry.rotor_radius**2 / rotor.inertia) / normal
+    friction = float(setup.configuration["contact"]["friction_coefficient"])
+    return (
+        f"In the default motor $D_{{tt}}/D_{{nn}}$ is {ratio:.2g}: a plastic impact sticks up to a slip of "
+        f"{friction * ratio:.2g} times the speed of the approach."
+    )
 
 
 def choice(family: Family) -> str:

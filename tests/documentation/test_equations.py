@@ -14,6 +14,7 @@ from contactlab.laws.declaration import members_of
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS
 
 math_markup = pytest.importorskip("math_markup", reason="needs Sphinx", exc_type=ImportError)
+docstrings = pytest.importorskip("docstrings", reason="needs Sphinx", exc_type=ImportError)
 
 OWNERS = {
     f"{family}/{name}": kind for family, table in {"": LAWS, **PARTS}.items() for name, kind in table.items()
@@ -115,3 +116,12 @@ def test_a_function_is_set_close_to_its_bracket_and_a_derivative_with_upright_le
     assert '<mo lspace="0.17em" rspace="0em">max</mo>' in markup
     assert '<mo lspace="0.17em" rspace="0.17em">sgn</mo>' in markup
     assert markup.count("<mtext>d</mtext>") == 2
+
+
+def test_a_block_of_a_docstring_that_is_nothing_but_equations_is_set_as_formulas() -> None:
+    made = docstrings.translated(["Return N.", "", "    N = K d^1.5,  d = -g", "", "Further."])
+    assert [line.strip() for line in made if line.strip()] == [
+        "Return N.", ".. math::", "N = K d^{1.5},\\quad d = -g", "Further."
+    ]  # fmt: skip
+    for text in ("solution.save('run.nc')", "drive_work = N v", "key=value pairs", "a column of the table"):
+        assert docstrings.translated(["A text.", "", f"    {text}"])[-1] == f"    {text}"
