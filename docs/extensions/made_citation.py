@@ -28,6 +28,8 @@ def _entry(kind: str, work: Mapping[str, Any], year: str, **further: str) -> str
         f"{{{person['name']}}}" if "name" in person else f"{person['family-names']}, {person['given-names']}"
         for person in work["authors"]
     ]
-    key = names[0].strip("{}").split(",")[0].split()[-1].lower() + year
+    # Software goes by its name.
+    head = work["title"] if kind == "software" else work["authors"][0]["family-names"]
+    key = f"{head.lower()}{year}"
     fields = {"author": " and ".join(names), "title": work["title"], **further, "year": year}
     return "\n".join([f"@{kind}{{{key},", *(f"  {name} = {{{text}}}," for name, text in fields.items()), "}"])
