@@ -98,7 +98,7 @@ def test_a_fit_of_two_files_draws_both_and_is_read_again(tmp_path: Path) -> None
         rows = np.column_stack([*table.values()])
         np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header=header, comments="")
     files = [str(tmp_path / f"{name}.csv") for name in ("first", "second")]
-    result = cl.fit(setup_of(), data=files, free=FREE, points=50, output=tmp_path / "fit")
+    result = cl.fit(setup_of(), data=files, free=FREE, points=25, starts=1, output=tmp_path / "fit")
     estimate = result.numbers[KEY]
     assert abs(estimate.value - TRUTH) < 4.0 * estimate.error < 0.05
     assert {"predictions_first", "predictions_second"} <= {x.stem for x in (tmp_path / "fit").glob("*.png")}

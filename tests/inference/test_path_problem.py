@@ -150,7 +150,7 @@ def test_a_number_of_the_motor_is_no_number_of_a_loop(tmp_path: Path) -> None:
 @pytest.mark.long
 def test_a_fit_of_a_loop_covers_the_truth(tmp_path: Path) -> None:
     path = written(tmp_path / "loop.csv", columns(NOISE))
-    result = cl.fit(setup_of(), data=path, free=FREE, points=50, output=tmp_path / "fit")
+    result = cl.fit(setup_of(), data=path, free=FREE, points=25, starts=1, output=tmp_path / "fit")
     for key, truth in zip(FREE, (FRICTION, STIFFNESS), strict=True):
         estimate = result.numbers[key]
         assert abs(estimate.value - truth) < 4.0 * estimate.error
