@@ -172,7 +172,29 @@ class Jkr(Normal):
         return d - self.break_depth
 
 
-class Thornton(Normal):
+class Dented(Normal):
+    """Loads along one curve and comes back to a dent along another; z = (largest depth,)."""
+
+    def back(self, peak: float) -> tuple[float, float]:
+        """A number of the way back, and the dent [m]."""
+        raise NotImplementedError
+
+    def left(self, mode: int, d: float, z: list[float]) -> float:
+        return d - (0.0 if mode == LOADS else self.back(z[0])[1])
+
+    def switches(self, mode: int) -> list[Callable[[float, float, list[float]], float]]:
+        if mode == LOADS:
+            return [lambda d, rate, z: rate]
+        return [lambda d, rate, z: z[0] - d]
+
+    def switched(self, mode: int, d: float, z: list[float]) -> tuple[int, list[float]]:
+        return (ELASTIC, [max(d, z[0])]) if mode == LOADS else (LOADS, z)
+
+    def begins(self, z: list[float]) -> float:
+        return self.back(z[0])[1]
+
+
+class Thornton(Dented):
     """Hertz to d_y, a straight line, and Hertz of the radius R_p back; z = (largest depth,)."""
 
     def __init__(self, radius: float, modulus: float, pressure: float) -> None:
@@ -201,22 +223,8 @@ class Thornton(Normal):
         radius, dent = self.back(z[0])
         return Power(4.0 / 3.0 * self.modulus * sqrt(radius), 1.5).elastic(max(d - dent, 0.0))
 
-    def left(self, mode: int, d: float, z: list[float]) -> float:
-        return d - (0.0 if mode == LOADS else self.back(z[0])[1])
 
-    def switches(self, mode: int) -> list[Callable[[float, float, list[float]], float]]:
-        if mode == LOADS:
-            return [lambda d, rate, z: rate]
-        return [lambda d, rate, z: z[0] - d]
-
-    def switched(self, mode: int, d: float, z: list[float]) -> tuple[int, list[float]]:
-        return (ELASTIC, [max(d, z[0])]) if mode == LOADS else (LOADS, z)
-
-    def begins(self, z: list[float]) -> float:
-        return self.back(z[0])[1]
-
-
-class WaltonBraun(Normal):
+class WaltonBraun(Dented):
     """Along k_1 as it loads, k_2 + S N* below the largest force; z = (largest depth,)."""
 
     def __init__(self, loading: float, unloading: float, hardening: float) -> None:
@@ -237,20 +245,6 @@ class WaltonBraun(Normal):
             return self.numbers[0] * d, self.numbers[0], 0.0
         stiffness, dent = self.back(z[0])
         return stiffness * max(d - dent, 0.0), stiffness, 0.0
-
-    def left(self, mode: int, d: float, z: list[float]) -> float:
-        return d - (0.0 if mode == LOADS else self.back(z[0])[1])
-
-    def switches(self, mode: int) -> list[Callable[[float, float, list[float]], float]]:
-        if mode == LOADS:
-            return [lambda d, rate, z: rate]
-        return [lambda d, rate, z: z[0] - d]
-
-    def switched(self, mode: int, d: float, z: list[float]) -> tuple[int, list[float]]:
-        return (ELASTIC, [max(d, z[0])]) if mode == LOADS else (LOADS, z)
-
-    def begins(self, z: list[float]) -> float:
-        return self.back(z[0])[1]
 
     def touch(self, z: list[float]) -> int:
         return LOADS if z[0] == 0.0 else ELASTIC
