@@ -517,7 +517,10 @@ def _kept(name: str, source: str, signature: Any) -> Any:
     kernel = generated_kernel(name, source)
     _compile(kernel, signature)
     # By its address, which is looked up in every call of the loop otherwise. Its own kernels raise nothing.
-    return types.CompileResultWAP(kernel.get_compile_result(signature))
+    made: Any = types.CompileResultWAP(kernel.get_compile_result(signature))
+    # Its type, which every call would make anew.
+    made._numba_type_ = types.FunctionType(signature)
+    return made
 
 
 @lru_cache(maxsize=512)

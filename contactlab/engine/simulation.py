@@ -26,6 +26,7 @@ from contactlab.engine.preparation import (
 from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     BEFORE,
+    BYTES,
     COUNTS,
     RUNNING,
     START,
@@ -334,7 +335,8 @@ class Flow:
         motions = np.zeros((len(rotor_velocity), 2, made.size))
         motions[:, 0, :-1], motions[:, 1, :-1] = displacement, velocity
         motions[:, 1, -1] = -rotor_velocity * radius / row
-        states: Any = np.repeat(self._fresh, len(motions))
+        whole = np.repeat(self._fresh.view(BYTES), len(motions))
+        states: Any = whole.view(STATE)
         contacts = contacts_from(ready.plant, motions[:, 0], motions[:, 1])
         for state, values in zip(states, memory if memory is not None else (), strict=False):
             ready.begin_with(state, values)
@@ -353,10 +355,10 @@ class Flow:
         records = ready.records(0, run)
         while going.size:
             # What waits here for Ctrl-C is as long as one run's wait, however many there are.
-            some, moved = states[going], motions[going]
+            some, moved = whole[going].view(STATE), motions[going]
             ready.advance(run, some, moved, records, max(STEPS_PER_CALL // going.size, 1))
             some["contact_count"] = 0
-            states[going], motions[going] = some, moved
+            whole[going], motions[going] = some.view(BYTES), moved
             going = going[(some["time"] < some["end"]) & (some["ending"] == RUNNING)]
         for i in np.flatnonzero(states["ending"] != RUNNING):
             made["q"][:, START], made["v"][:, START] = motions[i]

@@ -298,6 +298,9 @@ LEAVES: Final = np.dtype(
 )
 """The same memory as `STATE` without records in it, those by dotted names."""
 
+BYTES: Final = np.dtype((np.void, STATE.itemsize))
+"""The same memory without fields: NumPy copies records field by field, in a hundred times the time."""
+
 
 def state_as_value(state: Any, q: Array, v: Array) -> State:
     """Return a state as a plain dict of arrays and numbers."""
