@@ -85,7 +85,7 @@ def drive(
         gap: of a compliant law [m].
         normal: normal force [N], positive, in place of the gap. Of a compliant law it is that of the gaps at
             which the law has these forces at rest; damping, or memory, along the normal is refused.
-        slip: way along the surface [m]; its rate is the slip velocity.
+        slip: displacement along the surface [m]; its rate is the slip velocity.
         degree: of the spline through the samples: 1 joins them by lines, so that velocities jump; 3, 5 or 7
             is smooth, with an error of the fourth, sixth or eighth order in the time between samples.
         period: after which the path repeats itself [s], see `Waveform.sampled`; None is once.

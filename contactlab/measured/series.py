@@ -9,7 +9,7 @@ Forces are means over the interval that ends at their time, as of a run. A conta
 path, where there is a column `slip`:
 
     time                            s, increasing
-    slip, gap or normal             way along the surface [m]; gap [m] or normal force [N] that is prescribed
+    slip, gap or normal             displacement along the surface [m]; prescribed gap [m] or normal force [N]
     normal_force, friction_force    N, measured at these times; optional, but for a fit
     normal_force_error, ...         as of a motor
 

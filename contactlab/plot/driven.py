@@ -80,7 +80,7 @@ def _draw_friction(axes: Axes, run: Recording) -> None:
     unit, scale = prefixed_unit(float(np.abs(way).max()), "m")
     axes.axhline(0.0, **ZERO)
     axes.plot(_between(way) / scale, drawable(run.series["friction_force"][1:]), color="black")
-    axes.set_xlabel(f"way along the surface ({unit})")
+    axes.set_xlabel(f"displacement along the surface ({unit})")
     axes.set_ylabel("friction (N)")
 
 

@@ -79,6 +79,6 @@ def draw_paths(runs: Mapping[str, "xarray.DataTree"], measured: "xarray.Dataset 
         for axes in row:
             axes.axhline(0.0, **ZERO)
         row[0].set_ylabel(f"{name.replace('_', ' ')} (N)")
-    panels[2].set_xlabel("way along the surface (um)")
+    panels[2].set_xlabel("displacement along the surface (um)")
     panels[3].set_xlabel("time (ms)")
     return legend_above(figure, panels[2])

@@ -22,7 +22,7 @@ CHAPTERS: Final = {
     "Parts of a composed law": (),
     "What is raised": (),
 }
-"""Rooms of the package by what their names are for."""
+"""Modules of the package by what their names are for."""
 
 FURTHER: Final = {
     "contactlab.measured.files": "files of measured impacts and series",

@@ -12,7 +12,8 @@ import contactlab as cl
 from contactlab.studies.orbit_figures import draw_curve
 
 # %%
-# As the clearance grows the tip reaches the rotor later and later, until it does not at all.
+# As the clearance grows the tip reaches the rotor later and later, until it does not at all. On the right is
+# the end of the branches: a rigid law folds there, and two motions share a clearance.
 
 figure, panels = plt.subplots(2, 2, figsize=(7.0, 4.2), sharex="col", layout="constrained")
 for number, law in enumerate(("hertz_penalty", "lagrange_stick", "newton")):
@@ -22,9 +23,6 @@ for number, law in enumerate(("hertz_penalty", "lagrange_stick", "newton")):
     for upper, lower in panels.T:
         draw_curve(upper, data, "rotor_velocity", law, f"C{number}")
         draw_curve(lower, data, "largest_multiplier", law, f"C{number}")
-
-# %%
-# On the right is the end of the branches: a rigid law folds there, and two motions share a clearance.
 
 for lower in panels[1]:
     lower.axhline(1.0, color="0.6", linewidth=0.6, zorder=0)

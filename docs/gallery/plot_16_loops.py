@@ -13,7 +13,7 @@ import contactlab as cl
 
 time = np.linspace(0.0, 1e-3, 1001)
 turn = 2e3 * np.pi * time
-way = 1e-6 * (np.sin(turn) + 0.5 * np.sin(3.0 * turn))
+path = 1e-6 * (np.sin(turn) + 0.5 * np.sin(3.0 * turn))
 frictions = {
     "Coulomb": cl.Coulomb(),
     "Mindlin": cl.Mindlin(),
@@ -26,7 +26,7 @@ for axes, (name, friction) in zip(panels.flat, frictions.items(), strict=True):
         cl.Composed(friction=friction),
         time[:-1],
         gap=-1e-6,
-        slip=way[:-1],
+        slip=path[:-1],
         degree=7,
         period=1e-3,
         duration=2e-3,
@@ -37,7 +37,7 @@ for axes, (name, friction) in zip(panels.flat, frictions.items(), strict=True):
     axes.plot(1e6 * middle, loop["friction_force"][1:])
     axes.set_title(name)
 for axes in panels[-1]:
-    axes.set_xlabel("way (um)")
+    axes.set_xlabel("displacement (um)")
 for axes in panels[:, 0]:
     axes.set_ylabel("friction (N)")
 plt.show()
