@@ -154,12 +154,17 @@ def _perform(lines: list[str]) -> None:
     if flags in (["--help"], ["-h"]) and not any(line.startswith("hydra.") for line in lines):
         print(_help(lines[:-1]))
         return
-    if any(line.startswith(("-", "hydra.mode", f"{EXPERIMENT}=")) for line in lines):
+    sweeps = flags in (["-m"], ["--multirun"])
+    if (flags and not sweeps) or any(line.startswith(("hydra.mode", f"{EXPERIMENT}=")) for line in lines):
         hydra.main(str(conf_directory()), COMMAND, **VERSION_BASE)(task)()
         return
     # Hydra composes once more to see whether the configuration asks for a sweep, which none of these can.
+    overrides = [line for line in lines if line not in flags]
     with started() as application:
-        application.run(COMMAND, task, [*lines, "hydra.mode=RUN"])
+        if sweeps:
+            application.multirun(COMMAND, task, [*overrides, "hydra.mode=MULTIRUN"])
+        else:
+            application.run(COMMAND, task, [*overrides, "hydra.mode=RUN"])
 
 
 def _help(lines: list[str]) -> str:
