@@ -26,27 +26,33 @@ BEFORE_GALLERY: Final = 100
 
 
 class Followed:
-    """Follows the pages that have pictures, one after the other, beside everything else."""
+    """Follows the pages whose pictures are not current, one after the other, beside everything else."""
 
     def __init__(self) -> None:
         self._pages: dict[str, Future[None]] = {}
 
     def begin(self, app: Sphinx) -> None:
-        """Begin to follow every page with pictures."""
+        """Begin to follow every page with pictures that are not current."""
         self._pages.clear()
         pages = ThreadPoolExecutor(1)
         for path in sorted(Path(app.srcdir).rglob("*.md")):
-            if pictures(path.read_text(encoding="utf-8")):
-                name = path.relative_to(app.srcdir).with_suffix("").as_posix()
-                self._pages[name] = pages.submit(made, path, Path(app.srcdir, MADE, name))
+            name = path.relative_to(app.srcdir).with_suffix("").as_posix()
+            kept, made_by = Path(app.srcdir, MADE, name), kept_pages.digest(path)
+            if pictures(path.read_text(encoding="utf-8")) and not kept_pages.is_current(kept, made_by):
+                self._pages[name] = pages.submit(made, path, kept, made_by)
         pages.shutdown(wait=False)
+
+    def outdated(self, *_: Any) -> list[str]:
+        """Return the pages to read again, as their pictures change."""
+        return [*self._pages]
 
     def fill(self, app: Sphinx, page: str, source: list[str]) -> None:
         """Show the pictures of a page where it names them, and lead to the page as a notebook."""
-        if page not in self._pages:
+        if not pictures(source[0]):
             return
         try:
-            self._pages[page].result()
+            if page in self._pages:
+                self._pages[page].result()
         except PageError as error:
             raise ExtensionError(str(error)) from error
         name = f"{Path(page).name}.ipynb"
@@ -56,15 +62,12 @@ class Followed:
         source[0] = with_pictures(source[0], f"/{MADE}/{page}").replace(NOTEBOOK, link)
 
 
-def made(path: Path, kept: Path) -> None:
-    """Do what a page says, and keep the pictures that it names in a folder, unless they are there.
+def made(path: Path, kept: Path, made_by: str) -> None:
+    """Do what a page says, keep the pictures that it names in a folder, and note what they are made by.
 
     Raises:
         PageError: the page is wrong.
     """
-    made_by = kept_pages.digest(path)
-    if kept_pages.is_current(kept, made_by):
-        return
     text, logger = path.read_text(encoding="utf-8"), logging.getLogger(__name__)
     with TemporaryDirectory() as folder:
         with Desk(Path(folder), surroundings(Path(sys.executable))) as desk:
@@ -81,5 +84,6 @@ def setup(app: Sphinx) -> dict[str, Any]:
     """Register what follows the pages."""
     followed = Followed()
     app.connect("builder-inited", followed.begin, priority=BEFORE_GALLERY)
+    app.connect("env-get-outdated", followed.outdated)
     app.connect("source-read", followed.fill)
     return {"version": "1", "parallel_read_safe": False, "parallel_write_safe": True}
