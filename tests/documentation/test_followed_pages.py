@@ -1,4 +1,4 @@
-"""A page with pictures is followed once, is read again as its pictures change, and its faults end the build."""
+"""A page with pictures is followed once, read again as its pictures change, and its faults end the build."""
 
 from pathlib import Path
 from types import SimpleNamespace
