@@ -56,6 +56,18 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
     assert set(run["contact_mode"].values.tolist()) == {1}
 
 
+def test_the_work_of_a_path_is_that_in_a_turned_frame() -> None:
+    """Turned samples are the turned path; N n' + F t' of forces turned back is the same power."""
+    c, s = np.cos(0.3), np.sin(0.3)
+    normal, along = -1e-6 * TIME / DURATION, 1e-6 * np.sin(TURN * TIME)
+    run = cl.drive(HERTZ, TIME, gap=c * normal - s * along - 1e-6, slip=s * normal + c * along, degree=1)
+    push, rub = run["normal_force"].values[1:], run["friction_force"].values[1:]
+    # Records are at the samples, between which the path is straight: mean forces times the way are the work.
+    np.testing.assert_allclose(run["time"], TIME, atol=1e-15)
+    work = (c * push + s * rub) @ np.diff(normal) + (c * rub - s * push) @ np.diff(along)
+    np.testing.assert_allclose(run["drive_work"][-1], -work, rtol=1e-9)
+
+
 @pytest.mark.parametrize("degree", [1, 3, 7])
 def test_a_slip_turns_half_way_between_two_samples(degree: int) -> None:
     """There steps of powers of two end on the reversal but for the last digit of the clock."""

@@ -22,7 +22,7 @@ import pandas
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_kind
+from contactlab.checks import accepts_units, check_kind, check_number
 from contactlab.engine.preparation import check_law
 from contactlab.impacts import NORMAL, delassus_of, normal_quantities
 from contactlab.inference.free_parameters import (
@@ -361,6 +361,11 @@ def identify(
         '3.974e+09 N/m^1.5'
     """
     check_law(law)
+    check_number("tolerance", tolerance)
+    if not 0.0 < tolerance < inf:
+        raise ValueError(f"tolerance is {tolerance}; it must be greater than 0 and finite.")
+    if free is not None and not (isinstance(free, list | tuple) and all(isinstance(x, str) for x in free)):
+        raise TypeError(f"free is {free!r}; it must be a list of names.")
     required = {"restitution": restitution, "contact_time": contact_time}
     required |= {"peak_force": peak_force, "penetration": penetration}
     data = tuple(datum for name, x in required.items() if x is not None for datum in Datum.each(name, x))

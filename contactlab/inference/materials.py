@@ -59,8 +59,8 @@ def effective_modulus(materials: Materials) -> float:
     Raises:
         TypeError, ValueError: these are no two materials, or there is none of such a name.
     """
-    pair = [*materials.split(" on ")] if isinstance(materials, str) else [*materials]
-    if len(pair) != 2:
+    pair = materials.split(" on ") if isinstance(materials, str) else materials
+    if not isinstance(pair, tuple | list) or len(pair) != 2:
         raise ValueError(f"materials is {materials!r}; it must be two of them, as 'steel on alumina'.")
     compliance = 0.0
     for item in pair:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import atan2, exp, gamma, log, pi, radians, sqrt, tan
+from math import atan2, exp, gamma, log, log1p, pi, radians, sqrt, tan
 from typing import Annotated, Any, final
 
 import numpy as np
@@ -356,6 +356,10 @@ def test_measured_quantities_agree_within_their_tolerance() -> None:
         (cl.HertzPenalty(), {"radius": "3 mm"}, "radius.* K "),
         (cl.HertzPenalty(), {"materials": "steel on wood", "radius": "3 mm"}, "wood.*alumina"),
         (cl.HertzPenalty(), {"materials": "steel", "radius": "3 mm"}, "materials is 'steel'"),
+        (cl.HertzPenalty(), {"materials": 3.0, "radius": "3 mm"}, "materials"),
+        (cl.Newton(), {"restitution": (0.8, -0.2)}, "speed of restitution"),
+        (cl.Newton(), {"restitution": (0.8, 0.2), "tolerance": -1e-6}, "tolerance"),
+        (cl.Newton(), {"restitution": (0.8, 0.2), "tolerance": np.nan}, "tolerance"),
         (cl.HertzPenalty(), {"materials": "steel on steel", "radius": "-3 mm"}, "radius is -0.003"),
         (cl.LagrangeStick(), {"friction_angle": "120 deg"}, "friction_angle"),
         (TensileDashpot(1e7, 1.0), {"friction_angle": 0.3}, "friction_angle sets no number"),
@@ -375,6 +379,9 @@ def test_an_impact_needs_a_mass() -> None:
             cl.identify(cl.Newton(), restitution="0.8 @ 0.5 m/s", mass=mass)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="law"):
         cl.identify("newton", restitution="0.8 @ 0.5 m/s", mass=MASS)  # type: ignore[arg-type]
+    for names in ("restitution", [3], 3):
+        with pytest.raises(TypeError, match="free"):
+            cl.identify(cl.Newton(), restitution="0.8 @ 0.5 m/s", mass=MASS, free=names)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="materials"):
         cl.identify(cl.HertzPenalty(), materials=("steel", 3.0), radius=3e-3)  # type: ignore[arg-type]
 
@@ -401,6 +408,31 @@ def test_the_table_over_the_speed_is_that_of_impacts(law: cl.ContactLaw) -> None
     assert_allclose(table.penetration, made.max_penetration, rtol=1e-12)
     assert (np.diff(table.restitution) < 0.0).all()
     assert {name: table[name].attrs["units"] for name in NORMAL} == {n: v.units for n, v in NORMAL.items()}
+
+
+def test_the_table_over_the_speed_has_the_closed_forms_of_hertz_hunt_and_crossley_and_tsuji() -> None:
+    speeds, stiffness = np.geomspace(1e-3, 1.0, 9), 1e9
+    table = cl.normal_impact(cl.HertzPenalty(stiffness), speeds, mass=MASS, tolerance=1e-11)
+    time, force = np.transpose([hertz(stiffness, MASS, v) for v in speeds])
+    columns = np.ones(9), time, force, (force / stiffness) ** (2.0 / 3.0)
+    for name, expected in zip(NORMAL, columns, strict=True):
+        assert_allclose(table[name], expected, rtol=1e-8, err_msg=name)
+
+    tuned = cl.Composed(damping=cl.HuntCrossley(0.8, impact_speed=0.1))
+    table = cl.normal_impact(tuned, speeds, mass=MASS, tolerance=1e-11)
+
+    def balance(e: float, loss: float) -> float:
+        return (1.0 + e) * loss - log1p(loss) + log1p(-e * loss)
+
+    # (1 + e) D = ln((1 + D)/(1 - e D)) with D = a v, which a restitution of 0.8 at 0.1 m/s determines.
+    a = scipy.optimize.brentq(lambda a: balance(0.8, 0.1 * a), 0.1, 10.0, xtol=1e-14)
+    ends = [min(1.0, (1.0 - 1e-12) / (a * v)) for v in speeds]
+    e = [scipy.optimize.brentq(balance, 0.0, x, (a * v,), 1e-14) for v, x in zip(speeds, ends, strict=True)]
+    assert_allclose(table.restitution, e, rtol=1e-8)
+
+    always = cl.Composed(damping=cl.Tsuji(0.6, MASS))
+    table = cl.normal_impact(always, speeds, mass=MASS, tolerance=1e-11)
+    assert_allclose(table.restitution, 0.6, rtol=1e-8)
 
 
 def test_bodies_that_do_not_part_have_no_restitution() -> None:
