@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
-from hashlib import blake2b
+from hashlib import sha256
 from math import inf
 from typing import Any, Final, NamedTuple, final
 from zlib import crc32
@@ -601,10 +601,10 @@ def prepared(
 def signature_of(law: ContactLaw, *contents: Any) -> int:
     """Return a number that identifies the classes of a law and its parts, and arrays."""
     names = ",".join(f"{each.__module__}.{each.__qualname__}" for each in classes_of(law))
-    digest = blake2b(names.encode(), digest_size=8)
+    digest = sha256(names.encode())
     for content in contents:
         digest.update(content.tobytes())
-    return int.from_bytes(digest.digest(), "little", signed=True)
+    return int.from_bytes(digest.digest()[:8], "little", signed=True)
 
 
 def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, LawErrors]:

@@ -34,6 +34,7 @@ from contactlab.engine.state import (
     TOUCHING,
     Run,
     State,
+    changed_leaves,
     state_as_value,
     state_from_value,
 )
@@ -273,9 +274,9 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any
     before = run.step["saved"][0]
     for name in ("normal_force", "friction_force", "initial_energy", "end", "contact_of_run"):
         before[name] = state[name]
-    end, start = state_as_value(state, q, v), state_as_value(before, modes["saved_q"], modes["saved_v"])
-    other = [name for name in end if np.asarray(start[name]).tobytes() != np.asarray(end[name]).tobytes()]
-    return end | {BEFORE + name: start[name] for name in other}
+    start = state_as_value(before, modes["saved_q"], modes["saved_v"])
+    other = ["q", "v", *changed_leaves(before, state)]
+    return state_as_value(state, q, v) | {BEFORE + name: start[name] for name in other}
 
 
 @final

@@ -304,8 +304,14 @@ BYTES: Final = np.dtype((np.void, STATE.itemsize))
 
 def state_as_value(state: Any, q: Array, v: Array) -> State:
     """Return a state as a plain dict of arrays and numbers."""
-    values = state.copy().view(LEAVES).item()
+    values = state.view(BYTES).copy().view(LEAVES).item()
     return {"q": q.copy(), "v": v.copy(), **dict(zip(_names, values, strict=True))}
+
+
+def changed_leaves(state: Any, other: Any) -> list[str]:
+    """Return the dotted names of the fields whose bits are not the same in two states."""
+    bits, others = (np.frombuffer(each.tobytes(), np.uint8) for each in (state, other))
+    return [_names[i] for i in np.flatnonzero(np.logical_or.reduceat(bits != others, _offsets))]
 
 
 def state_from_value(value: State, prefix: str = "") -> tuple[Any, Array, Array]:
