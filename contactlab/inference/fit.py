@@ -35,6 +35,7 @@ from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import FreeParameter, label_of
+from contactlab.inference.held_out import HeldOut, folds_of, held_out_misfits, residuals_of
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.joint_problem import JointProblem
 from contactlab.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
@@ -278,6 +279,7 @@ def fitted(
     points: int = POINTS,
     seed: int = 0,
     starts: int = STARTS,
+    held_out: HeldOut = "off",
     checkpoint: Path | None = None,
     workers: int | None = None,
 ) -> xarray.DataTree:
@@ -288,18 +290,21 @@ def fitted(
         points: live points of nested sampling.
         seed: the same gives the same bits.
         starts: of least squares.
+        held_out: parts of the data that are predicted by fits to the others.
         checkpoint: file from which an interrupted fit resumes.
         workers: processes; None is one a processor where that pays.
 
     Returns:
         ArviZ's groups posterior, posterior_predictive, log_likelihood, sample_stats and observed_data;
-        weighted_samples of nested sampling; summary, a row for each number; attributes.
+        weighted_samples of nested sampling; summary, a row for each number; residuals at the optimum, and
+        held_out if wanted, unless the response is no function of its inputs; attributes.
 
     Raises:
         NoSamplerError: dynesty is not installed.
         ValueError: the law predicts nothing at any start.
     """
     problem, best = candidate.problem, None
+    folds = None if held_out == "off" else folds_of(problem, held_out)
     if problem.parameters:
         try:
             with part_of_progress(0.0, SEARCHED, f"{candidate.label}: "):
@@ -338,6 +343,11 @@ def fitted(
         known = {name: x[: data.sizes[name]] for name, x in coordinates.items() if name in data.dims}
         tree[group] = xarray.DataTree(data.assign_coords(known))
     tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
+    if spread <= MARGIN:
+        values = np.empty(0) if best is None else best.values
+        tree["residuals"] = xarray.DataTree(residuals_of(problem, problem.residuals(values)))
+        if folds:
+            tree["held_out"] = xarray.DataTree(held_out_misfits(problem, folds, values, seed))
     coverage = _coverage(problem, predictive["posterior_predictive"])
     tree.attrs = {**_attributes(candidate, best, posterior), "spread": spread, **coverage, **checks}
     explains = spread <= MARGIN and coverage["covers"] and min(checks.values()) >= IMPROBABLE

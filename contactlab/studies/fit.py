@@ -28,6 +28,7 @@ from contactlab.inference.fit import (
     misfits,
     of_law,
 )
+from contactlab.inference.held_out import HeldOut, folds_of
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.laws import ContactLaw
@@ -73,6 +74,9 @@ class Fit(Study):
     discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
     student: Annotated[OrFree, option("degrees of freedom of Student-t noise, or free", above=0.0)] = None
     series: Annotated[list[str] | None, option("series of the data; all")] = None
+    held_out: Annotated[
+        HeldOut, option("what is predicted by fits to the rest: off, files, or cycles of loops")
+    ] = "off"
     points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
@@ -177,10 +181,14 @@ class Fit(Study):
         available()
         # Likelihoods are evaluated by several processes where the laws are not.
         workers = None if self.workers == 1 and self.scheduler is None else 1
-        settings = {"points": self.points, "seed": self.seed, "starts": self.starts}
+        settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "starts": self.starts}
+        settings["held_out"] = self.held_out
+        every = self.candidates(setups)
+        if self.held_out != "off":
+            folds_of(every[0].problem, self.held_out)
         return [
             Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings, workers), resumes=True)
-            for item in self.candidates(setups)
+            for item in every
         ]
 
     def _digest(self, candidate: Candidate) -> str:
@@ -188,7 +196,7 @@ class Fit(Study):
         free = [str(item) for item in candidate.problem.free]
         data = [item.values.tobytes() for item in candidate.problem.data.values()]
         code = (version("dynesty"), *code_in(yaml.safe_load(candidate.origin["configuration"])))
-        parts = (candidate.label, *candidate.origin.items(), *free, *code, *data)
+        parts = (candidate.label, *candidate.origin.items(), *free, *code, *data, self.held_out)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
@@ -231,6 +239,8 @@ class Fit(Study):
             ]
             none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
             tables["evidence"] = table(rows, caption=f"Evidence{none}")
+        if unseen := [row for label, fit in data.children.items() for row in _unseen(label, fit)]:
+            tables["held_out"] = table(unseen, caption="Held out: root mean square of residuals over errors")
         for label, fit in data.children.items():
             end, rows = _ending(data, label), []
             for row in _rows(fit):
@@ -251,7 +261,7 @@ class Fit(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return, for each law, the posterior of all pairs of numbers, and data beside predictions."""
         # Imported here: it brings matplotlib.
-        from contactlab.studies.fit_figures import draw_corner, draw_predictions, sets_in
+        from contactlab.studies.fit_figures import draw_corner, draw_predictions, draw_residuals, sets_in
 
         figures = {}
         for label, fit in data.children.items():
@@ -260,11 +270,13 @@ class Fit(Study):
                 figures[f"predictions{_ending(data, label)}{each and f'_{each}'}"] = draw_predictions(
                     fit, each
                 )
+            if "residuals" in fit.children and len(sets_in(fit)) > 1:
+                figures[f"residuals{_ending(data, label)}"] = draw_residuals(fit)
         return figures
 
 
 def _fitted(
-    candidate: Candidate, settings: dict[str, int], workers: int | None, checkpoint: Path | None = None
+    candidate: Candidate, settings: dict[str, Any], workers: int | None, checkpoint: Path | None = None
 ) -> Part:
     return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers))
 
@@ -274,6 +286,20 @@ def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:
     data = fit["summary"].to_dataset().drop_dims("other")
     rows: list[dict[str, Any]] = data.to_dataframe().reset_index().to_dict("records")
     return rows
+
+
+def _unseen(label: str, fit: xarray.DataTree) -> Iterable[dict[str, Any]]:
+    """Yield a row for each part of the data that was held out."""
+    if "held_out" in fit.children:
+        data = fit["held_out"].to_dataset().drop_dims("parameter")
+        for row in data.to_dataframe().reset_index().to_dict("records"):
+            yield {
+                "law": label,
+                "held out": row["fold"],
+                "residuals": row["count"],
+                "misfit": row["misfit"],
+                "misfit when fitted": row["fitted_misfit"],
+            }
 
 
 def _ending(data: xarray.DataTree, label: str) -> str:

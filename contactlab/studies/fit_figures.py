@@ -120,6 +120,26 @@ def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
     return figure
 
 
+def draw_residuals(fit: xarray.DataTree) -> Figure:
+    """Draw residuals over errors of every data set in their order, and their distribution beside N(0, 1)."""
+    data = fit["residuals"].to_dataset()
+    figure, panels = drawing(len(data), 2, 1.5 * len(data) + 0.3, width_ratios=[3, 1], sharey="row")
+    for (name, item), axes, side in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
+        values = item.values.ravel()
+        axes.axhspan(-2.0, 2.0, **_BAND)
+        axes.plot(values, ".", color="black", markersize=1.5 if values.size > FEW else 4.0)
+        axes.set_ylabel(str(name).replace(".", "\n").replace("_", " "))
+        if np.isfinite(values).all():
+            side.hist(values, bins=BINS, orientation="horizontal", density=True, color="0.75")
+        low, high = axes.get_ylim()
+        place = np.linspace(low, high, 200)
+        side.plot(np.exp(-0.5 * place**2) / np.sqrt(2.0 * np.pi), place, color=COLOURS["stick"])
+    panels[-2].set_xlabel("residuals over errors, in the order of the data")
+    panels[-1].set_xlabel("density")
+    figure.align_ylabels()
+    return figure
+
+
 def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str) -> Figure:
     """Draw each quantity with its band, and below both less the median of the predictions."""
     order = np.argsort(place, kind="stable")
