@@ -7,14 +7,12 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import settings
 from support.command_line import Command
 from support.sweeps import Simulations
 from threadpoolctl import threadpool_limits
-from xdist.scheduler import LoadFileScheduling
 
 from contactlab.cli import main as cli
 
@@ -28,11 +26,8 @@ settings.load_profile("repeatable")
 MOST_WORKERS = 8
 """Beyond these the longest modules set the pace, and each worker takes 0.4 GB."""
 
-SPREAD = ("test_blocks.py", "test_killed.py", "test_experiments.py")
-"""Modules whose tests share nothing and take up to minutes: whichever worker is free takes the next one."""
-
 LONGEST = (
-    *SPREAD,
+    *("test_blocks.py", "test_killed.py", "test_experiments.py"),
     *("test_contract.py", "test_compare.py", "test_compare_recorded.py", "test_cross_validation.py"),
     *("test_reading.py", "test_own_study.py", "test_sweep_jobs.py", "test_collect.py", "test_saboteurs.py"),
 )
@@ -70,19 +65,6 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     if hasattr(os, "sched_getaffinity"):
         return min(len(os.sched_getaffinity(0)), MOST_WORKERS)
     return min(os.cpu_count() or 1, MOST_WORKERS)
-
-
-class Scheduling(LoadFileScheduling):
-    """Gives a worker all tests of a module, which share what is made for them, or one that shares nothing."""
-
-    def _split_scope(self, nodeid: str) -> str:
-        module = nodeid.partition("::")[0]
-        return nodeid if Path(module).name in SPREAD else module
-
-
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Scheduling | None:
-    """The scheduling above, unless another is chosen."""
-    return Scheduling(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

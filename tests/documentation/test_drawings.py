@@ -21,6 +21,7 @@ def extents(drawing: str) -> np.ndarray:
     return np.array([[p[::2].min(), p[::2].max(), p[1::2].min(), p[1::2].max()] for p in paths])
 
 
+@pytest.mark.long
 def test_the_script_makes_the_drawings_that_pages_show(tmp_path: Path) -> None:
     drawings.main(tmp_path)
     made = {path.name: path.read_text(encoding="utf-8") for path in tmp_path.iterdir()}

@@ -271,6 +271,7 @@ def test_every_number_that_a_quantity_tells_comes_back_from_it(law: cl.ContactLa
         assert_allclose(result.quantities["residual"], 0.0, atol=1e-9)
 
 
+@pytest.mark.long
 @settings(max_examples=15)
 @given(st.floats(6.0, 13.0), st.floats(0.05, 0.99), st.floats(-5.0, 0.0))
 def test_two_quantities_bring_two_numbers_back_and_the_table_says_which_from_which(

@@ -186,6 +186,7 @@ def test_a_compliant_law_that_made_the_impacts_beats_the_rigid_ones() -> None:
     assert np.median(ratio) == pytest.approx(0.8, rel=0.1)
 
 
+@pytest.mark.long
 def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> None:
     write_impacts(struck_discs(TRUTH, 30, seed=0, spread=SPREAD), Path("discs.csv"))
     overrides = ["law=newton", "contact.friction_coefficient=0.05..0.5", "--folds", "2", "--output", "here"]

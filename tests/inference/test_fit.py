@@ -157,6 +157,7 @@ def test_several_laws_have_free_numbers_of_their_own(impacts):
     assert "law.normal.loading_stiffness" in result.data["newton"].attrs["findings"]
 
 
+@pytest.mark.long
 def test_no_odds_are_stated_where_the_stated_noise_is_far_too_small(impacts):
     result = cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, noise=0.0025, **FEW)
 

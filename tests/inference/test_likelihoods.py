@@ -105,6 +105,7 @@ def test_student_densities_are_those_of_an_independent_library(degrees_of_freedo
     )
 
 
+@pytest.mark.long
 def test_student_noise_finds_the_friction_that_outliers_hide_from_normal_noise():
     law = cl.law("newton", restitution=0.6, friction_coefficient=0.2)
     data = without_errors(made_impacts(law, 300, 0.02, 3))

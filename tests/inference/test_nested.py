@@ -83,6 +83,7 @@ def test_evidence_of_impacts_is_that_of_quadrature():
     assert result.log_evidence == pytest.approx(logsumexp(grid) - np.log(1600), abs=3.0 * result.error)
 
 
+@pytest.mark.long
 def test_a_number_that_fills_its_range_beside_one_that_is_well_known_costs_few_evaluations():
     # With so much friction every contact sticks: ellipsoids that hold all of it reach far out of the prior.
     law = cl.law("newton", restitution=0.86, friction_coefficient=0.54)
@@ -96,6 +97,7 @@ def test_a_number_that_fills_its_range_beside_one_that_is_well_known_costs_few_e
     assert result.calls < 5000
 
 
+@pytest.mark.long
 def test_the_same_seed_gives_the_same_bits_by_any_number_of_processes_and_after_a_stop(tmp_path, monkeypatch):
     whole = sample(Linear(), points=25, seed=9, workers=1)
     others = sample(Linear(), points=25, seed=9, workers=2)

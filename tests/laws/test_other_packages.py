@@ -56,6 +56,7 @@ def results(elsewhere: Elsewhere) -> Results:
     return dict(zip(lines, elsewhere.commands(lines), strict=True))
 
 
+@pytest.mark.long
 def test_the_listing_has_sound_ones_with_their_package_and_broken_ones_with_the_reason(
     results: Results,
 ) -> None:

@@ -128,10 +128,8 @@ def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses:
         assert errors.mean() == pytest.approx(expected, abs=5e-4)
 
 
-@pytest.mark.parametrize(
-    ("name", "slip", "incidence"),
-    [pytest.param("newton", 63, 54, marks=pytest.mark.long), ("poisson", 57, 47)],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("name", "slip", "incidence"), [("newton", 63, 54), ("poisson", 57, 47)])
 def test_a_restitution_of_slip_or_incidence_gains_less_than_tangential_compliance(
     ellipses: MeasuredImpacts, name: str, slip: int, incidence: int
 ) -> None:

@@ -257,6 +257,7 @@ def test_the_covariance_is_of_what_the_true_law_leaves_of_the_example() -> None:
     assert 0.3 < squares[:, 1].mean() < 1.0 + 3.0 * np.sqrt(2.0 / 35)
 
 
+@pytest.mark.long
 def test_a_file_of_tracks_is_validated_with_a_picture_of_them_and_fitted(tmp_path: Path) -> None:
     path = tmp_path / "throws.csv"
     write_throws(path, 6, 3, NOISE, seed=9)

@@ -73,6 +73,7 @@ def _open(browser: str, page: Path, size: tuple[int, int], *options: str) -> str
     ).stdout
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [(1280, 900), (390, 844)])
 def test_nothing_is_wider_than_the_page(
     browser: str, report: Path, tmp_path: Path, size: tuple[int, int]

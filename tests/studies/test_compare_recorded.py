@@ -165,6 +165,7 @@ def test_an_incomplete_run_is_refused(tmp_path: Path) -> None:
         cl.compare(folder)
 
 
+@pytest.mark.long
 def test_a_file_of_ones_own_takes_part_as_it_is(sweep: Path, tmp_path: Path) -> None:
     own = tmp_path / "bench.nc"
     kept = read_run(_files(sweep)[2]).to_dataset(inherit=False)[["rotor_velocity", "gap"]]

@@ -155,7 +155,8 @@ def test_two_processes_in_a_folder_leave_the_same_bytes(elsewhere: Elsewhere, wh
     assert bytes_of(elsewhere.folder / "shared") == bytes_of(whole)
 
 
-@pytest.mark.parametrize("at", [pytest.param(3, marks=pytest.mark.long), 6])
+@pytest.mark.long
+@pytest.mark.parametrize("at", [3, 6])
 def test_tasks_that_another_process_removes_are_done_again(
     elsewhere: Elsewhere, whole: Path, at: int
 ) -> None:
@@ -236,6 +237,7 @@ except cl.WorkerError as error:
 """
 
 
+@pytest.mark.long
 def test_a_worker_that_loads_other_code_than_the_process_that_keeps_its_parts_is_refused(
     elsewhere: Elsewhere, tmp_path: Path
 ) -> None:

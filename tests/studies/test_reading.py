@@ -59,7 +59,7 @@ def files(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-@pytest.mark.parametrize("name", cases(STUDIES, ("branch", "basins", "fit", "synthetic")))
+@pytest.mark.parametrize("name", cases(STUDIES, ("branch", "basins", "synthetic")))
 def test_the_file_alone_gives_the_result_and_the_same_files(name: str, tmp_path: Path) -> None:
     made = STUDIES[name](tmp_path / "made")
     again = cl.load(tmp_path / "made" / f"{name}.nc")
