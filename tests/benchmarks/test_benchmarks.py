@@ -8,6 +8,7 @@ import benchmark_impacts
 import benchmark_sweep
 import benchmark_waits
 import pytest
+import times
 import work_precision
 
 from contactlab.laws import LAWS
@@ -53,3 +54,12 @@ def test_what_users_wait_for_is_timed(
     monkeypatch.setattr(sys, "argv", ["benchmark_waits", "1", "--only=help", f"--other={sys.executable}"])
     benchmark_waits.main()
     assert [line.split()[0] for line in capsys.readouterr().out.splitlines()] == ["help", "--help"]
+
+
+@pytest.mark.parametrize("motor", [times.Motor, times.ConvergedBeam])
+def test_what_is_timed_over_the_history_runs(motor: type[times.Motor]) -> None:
+    timed = motor()
+    timed.setup("newton")
+    for name in dir(timed):
+        if name.startswith("time_"):
+            getattr(timed, name)("newton")
