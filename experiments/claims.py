@@ -35,6 +35,7 @@ PAGES: Final = (
             "when_laws_matter",
             "published_motor",
             "measurements",
+            "accuracy",
         )
     ),
 )
@@ -595,6 +596,28 @@ def finding(experiment: str) -> str:
     return with_age("experiments", [experiment], str(results("experiments")[experiment]["finding"]))
 
 
+def impact_mass() -> str:
+    """Return the mass that an impact meets, and settled velocities, over the number of modes."""
+    kept: dict[tuple[object, object], dict[bool, Mapping[str, Any]]] = {}
+    for row in rows_of("impact_mass"):
+        own = kept.setdefault((row["damping ratio [1]"], row["kept modes [1]"]), {})
+        own[row["residual mass"]] = row
+    laws = ("newton", "lagrange_stick", "hertz_penalty")
+    names = ("mass in 0.01 ns [g]", *(f"{law} [rad/s]" for law in laws))
+    rows = (
+        (*those, *(", ".join(f"{own[residual][name]:.4f}" for residual in (False, True)) for name in names))
+        for those, own in kept.items()
+    )
+    head = (
+        "damping ratio",
+        "kept modes",
+        "mass in 0.01 ns (g): without, with",
+        *(f"`{x}` (rad/s)" for x in laws),
+    )
+    text = results("experiments")["impact_mass"]["finding"]
+    return with_age("experiments", ["impact_mass"], f"{text}\n\n{markdown(head, rows)}")
+
+
 def first_table() -> str:
     """Return the numbers of the paper's Table 1, the printed ones in brackets."""
     cells: dict[str, dict[str, str]] = {}
@@ -615,6 +638,7 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "by damping": by_damping,
     "experiments": experiments,
     "of Table 1": first_table,
+    "of impact mass": impact_mass,
     **{f"of {short}": partial(finding, name) for short, name in OF_THE_PAPER.items()},
     "laws against ellipses": laws_against_ellipses,
     "free geometry": free_geometry,

@@ -6,11 +6,9 @@ No parameter is fitted. Stiffness and Mindlin's ratio are those of the materials
 those measured.
 """
 
-import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import nan
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 import numpy as np
 import sphere_rebounds as spheres
@@ -110,7 +108,6 @@ class ObliqueSpheres(Experiment):
         "Kharaz et al. (2001): the tangential restitution of 5 mm alumina spheres on glass falls to 0.60 "
         "near 20 degrees. A rigid contact that sticks leaves 5/7."
     )
-    patterns: ClassVar[Mapping[str, re.Pattern[str]]] = {"path": re.compile(r"[^=]+")}
 
     path: Annotated[str, option("CSV file of the measured rebounds")]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sphere_rebounds as spheres
-from oblique_spheres import DIP, RIGID_STICK, WITHIN
+from oblique_spheres import DIP, RIGID_STICK, WITHIN, ObliqueSpheres
 from sphere_laws import ALUMINA_ON_GLASS, Pair
 from support.measurements import SPHERES
 
@@ -46,6 +46,10 @@ def test_a_rigid_law_leaves_five_sevenths_in_stick_and_never_less(
     result = predicted(rigid(mu, e), ANGLES)["tangential_restitution"]
     sliding = 1.0 - mu * (1.0 + e) / np.tan(np.radians(ANGLES))
     np.testing.assert_allclose(result, np.maximum(RIGID_STICK, sliding), rtol=1e-12)
+
+
+def test_the_experiment_takes_its_file() -> None:
+    assert ObliqueSpheres(path="rebounds.csv").path == "rebounds.csv"
 
 
 def test_sliding_is_that_of_the_closed_form_with_microslip_too() -> None:
