@@ -43,7 +43,7 @@ class Motor:
 
 
 class ConvergedBeam(Motor):
-    """The same on the converged beam."""
+    """The default motor on the converged beam."""
 
     def setup(self, law: str) -> None:
         """Build the motor, and compile what it needs."""
