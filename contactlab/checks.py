@@ -18,6 +18,9 @@ from contactlab.quantity import in_si
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
 
+FEW_RECORDS = 10_000
+"""Records for which nobody asks the system how much memory there is."""
+
 MOST_RECORDS = 10_000_000
 """Records of one run."""
 
@@ -142,6 +145,8 @@ def check_records(duration: float, interval: float, name: str) -> None:
         name: of the interval.
     """
     count = duration / interval
+    if count <= FEW_RECORDS:
+        return
     most = min(float(MOST_RECORDS), available_memory() / RECORD_SIZE)
     if count > most:
         raise ValueError(

@@ -19,6 +19,8 @@ class Motor:
 
     params, param_names = [LAWS], ["law"]
     timer = staticmethod(process_time)
+    # The first of a law compiles.
+    timeout = 600.0
 
     def setup(self, law: str) -> None:
         """Build the motor, and compile what it needs."""

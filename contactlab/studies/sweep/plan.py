@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
 import numpy as np
 from pydantic import TypeAdapter
 
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import with_references
 from contactlab.config.faults import faults_added, raise_faults
 from contactlab.config.nesting import Value
@@ -383,7 +383,7 @@ def _built(configuration: Configuration) -> Setup:
         raise ConfigurationError(
             f"study.data state a motor of their own; a sweep of {study.name} would not be of it."
         )
-    return build(run)
+    return rebuild(run)
 
 
 def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: Outputs) -> Iterator[str]:
