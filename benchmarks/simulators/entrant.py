@@ -8,10 +8,14 @@ from typing import Any
 
 import numpy as np
 
+# The module of the bench, by its folder: an environment of simulators has no contactlab.
+from measures import Numbers, of_block, of_bounce
+
+__all__ = ["SETTLING", "Numbers", "Values", "of_block", "of_bounce", "of_impact", "push_at", "serve"]
+
 SETTLING = 0.2
 """Time for which a block rests on a soft contact before it is loaded [s]."""
 
-Numbers = Mapping[str, float]
 Values = Mapping[str, float]
 
 
@@ -51,42 +55,8 @@ def push_at(numbers: Numbers, time: float, way: float) -> float:
     return float(cone * (numbers["push"] + numbers.get("amplitude", 0.0) * np.cos(phase)) - spring)
 
 
-def of_block(numbers: Numbers, time: Any, way: Any, velocity: float) -> Values:
-    """Return velocity [m/s], drift [m], and with a spring amplitude [m] and period [s] of the oscillation.
-
-    Args:
-        numbers: of the question.
-        time, way: series of [s] and of the displacement on the plane [m].
-        velocity: at the end [m/s].
-    """
-    time, way = np.asarray(time), np.asarray(way)
-    since = numbers.get("since", 0.0)
-    values = {"velocity": velocity, "drift": way[-1] - np.interp(since, time, way)}
-    if "stiffness" in numbers:
-        late = time >= since
-        t, x = time[late], (way + numbers["belt_velocity"] * time)[late]
-        x = x - 0.5 * (x.max() + x.min())
-        up = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
-        crossings = t[up] - x[up] * (t[up + 1] - t[up]) / (x[up + 1] - x[up])
-        values["period"] = float(np.mean(np.diff(crossings))) if crossings.size > 1 else np.nan
-        values["amplitude"] = 0.5 * float(np.ptp(x))
-    return values
-
-
-def thrown(numbers: Numbers) -> dict[str, float]:
-    """Return the velocity of the centre [m/s] and the contact point from there [m]."""
-    angle, tilt = np.deg2rad(numbers["angle"]), np.deg2rad(numbers["tilt"])
-    speed, arm = numbers["speed"], numbers["arm"]
-    return {
-        "along": speed * np.cos(angle),
-        "down": speed * np.sin(angle),
-        "lever_x": arm * np.cos(tilt),
-        "lever_z": -arm * np.sin(tilt) - numbers["radius"],
-    }
-
-
 def of_impact(numbers: Numbers, gap_rate: float, along: float, up: float, turning: float) -> Values:
-    """Return rebound and energy over those before.
+    """Return rebound and energy over those before, and the slip velocity [m/s].
 
     Args:
         numbers: of the question.
@@ -96,15 +66,7 @@ def of_impact(numbers: Numbers, gap_rate: float, along: float, up: float, turnin
     """
     energy = numbers["mass"] * (along**2 + up**2) + numbers["inertia"] * turning**2
     return {
-        "rebound": gap_rate / thrown(numbers)["down"],
-        "energy": energy / (numbers["mass"] * numbers["speed"] ** 2),
+        "rebound": -gap_rate / numbers["rate"],
+        "energy": 0.5 * energy / numbers["kinetic"],
+        "slip": abs(along + numbers["lever_z"] * turning),
     }
-
-
-def of_bounce(numbers: Numbers, time: Any, height: Any, speed: float) -> Values:
-    """Return the last time above the threshold over the height at the end [s], and the speed then [m/s]."""
-    time, height = np.asarray(time), np.asarray(height)
-    excess = height - height[-1] - numbers["threshold"]
-    i = int(np.flatnonzero(excess > 0.0)[-1])
-    last = time[i] + (time[i + 1] - time[i]) * excess[i] / (excess[i] - excess[i + 1])
-    return {"time": last, "speed": abs(speed)}

@@ -3,26 +3,40 @@
     python benchmarks/simulators/run.py
 
 Installs the simulators in an environment of its own in a temporary folder, writes results.json beside this
-file, and from it the findings and the table of docs/simulators.md. It takes some three minutes.
+file, and from it the findings and the table of docs/simulators.md. It takes some five minutes.
 """
 
 import json
+import os
 import subprocess
 import sys
 import venv
 from collections.abc import Iterator
 from importlib.metadata import version
+from itertools import groupby
 from math import isfinite, nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Final
 
 import simulator_page
-from questions import questions
+
+import contactlab as cl
+from contactlab.arrays import Array
+from contactlab.inference.free_parameters import label_of
+from contactlab.studies.bench import measures
+from contactlab.studies.bench.questions import questions
+from contactlab.studies.bench.responses import responses_of
 
 HERE: Final = Path(__file__).parent
 
 PACKAGES: Final = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "exudyn": "Exudyn", "scipy": "SciPy"}
+
+LAWS: Final = (
+    *(cl.Newton(), cl.Poisson(), cl.LagrangeStick()),
+    cl.Composed(cl.HertzPoint(stiffness=1e10), cl.Flores(), cl.Coulomb()),
+)
+"""Laws of contactlab: rigid ones in their limit of no step, and steel of some millimetres of radius."""
 
 DIGITS: Final = 12
 """Of the answers that are kept, and two of the ratios of time."""
@@ -51,9 +65,9 @@ class Entrant:
     """A process that answers questions."""
 
     def __init__(self, python: Path, script: str) -> None:
-        self.process = subprocess.Popen(
-            [python, HERE / f"{script}.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
+        paths = {**os.environ, "PYTHONPATH": str(Path(measures.__file__).parent)}
+        line, pipe = [python, HERE / f"{script}.py"], subprocess.PIPE
+        self.process = subprocess.Popen(line, stdin=pipe, stdout=pipe, text=True, env=paths)
         offers = self.line()
         self.settings, self.kinds = offers["settings"], offers["kinds"]
 
@@ -87,24 +101,30 @@ def rounded(value: float, digits: int = DIGITS) -> float | None:
     return 0.0 if abs(value) < ROUND_OFF else float(f"{value:.{digits}g}")
 
 
-def measured(entrant: Entrant) -> Iterator[tuple[str, dict[str, Any], float]]:
-    """Yield each setting with its answers, and the processor time of the blocks [s].
+def measured(entrant: Entrant) -> Iterator[tuple[str, list[float], list[float]]]:
+    """Yield each setting with its answers to all cases, and their processor times [s].
 
-    Every question is put twice: what is compiled or loaded at first has no part in the time.
+    Every question is put twice: what is loaded at first has no part in the time.
     """
     for setting in entrant.settings:
-        values: dict[str, dict[str, list[float | None]]] = {}
-        seconds = 0.0
-        for question in questions():
-            if question.kind not in entrant.kinds:
-                continue
-            for _ in range(2):
-                reply = entrant.reply(setting, question.kind, question.numbers)
-            for name in question.exact | question.at_most:
-                value = rounded(reply["answers"].get(name, nan))
-                values.setdefault(question.name, {}).setdefault(name, []).append(value)
-            seconds += reply["seconds"] * (question.kind == "block")
-        yield setting, values, seconds
+        responses, seconds = list[float](), list[float]()
+        for (_, _, kind), group in groupby(questions()[0], lambda case: case[:3]):
+            cases, reply = [*group], {"answers": {}, "seconds": 0.0}
+            for _ in range(2 * (kind in entrant.kinds)):
+                reply = entrant.reply(setting, kind, cases[0].numbers)
+            responses += [reply["answers"].get(case.quantity, nan) for case in cases]
+            seconds += [reply["seconds"] / len(cases)] * len(cases)
+        yield setting, responses, seconds
+
+
+def row(
+    entrant: str, setting: str, responses: list[float] | Array, seconds: list[float] | Array
+) -> dict[str, Any]:
+    """Return what is kept of a setting; its time is that of the blocks [s]."""
+    print(entrant, setting, file=sys.stderr)
+    blocks = [x for x, case in zip(seconds, questions()[0], strict=True) if case.kind == "block"]
+    values = [rounded(float(x)) for x in responses]
+    return {"entrant": entrant, "setting": setting, "values": values, "time": float(sum(blocks))}
 
 
 def main() -> None:
@@ -112,18 +132,14 @@ def main() -> None:
     with TemporaryDirectory() as folder:
         python, versions, missing = installed(Path(folder))
         versions = {"contactlab": version("contactlab"), **versions}
-        scripts = {"contactlab": (Path(sys.executable), "with_contactlab")}
-        scripts |= {name: (python, f"with_{each}") for each, name in PACKAGES.items() if name in versions}
-        rows = []
-        for name, (interpreter, script) in scripts.items():
-            entrant = Entrant(interpreter, script)
-            for setting, values, seconds in measured(entrant):
-                print(name, setting, file=sys.stderr)
-                rows.append({"entrant": name, "setting": setting, "values": values, "time": seconds})
+        rows = [row("contactlab", label_of(law), *responses_of(law)) for law in LAWS]
+        for name in (name for name in PACKAGES if PACKAGES[name] in versions):
+            entrant = Entrant(python, f"with_{name}")
+            rows += [row(PACKAGES[name], *each) for each in measured(entrant)]
             entrant.close()
     unit = rows[0]["time"]
-    for row in rows:
-        row["time"] = rounded(row["time"] / unit, 2)
+    for each in rows:
+        each["time"] = rounded(each["time"] / unit, 2)
     lines = ",\n".join(map(json.dumps, rows))
     head = json.dumps({"versions": versions, "missing": missing})[:-1]
     simulator_page.RESULTS.write_text(f'{head}, "rows": [\n{lines}\n]}}\n', encoding="utf-8")

@@ -6,11 +6,14 @@ python benchmarks/simulators/simulator_page.py
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import isnan
 from pathlib import Path
 from textwrap import fill
 from typing import Any, Final
 
-from questions import Question, questions
+from contactlab.parameter import from_cf
+from contactlab.studies.bench.questions import CREATED, errors_of, questions
+from contactlab.variables import Variable
 
 RESULTS: Final = Path(__file__).with_name("results.json")
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "simulators.md"
@@ -20,52 +23,34 @@ MARKED: Final = re.compile(r"(<!-- result: (\w+) -->\n\n)(.*?)(\n\n<!-- end -->)
 Row = Mapping[str, Any]
 
 
-def pairs(row: Row, name: str, quantity: str) -> list[tuple[Question, float]] | None:
-    """Return a question at each of its numbers with the value of an entrant; None where one is missing."""
-    values = row["values"].get(name, {}).get(quantity, [None])
-    if None in values:
-        return None
-    return [*zip((each for each in questions() if each.name == name), values, strict=True)]
+TIME: Final = "time"
+"""The last column of the table on friction."""
 
 
-def error(row: Row, name: str, quantity: str, relative: bool = False) -> float | None:
-    """Return the largest error of a quantity, relative to the exact value if wanted; None without values."""
-    seen = pairs(row, name, quantity)
-    if seen is None:
-        return None
-    return max(abs(x - q.exact[quantity]) / (abs(q.exact[quantity]) if relative else 1.0) for q, x in seen)
+def title(variable: Variable) -> str:
+    """Return the heading of a column."""
+    return variable.long_name + ("" if variable.units == "1" else f" ({from_cf(variable.units)})")
 
 
-def created(row: Row) -> float | None:
-    """Return the most energy that an impact has created, as a share of that before [1]."""
-    ratios = [pairs(row, name, "energy") for name in ("oblique", "rod")]
-    return None if None in ratios else max(0.0, *(x - 1.0 for seen in ratios for _, x in seen or ()))
+ERRORS: Final = {score.variable: score.question for score in questions()[1]}
+KINDS: Final = {case.question: case.kind for case in questions()[0]}
+
+FRICTION: Final = (*(title(x) for x, question in ERRORS.items() if KINDS[question] == "block"), TIME)
+"""Columns of the table on friction."""
+
+IMPACTS: Final = (*(title(x) for x, question in ERRORS.items() if KINDS[question] != "block"), title(CREATED))
+"""Columns of the table on impacts."""
 
 
-COLUMNS: Final[Mapping[str, Callable[[Row], float | None]]] = {
-    "creep (m/s)": lambda row: error(row, "creep", "velocity"),
-    "sliding velocity": lambda row: error(row, "slide", "velocity", relative=True),
-    "drift (m)": lambda row: error(row, "drift", "drift"),
-    "stick-slip amplitude": lambda row: error(row, "belt", "amplitude", relative=True),
-    "stick-slip period": lambda row: error(row, "belt", "period", relative=True),
-    "restitution": lambda row: error(row, "rebound", "rebound"),
-    "energy after an oblique impact": lambda row: error(row, "oblique", "energy"),
-    "energy created": created,
-    "coming to rest (s)": lambda row: error(row, "rest", "time"),
-    "speed at rest (m/s)": lambda row: error(row, "rest", "speed"),
-    "time": lambda row: row["time"],
-}
-"""Columns of the tables: errors but for the last."""
-
-FRICTION: Final = (
-    *("creep (m/s)", "sliding velocity", "drift (m)", "stick-slip amplitude", "stick-slip period", "time"),
-)
-"""Those of the table on friction; the other has the rest."""
+def columns(row: Row) -> dict[str, float]:
+    """Return errors, energy created and time of a setting; NaN without an answer."""
+    errors = errors_of(row["values"]).items()
+    return {**{title(variable): x for variable, x in errors}, TIME: row["time"]}
 
 
-def shown(value: float | None) -> str:
+def shown(value: float) -> str:
     """Return a number as it stands in the table; round-off is 0, and there is a dash for no answer."""
-    if value is None:
+    if isnan(value):
         return "-"
     return "0" if value < 1e-12 else f"{value:.2g}"
 
@@ -80,14 +65,14 @@ def table(names: Sequence[str]) -> str:
     """Return a table of columns: a row for each setting."""
     lines = ["| | " + " | ".join(names) + " |", "|---" * (len(names) + 1) + "|"]
     for row in results()["rows"]:
-        cells = [shown(COLUMNS[name](row)) for name in names]
+        cells = [shown(columns(row)[name]) for name in names]
         lines.append(f"| {row['entrant']}: {row['setting']} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def span(values: Iterable[float | None]) -> str:
-    """Return the range of numbers, without those that are missing."""
-    known = sorted(value for value in values if value is not None)
+def span(values: Iterable[float]) -> str:
+    """Return the range of numbers."""
+    known = sorted(values)
     least, most = shown(known[0]), shown(known[-1])
     return least if least == most else f"{least} to {most}"
 
@@ -99,12 +84,13 @@ def findings() -> str:
         entrants.setdefault(row["entrant"], []).append(row)
 
     def ranges(column: str, unit: str = "") -> str:
-        values = {name: [COLUMNS[column](row) for row in rows] for name, rows in entrants.items()}
-        known = {name: span(each) for name, each in values.items() if {*each} != {None}}
-        return ", ".join(f"{name} {each}{unit}" for name, each in known.items())
+        every = {name: [columns(row)[column] for row in rows] for name, rows in entrants.items()}
+        known = {name: [x for x in values if not isnan(x)] for name, values in every.items()}
+        return ", ".join(f"{name} {span(values)}{unit}" for name, values in known.items() if values)
 
     count = {
-        name: sum(q.name == name for q in questions()) for name in ("creep", "rebound", "oblique", "rod")
+        name: sum(case.question == name and case.quantity != "slip" for case in questions()[0])
+        for name in ("creep", "rebound", "oblique", "rod", "jam", "kane")
     }
     return "\n".join(
         fill(text, 120, subsequent_indent="  ", break_on_hyphens=False)
@@ -116,7 +102,11 @@ def findings() -> str:
             f"* **Restitution.** The largest error of a coefficient of 0.8 at {count['rebound']} speeds: "
             f"{ranges('restitution')}.",
             f"* **Energy.** The most that one of {count['oblique']} oblique impacts of a ball and "
-            f"{count['rod']} of a rod has created, over the energy before: {ranges('energy created')}.",
+            f"{count['rod']} of a rod, {count['jam']} of Painleve's rod and, in contactlab alone, "
+            f"{count['kane']} of Kane's pendulum has created, over the energy before: "
+            f"{ranges('energy created')}.",
+            f"* **Jam.** The largest slip of Painleve's rod after an impact at 1 m/s, exactly 0: "
+            f"{ranges('slip after a jam (m/s)', ' m/s')}.",
             f"* **Rest.** The error of the time at which a bouncing ball is still, 0.42 s: "
             f"{ranges('coming to rest (s)', ' s')}.",
         ]
@@ -134,7 +124,7 @@ def versions() -> str:
 PARTS: Final[Mapping[str, Callable[[], str]]] = {
     "findings": findings,
     "friction": lambda: table(FRICTION),
-    "impacts": lambda: table([name for name in COLUMNS if name not in FRICTION]),
+    "impacts": lambda: table(IMPACTS),
     "versions": versions,
 }
 

@@ -106,18 +106,18 @@ def over_plate(numbers: Numbers, start: dict[str, Any], end: list[float], gravit
 
 def impact(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a body with a sphere at its end that is thrown onto the plate."""
-    thrown, height = entrant.thrown(numbers), 1e-3
+    height = 1e-3
     start = {
-        "referencePosition": [0.0, 0.0, height - thrown["lever_z"]],
-        "initialVelocity": [thrown["along"], 0.0, -thrown["down"]],
+        "referencePosition": [0.0, 0.0, height - numbers["lever_z"]],
+        "initialVelocity": [numbers["along"], 0.0, -numbers["down"]],
     }
-    end = [thrown["lever_x"], 0.0, thrown["lever_z"] + numbers["radius"]]
+    end = [numbers["lever_x"], 0.0, numbers["lever_z"] + numbers["radius"]]
     system, body = over_plate(numbers, start, end, 0.0)
-    solve(system, height / thrown["down"] + 0.02, 0.1 * setting[1])
+    solve(system, height / numbers["down"] + 0.02, 0.1 * setting[1])
     kinds = exudyn.OutputVariableType
     along, _, up = system.GetObjectOutputBody(body, kinds.Velocity)
     _, about_y, _ = system.GetObjectOutputBody(body, kinds.AngularVelocity)
-    return entrant.of_impact(numbers, up - about_y * thrown["lever_x"], along, up, about_y)
+    return entrant.of_impact(numbers, up - about_y * numbers["lever_x"], along, up, about_y)
 
 
 def bounce(setting: Setting, numbers: Numbers) -> Values:

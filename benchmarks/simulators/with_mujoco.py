@@ -68,21 +68,21 @@ def block(setting: Setting, numbers: Numbers) -> Values:
 
 def impact(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a body with a sphere at its end that is thrown onto the plane."""
-    thrown, height = entrant.thrown(numbers), 1e-3
+    height = 1e-3
     inertia = f'diaginertia="{numbers["inertia"]} {numbers["inertia"]} {numbers["inertia"]}"'
-    centre = f"{thrown['lever_x']} 0 {thrown['lever_z'] + numbers['radius']}"
-    body = f"""<body pos="0 0 {height - thrown["lever_z"]}"><freejoint/>
+    centre = f"{numbers['lever_x']} 0 {numbers['lever_z'] + numbers['radius']}"
+    body = f"""<body pos="0 0 {height - numbers["lever_z"]}"><freejoint/>
     <inertial pos="0 0 0" mass="{numbers["mass"]}" {inertia}/>
     <geom name="body" type="sphere" size="{numbers["radius"]}" pos="{centre}"/></body>"""
     made, data = model(setting, numbers, 0.0, body, reference(numbers, setting[1]))
-    data.qvel[0], data.qvel[2] = thrown["along"], -thrown["down"]
+    data.qvel[0], data.qvel[2] = numbers["along"], -numbers["down"]
     touched = False
     while data.time < 1.0 and not (touched and not data.ncon):
         mujoco.mj_step(made, data)
         touched |= bool(data.ncon)
     along, _, up, _, about_y, _ = data.qvel
     # About y, x turns towards -z.
-    return entrant.of_impact(numbers, up - about_y * thrown["lever_x"], along, up, about_y)
+    return entrant.of_impact(numbers, up - about_y * numbers["lever_x"], along, up, about_y)
 
 
 def bounce(setting: Setting, numbers: Numbers) -> Values:

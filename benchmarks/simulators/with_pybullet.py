@@ -64,18 +64,18 @@ def block(setting: Setting, numbers: Numbers) -> Values:
 
 def impact(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a body with a sphere at its end that is thrown onto the plane."""
-    thrown, height = entrant.thrown(numbers), 1e-3
-    end = [thrown["lever_x"], 0.0, thrown["lever_z"] + numbers["radius"]]
+    height = 1e-3
+    end = [numbers["lever_x"], 0.0, numbers["lever_z"] + numbers["radius"]]
     shape = {"shapeType": bullet.GEOM_SPHERE, "radius": numbers["radius"], "collisionFramePosition": end}
-    body = world(setting, numbers, 0.0, height - thrown["lever_z"], **shape)
+    body = world(setting, numbers, 0.0, height - numbers["lever_z"], **shape)
     bullet.changeDynamics(body, -1, localInertiaDiagonal=[numbers["inertia"]] * 3)
-    bullet.resetBaseVelocity(body, [thrown["along"], 0.0, -thrown["down"]], [0.0, 0.0, 0.0])
+    bullet.resetBaseVelocity(body, [numbers["along"], 0.0, -numbers["down"]], [0.0, 0.0, 0.0])
     touched, steps = False, round(1.0 / setting[0])
     for _ in range(steps):
         bullet.stepSimulation()
         (along, _, up), (_, about_y, _) = bullet.getBaseVelocity(body)
         # About y, x turns towards -z. An impact is over once the contact point moves off.
-        gap_rate = up - about_y * thrown["lever_x"]
+        gap_rate = up - about_y * numbers["lever_x"]
         touched |= bool(bullet.getContactPoints(bodyA=body))
         if touched and gap_rate > 0.0 and not bullet.getContactPoints(bodyA=body):
             break

@@ -12,20 +12,19 @@ import xarray
 from contactlab.config import ConfigurationError, Setup
 from contactlab.driving import drive
 from contactlab.estimate import Estimate
-from contactlab.inference.fit import NO_LAW
-from contactlab.inference.free_parameters import label_of
 from contactlab.laws import LawError
 from contactlab.measured.files import read_measurements
 from contactlab.measured.series import FORCES, MeasuredSeries
 from contactlab.parameter import Parameter
-from contactlab.studies.measurements import OF_MOTOR, read_file
-from contactlab.studies.study import Part, Setups, Study, Task, option
+from contactlab.studies.law_study import LawStudy, groups_of
+from contactlab.studies.measurements import read_file
+from contactlab.studies.study import Part, Setups, Task, option
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
 
 @dataclass(frozen=True, kw_only=True)
-class Driven(Study):
+class Driven(LawStudy):
     """What forces does a law bring on a prescribed path, without a motor, and what does it lose?
 
     The file of the path has columns time, slip, and gap or normal (a normal force), each with its unit:
@@ -34,8 +33,6 @@ class Driven(Study):
     """
 
     name: ClassVar[str] = "drive"
-    several: ClassVar[bool] = True
-    ignored: ClassVar[tuple[str, ...]] = OF_MOTOR
     files: ClassVar[str] = "data"
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("drive_work", (), "J", "W", "work of the path"),
@@ -52,11 +49,6 @@ class Driven(Study):
     ] = None
     duration: Annotated[float | None, Parameter("", "s", "of the run; the path's, once", above=0.0)] = None
 
-    @property
-    def base(self) -> Mapping[str, Any]:
-        """Nothing: a path has no law."""
-        return {}
-
     def path(self) -> MeasuredSeries:
         """Return the path.
 
@@ -72,44 +64,45 @@ class Driven(Study):
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return one task a law."""
-        if not setups:
-            raise ConfigurationError(NO_LAW)
+        setups = self.chosen(setups)
         times = {"degree": self.degree, "period": self.period, "duration": self.duration}
         path = self.path()
         return [Task(label, _driven, (setup, path, times)) for label, setup in setups.items()]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the runs, a group for each law, and the measured forces."""
-        names = [label_of(setup.law) for setup in setups.values()]
-        if len({*names}) < len(names):
-            names = [label.replace("/", ".") for label in setups]
-        tree = xarray.DataTree(children=dict(zip(names, parts.values(), strict=True)))
+        tree = super().combine(setups, parts)
         measured = self.path()
         if measured.values:
             tree["measured"] = xarray.DataTree(measured.to_xarray())
-        tree.attrs["title"] = f"{', '.join(names)} on a prescribed path"
         return tree
 
-    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
-        """Return work, losses and largest forces, after the label of one of several laws."""
-        runs = runs_in(data)
-        every = {label: _numbers(run) for label, run in runs.items()}
-        if len(every) == 1:
-            return next(iter(every.values()))
-        return {f"{label}.{name}": x for label, own in every.items() for name, x in own.items()}
+    def title(self, names: str) -> str:
+        """Return the title of the data."""
+        return f"{names} on a prescribed path"
+
+    def of_group(self, group: xarray.DataTree) -> dict[str, Estimate]:
+        """Return work, losses and largest forces of a run."""
+        root = group.to_dataset()
+        open_by = abs(float(root["energy_residual"][-1]))
+        names = ("drive_work", "friction_loss", "contact_loss")
+        result = {name: Estimate(float(root[name][-1]), open_by) for name in names}
+        for name in FORCES:
+            result[f"largest_{name}"] = Estimate(float(np.abs(root[name]).max()), 0.0)
+        return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return which runs did not reach the end of the path."""
         return [
             f"{label} does not reach the end of the path: {run.attrs['message']}"
-            for label, run in runs_in(data).items()
+            for label, run in groups_of(data).items()
             if not run.attrs["complete"]
         ]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the numbers, a column a law."""
-        columns = {label: _numbers(run) for label, run in runs_in(data).items()}
-        return {self.name: table_of_quantities(self.quantities, columns, "Forces and losses on the path")}
+        caption = "Forces and losses on the path"
+        return {self.name: table_of_quantities(self.quantities, self.columns(data), caption)}
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return forces over path and time, of all laws together and of each."""
@@ -117,27 +110,12 @@ class Driven(Study):
         from contactlab.plot.driven import draw_driven
         from contactlab.studies.figures import draw_paths
 
-        runs = runs_in(data)
+        runs = groups_of(data)
         measured = data["measured"].to_dataset() if "measured" in data.children else None
         figures = {self.name: draw_paths(runs, measured)}
         for label, run in runs.items():
             figures["run" if len(runs) == 1 else label.replace(" + ", "_")] = draw_driven(run)
         return figures
-
-
-def runs_in(data: xarray.DataTree) -> dict[str, xarray.DataTree]:
-    """Return the runs of a result by the labels of their laws."""
-    return {label: tree.copy() for label, tree in data.children.items() if label != "measured"}
-
-
-def _numbers(run: xarray.DataTree) -> dict[str, Estimate]:
-    root = run.to_dataset()
-    open_by = abs(float(root["energy_residual"][-1]))
-    names = ("drive_work", "friction_loss", "contact_loss")
-    result = {name: Estimate(float(root[name][-1]), open_by) for name in names}
-    for name in FORCES:
-        result[f"largest_{name}"] = Estimate(float(np.abs(root[name]).max()), 0.0)
-    return result
 
 
 def _driven(setup: Setup, path: MeasuredSeries, times: Mapping[str, Any]) -> Part:

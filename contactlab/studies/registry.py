@@ -24,6 +24,10 @@ OWN: Final = {
         "contactlab.studies.basins:Basins",
         "To which of its steady states does the motor come from where it starts?",
     ),
+    "bench": (
+        "contactlab.studies.bench.study:Bench",
+        "Does a law stick, does it keep its energy, does it rebound as its numbers say?",
+    ),
     "branch": (
         "contactlab.studies.branch:Branch",
         "Which periodic orbits has the motor over one number, KEY=START..END, stable and unstable?",
