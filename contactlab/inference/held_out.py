@@ -6,9 +6,8 @@ stated, over the size of the data. The misfit of a fold is their root mean squar
 up to sqrt(1 / (2 n)) of n residuals.
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any, Final, Literal, final
+from collections.abc import Mapping
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 import xarray
@@ -28,17 +27,10 @@ BAND: Final = 0.1
 """Part of the range of a slip on either side of its middle in which it does not begin a cycle."""
 
 
-@final
-@dataclass(frozen=True, eq=False)
-class Folds:
-    """Parts of the data that are held out in turn.
+class Folds(NamedTuple):
+    """Labels of the parts of the data that are held out in turn, and the part of each residual, from 0."""
 
-    Args:
-        labels: of the parts.
-        fold: index of the part of each residual, shape (residual,).
-    """
-
-    labels: tuple[str, ...]
+    labels: list[str]
     fold: NDArray[np.int64]
 
 
@@ -73,7 +65,7 @@ def folds_of(problem: Problem, held_out: HeldOut) -> Folds:
     if len(labels) < 2:
         kind = "file" if held_out == "files" else "cycle"
         raise ConfigurationError(f"study.held_out is {held_out} and there is one {kind}; there must be two.")
-    return Folds(tuple(labels), np.concatenate(folds))
+    return Folds(labels, np.concatenate(folds))
 
 
 def cycles(slip: Array) -> NDArray[np.int64]:
@@ -116,21 +108,7 @@ def held_out_misfits(problem: Problem, folds: Folds, best: Array, seed: int) -> 
         best: optimum of all data, shape (parameter,), where each search begins.
         seed: of the fit.
     """
-    rows = [*_without(problem, folds, best, seed)]
-    misfits, values = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
-    fitted = problem.residuals(best)
-    variables: Mapping[str, Any] = {
-        "misfit": ("fold", misfits, {"units": "1", "long_name": "root mean square of what was held out"}),
-        "fitted_misfit": ("fold", [_size(fitted[folds.fold == i]) for i in range(len(rows))], {"units": "1"}),
-        "count": ("fold", np.bincount(folds.fold)),
-        "value": (("fold", "parameter"), values.reshape(len(rows), len(problem.parameters))),
-    }
-    names = np.array([item.name for item in problem.parameters], dtype=object)
-    return xarray.Dataset(variables, {"fold": np.array(folds.labels, dtype=object), "parameter": names})
-
-
-def _without(problem: Problem, folds: Folds, best: Array, seed: int) -> Iterator[tuple[float, Array]]:
-    """Yield the misfit of each fold and the numbers fitted to the others."""
+    misfits, values = list[Array](), list[Array]()
     for number in range(len(folds.labels)):
         here = folds.fold == number
 
@@ -138,9 +116,14 @@ def _without(problem: Problem, folds: Folds, best: Array, seed: int) -> Iterator
             return problem.residuals(values)[~here]
 
         fit = best_fit(of_others, problem.parameters, 1, seed, begin=best, step=problem.step)
-        yield _size(problem.residuals(fit.values)[here]), fit.values
-
-
-def _size(residuals: Array) -> float:
-    """Return the root mean square."""
-    return float(np.sqrt(np.mean(residuals**2)))
+        unseen, seen = (problem.residuals(x)[here] for x in (fit.values, best))
+        misfits.append(np.sqrt([np.mean(unseen**2), np.mean(seen**2)]))
+        values.append(fit.values)
+    variables: Mapping[str, Any] = {
+        "misfit": ("fold", np.array(misfits)[:, 0], {"units": "1", "long_name": "misfit when held out"}),
+        "fitted_misfit": ("fold", np.array(misfits)[:, 1], {"units": "1", "long_name": "misfit when fitted"}),
+        "count": ("fold", np.bincount(folds.fold)),
+        "value": (("fold", "parameter"), np.array(values).reshape(len(misfits), len(problem.parameters))),
+    }
+    names = np.array([item.name for item in problem.parameters], dtype=object)
+    return xarray.Dataset(variables, {"fold": np.array(folds.labels, dtype=object), "parameter": names})

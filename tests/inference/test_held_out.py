@@ -83,7 +83,7 @@ def test_cycles_of_a_loop_are_whole(turns: float) -> None:
 def test_a_cycle_is_predicted_by_the_others() -> None:
     problem = problem_of(loop(0.3, 0.1, 4, turns=3.0))
     folds = folds_of(problem, "cycles")
-    assert folds.labels == ("cycle 1", "cycle 2", "cycle 3")
+    assert folds.labels == ["cycle 1", "cycle 2", "cycle 3"]
     data = held_out_misfits(problem, folds, np.array([0.3]), seed=0)
     zero, unit = problem.residuals(np.array([0.2])), problem.residuals(np.array([0.3]))
     slope = (unit - zero) / 0.1
