@@ -11,8 +11,8 @@ so that one compiled loop serves all laws. `row` holds, in this order,
 
     impact speed [m/s], internal variables, NaN, coefficients
 
-with NaN between the coefficients of the parts of a composed law. A law without a kernel has one that does
-nothing.
+with NaN between the coefficients of the parts of a composed law, whose own are the last. A law without a
+kernel has one that does nothing.
 
 What is written for the package's own laws is kept as a source file beside its machine code, in the folder of
 exactly these sources, and found again by later processes. Code for other laws is compiled in the session.
@@ -220,7 +220,8 @@ class _Shape:
 
 
 def _parts(law: ContactLaw) -> tuple[Any, ...]:
-    return law.parts if isinstance(law, Composed) else (law,)
+    """Return who has coefficients: the law, of a composed one its parts before it."""
+    return (*law.parts, law) if isinstance(law, Composed) else (law,)
 
 
 def _coefficients(law: ContactLaw, part: Any) -> tuple[tuple[tuple[str, int], ...], list[Any]]:
@@ -260,6 +261,10 @@ class _Part:
     def has(self, kernel: str) -> bool:
         """Return whether there is such a kernel."""
         return getattr(self.owner, kernel, None) is not None
+
+    def expression(self, name: str) -> str:
+        """Return what a coefficient or internal variable stands for."""
+        return self._known[name]
 
     def has_coefficient(self, name: str) -> bool:
         """Return whether there is such a coefficient."""
@@ -314,12 +319,12 @@ _LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
 def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
     """Return the lines of every bound kernel that a law has, and its parts."""
-    names, parts = ("normal", "damping", "friction"), []
+    names, parts = ("normal", "damping", "friction", "law"), []
     at = HEAD + len(law.internal_variables) + 1
     owners = _parts(law)
     # The friction's internal variables come first.
-    offsets = (len(law.friction.internal_variables), 0, 0) if isinstance(law, Composed) else (0,)
-    for word, owner, first in zip(names if len(owners) > 1 else ("law",), owners, offsets, strict=True):
+    offsets = (len(law.friction.internal_variables), 0, 0, 0) if isinstance(law, Composed) else (0,)
+    for word, owner, first in zip(names[-len(owners) :], owners, offsets, strict=True):
         part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
         parts.append(part)
         at = part.end + 1
@@ -347,22 +352,22 @@ def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
     return made
 
 
-def _four(call: str, of_three: bool) -> list[str]:
+def _four(call: str, of_three: bool, viscous: str = "") -> list[str]:
     """Return friction, rate of its own variable, stored energy and stiffness; some kernels have no rate."""
-    if not of_three:
-        return [f"return {call}"]
-    return [f"force, stored, stiffness = {call}", "return force, 0.0, stored, stiffness"]
+    if of_three:
+        return [f"force, stored, stiffness = {call}", f"return force{viscous}, 0.0, stored, stiffness"]
+    return [f"force, flow, stored, stiffness = {call}", f"return force{viscous}, flow, stored, stiffness"]
 
 
-def _bounds(part: _Part) -> list[str]:
+def _bounds(part: _Part, viscous: str = "") -> list[str]:
     if not part.has("bounds"):
-        return ["return normal, -bound, bound, stored, loss"]
+        return [f"return normal, -bound{viscous}, bound{viscous}, stored, loss"]
     call = part.call("bounds", {**_OF_FORCE, **_IN_CONTACT})
-    return [f"least, largest = {call}", "return normal, least, largest, stored, loss"]
+    return [f"least, largest = {call}", f"return normal, least{viscous}, largest{viscous}, stored, loss"]
 
 
-def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, list[str]]:
-    pressed = {**_OF_FORCE}
+def _of_composed(normal: _Part, damping: _Part, friction: _Part, law: _Part) -> dict[str, list[str]]:
+    pressed, viscous = {**_OF_FORCE}, f" - {law.expression('viscous_friction')} * slip"
     if not normal.has("limits"):
         # Evaluated at the instant of a release too, where the gap may be open by round-off.
         pressed["depth"] = "max(-gap, 0.0)"
@@ -388,7 +393,7 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, li
             f"normal = {damping.call('damped', pushed)}",
             f"loss = lost + {loss}" if normal.has("force") else f"loss = {loss}",
             *([] if friction.has("bounds") else bound),
-            *_bounds(friction),
+            *_bounds(friction, viscous),
         ]
     }
     swept = {**_IN_CONTACT, "normal_stiffness": "stiffness", "normal_stiffness_rate": "(-slope * gap_rate)"}
@@ -401,7 +406,7 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part) -> dict[str, li
     if friction.has("state"):
         made["friction_force"] = [
             *over("state"),
-            *_four(friction.call("state", swept), friction.count > friction.coupled),
+            *_four(friction.call("state", swept), friction.count > friction.coupled, viscous),
         ]
     counts = {"rate": friction.count, "guard": getattr(friction.owner, "guards", 0)}
     for name, count in counts.items():

@@ -21,6 +21,7 @@ from contactlab.engine.friction import (
     correct_friction,
     follow_bound,
     friction_and_steepness,
+    friction_at,
     missed_between,
     missed_rate,
     mobility,
@@ -62,6 +63,7 @@ from contactlab.engine.state import (
     COLLOCATED,
     CONE,
     EVENT_LIMIT,
+    HEAD,
     LAST,
     NODES,
     NOTHING,
@@ -75,7 +77,7 @@ from contactlab.engine.state import (
     largest,
     value_at,
 )
-from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
+from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 MOST_ITERATIONS = 25
@@ -167,7 +169,8 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
 def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
     """Return what internal variables miss over a step of length h [1], where no force tells of them.
 
-    None does without a normal force, nor where the longest step in contact would not feel the friction. Else,
+    None does without a normal force, nor where the longest step in contact would not feel the friction, or
+    that does not depend on the coupled variable, as of a dashpot's spring while it slides. Else,
     and in a step that is too short to feel the normal force, it is zero.
     """
     state, propagator, normal = run.state, run.propagator, known[0]
@@ -181,8 +184,8 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
         for i in range(NODES):
             most = max(most, abs(state.friction.node[i]))
         # A slider without a force keeps its spring, whatever rate the law has for it.
-        if most * step_length(propagator, propagator.rule.contact_level) <= allowed:
-            missed = max(missed, missed_rate(run, law))
+        unfelt = most * step_length(propagator, propagator.rule.contact_level) <= allowed
+        missed = max(missed, missed_rate(run, law, normal, unfelt))
     return float(missed)
 
 
@@ -444,6 +447,18 @@ def pushed_tip(run: Run, level: int, i: int) -> Tip:
 
 
 @inner_kernel
+def _beside_spring(run: Run, law: Law, at: tuple[float, float, float], end: float, normal: float) -> float:
+    """Return the friction beside the spring of an elastoplastic contact that sticks, which no bound holds.
+
+    The recalled stretch is zero afterwards. In slip it is the middle of the bounds, in rigid stick zero.
+    """
+    if run.state.mode != STICK or run.state.law.friction_kind != ELASTOPLASTIC:
+        return 0.0
+    law.row[HEAD] = 0.0
+    return friction_at(law, at, end, normal)[0]
+
+
+@inner_kernel
 def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
     """Set motion and forces of node i."""
     state, step = run.state, run.step
@@ -457,6 +472,7 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
         normal, least, most, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
         bound, bias = 0.5 * (most - least), 0.5 * (most + least)
         normal = sound_normal(normal, bound)
+        bias += _beside_spring(run, law, (gap, rate, slip), step.end[i], normal)
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
     step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
@@ -608,8 +624,11 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
         # Slip that only begins: the law must not take it for stick.
         seen = state.sign * SLIP_ROUND_OFF
     normal, least, most, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
+    if least == most:
+        # Without a bound the slip reverses within a step, and the sign is that of the slip before.
+        normal, least, most, _, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
     bound = 0.5 * (most - least)
-    normal = sound_normal(normal, bound)
+    normal, bias = sound_normal(normal, bound), 0.5 * (most + least)
     friction, steepness = 0.0, 0.0
     if state.law.friction_kind != SET_VALUED:
         at = gap, rate, slip
@@ -620,7 +639,8 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     dg, dr = way * (abs(gap) + LEAST_DEPTH), way * (abs(rate) + LEAST_SLIP)
     stiffness = (normal - law.force(gap + dg, rate, seen, state.impact_speed, law.parameters)[0]) / dg
     damping = (normal - law.force(gap, rate + dr, seen, state.impact_speed, law.parameters)[0]) / dr
-    return normal, bound, 0.5 * (most + least), friction, steepness, stiffness, damping
+    bias += _beside_spring(run, law, (gap, rate, slip), end, normal)
+    return normal, bound, bias, friction, steepness, stiffness, damping
 
 
 @inner_kernel

@@ -93,10 +93,11 @@ def friction_and_steepness(
 
 
 @inner_kernel
-def missed_rate(run: Run, law: Law) -> float:
+def missed_rate(run: Run, law: Law, normal: float, unfelt: bool) -> float:
     """Return what the polynomial of a coupled variable misses of its rate at the step's start, over the step.
 
-    It is relative to the variable [1], as `contactlab.engine.memory.missed_flow` of the others.
+    It is relative to the variable [1], as `contactlab.engine.memory.missed_flow` of the others. Where
+    friction under the normal force [N] at the start depends on the variable, it is zero unless `unfelt`.
     """
     state, step = run.state, run.step
     if state.law.coupled == 0:
@@ -107,7 +108,10 @@ def missed_rate(run: Run, law: Law) -> float:
     if gap >= end:
         # At the edge of the contact the law has no rate yet.
         return 0.0
-    first = friction_at(law, (gap, rate, slip), end, 0.0)[1]
+    friction, first, _, _ = friction_at(law, (gap, rate, slip), end, normal)
+    law.row[HEAD] += NUDGE * (abs(state.memory[0]) + LEAST_INTERNAL)
+    if not unfelt and (normal == 0.0 or friction_at(law, (gap, rate, slip), end, normal)[0] != friction):
+        return 0.0
     size = max(abs(state.memory[0]), abs(state.length * first))
     for i in range(NODES):
         size = max(size, abs(step.memory[i, 0]))
@@ -220,8 +224,8 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
         at = step.gap[i], step.gap_rate[i], step.slip[i]
         recall(run, law, i)
         law.row[HEAD] = 0.0
-        stiffness = friction_at(law, at, step.end[i], state.normal.node[i])[3]
-        bound = sign * state.bound.node[i] - state.bias.node[i]
+        beside, _, _, stiffness = friction_at(law, at, step.end[i], state.normal.node[i])
+        bound = sign * state.bound.node[i] - state.bias.node[i] + beside
         step.memory[i, 0] = bound / stiffness if stiffness > 0.0 else 0.0
     for i in range(NODES):
         at = step.gap[i], step.gap_rate[i], step.slip[i]

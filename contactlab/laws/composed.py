@@ -2,13 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, final
+from typing import Annotated, Any, final
 
 from contactlab.laws.base import Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.laws.damping import Undamped
+from contactlab.laws.declaration import Coefficient
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.laws.normal import HertzPoint
+from contactlab.parameter import not_negative
+
+VISCOUS_FRICTION = not_negative("sigma_2", "N s m-1", "viscous friction beside the friction")
+
+OUTSIDE = {"inside_the_cone": "viscous friction is beside the cone and grows with the slip."}
 
 
 def _of_friction(name: str) -> Any:
@@ -19,16 +25,22 @@ def _of_friction(name: str) -> Any:
 @final
 @dataclass(frozen=True)
 class Composed(PenaltyLaw):
-    """Any normal force with any damping and any friction."""
+    """Any normal force with any damping and any friction, and viscous friction beside it.
+
+    F_f is the force of the friction. Viscous friction is that of a film or a lubricant, sigma_2 v of Canudas
+    de Wit et al. (1995): in contact only, whatever the normal force, so that F jumps by it at a touch-down
+    and a release that slip. It loses sigma_2 v^2 and holds no load: stick and its bound are the friction's.
+    """
 
     name = "composed"
-    equation = "N of the normal force and the damping, F of the friction"
+    equation = "N of the normal force and the damping, F = F_f - sigma_2 v"
     source = "that of its parts"
     default_contact_step = 4e-6
 
     normal: NormalForce = field(default_factory=HertzPoint)
     damping: Damping = field(default_factory=Undamped)
     friction: Friction = field(default_factory=Coulomb)
+    viscous_friction: Annotated[float | None, VISCOUS_FRICTION] = None
 
     friction_kind = _of_friction("friction_kind")
     friction_limit = _of_friction("friction_limit")
@@ -49,6 +61,10 @@ class Composed(PenaltyLaw):
                 f"{self.name}: friction is {self.friction.name}, which has limits; where a contact begins "
                 "and ends is the normal force's. Give them to that."
             )
+
+    def coefficients(self) -> Mapping[str, Coefficient]:
+        """Return sigma_2 [N s/m]; those of the parts are their own."""
+        return {"viscous_friction": self.viscous_friction or 0.0}
 
     @property
     def title(self) -> str:
@@ -77,13 +93,14 @@ class Composed(PenaltyLaw):
 
     @dependent
     def convergence_order(self) -> float:
-        """That of the part which has the lower one."""
-        return min(part.convergence_order for part in self.parts)
+        """That of the part which has the lower one; less where viscous friction jumps at the touch."""
+        return min(*(part.convergence_order for part in self.parts), 0.5 if self.viscous_friction else 1.0)
 
     @dependent
     def violations(self) -> Mapping[str, str]:
-        """Those of the parts."""
-        return {name: reason for part in self.parts for name, reason in part.violations.items()}
+        """Those of the parts, and of viscous friction."""
+        own = OUTSIDE if self.viscous_friction else {}
+        return own | {name: reason for part in self.parts for name, reason in part.violations.items()}
 
     @property
     def force(self) -> Any:

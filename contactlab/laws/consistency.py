@@ -178,7 +178,8 @@ def _check_forces(
     for depth, gap_rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
         gap = begin - depth
         where = f"at a gap of {gap:g} m, a gap rate of {gap_rate:g} m/s and a slip of {slip:g} m/s"
-        normal, _, bound, *_ = evaluate("force", force, where, gap, gap_rate, slip, abs(gap_rate))
+        normal, least, most, *_ = evaluate("force", force, where, gap, gap_rate, slip, abs(gap_rate))
+        bound = 0.5 * (most - least)
         if bound < -ROUND_OFF * abs(normal):
             raise LawError(
                 f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "

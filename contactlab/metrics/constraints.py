@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.laws import hertz_stiffness
-from contactlab.laws.base import ELASTOPLASTIC, STICK, Tangential
+from contactlab.laws.base import STICK, Tangential
 from contactlab.metrics.catalogue import ROUND_OFF, metric
 from contactlab.metrics.run import NotApplicableError, Run, declares, needed, positive
 from contactlab.parameter import parameters_of
@@ -155,6 +155,8 @@ def force_at_distance(run: Run) -> float:
     source="Coulomb's law, paper, eqs. 43-47",
 )
 def cone_excess(run: Run) -> float:
+    # Viscous friction is beside the cone.
+    needed(not run.law_parameters.get("viscous_friction"))
     limit, offset = cone(run)
     normal, friction = run.series("normal_force"), run.series("friction_force")
     excess = np.abs(friction) - limit * ((1.0 + ROUND_OFF) * np.abs(normal) + offset)
@@ -244,8 +246,7 @@ def impact_gain(run: Run) -> float:
 )
 def stick_slip(run: Run) -> float:
     # The displacement of a spring in stick is recovered and is no drift.
-    kinds = [getattr(owner, "friction_kind", None) for owner in run.law_classes.values()]
-    needed(ELASTOPLASTIC not in kinds)
+    needed(all(getattr(owner, "exact_stick", True) for owner in run.law_classes.values()))
     stuck, slip = run.series("contact_mode") == STICK, run.series("slip_velocity")
     # The slip is the tip's own velocity less that of the rotor's surface.
     tip = slip + run.setting("rotor.radius") * run.series("rotor_velocity")

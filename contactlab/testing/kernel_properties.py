@@ -16,7 +16,7 @@ from contactlab.laws.consistency import contradictions
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
 from contactlab.testing.claim import Claim, Claims, at_most
 from contactlab.testing.flows import flow_of
-from contactlab.testing.plants import Bench, Evaluator
+from contactlab.testing.plants import Bench, Evaluator, viscous_friction
 
 State = tuple[float, float, float, float, Array]
 """Gap [m], gap rate [m/s], slip [m/s], impact speed [m/s], and what is kept."""
@@ -169,7 +169,8 @@ def _judge_friction(evaluator: Evaluator, state: State, worst: Worst) -> None:
     stored = max(-energy / (size * 1e-6), abs(at_once) / size)
     worst.take("energy stored at first, or negative, over the force", stored)
     if evaluator.law.friction_kind == ELASTOPLASTIC:
-        misses = abs(drag + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / (abs(z) + TINY)
+        spring = drag + viscous_friction(evaluator.law) * slip
+        misses = abs(spring + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / (abs(z) + TINY)
         worst.take("spring less -k z and 1/2 k z^2, over the force", max(misses) / size)
     else:
         gained = fresh * slip / (size * abs(slip) + TINY)
@@ -276,10 +277,9 @@ def forces_of_parts(
     swept = {**state, **bent, "normal": alone, "normal_stiffness": stiffness}
     swept["normal_stiffness_rate"] = -slope * rate
     if drag.state is not None:
-        arguments = drag.evaluate("state", **swept)
-        results += (
-            (arguments[0], 0.0, *arguments[1:]) if len(drag.internal_variables) > drag.coupled else arguments
-        )
+        friction, *others = drag.evaluate("state", **swept)
+        of_three = len(drag.internal_variables) > drag.coupled
+        results += [friction - viscous_friction(law) * slip, *([0.0] if of_three else []), *others]
     sides = ((drag, swept, kept[:count]), (part, {**state, **pressed}, kept[count:]))
     for each, known, own in sides:
         for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):

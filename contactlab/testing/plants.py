@@ -150,6 +150,11 @@ def impulses_of(law: MultiplierLaw, gap_rate: float, slip: float, delassus: tupl
 Limits = tuple[float, float]
 
 
+def viscous_friction(law: ContactLaw) -> float:
+    """Return the viscous friction beside that of a law's parts [N s/m]."""
+    return float(getattr(law, "viscous_friction", None) or 0.0)
+
+
 @final
 class Evaluator:
     """Evaluate the kernels of a law; internal variables are `kept`, shape (variable,), in the order declared.
@@ -180,10 +185,10 @@ class Evaluator:
         return self._row
 
     def force(self, gap: float, rate: float, slip: float, speed: float, kept: Array) -> tuple[float, ...]:
-        """Return what `PenaltyLaw.force` does."""
+        """Return what `PenaltyLaw.force` does; viscous friction is beside the bound."""
         self._written[SPEED] = speed
-        normal, _, bound, stored, loss = self._kernels["force"](gap, rate, slip, speed, self._seen(kept))
-        return normal, bound, stored, loss
+        normal, _, most, stored, loss = self._kernels["force"](gap, rate, slip, speed, self._seen(kept))
+        return normal, most + viscous_friction(self.law) * slip, stored, loss
 
     def friction(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Any:
         """Return friction [N], the rate of the friction's own variable, energy [J] and stiffness [N/m]."""

@@ -39,6 +39,9 @@ HELD = {
     "friction_microslip": Composed(friction=Microslip(rings=3)),
     "walton_braun_ageing_stick": Composed(WaltonBraun(), friction=AgeingStick()),
     "line_flores_mindlin": Composed(Line(), Flores(0.6), Mindlin(0.2)),
+    "coulomb_with_viscous_friction": Composed(viscous_friction=2.0),
+    "mindlin_with_viscous_friction": Composed(friction=Mindlin(0.3), viscous_friction=2.0),
+    "mindlin_with_a_dashpot": Composed(friction=Mindlin(0.3, viscous_time=1e-6)),
     "hertz_linear_lugre": Composed(damping=LinearDamping(0.7), friction=LuGre(0.4, 1.3)),
 }
 
@@ -49,6 +52,7 @@ LONG = {
     "lagrange_stick_with_much_friction",
     "stronge_without_loss",
     "line_flores_mindlin",
+    "mindlin_with_viscous_friction",
     "hertz_linear_lugre",
 }
 """Of the same classes as others, at other values or together."""

@@ -244,7 +244,10 @@ def _written(path: Path, table: Table) -> str:
 
 
 def _law_values(groups: Mapping[str, str], dice: Dice) -> Values:
-    """Every parameter of the law by its key: near its default, or anywhere in a finite range."""
+    """Every parameter of the law by its key: near its default, or anywhere in a finite range.
+
+    One that is none by default stays so: viscous friction, a dashpot along a spring.
+    """
     owners: dict[str, Any] = {"law": law_class(groups["law"])}
     owners |= {
         f"law.{family}": parts[groups[f"law/{family}"]]
