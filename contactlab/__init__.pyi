@@ -104,6 +104,7 @@ from contactlab.steady_state import (
     attractors as attractors,
 )
 from contactlab.studies.basins import Basins as Basins, basins as basins
+from contactlab.studies.bench.study import Bench as Bench, bench as bench
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise.study import Characterise as Characterise, characterise as characterise
 from contactlab.studies.compare.study import (

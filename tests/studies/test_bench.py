@@ -133,6 +133,12 @@ def test_the_verb_says_which_law_creates_energy(command: Command) -> None:
     assert "newton" in out
 
 
+def test_laws_made_in_python_are_asked() -> None:
+    result = cl.bench([cl.Poisson(), TensileDashpot(1e7, 10.0)])
+    assert result.numbers["poisson.energy_created"].value == 0.0
+    assert result.numbers["tensile_dashpot.restitution"].value < 1e-7
+
+
 def test_without_a_law_there_is_no_answer(command: Command) -> None:
     with pytest.raises(ConfigurationError, match="law"):
         Bench()({})

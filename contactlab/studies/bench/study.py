@@ -1,19 +1,21 @@
 """The study `bench`: contact questions with exact answers, put to laws."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import numpy as np
 import pandas
 import xarray
 
+from contactlab.config import build
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.studies.bench.questions import CREATED, errors_of, questions
 from contactlab.studies.bench.responses import responses_of
 from contactlab.studies.law_study import LawStudy
-from contactlab.studies.study import Part, Setups, Task
+from contactlab.studies.study import Part, Progress, Result, Setups, Task
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -69,3 +71,31 @@ def _answered(law: ContactLaw) -> Part:
     columns: dict[str, Any] = {"response": responses, "seconds": seconds}
     columns |= {name: [getattr(case, name) for case in questions()[0]] for name in KEPT}
     return Part(xarray.DataTree(xarray.Dataset({name: ("case", x) for name, x in columns.items()})))
+
+
+def bench(
+    laws: ContactLaw | Sequence[ContactLaw],
+    *,
+    output: str | Path | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Result:
+    """Put contact questions with exact answers to a law or several: the study `Bench`.
+
+        >>> import contactlab as cl
+        >>> round(cl.bench(cl.Newton()).numbers["energy_created"].value, 3)
+        2.112
+
+    Args:
+        laws: of the registry or of one's own.
+        output, progress: as of every study.
+        options: fields of `Bench`.
+
+    Raises:
+        LawError: a law contradicts itself, or its own code raised an exception, which is the cause.
+        OSError: the folder cannot be written to.
+    """
+    listed = [laws] if isinstance(laws, ContactLaw) else list(laws)
+    labels = map(str, range(len(listed))) if len(listed) > 1 else [""]
+    setups = {label: replace(build(), law=law) for label, law in zip(labels, listed, strict=True)}
+    return Bench(**options)(setups, output=output, progress=progress)
