@@ -3,8 +3,8 @@
     python experiments/measurement_results.py SPHERES ELLIPSES [--cache DIR]
 
 SPHERES and ELLIPSES are the files that the page describes. Writes docs/results/measurements.json, from which
-results_pages.py makes sentences and tables, and the figures. It takes an hour on one core; an interrupted run
-goes on from its cache.
+results_pages.py makes sentences and tables, and the figures. It takes 20 minutes on one core; an interrupted
+run goes on from its cache.
 """
 
 import argparse
