@@ -157,5 +157,5 @@ published = 4.0 * modulus * a**3 / (3.0 * radius) - np.sqrt(8.0 * np.pi * work *
 axes.plot(-1e9 * depth, 1e3 * published, "k.", markersize=4, label="published")
 axes.axhline(0.0, color="0.6", linewidth=0.6)
 axes.set(xlabel="gap (nm)", ylabel="normal force (mN)")
-axes.legend(loc="center right", frameon=False)
+axes.legend(loc="lower left", frameon=False)
 plt.show()
