@@ -84,7 +84,7 @@ def bench(
 
         >>> import contactlab as cl
         >>> round(cl.bench(cl.Newton()).numbers["energy_created"].value, 3)
-        2.112
+        2.111
 
     Args:
         laws: of the registry or of one's own.
