@@ -2,8 +2,8 @@
 
 A law is fitted by least squares to all folds but one, and predicts that one. Residuals are measured minus
 predicted over the stated error, of impacts by the Cholesky factor of their covariance; where no error is
-stated, over the size of the data. The misfit of a fold is their root mean square: 1 of a law that is right,
-up to sqrt(1 / (2 n)) of n residuals.
+stated, over the size of the data. The misfit of a fold is their root mean square: of a law that is right 1,
+up to sqrt(1 / (2 n)) of n residuals and to what the numbers fitted to the others are uncertain by.
 """
 
 from collections.abc import Mapping

@@ -8,8 +8,8 @@ import benchmark_impacts
 import benchmark_sweep
 import benchmark_waits
 import pytest
-import times
 import work_precision
+from history import times
 
 from contactlab.laws import LAWS
 

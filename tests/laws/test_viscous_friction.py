@@ -28,7 +28,9 @@ def driven(friction: cl.Friction, sigma: float | None, swing: float, cycles: int
 @pytest.mark.parametrize("name", cl.law_names("friction"))
 def test_it_adds_sigma_v_to_every_friction(name: str) -> None:
     """F - F_f = -sigma_2 v, whose loss in a cycle is sigma_2 pi omega X^2."""
-    kind = type(cl.law("composed", friction=name).friction)  # type: ignore[attr-defined]
+    law = cl.law("composed", friction=name)
+    assert isinstance(law, cl.Composed)
+    kind = type(law.friction)
     sigma, swing = 40.0, 1e-6
     plain, viscous = (driven(kind(), each, swing) for each in (None, sigma))
     rate = np.diff(swing * np.sin(TURN * plain["time"].values)) / np.diff(plain["time"].values)
