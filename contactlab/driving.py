@@ -56,6 +56,7 @@ def drive(
     slip: Path = 0.0,
     degree: int = 3,
     period: float | None = None,
+    touching: bool = False,
     duration: float | None = None,
     record_interval: float | None = None,
     tolerance: float | None = None,
@@ -89,6 +90,7 @@ def drive(
         degree: of the spline through the samples: 1 joins them by lines, so that velocities jump; 3, 5 or 7
             is smooth, with an error of the fourth, sixth or eighth order in the time between samples.
         period: after which the path repeats itself [s], see `Waveform.sampled`; None is once.
+        touching: whether a first gap in the neck of an adhesive law is in it, see `ModalState`.
         duration: [s]; by default from the first sample to the last, or a period.
         record_interval: [s]; by default the mean time between samples, or less for a thousand records. Forces
             are means over it, as in every run.
@@ -102,7 +104,7 @@ def drive(
         TypeError, ValueError: an argument out of range, one too many or one too few.
         LawError: the law contradicts itself, or its code raised an exception.
     """
-    motor = driven_by(law, time, gap, normal, slip, degree, period)
+    motor = driven_by(law, time, gap, normal, slip, degree, period, touching)
     length = (period or float(time[-1] - time[0])) if duration is None else duration
     if record_interval is None:
         record_interval = min(length / RECORDS, float(time[-1] - time[0]) / (time.size - 1))
@@ -136,6 +138,7 @@ def driven_by(
     slip: Path,
     degree: int = 3,
     period: float | None = None,
+    touching: bool = False,
 ) -> Motor:
     """Return the body that takes a law along a path; arguments and errors as of `drive`."""
     check_law(law)
@@ -157,7 +160,7 @@ def driven_by(
         first = -penetrations(law, first)
     rows = np.stack([first, _samples("slip", slip, time)])
     path = Waveform.sampled(time - time[0], rows, degree, period)
-    return led_body(_cut_at_reversals(path), compliant)
+    return led_body(_cut_at_reversals(path), compliant, touching)
 
 
 def _samples(name: str, path: Path | None, time: Array) -> Array:

@@ -283,10 +283,12 @@ def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) 
     if state.mode == FREE:
         stored = stored_apart(run, law, law.memory)
         contact += state.limits.stored_energy - stored
-    if run.step.kind == COLLOCATED and gap < end_at(run, law, law.memory, rate):
-        normal, _, _, stored, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
+    if run.step.kind == COLLOCATED:
+        # What is stored where the contact ends is lost after this record.
+        closed = min(gap, end_at(run, law, law.memory, rate))
+        normal, _, _, stored, _ = law.force(closed, rate, slip, state.impact_speed, law.parameters)
         if state.law.friction_kind != SET_VALUED:
-            recovered = law.friction(gap, rate, slip, normal, law.parameters)[2]
+            recovered = law.friction(closed, rate, slip, normal, law.parameters)[2]
     angle, lift = 0.0, 0.0
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]

@@ -28,6 +28,7 @@ from contactlab.engine.state import (
     BEFORE,
     BYTES,
     COUNTS,
+    PRESSED,
     RUNNING,
     START,
     STATE,
@@ -192,6 +193,8 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
         ready.touch(state, contact)
     else:
         state["phase"] = phase_at(contact[0] - float(state["limits"]["contact_gap"]), contact[1])
+        if motor.start is not None and motor.start.touching and contact[0] < ready.end_at(contact[1]):
+            state["phase"] = PRESSED
     if contact[0] - float(state["limits"]["contact_gap"]) <= AT_REST and contact[1] <= 0.0:
         # It was at rest before: flights of round-off from there are no motion to compare others with.
         state["watchdog"]["longest_quiet"] = np.inf

@@ -8,6 +8,7 @@ surface along the other's.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import sqrt
 from typing import Any, Final
 
@@ -15,7 +16,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_kind, check_number
+from contactlab.checks import accepts_units, check_kind, check_number, check_shape
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
@@ -30,6 +31,9 @@ PRESCRIBED_ROOT: Final = 1e20
 
 FLATTER: Final = 1e15
 """Radius of its plate [m]: what bends its path adds nothing to a load."""
+
+FOREVER: Final = 1e9
+"""Time for which a load point rests [s]: longer than any run."""
 
 MOST_MODES: Final = 20
 """Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
@@ -82,8 +86,12 @@ def block(
     push_frequency: float = 1.0,
     belt_mass: float = HEAVY,
     belt_velocity: float = 0.0,
+    load_velocity: Waveform | None = None,
+    touching: bool = False,
 ) -> Motor:
     """Return a block over a belt: two rigid-body modes, one normal and one along the belt.
+
+    Seen from a belt whose velocity V changes, the load point moves at -V, and the push is -m dV/dt.
 
     Args:
         mass: m [kg].
@@ -93,9 +101,24 @@ def block(
         normal_stiffness, stiffness: of springs that pull the block to a gap and a way of zero [N/m].
         push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
         belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
+        load_velocity: of the load point, the far end of the spring along the belt, which begins at a way of
+            zero [m/s]: one row, not periodic, and zero outside of its pieces; it may jump. None stands still.
+        touching: whether a height in the neck of an adhesive law is in it, see `ModalState`.
+
+    Example:
+        A load point that goes ten times as fast after a second, on friction with rate and state:
+
+        >>> import contactlab as cl
+        >>> import numpy as np
+        >>> from scipy.interpolate import PPoly
+        >>> velocity = cl.Waveform(PPoly(np.array([[[1e-5], [1e-4]]]), np.array([0.0, 1.0, 2.0])))
+        >>> slider = cl.block(1.0, weight=10.0, stiffness=1e7, load_velocity=velocity)
     """
     _check_positive(mass=mass, belt_mass=belt_mass)
     root = sqrt(mass)
+    drive = _tone(push_amplitude, push_frequency)
+    if load_velocity is not None:
+        drive = replace(drive, waveform=_pull(load_velocity, stiffness))
     modes = NormalModes(
         stiffness=np.array([normal_stiffness, stiffness]) / mass,
         damping=np.zeros(2),
@@ -106,20 +129,38 @@ def block(
     )
     return Motor(
         modes=modes,
-        drive=_tone(push_amplitude, push_frequency),
+        drive=drive,
         geometry=ContactGeometry(FLAT, FLAT, 0.0),
         rotor=_belt(belt_mass, belt_velocity),
         preload=np.array([weight, push]) / root,
-        start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity])),
+        start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity]), touching),
     )
 
 
-def led_body(path: Waveform, gap: bool) -> Motor:
+def _pull(load_velocity: Waveform, stiffness: float) -> Waveform:
+    """Return the force k x of a load point that goes a way x at a velocity and then rests, and no other."""
+    check_kind("load_velocity", load_velocity, Waveform)
+    _check_positive(stiffness=stiffness)
+    velocity = load_velocity.pieces
+    check_shape("load_velocity.pieces.c", velocity.c, (-1, velocity.x.size - 1, 1), "one row")
+    if load_velocity.periodic:
+        raise ValueError("load_velocity is periodic; it must not be: its way grows from turn to turn.")
+    way: Any = velocity.antiderivative()
+    # In a last piece it rests.
+    force = np.zeros((len(way.c), way.x.size, 2))
+    force[:, :-1, :1] = stiffness * way.c
+    force[-1, -1, 0] = stiffness * way(way.x[-1])[0]
+    edges = np.append(way.x, way.x[-1] + FOREVER)
+    return Waveform(scipy.interpolate.PPoly.construct_fast(force, edges), start=load_velocity.start)
+
+
+def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
     """Return a body that is led along a plate: its slip by a path's second row, its gap or load by the first.
 
     Args:
         path: two rows: gap [m] or normal force [N], and way along the plate [m].
         gap: whether the first row is the gap. Else it is a force that presses a kilogram on the plate.
+        touching: as of `ModalState`.
     """
     across = PRESCRIBED_ROOT if gap else 1.0
     modes = NormalModes(
@@ -141,7 +182,7 @@ def led_body(path: Waveform, gap: bool) -> Motor:
         Drive(waveform=path),
         ContactGeometry(FLATTER, FLATTER, 0.0),
         plate,
-        start=ModalState(displacement, velocity),
+        start=ModalState(displacement, velocity, touching),
     )
 
 

@@ -174,6 +174,9 @@ class Rotor(Checked):
 class ModalState(Immutable):
     """Normal coordinates at t = 0: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (mode,).
 
+    Where the gap is positive there is no contact, unless `touching`: then an adhesive contact begins in its
+    neck, as if it had been pulled apart so far. Where that gap has broken it, there is none.
+
     >>> import contactlab as cl
     >>> import numpy as np
     >>> modes = cl.RitzResonator(shapes=2).modes
@@ -185,6 +188,7 @@ class ModalState(Immutable):
 
     displacement: Array
     velocity: Array
+    touching: bool = False
 
     def __post_init__(self) -> None:
         self.freeze()

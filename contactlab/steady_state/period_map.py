@@ -71,6 +71,8 @@ class PeriodMap:
     def __post_init__(self) -> None:
         if self.setup.changes:
             raise ValueError("The setup has solver.changes; a steady state is that of one motor.")
+        if (start := self.setup.motor.start) and start.touching:
+            raise ValueError("The motor's start is touching; a steady state has no start of its own.")
         if self.belt is None:
             object.__setattr__(self, "belt", self.setup.motor.belt_velocity)
 

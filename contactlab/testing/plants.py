@@ -128,8 +128,15 @@ class Bench:
     @cached_property
     def skipping(self) -> Trajectory:
         """A block that is thrown onto a moving belt at a slant and pressed on by its weight."""
-        thrown = {"height": 1e-6, "gap_rate": -0.1, "velocity": 0.05, "belt_velocity": -0.02}
-        motor = block(MASS, weight=WEIGHT, belt_mass=BELT_MASS, **thrown)
+        motor = block(
+            MASS,
+            height=1e-6,
+            gap_rate=-0.1,
+            velocity=0.05,
+            weight=WEIGHT,
+            belt_mass=BELT_MASS,
+            belt_velocity=-0.02,
+        )
         return attempt(motor, self.law, 1e-3, record_interval=1e-6)
 
     @property

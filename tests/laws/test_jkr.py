@@ -9,6 +9,8 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 from support.normal_balance import forces
 
+import contactlab as cl
+from contactlab.driving import drive
 from contactlab.laws import Composed, Dmt, HertzPoint, Jkr, tabor_number
 from contactlab.testing.closed_forms import restitution
 from contactlab.testing.plants import attempt, block, first, last, run
@@ -118,3 +120,26 @@ def test_tabors_number_is_the_gap_at_which_the_neck_breaks_over_the_equilibrium_
     distance = 3e-10
     number = tabor_number(SPHERE.radius, SPHERE.effective_modulus, SPHERE.work_of_adhesion, distance)
     assert 3.0 * (pi / 8.0) ** (2.0 / 3.0) * number * distance == pytest.approx(BREAK, rel=1e-12)
+
+
+def test_a_contact_that_begins_in_its_neck_goes_on_as_one_that_was_pulled_there() -> None:
+    law = Composed(SPHERE)
+    time = np.linspace(0.0, 1.0, 201)
+    whole, rest = (
+        drive(law, of, gap=2.0 * BREAK * of, touching=True, record_interval=0.005) for of in (time, time[50:])
+    )
+    assert_allclose(rest.contacts.duration, whole.contacts.duration - 0.25, rtol=1e-9)
+    assert_allclose(rest["normal_force"][1:], whole["normal_force"][51:], atol=1e-9 * PULL_OFF)
+    # What is lost at the break is the same; what the neck has at the start the path has not done.
+    assert_allclose(rest["contact_loss"][-1], whole["contact_loss"][-1], rtol=1e-9)
+    brought = quad(lambda gap: -forces(SPHERE, -gap)[0], 0.0, 0.5 * BREAK, epsrel=1e-12)[0]
+    assert_allclose(whole["drive_work"][-1] - rest["drive_work"][-1], brought, rtol=1e-9)
+    assert abs(rest["energy_residual"]).max() < 1e-12 * brought
+
+
+@pytest.mark.parametrize("height", [0.0, 0.999 * BREAK, 1.001 * BREAK])
+def test_a_body_that_starts_touching_is_in_its_neck_unless_that_is_broken(height: float) -> None:
+    start = block(1.0, height=height, touching=True)
+    touches = cl.simulate(start, Composed(SPHERE), duration=1e-6, record_interval=1e-7)["contact_mode"][1:]
+    assert bool((touches != 0).all()) == (height < BREAK)
+    assert not touches.any() or height < BREAK

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from math import pi, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.interpolate import PPoly
 
 import contactlab as cl
 from contactlab.motor.bodies import way_of
@@ -93,3 +95,55 @@ def test_a_cantilever_has_the_textbooks_modes() -> None:
 def test_a_body_of_impossible_dimensions_is_refused(make: Callable[[], cl.Motor], key: str) -> None:
     with pytest.raises(ValueError, match=key):
         make()
+
+
+def loaded(*velocity: float, until: tuple[float, ...], start: float = 0.0) -> cl.Waveform:
+    """A load point with velocities from time to time."""
+    return cl.Waveform(PPoly(np.array(velocity)[None, :, None], np.array([0.0, *until])), start=start)
+
+
+def test_a_load_point_that_goes_is_a_belt_that_comes() -> None:
+    speed, law, duration = 0.01, cl.LagrangeStick(friction_coefficient=0.3), 1.0
+    comes = cl.block(weight=10.0, stiffness=1e3, belt_velocity=-speed, velocity=-speed)
+    goes = cl.block(weight=10.0, stiffness=1e3, load_velocity=loaded(speed, until=(duration,)))
+    runs = [cl.simulate(motor, law, duration=duration, record_interval=1e-3) for motor in (comes, goes)]
+    assert {1, 2} <= set(runs[1]["contact_mode"].values.tolist())
+    assert_allclose(runs[1]["friction_force"], runs[0]["friction_force"], rtol=0.0, atol=1e-9)
+
+
+def test_what_sticks_is_drawn_by_the_spring_to_where_its_load_point_rests() -> None:
+    stiffness, velocity = 1e3, loaded(2e-3, -1e-3, until=(1.0, 1.5), start=0.25)
+    motor = cl.block(weight=10.0, stiffness=stiffness, load_velocity=velocity)
+    run = cl.simulate(motor, cl.LagrangeStick(0.3), duration=2.0, record_interval=1e-3)
+    time = run["time"].values + 0.25
+    way = np.interp(time, [0.0, 1.0, 1.5], [0.0, 2e-3, 1.5e-3])
+    # Means over the record interval, which the corners do not cut.
+    assert_allclose(run["friction_force"][1:], -stiffness * 0.5 * (way[1:] + way[:-1]), rtol=1e-9)
+    assert abs(run["energy_residual"]).max() < 1e-12
+
+
+def test_steps_of_the_load_velocity_lead_rate_and_state_from_one_steady_friction_to_the_next() -> None:
+    law = cl.Composed(cl.Linear(1e9), friction=cl.RateAndState(0.6))
+    slow, fast, ways = 1e-5, 1e-4, 2e-5
+    velocity = loaded(slow, fast, until=(ways / slow, ways / slow + ways / fast))
+    motor = cl.block(weight=10.0, height=-1e-8, stiffness=1e6, load_velocity=velocity)
+    run = cl.simulate(motor, law, duration=float(velocity.pieces.x[-1]), record_interval=1e-3)
+    part = law.friction
+    steady = 0.6 + (part.direct_effect - part.evolution_effect) * np.log(
+        np.array([slow, fast]) / part.reference_velocity
+    )
+    coefficient = -run["friction_force"].sel(time=velocity.pieces.x[1:], method="nearest") / 10.0
+    assert_allclose(coefficient, steady, rtol=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("key", "changes"),
+    [
+        ("stiffness", {"stiffness": 0.0}),
+        ("periodic", {"load_velocity": cl.Waveform(PPoly(np.ones((1, 1, 1)), [0.0, 1.0]), periodic=True)}),
+        ("load_velocity", {"load_velocity": cl.Waveform(PPoly(np.ones((1, 1, 2)), [0.0, 1.0]))}),
+    ],
+)
+def test_a_load_point_without_a_spring_or_a_way_is_refused(key: str, changes: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=key):
+        cl.block(**{"stiffness": 1.0, "load_velocity": loaded(1.0, until=(1.0,)), **changes})
