@@ -50,6 +50,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> Told:
     return folder, dict(zip(values, zip(reported[::2], reported[1::2], strict=True), strict=True))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("sign", SIGNS)
 def test_a_micro_sign_is_read_and_shown_in_a_plain_locale(sign: str, plain: Told) -> None:
     _, reported = plain

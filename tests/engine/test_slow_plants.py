@@ -86,6 +86,7 @@ def test_a_ball_that_rings_on_its_contact_is_no_stall() -> None:
     assert run.complete, run.message
 
 
+@pytest.mark.long
 def test_stick_slip_of_bristles_takes_few_steps_and_has_the_same_digits() -> None:
     law = Composed(friction=LuGre(1.0, 1.5, 1e5, sqrt(1e5), 1e-3))
     depth = (1.0 / law.normal.stiffness) ** (2.0 / 3.0)

@@ -40,6 +40,7 @@ def compared(impacts):
     return cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, **FEW)
 
 
+@pytest.mark.long
 def test_two_laws_are_compared_by_evidence_and_leave_their_posteriors(compared, tmp_path):
     result = compared
     result.save(tmp_path)

@@ -145,6 +145,7 @@ def test_a_checkpoint_is_never_unpickled(tmp_path):
         assert not trace.exists()
 
 
+@pytest.mark.long
 def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
     checkpoint = tmp_path / "checkpoint"
     whole = sample(Linear(), points=25, seed=9, checkpoint=checkpoint)

@@ -48,6 +48,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
     return folder / "compiled", result
 
 
+@pytest.mark.long
 def test_code_for_any_processor_is_loaded_in_another_place_and_gives_the_bits_of_this_processors_own(
     made: tuple[Path, list[str]], tmp_path: Path
 ) -> None:

@@ -72,6 +72,7 @@ def pair(result: cl.Result, quantity: str = "rotor_velocity", cell: int = 0) -> 
     return data.sel(quantity=quantity).isel(law=0, other_law=1, cell=cell)
 
 
+@pytest.mark.long
 def test_an_order_that_no_draw_changes_is_that_of_the_motors_drawn(opposite: cl.Result) -> None:
     """Speed counts in the sense of the median law: here of the faster one."""
     difference = pair(opposite)

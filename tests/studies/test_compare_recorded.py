@@ -199,6 +199,7 @@ def test_richardson_gives_the_error_of_a_known_series() -> None:
     assert float(richardson(growing, 2.0, 1.0)) == pytest.approx(18.0)
 
 
+@pytest.mark.long
 def test_the_command_compares_recorded_runs_and_nothing_beside_them(sweep: Path, command: Command) -> None:
     assert command("compare", str(sweep), "law=newton")[0] == 2
     assert not Path("compare").exists()

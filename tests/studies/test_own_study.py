@@ -65,6 +65,7 @@ def bytes_of(folder: Path) -> dict[str, bytes]:
     }
 
 
+@pytest.mark.long
 def test_the_verb_leaves_dataset_page_figure_and_table(whole: Path) -> None:
     assert {*bytes_of(whole)} == {
         "gain.nc", "gain.png", "gain.pdf", "report.html", "velocities.csv", "velocities.tex"

@@ -77,6 +77,7 @@ def test_the_file_alone_gives_the_result_and_the_same_files(name: str, tmp_path:
     assert again._repr_html_().count("<li>") == len(made.findings)
 
 
+@pytest.mark.long
 def test_the_kind_of_a_motion_and_its_options_are_known_from_its_file_and_the_page_is_made_anew(
     command: Command, tmp_path: Path
 ) -> None:

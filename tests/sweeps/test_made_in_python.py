@@ -75,6 +75,7 @@ def test_a_name_of_two_numbers_and_two_names_of_one_are_refused(over: dict[str, 
         cl.sweep(over, cl.Setup.of(SETUP.motor, law, 1e-3))
 
 
+@pytest.mark.long
 def test_its_data_sheet_branch_and_basins_are_those_of_its_setup() -> None:
     sheets = cl.characterise(SETUP), cl.characterise(SETUP.motor, SETUP.law)
     for name in ("stall_torque", "no_load_velocity", "velocity"):
