@@ -11,6 +11,7 @@ from contactlab.metrics import Run
 from contactlab.motor.bodies import block, oscillator
 from contactlab.motor.motor import Motor, free_reach
 from contactlab.steady_state.means import _statistical_errors
+from contactlab.studies.compare.scorecard import Reruns, limits_of
 from contactlab.studies.tables import as_text, table_of_quantities
 from contactlab.variables import Variable
 
@@ -63,3 +64,15 @@ def test_the_prefix_of_a_unit_suits_the_error_too(error: float, unit: str) -> No
     torque = Variable("torque", (), "N m", "M", "torque")
     text = as_text(table_of_quantities([torque], {"newton": {"torque": cl.Estimate(2e-9, error)}}))
     assert f" {unit} " in text
+
+
+def test_a_law_without_a_steady_state_is_told_with_its_own_reason() -> None:
+    reasons = {"newton": "It drifts.", "poisson": "It grows.", "stronge": "It drifts."}
+    sentences = [
+        *limits_of(
+            [Reruns(Run({}, {}, {}, law, {}, 0.0, label=law), without=x) for law, x in reasons.items()]
+        )
+    ]
+    assert len(sentences) == 2
+    for law, reason in reasons.items():
+        assert [reason in sentence for sentence in sentences] == [law in sentence for sentence in sentences]

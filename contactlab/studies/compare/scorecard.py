@@ -345,11 +345,11 @@ def listed(names: Sequence[str]) -> str:
 
 
 def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
-    """Yield what must be known of settled laws before their values, at most a sentence of a kind."""
+    """Yield what must be known of settled laws before their values."""
     kinds = {law.run.label: law.means[-1].kind for law in laws if law.means}
     without = {law.run.label: law.without for law in laws if law.without}
-    if without:
-        yield f"{listed([*without])}: no steady state. {next(iter(without.values()))}"
+    for reason in dict.fromkeys(without.values()):
+        yield f"{listed([label for label in without if without[label] == reason])}: no steady state. {reason}"
     if free := [label for label, kind in kinds.items() if kind == WITHOUT_CONTACT]:
         yield f"Settled without contact, so that nothing turns the rotor: {listed(free)}."
     if other := [
