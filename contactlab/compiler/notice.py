@@ -8,6 +8,7 @@ from shutil import get_terminal_size
 from time import perf_counter, process_time
 from typing import Never, final
 
+from numba import __version__
 from numba.core import event
 from tqdm import tqdm
 
@@ -43,7 +44,8 @@ class Compiled(event.Listener):
             return
         self._began = perf_counter(), process_time()
         versions = [] if shipped_folder() else sorted(each.name for each in shipped().glob(of_version("*")))
-        came = f" (what came with the package is for {', '.join(versions)})" if versions else ""
+        other = "of other sources" if of_version(__version__) in versions else f"for {', '.join(versions)}"
+        came = f" (what came with the package is {other})" if versions else ""
         _say(f"compiling {self._what}, once for an installation: about {self._usual:.0f} s{came}.")
         # tqdm shows nothing on a terminal that does not tell its size.
         columns, lines = get_terminal_size()

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numba
 import pytest
 from numba.core import event
 
@@ -72,10 +73,12 @@ def test_code_of_another_compiler_or_of_other_sources_is_left_alone(
     assert pulled(folder, tmp_path / "kept") == made[1]
 
 
-def test_whoever_waits_is_told_that_the_code_that_came_is_for_another_compiler(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("of_sources", [False, True], ids=["another compiler", "other sources"])
+def test_whoever_waits_is_told_what_the_code_that_came_is_for(
+    of_sources: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    (tmp_path / of_version("0.1")).mkdir()
+    (tmp_path / of_version(numba.__version__ if of_sources else "0.1")).mkdir()
     monkeypatch.setattr(notice, "shipped", lambda: tmp_path)
     Compiled("the engine", 20.0).on_start(event.Event("numba:compile", event.EventStatus.START))
-    assert of_version("0.1") in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert ("sources" in told, of_version("0.1") in told) == (of_sources, not of_sources)
