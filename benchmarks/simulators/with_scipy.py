@@ -5,11 +5,11 @@ An impact is no question to it.
 
 from typing import NamedTuple
 
+import block_and_ball
 import entrant
-import equations
 import numpy as np
+from block_and_ball import Event, Rates, Solve
 from entrant import Numbers, Values
-from equations import Event, Rates, Solve
 from scipy.integrate import solve_ivp
 
 
@@ -49,13 +49,13 @@ def block(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a block on a plane, by LSODA; between events in steps of 1 ms at most."""
     tolerance, scale = setting
     if scale > 0.0:
-        return equations.block(solver("LSODA", tolerance, tolerance * scale), scale, numbers)
-    return equations.block(solver("LSODA", tolerance, tolerance * 1e-6, 1e-3), 0.0, numbers)
+        return block_and_ball.block(solver("LSODA", tolerance, tolerance * scale), scale, numbers)
+    return block_and_ball.block(solver("LSODA", tolerance, tolerance * 1e-6, 1e-3), 0.0, numbers)
 
 
 def bounce(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a ball whose landings are events, by RK45."""
-    return equations.bounce(solver("RK45", setting.tolerance, 1e-9), numbers)
+    return block_and_ball.bounce(solver("RK45", setting.tolerance, 1e-9), numbers)
 
 
 if __name__ == "__main__":

@@ -5,11 +5,11 @@ An impact is no question to it.
 
 from typing import Any, NamedTuple
 
+import block_and_ball
 import entrant
-import equations
 import numpy as np
+from block_and_ball import Event, Rates, Solve
 from entrant import Numbers, Values
-from equations import Event, Rates, Solve
 from sksundae.cvode import CVODE
 
 
@@ -56,12 +56,12 @@ def solver(options: dict[str, Any]) -> Solve:
 
 def block(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a block on a plane."""
-    return equations.block(solver(setting.options), setting.scale, numbers)
+    return block_and_ball.block(solver(setting.options), setting.scale, numbers)
 
 
 def bounce(setting: Setting, numbers: Numbers) -> Values:
     """Answer for a ball whose landings are events."""
-    return equations.bounce(solver(setting.options), numbers)
+    return block_and_ball.bounce(solver(setting.options), numbers)
 
 
 if __name__ == "__main__":
