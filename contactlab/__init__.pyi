@@ -41,6 +41,7 @@ from contactlab.laws import (
     LinearDamping as LinearDamping,
     Lining as Lining,
     LuGre as LuGre,
+    Maugis as Maugis,
     Microslip as Microslip,
     Mindlin as Mindlin,
     MoreauJean as MoreauJean,

@@ -315,7 +315,7 @@ def every_law() -> list[tuple[str, ...]]:
     return laws + parts
 
 
-PULLS = {"jkr": ("law/friction=cohesive",), "dmt": ("law/friction=cohesive",)}
+PULLS = dict.fromkeys(("jkr", "dmt", "maugis"), ("law/friction=cohesive",))
 
 
 @pytest.mark.parametrize("overrides", every_law(), ids=" ".join)

@@ -41,6 +41,7 @@ from contactlab.laws.normal import (
     Line,
     Linear,
     Lining,
+    Maugis,
     Prony,
     Thornton,
     WaltonBraun,

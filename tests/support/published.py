@@ -38,7 +38,7 @@ from contactlab.laws.friction import (
     RateAndState,
     Stribeck,
 )
-from contactlab.laws.normal import Dmt, Jkr, Prony, Thornton, WaltonBraun
+from contactlab.laws.normal import Dmt, Jkr, Maugis, Prony, Thornton, WaltonBraun
 from contactlab.testing import closed_forms as closed
 from contactlab.testing.claim import Claim, Claims, Proof, close
 from contactlab.testing.closed_forms import SPRING, WEIGHT, resting, restitution
@@ -203,6 +203,18 @@ def jkr_lost(work: float = 0.1, radius: float = 4.2e-3, modulus: float = 115e9) 
     yield close("loss of an impact", first(made, "energy_loss"), expected, 0.005 / 7.09, "J")
 
 
+def maugis_pull_off(work: float = 0.1, radius: float = 4.2e-3, number: float = 1.0) -> Claims:
+    """The largest pull is pi w R [7/4 - 1/4 (x - 1)/(x + 1)], x = 4.04 lambda^1.4 (Carpick et al. 1999)."""
+    normal = Maugis(radius, work_of_adhesion=work, tabor_number=number)
+    _, ends = normal.evaluate("limits")
+    depths = np.linspace(-ends, ends, 4001)
+    result = -min(normal.evaluate("elastic", depth=float(d))[0] for d in depths)
+    x = 4.04 * (1.157 * number) ** 1.4
+    expected = pi * work * radius * (1.75 - 0.25 * (x - 1.0) / (x + 1.0))
+    # What the fit claims of itself.
+    yield close("pull-off force between both limits", result, expected, 0.01, "N")
+
+
 def johnson_restitution(modulus: float = 115e9, strength: float = 3e8, radius: float = 4.5e-3) -> Claims:
     """Johnson's e over (Y/E*)^(1/2) (m V^2/(2 Y R^3))^(-1/8), printed as 3.8; derived it is 3.743.
 
@@ -329,6 +341,7 @@ PUBLISHED: Final[Mapping[str, tuple[Proof, ...]]] = {
     "kuwabara_kono": (kuwabara_kono_restitution,),
     "lagrange_ageing": (lagrange_ageing_breakaway,),
     "line": (palmgren,),
+    "maugis": (maugis_pull_off,),
     "microslip": (patch_microslip,),
     "prony": (prony_creep,),
     "rate_and_state": (steady_slip,),

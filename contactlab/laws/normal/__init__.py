@@ -12,6 +12,7 @@ from contactlab.laws.normal.elastic import (
     hertz_elastic,
 )
 from contactlab.laws.normal.jkr import Jkr, tabor_number
+from contactlab.laws.normal.maugis import Maugis
 from contactlab.laws.normal.prony import Prony
 from contactlab.laws.normal.thornton import Thornton
 from contactlab.laws.normal.walton_braun import WaltonBraun
@@ -20,6 +21,6 @@ NORMAL_FORCES: dict[str, type[NormalForce]] = {
     part.name: part
     for part in (
         *(HertzPoint, HertzElliptic, Line, Linear, Lining),
-        *(Thornton, WaltonBraun, Jkr, Dmt, Prony),
+        *(Thornton, WaltonBraun, Jkr, Dmt, Maugis, Prony),
     )
 }

@@ -46,7 +46,7 @@ class Jkr(NormalForce):
     pull; a constant one beyond it parts the bodies. V is zero at the touch, below it while the surfaces
     pull, and what is left at the break is lost: 7.09 (w^5 R^4/E*^2)^(1/3), whatever the speed. A body that
     brings less never leaves. Valid where the neck is much higher than the range of the surfaces' forces,
-    at a `contactlab.tabor_number` above 5; below 0.1 see dmt. a is small against R.
+    at a `contactlab.tabor_number` above 5; see dmt below 0.1, and maugis in between. a is small against R.
     """
 
     name = "jkr"
@@ -95,7 +95,7 @@ def tabor_number(
         mu_T = (R w^2 / (E*^2 z_0^3))^(1/3)
 
     `jkr` applies above about 5, `dmt` below about 0.1 (Tabor 1977, J. Colloid Interface Sci. 58, 2; Johnson
-    and Greenwood 1997, J. Colloid Interface Sci. 192, 326); no law of the package spans what is in between.
+    and Greenwood 1997, J. Colloid Interface Sci. 192, 326); `maugis` spans what is in between.
     All arguments are positive: R relative radius, E* effective modulus, w work of adhesion, z_0 equilibrium
     distance of the surfaces, 0.16 to 0.4 nm as a rule.
 
