@@ -80,5 +80,5 @@ def test_whoever_waits_is_told_what_the_code_that_came_is_for(
     (tmp_path / of_version(numba.__version__ if of_sources else "0.1")).mkdir()
     monkeypatch.setattr(notice, "shipped", lambda: tmp_path)
     Compiled("the engine", 20.0).on_start(event.Event("numba:compile", event.EventStatus.START))
-    told = capsys.readouterr().err
-    assert ("sources" in told, of_version("0.1") in told) == (of_sources, not of_sources)
+    errors = capsys.readouterr().err
+    assert ("sources" in errors, of_version("0.1") in errors) == (of_sources, not of_sources)
