@@ -29,9 +29,6 @@ HEAVY: Final = 1e18
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
 
-FLATTER: Final = 1e15
-"""Radius of its plate [m]: what bends its path adds nothing to a load."""
-
 FOREVER: Final = 1e9
 """Time for which a load point rests [s]: longer than any run."""
 
@@ -169,7 +166,7 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
         coupling=np.diag([-across if gap else 1.0, PRESCRIBED_ROOT]),
         # As of a block.
         tip_displacement=np.array([1.0 / across, 0.0]),
-        tip_slope=np.array([0.0, -1.0 / (FLATTER * PRESCRIBED_ROOT)]),
+        tip_slope=np.array([0.0, -1.0 / (FLAT * PRESCRIBED_ROOT)]),
         prescribed=np.array([gap, True]),
     )
     displacement, velocity = (modes.coupling @ path.voltage(0.0, order) for order in (0, 1))
@@ -180,7 +177,7 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
     return Motor(
         modes,
         Drive(waveform=path),
-        ContactGeometry(FLATTER, FLATTER, 0.0),
+        ContactGeometry(FLAT, FLAT, 0.0),
         plate,
         start=ModalState(displacement, velocity, touching),
     )

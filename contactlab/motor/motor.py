@@ -18,7 +18,7 @@ from contactlab.parameter import Parameter, not_negative, positive
 ROUND_OFF: Final = 1e-9
 """Share of the largest capacitance by which others may miss symmetry or a positive energy."""
 
-FLAT: Final = 1e9
+FLAT: Final = 1e15
 """Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
 
 BELT: Final = 1e9

@@ -21,9 +21,16 @@ FIRST = 108
 
 SOME = [*range(FIRST, FIRST + 12), *range(FIRST + 12, len(law_groups()), 25)]
 SHORT = SOME[1::3]
+MAUGIS = [
+    len(law_groups()) + place
+    for place, choice in enumerate(law_groups())
+    if choice.get("law/normal") == "jkr"
+]
 
 
-@pytest.mark.parametrize("number", cases({*SOME, *range(FIRST, len(law_groups()), 4)}, SHORT))
+@pytest.mark.parametrize(
+    "number", cases({*SOME, *range(FIRST, len(law_groups()), 4), *MAUGIS}, [*SHORT, *MAUGIS[:2]])
+)
 def test_a_random_configuration_is_refused_or_keeps_every_invariant(number: int) -> None:
     outcome = script.outcome_of(number)
     assert not script.broken(outcome), script.command_line(number)
