@@ -143,3 +143,9 @@ def test_a_body_that_starts_touching_is_in_its_neck_unless_that_is_broken(height
     touches = cl.simulate(start, Composed(SPHERE), duration=1e-6, record_interval=1e-7)["contact_mode"][1:]
     assert bool((touches != 0).all()) == (height < BREAK)
     assert not touches.any() or height < BREAK
+
+
+def test_a_steady_state_has_no_start_in_a_neck() -> None:
+    setup = cl.Setup.of(block(1.0, height=0.5 * BREAK, touching=True), Composed(SPHERE), 1e-3)
+    with pytest.raises(ValueError, match="touching"):
+        cl.steady(setup)
