@@ -15,7 +15,6 @@ from hashlib import sha256
 from io import StringIO
 from math import isclose
 from pathlib import Path
-from time import process_time
 from tokenize import COMMENT, generate_tokens
 from typing import Any, Final
 
@@ -104,16 +103,10 @@ def put(
     name: str, script: str, section: str, make: Callable[[], Any], parts: Sequence[str] = PHYSICS
 ) -> None:
     """Make a section and write it to its file, with the digests of the code at the beginning."""
-    began, stamp = process_time(), stamp_of(script, parts)
+    stamp = stamp_of(script, parts)
     results = make()
     content = read(name)
-    content["sections"][section] = {
-        "script": script,
-        "parts": [*parts],
-        **stamp,
-        "processor_seconds": round(process_time() - began, 1),
-        "results": results,
-    }
+    content["sections"][section] = {"script": script, "parts": [*parts], **stamp, "results": results}
     write(name, content)
 
 

@@ -74,5 +74,9 @@ def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
         motor,
         modes=pressed,
         preload=np.append(none if motor.preload is None else motor.preload, -bearing.preload / root),
-        start=ModalState(np.append(start.displacement, -root * way), np.append(start.velocity, 0.0)),
+        start=replace(
+            start,
+            displacement=np.append(start.displacement, -root * way),
+            velocity=np.append(start.velocity, 0.0),
+        ),
     )

@@ -209,3 +209,10 @@ def test_a_preload_that_a_free_mode_gives_way_to_is_refused() -> None:
     pressed = cl.on_bearing(motor, cl.Bearing(mass=0.15, preload=5.0, stiffness=1e5))
     with pytest.raises(ValueError, match="preload"):
         at_rest(pressed, cl.law("newton"))
+
+
+def test_a_start_in_a_neck_is_one_on_a_bearing_too() -> None:
+    pulled = block(1.0, height=1e-9, touching=True)
+    start = cl.on_bearing(pulled, cl.Bearing(mass=1.0, stiffness=1e6)).start
+    assert start is not None
+    assert start.touching
