@@ -9,7 +9,7 @@ from support.motors import default_resonator, every_law, hertz, run
 
 from contactlab.engine.plant import plant_of
 from contactlab.engine.propagator import Propagator, Workspace
-from contactlab.laws import ContactLaw, MultiplierLaw
+from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw
 from contactlab.motor.motor import Motor
 from contactlab.testing.flights import Flight, double_well, drive_through, flight_of
 
@@ -139,6 +139,18 @@ def test_a_tangential_graze_is_decided_down_to_round_off(law: ContactLaw, miss: 
     assert result.size == (1 if miss < 0.0 else 0)
     # The rate is 2e-8 m/s there, and the dip 20 ps wide.
     assert np.all(np.abs(result - when) < 2e-11)
+
+
+@pytest.mark.parametrize("law", [LagrangeStick(0.3), LagrangeSlip(0.3)], ids=lambda law: law.name)
+@pytest.mark.parametrize("depth", [1e-10, 1e-12])
+def test_a_dip_within_one_step_in_time_pushes_back(law: ContactLaw, depth: float) -> None:
+    when, step = middle_of_step(law, 30)
+    flight = flight_of(shaped_motor(when)).lowered_to(-depth, when)
+    contacts = run(flight.motor, law, when + 0.4 * step, step, contact_step=4e-6).contacts
+    # At the end of a whole step the gap would be open again, as if nothing had been there.
+    assert np.sqrt(8.0 * depth / CURVATURE) < 1e-6
+    assert contacts["start_time"].size == 1
+    assert contacts["normal_impulse"][0] > 0.0
 
 
 def test_an_elastic_dip_is_left_where_the_flight_leaves_it() -> None:

@@ -26,7 +26,7 @@ from tqdm import tqdm
 
 ROOT = Path(__file__).resolve().parents[2]
 PARTS = (
-    *("contactlab", "hydra_plugins", "conf", "tests", "experiments", "benchmarks", "docs"),
+    *(".ci", "contactlab", "hydra_plugins", "conf", "tests", "experiments", "benchmarks", "docs"),
     *("pyproject.toml", "README.md"),
 )
 
@@ -119,7 +119,8 @@ def try_out(mutation: Mutation | None, tests: Sequence[str]) -> Outcome:
             mutation.apply(project)
         green, by = run_tests(project, tests)
         if green and mutation:
-            green, by = run_tests(project, ())
+            # Its own tests fail on every error: they hold the list to the sources.
+            green, by = run_tests(project, ("tests", "--ignore=tests/testing/test_mutation_check.py"))
     seconds = round(perf_counter() - started)
     return Outcome(mutation.name if mutation else "", not green, "" if green else by, seconds)
 
