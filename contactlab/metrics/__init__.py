@@ -18,6 +18,7 @@ from contactlab.metrics.catalogue import (
     Metric,
     add_others,
     assess,
+    brief,
     metric,
 )
 from contactlab.metrics.convergence import assess_steps, assess_variants

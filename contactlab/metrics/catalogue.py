@@ -56,6 +56,7 @@ class Metric:
     needs_records: bool = True  # takes other records than the last
     absent: str = NOT_APPLICABLE  # verdict without a value
     usual: bool = False  # computed by default in a sweep, as it costs next to nothing
+    sums: bool = False  # over all contacts, so that it grows with the run
 
     @property
     def threshold(self) -> str:
@@ -77,11 +78,6 @@ class Metric:
         return "nothing on the law"
 
     @property
-    def brief(self) -> str:
-        """The meaning without what explains it."""
-        return re.split(r"[:;]|\. ", self.meaning)[0]
-
-    @property
     def unit(self) -> str:
         """The unit as it is read, rad/s for rad s-1, with a space before it; nothing without one."""
         return "" if self.units == "1" else " " + re.sub(r" (\w+)-1$", r"/\1", self.units)
@@ -93,6 +89,11 @@ class Metric:
         if not self.threshold:
             return REPORTED
         return self.verdicts[value > self.bound]
+
+
+def brief(meaning: str) -> str:
+    """Return the meaning of a metric without what explains it."""
+    return re.split(r"[:;]|\. ", meaning)[0]
 
 
 METRICS: Final[dict[str, Metric]] = {}  # of one run

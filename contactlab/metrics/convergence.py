@@ -75,6 +75,11 @@ def _finite_peak(run: Run) -> float:
     return peak_force(run)
 
 
+def _impulse(run: Run) -> float:
+    """Return the normal impulse of a drive period [N s]: settled motions may repeat after several."""
+    return total_impulse(run) / run.periods
+
+
 for _value, _judged, _key, _symbol, _name, _except in (
     (
         peak_force,
@@ -84,7 +89,7 @@ for _value, _judged, _key, _symbol, _name, _except in (
         "peak force",
         "; not applicable to rigid laws, whose impacts have an impulse and no force",
     ),
-    (total_impulse, total_impulse, "impulse", "sum(p_n)", "normal impulse", ""),
+    (_impulse, _impulse, "impulse", "sum(p_n)", "normal impulse", ""),
 ):
     of_steps(
         f"d(ln {_symbol}) / d(ln h)",
@@ -186,16 +191,16 @@ for _thing, _symbol, _base in (
     ("basis", "d{0} / {0}", "with the basis"),
     ("friction", "(d{0} / {0}) / (dmu / mu)", "over that of the friction coefficient"),
 ):
-    for _value, _letter, _name in (
-        (rotor_velocity, "Omega", "mean rotor velocity"),
-        (peak_force, "N_max", "peak normal force"),
-        (total_impulse, "P", "sum P of the normal impulses"),
+    for _value, _key, _letter, _name in (
+        (rotor_velocity, "rotor_velocity", "Omega", "mean rotor velocity"),
+        (peak_force, "peak_force", "N_max", "peak normal force"),
+        (_impulse, "total_impulse", "P", "sum P of the normal impulses of a drive period"),
     ):
         metric(
             _symbol.format(_letter),
             f"relative change of the {_name} {_base}",
             catalogue=SENSITIVITIES,
-            key=f"{_value.__name__}_by_{_thing}",
+            key=f"{_key}_by_{_thing}",
         )(partial(_sensitivity, thing=_thing, value=_value))
 
 

@@ -16,7 +16,9 @@ ASSUMED_STIFFNESS: Final = float(HertzPenalty().stiffness or 0.0)
 """Contact stiffness at which the impulse of an impact is expressed as a force [N m^-1.5]."""
 
 
-@without_records("n_c", "number of contacts, those that the run's start or end cuts included", usual=True)
+@without_records(
+    "n_c", "number of contacts, those that the run's start or end cuts included", usual=True, sums=True
+)
 def contact_count(run: Run) -> float:
     needed("start_time" in run.rows)
     return float(run.rows["start_time"].size)
@@ -62,17 +64,17 @@ def mean_impulse(run: Run) -> float:
     return float(run.contacts("normal_impulse").mean())
 
 
-@without_records("sum p_n", "normal impulse of all contacts", "N s", usual=True)
+@without_records("sum p_n", "normal impulse of all contacts", "N s", usual=True, sums=True)
 def total_impulse(run: Run) -> float:
     return float(run.contacts("normal_impulse").sum())
 
 
-@without_records("sum p_t", "friction impulse of all contacts", "N s", usual=True)
+@without_records("sum p_t", "friction impulse of all contacts", "N s", usual=True, sums=True)
 def total_friction_impulse(run: Run) -> float:
     return float(run.contacts("friction_impulse").sum())
 
 
-@without_records("sum t_c", "time in contact", "s", usual=True)
+@without_records("sum t_c", "time in contact", "s", usual=True, sums=True)
 def contact_time(run: Run) -> float:
     return float(run.contacts("duration").sum())
 

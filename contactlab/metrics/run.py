@@ -146,6 +146,11 @@ class Run:
         except (NotApplicableError, ZeroDivisionError):
             return 0.0
 
+    @property
+    def periods(self) -> float:
+        """Drive periods that the run lasts, not rounded [1]; one where the period is not known."""
+        return self.gain("time") / self.period if self.period else 1.0
+
     @cached_property
     def settling(self) -> Settling:
         """Whether the motor has settled, and to what."""

@@ -72,6 +72,18 @@ def pair(result: cl.Result, quantity: str = "rotor_velocity", cell: int = 0) -> 
     return data.sel(quantity=quantity).isel(law=0, other_law=1, cell=cell)
 
 
+def test_sums_over_contacts_are_those_of_a_drive_period_however_long_the_motion() -> None:
+    """That of the first law repeats after one, that of the other never: sixteen of it are recorded."""
+    setups = [setup_of(law) for law in ("lagrange_stick", "lagrange_slip")]
+    card = cl.compare(setups, refine=False).data.to_dataset()
+    for setup in setups:
+        impulse, values = cl.steady(setup).details.impulse, card["value"].sel(law=setup.law.name)
+        assert values.sel(metric="total_impulse") == pytest.approx(impulse.value, rel=0.02)
+        assert values.sel(metric="contact_count") == pytest.approx(1.0, rel=0.1)
+    meanings = card["meaning"].sel(metric=["total_impulse", "mean_impulse"]).values
+    assert [text.endswith("in a drive period") for text in meanings] == [True, False]
+
+
 @pytest.mark.long
 def test_an_order_that_no_draw_changes_is_that_of_the_motors_drawn(opposite: cl.Result) -> None:
     """Speed counts in the sense of the median law: here of the faster one."""

@@ -16,7 +16,7 @@ from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.recording import drawable, envelope
 from contactlab.results.summary import prefixed_unit
 from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
-from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, drawing, legend_above, style
+from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, WIDTH, drawing, legend_above, style
 
 CAPTIONS: Final = {
     "differences": "Difference of two laws over the larger of both, as configured (diamond) and in the "
@@ -37,6 +37,9 @@ CAPTIONS: Final = {
     "phase_portrait": "Mean gap rate and slip velocity over the gap in the last two drive periods.",
 }
 """Captions of the figures, in their order."""
+
+MOST_ROWS: Final = 12
+"""Laws in a table of pairs whose columns have names; those of more have numbers."""
 
 SIGNS: Final = "><=0~?"
 """Orders of two laws, in the order of `contactlab.inference.paired.VERDICTS`."""
@@ -153,7 +156,8 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
     needed("order" in data and data.sizes["law"] > 2)
     here, count = data.sel(quantity="rotor_velocity"), data.sizes["law"]
     difference, order = here["relative_difference"].values, here["order"].values
-    figure, (axes,) = drawing(1, 1, 1.6 + 0.31 * count)
+    many = count > MOST_ROWS
+    figure, (axes,) = drawing(1, 1, 0.7 * WIDTH if many else 1.6 + 0.31 * count)
     middle = np.nanmedian(np.where(np.isfinite(difference), difference, 0.0), axis=2)
     # What is far below the margin has no colour.
     size = max(_size(middle), data.attrs["margin"])
@@ -162,10 +166,15 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
         for b in range(count):
             signs = "".join(dict.fromkeys(SIGNS[int(kind)] for kind in order[a, b]))
             dark = abs(middle[a, b]) > 0.6 * size
-            text = {"ha": "center", "va": "center", "fontsize": 7, "color": "white" if dark else "black"}
-            axes.text(b, a, signs if a != b else "", **text)
-    axes.set_yticks(np.arange(count), _labels(data))
-    axes.set_xticks(np.arange(count), _labels(data), rotation=60, ha="right", rotation_mode="anchor")
+            text = {"ha": "center", "va": "center", "color": "white" if dark else "black"}
+            axes.text(b, a, signs if a != b else "", fontsize=4 if many else 7, **text)
+    if many:
+        numbered = [f"{law}  {number}" for number, law in enumerate(data["law"].values, 1)]
+        axes.set_yticks(np.arange(count), numbered, fontsize=4)
+        axes.set_xticks(np.arange(count), np.arange(1, count + 1), fontsize=4)
+    else:
+        axes.set_yticks(np.arange(count), _labels(data))
+        axes.set_xticks(np.arange(count), _labels(data), rotation=60, ha="right", rotation_mode="anchor")
     figure.colorbar(image, label="row less column, over the larger", shrink=0.8)
     return figure
 

@@ -25,16 +25,7 @@ from contactlab.inference.paired import (
     looks_up_to,
 )
 from contactlab.inference.repeats import not_stated
-from contactlab.metrics import (
-    FAIL,
-    INVARIANTS,
-    METRICS,
-    NOT_APPLICABLE,
-    REPORTED,
-    SENSITIVITIES,
-    STEP_METRICS,
-    VERDICTS,
-)
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, REPORTED, VERDICTS, brief
 from contactlab.studies.compare.scorecard import listed
 from contactlab.studies.tables import UNIT, table
 
@@ -150,7 +141,7 @@ def _over_grid(order: Any) -> str:
 def population(data: xarray.Dataset) -> str:
     """Return what the motors drawn differ in, and what they have as configured."""
     fixed = [data.attrs.get("not_varied", ""), "load, preload, tip and dimensions"]
-    return f"{listed(list(data['prior'].values))}; {', '.join(filter(None, fixed))} as configured"
+    return f"{listed(list(data['prior'].values))}; as configured: {'; '.join(filter(None, fixed))}"
 
 
 def _percent(data: xarray.Dataset) -> str:
@@ -244,7 +235,8 @@ def _of_transients(data: xarray.Dataset) -> Iterator[str]:
         if values.size > 1:
             same = f"{values[0]:.4g}{metric.unit} with every law"
             text = ends(values, laws, metric.unit, 4) if np.ptp(values) > 0.0 else same
-            yield f"{metric.brief[0].upper()}{metric.brief[1:]}: {text}."
+            name = brief(metric.meaning)
+            yield f"{name[0].upper()}{name[1:]}: {text}."
 
 
 def _thresholds(data: xarray.Dataset) -> str:
@@ -294,13 +286,13 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
 
 def _scorecard(data: xarray.Dataset, name: str, keys: list[str]) -> pandas.DataFrame:
     """Return a row for each metric that a law has: value, error and verdict of each law."""
-    rows, catalogue = [], METRICS | STEP_METRICS | SENSITIVITIES
+    rows = []
     for key in keys:
         here = data.sel(metric=key)
         if not here["value"].notnull().any():
             continue
         threshold = str(here["threshold"].item())
-        row: dict[str, Any] = {"metric": catalogue[key].brief if key in catalogue else key}
+        row: dict[str, Any] = {"metric": brief(str(here["meaning"].item()))}
         row |= {UNIT: str(here["units"].item())} | ({"must be": threshold} if name != "motion" else {})
         for law in map(str, data["law"].values):
             cell = here.sel(law=law)

@@ -41,6 +41,9 @@ ENERGY_TERMS: Final = {
 }
 """Terms of the energy flow and their names, in the order of the figure."""
 
+MOST_NAMED: Final = 6
+"""Laws that a title names; of more it has the number."""
+
 NOT_KNOWN: Final = "not known"
 """Kind of a recorded motion, and of one that fails."""
 
@@ -218,8 +221,8 @@ class Reruns:
         """Return values and errors by metric, numerical and, of means, statistical."""
         means = dict(zip(QUANTITIES, self.means[-1].values.tolist(), strict=True)) if self.means else {}
         if not self.steps:
-            return (metrics.assess(self.best) if self.best.columns else {}) | means, {}
-        steps = [metrics.assess(run) for _, run in self.steps]
+            return (_assessed(self.best, bool(self.means)) if self.best.columns else {}) | means, {}
+        steps = [_assessed(run, True) for _, run in self.steps]
         errors = {key: self.error([each[key] for each in steps]) for key in steps[-1]}
         columns = np.transpose([each.values for each in self.means])
         both = np.array([self.error([*column]) for column in columns]) + self.means[-1].errors
@@ -236,6 +239,14 @@ class Reruns:
         return "settled, steps as configured" if self.means else "as recorded"
 
 
+def _assessed(run: Run, settled: bool) -> dict[str, float]:
+    """Return the metrics of a run; sums of a settled motion, which may last several periods, are of one."""
+    values = metrics.assess(run)
+    if not settled:
+        return values
+    return {key: x / run.periods if metrics.METRICS[key].sums else x for key, x in values.items()}
+
+
 def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
     """Return metrics, errors, verdicts and energy flow of each law.
 
@@ -243,7 +254,11 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
         A dataset over `law`, `metric` (those with a threshold first) and `term`.
     """
     catalogue = metrics.METRICS | metrics.STEP_METRICS | metrics.SENSITIVITIES
-    every = sorted(catalogue.values(), key=lambda metric: not metric.threshold)
+    settled = any(law.means for law in laws)
+    every = [
+        replace(metric, meaning=f"{metric.meaning}, in a drive period") if settled and metric.sums else metric
+        for metric in sorted(catalogue.values(), key=lambda metric: not metric.threshold)
+    ]
     values, errors = (
         [[part.get(metric.key, nan) for metric in every] for part in parts]
         for parts in zip(*(law.assessed() for law in laws), strict=True)
@@ -251,7 +266,6 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
     verdicts = [
         [VERDICTS.index(metric.verdict(x)) for metric, x in zip(every, row, strict=True)] for row in values
     ]
-    settled = any(law.means for law in laws)
     flows = [energy_flow(law.best, law.period if settled else 0.0) for law in laws]
     flags = {"flag_values": np.arange(len(VERDICTS), dtype=np.int8), "flag_meanings": FLAGS}
     both, units = ("law", "metric"), {"comment": "units differ by metric, see `units`"}
@@ -289,10 +303,16 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
             **{name: ("law", texts) for name, texts in of_laws.items()},
         },
         {
-            "title": f"Contact law{'s' if len(laws) > 1 else ''} compared: {', '.join(labels)}",
+            "title": _title(labels),
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
         },
     )
+
+
+def _title(labels: Sequence[str]) -> str:
+    if len(labels) > MOST_NAMED:
+        return f"{len(labels)} contact laws compared"
+    return f"Contact law{'s' if len(labels) > 1 else ''} compared: {', '.join(labels)}"
 
 
 def energy_flow(run: Run, period: float = 0.0) -> dict[str, float]:

@@ -45,6 +45,9 @@ from contactlab.studies.compare.pairs import Design, population_of, undecided, w
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
 from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
 
+MOST_NAMED: Final = 3
+"""Laws that are named beside a number that they share; of more the sentence has how many."""
+
 SAMPLES: Final = 64
 """Draws at most, which take a minute or two for three laws."""
 
@@ -216,10 +219,7 @@ class Compare(Study):
             if design := self._design(grid):
                 data = with_pairs(data, design, parts, self.margin)
                 fixed = {law: left_fixed(run, design.factors, self.priors) for law, run in runs.items()}
-                names = dict.fromkeys(name for names in fixed.values() for name in names)
-                data.attrs["not_varied"] = listed(
-                    [f"{name} of {listed([law for law in fixed if name in fixed[law]])}" for name in names]
-                )
+                data.attrs["not_varied"] = "; ".join(_of_laws(fixed))
         motions = {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
         return xarray.DataTree(data, motions)
 
@@ -262,6 +262,15 @@ class Compare(Study):
         from contactlab.studies.compare.figures import draw_all
 
         return draw_all(data)
+
+
+def _of_laws(names: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield the names that laws have, those of the same laws together; of many laws their number."""
+    having: dict[tuple[str, ...], list[str]] = {}
+    for name in dict.fromkeys(name for each in names.values() for name in each):
+        having.setdefault(tuple(law for law in names if name in names[law]), []).append(name)
+    for laws, own in having.items():
+        yield f"{listed(own)} of {listed(laws) if len(laws) <= MOST_NAMED else f'{len(laws)} laws'}"
 
 
 def _brought_to(datum: Datum, setup: Setup) -> Setup:

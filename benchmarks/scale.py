@@ -1,0 +1,175 @@
+"""How the largest jobs grow: Dask workers, cells of a sweep, records, seconds of motor, laws of one page.
+
+    python benchmarks/scale.py [--load SECONDS] [--cells N] [--output CSV]
+
+Load is simulated where the runs themselves are not the question: a task of the workers sleeps, so that more
+workers than processors measure what the scheduler and contactlab add; a cell of the sweep has numbers
+at once. The sweep of cells, the runs and the page are a process each, whose greatest memory is told.
+"""
+
+import argparse
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from multiprocessing import get_context
+from pathlib import Path
+from time import perf_counter, process_time, sleep
+from typing import Any, ClassVar, final
+from unittest import mock
+
+import pandas as pd
+import xarray
+
+import contactlab as cl
+from contactlab.estimate import Estimate
+from contactlab.laws import LAWS
+from contactlab.metrics import METRICS
+from contactlab.studies.run_state import Status
+from contactlab.studies.runner import run
+from contactlab.studies.study import Part, Setups, Study, Task
+from contactlab.studies.sweep.dataset import Outcome
+
+WORKERS = 1, 2, 4, 8
+TASKS_OF_A_WORKER = 50
+
+RUNS = {
+    "run of 100 s, 100 001 records": ["solver.duration=100", "record.interval=1e-3"],
+    "run of 9.99 s, 9 990 001 records": ["solver.duration=9.99", "record.interval=1e-6"],
+}
+"""Overrides of runs, by what they are."""
+
+LAWS_OF_A_PAGE = 30
+NORMALS = "hertz_point", "linear", "jkr", "lining", "prony"
+FRICTIONS = "coulomb", "stribeck", "mindlin", "bouc_wen"
+
+
+def sleeping(seconds: float) -> Part:
+    """Take some seconds [s] of nobody's processor."""
+    sleep(seconds)
+    return Part(xarray.DataTree(xarray.Dataset({"waited": seconds})))
+
+
+@final
+@dataclass(frozen=True, kw_only=True)
+class Sleeping(Study):
+    """How long do tasks take that do nothing?"""
+
+    name: ClassVar[str] = "sleeping"
+    seconds: float
+    count: int
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return the tasks."""
+        del setups
+        return [Task(f"{k}", sleeping, (self.seconds,)) for k in range(self.count)]
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return how many were done."""
+        del setups
+        return xarray.DataTree(xarray.Dataset({"done": len(parts)}))
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return none."""
+        del data
+        return {}
+
+
+def by_workers(load: float) -> Iterable[dict[str, Any]]:
+    """Yield how much of each number of Dask workers' time is load."""
+    from distributed import LocalCluster
+
+    for count in WORKERS:
+        with LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster:
+            address = cluster.scheduler_address
+            # Workers import contactlab with their first task.
+            run(Sleeping(seconds=2.0, count=2 * count, scheduler=address), {})
+            study = Sleeping(seconds=load, count=TASKS_OF_A_WORKER * count, scheduler=address)
+            start = perf_counter()
+            run(study, {})
+            wall = perf_counter() - start
+        yield {"what": f"{count} Dask workers, tasks of {load:g} s", "wall_s": wall,
+               "efficiency": TASKS_OF_A_WORKER * load / wall}  # fmt: skip
+
+
+def at_once(*_: object) -> Outcome:
+    """Return the outcome of a run that was not made."""
+    return Outcome(Status.COMPLETE, numbers={key: 1.0 for key, each in METRICS.items() if each.usual})
+
+
+def cells(count: int) -> None:
+    """Plan and collect a grid of phases and clearances without its runs."""
+    side = round(count**0.5)
+    over = {"drive.phase": f"linspace(-3, 3, {side})", "contact.clearance": f"linspace(0, 2e-6, {side})"}
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        mock.patch("contactlab.studies.sweep.study._outcome", at_once),
+    ):
+        swept = cl.sweep(over, ["solver.duration=2e-3"], output=Path(folder) / "sweep", workers=1)
+    assert swept.attrs["runs_complete"] == side**2
+
+
+def page(count: int) -> None:
+    """Compare some laws in four motors drawn, and write the page."""
+    named = [[f"law={law}"] for law in LAWS if law not in ("archard", "composed")]
+    parts = [["law=composed", f"law/normal={n}", f"law/friction={f}"] for n in NORMALS for f in FRICTIONS]
+    with tempfile.TemporaryDirectory() as folder:
+        cl.compare([cl.build(each) for each in [*named, *parts][:count]], samples=4, starts=2, output=folder)
+
+
+def command(*arguments: str) -> None:
+    """Run the command, in a folder that is removed afterwards."""
+    with tempfile.TemporaryDirectory() as folder:
+        line = [sys.executable, "-m", "contactlab", *arguments, f"hydra.run.dir={folder}/run"]
+        subprocess.run(line, check=True, stdout=subprocess.DEVNULL)
+
+
+def measured(task: Callable[..., object], *arguments: Any) -> dict[str, float]:
+    """Return time and greatest memory of a task, in a process of its own with its children."""
+    start, clock = perf_counter(), process_time()
+    task(*arguments)
+    usage = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    children = usage[1].ru_utime + usage[1].ru_stime
+    return {
+        "wall_s": perf_counter() - start,
+        "processor_s": process_time() - clock + children,
+        "memory_MB": max(each.ru_maxrss for each in usage) / 1024.0,
+    }
+
+
+def alone(task: Callable[..., object], *arguments: Any) -> dict[str, float]:
+    """Measure a task in a fresh process."""
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        return pool.submit(measured, task, *arguments).result()
+
+
+def main() -> None:
+    """Measure, and print a row at a time."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--load", type=float, default=0.2)
+    parser.add_argument("--cells", type=int, default=1_000_000)
+    parser.add_argument("--output", type=Path)
+    options = parser.parse_args()
+    rows = []
+
+    def told(row: dict[str, Any]) -> None:
+        rows.append(row)
+        numbers = ", ".join(f"{name} {value:.3g}" for name, value in row.items() if name != "what")
+        print(f"{row['what']}: {numbers}", flush=True)
+
+    for row in by_workers(options.load):
+        told(row)
+    for count in (options.cells // 100, options.cells // 10, options.cells):
+        told({"what": f"sweep of {count} cells, without its runs"} | alone(cells, count))
+    for what, values in RUNS.items():
+        told({"what": what} | alone(command, *values))
+    told({"what": f"page of {LAWS_OF_A_PAGE} laws, 4 draws"} | alone(page, LAWS_OF_A_PAGE))
+    if options.output:
+        pd.DataFrame(rows).to_csv(options.output, index=False)
+
+
+if __name__ == "__main__":
+    main()
