@@ -112,6 +112,9 @@ def test_slip_law_rubs_against_the_slip_it_began_with(
     assert p_t == pytest.approx(-np.sign(slip) * mu * p_n, rel=1e-15)
     error = round_off(normal, tangential, d, result)
     assert abs(after(normal, tangential, d, result)[0]) <= error
+    p_n, p_t, _ = impact_of(LagrangeSlip(mu), normal, slip, d)
+    assert p_n > 0.0
+    assert p_t == pytest.approx(-np.sign(slip) * mu * p_n, rel=1e-15)
 
 
 def test_slip_law_creates_energy_when_it_reverses_a_slip_with_strong_friction() -> None:
