@@ -2,6 +2,8 @@
 
     python benchmarks/scale.py [--load SECONDS] [--cells N] [--output CSV]
 
+The table of docs/howto/sweep.md is `--output benchmarks/scale.csv`.
+
 Load is simulated where the runs themselves are not the question: a task of the workers sleeps, so that more
 workers than processors measure what the scheduler and contactlab add; a cell of the sweep has numbers
 at once. The sweep of cells, the runs and the page are a process each, whose greatest memory is told.
@@ -41,6 +43,8 @@ RUNS = {
     "run of 9.99 s, 9 990 001 records": ["solver.duration=9.99", "record.interval=1e-6"],
 }
 """Overrides of runs, by what they are."""
+
+HEADS = {"what": "job", "wall_s": "wall (s)", "processor_s": "processor (s)", "memory_MB": "memory (MB)"}
 
 LAWS_OF_A_PAGE = 30
 NORMALS = "hertz_point", "linear", "jkr", "lining", "prony"
@@ -168,7 +172,8 @@ def main() -> None:
         told({"what": what} | alone(command, *values))
     told({"what": f"page of {LAWS_OF_A_PAGE} laws, 4 draws"} | alone(page, LAWS_OF_A_PAGE))
     if options.output:
-        pd.DataFrame(rows).to_csv(options.output, index=False)
+        table = pd.DataFrame(rows).rename(columns=HEADS)
+        table.to_csv(options.output, index=False, float_format="%.3g")
 
 
 if __name__ == "__main__":
