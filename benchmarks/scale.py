@@ -6,7 +6,7 @@ The table of docs/howto/sweep.md is `--output benchmarks/scale.csv`.
 
 Load is simulated where the runs themselves are not the question: a task of the workers sleeps, so that more
 workers than processors measure what the scheduler and contactlab add; a cell of the sweep has numbers
-at once. The sweep of cells, the runs and the page are a process each, whose greatest memory is told.
+at once. The sweep of cells, the runs and the page are a process each, whose greatest memory is given.
 """
 
 import argparse
@@ -159,18 +159,18 @@ def main() -> None:
     options = parser.parse_args()
     rows = []
 
-    def told(row: dict[str, Any]) -> None:
+    def added(row: dict[str, Any]) -> None:
         rows.append(row)
         numbers = ", ".join(f"{name} {value:.3g}" for name, value in row.items() if name != "what")
         print(f"{row['what']}: {numbers}", flush=True)
 
     for row in by_workers(options.load):
-        told(row)
+        added(row)
     for count in (options.cells // 100, options.cells // 10, options.cells):
-        told({"what": f"sweep of {count} cells, without its runs"} | alone(cells, count))
+        added({"what": f"sweep of {count} cells, without its runs"} | alone(cells, count))
     for what, values in RUNS.items():
-        told({"what": what} | alone(command, *values))
-    told({"what": f"page of {LAWS_OF_A_PAGE} laws, 4 draws"} | alone(page, LAWS_OF_A_PAGE))
+        added({"what": what} | alone(command, *values))
+    added({"what": f"page of {LAWS_OF_A_PAGE} laws, 4 draws"} | alone(page, LAWS_OF_A_PAGE))
     if options.output:
         table = pd.DataFrame(rows).rename(columns=HEADS)
         table.to_csv(options.output, index=False, float_format="%.3g")
