@@ -256,8 +256,7 @@ class Sweeping:
             if study
             else Outputs.named(settings.metrics, settings.series or (), "sweep."),
             samples=settings.samples is not None,
-            # A cell of a study takes seconds: every one is kept as it ends.
-            chunk=settings.chunk or (1 if study else None),
+            chunk=settings.chunk,
             keep=keep,
         )
         jobs = self._jobs(arguments, plan) if keep == "runs" else []

@@ -8,6 +8,7 @@ trust region whose radius is adapted to the reduction achieved (Conn, Gould, Toi
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, final
 
 import numpy as np
@@ -72,7 +73,7 @@ class Orbit:
         roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
         return cls(section, z, jacobian, roughness)
 
-    @property
+    @cached_property
     def multipliers(self) -> NDArray[np.complex128]:
         """Floquet multipliers, eigenvalues of dP/dz, the largest first [1]."""
         result = np.linalg.eigvals(self.jacobian).astype(complex)
@@ -87,7 +88,7 @@ class Orbit:
         """Which multipliers are one: along their directions every motion repeats itself."""
         return np.abs(self.multipliers - 1.0) <= NEUTRAL
 
-    @property
+    @cached_property
     def largest(self) -> float:
         """Largest modulus of a multiplier, neutral ones left out [1]."""
         return float(np.abs(self.multipliers[~self.neutral]).max(initial=0.0))

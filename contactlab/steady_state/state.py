@@ -87,7 +87,7 @@ class Steady:
         """Period of the drive [s]."""
         return period_of(self.setup.motor.drive)
 
-    @property
+    @cached_property
     def closure(self) -> float:
         """Distance of what was found from a closed orbit, see `Orbit.closure` [1]."""
         return 0.0 if self.orbit is None else self.orbit.closure(self.orbit.map.end_of(self.motion))

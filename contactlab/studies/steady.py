@@ -38,6 +38,7 @@ class Steady(Study):
     """
 
     name: ClassVar[str] = "steady"
+    together: ClassVar[int] = 16
     ignored: ClassVar[tuple[str, ...]] = (*Study.ignored, "solver.until", "solver.precision")
     quantities: ClassVar[tuple[Variable, ...]] = (
         Variable("rotor_velocity", (), "rad s-1", "Omega", "mean rotor velocity"),
@@ -85,6 +86,11 @@ class Steady(Study):
         """Return the quantities; `velocity` is another name of `rotor_velocity`."""
         every = estimates(data["steady"].to_dataset(), self.quantities)
         return {"velocity": every["rotor_velocity"], **every}
+
+    def evaluate(self, setup: Setup) -> dict[str, Estimate]:
+        """Return the quantities of one setup, without the orbit that its data show."""
+        state = find_refined(setup, refine=self.refine, **self.arguments)
+        return dict(zip((q.name for q in self.quantities), _means(state), strict=True))
 
     def facts(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return kind, periods, phase and, of an orbit, its multipliers' attributes."""
@@ -143,6 +149,15 @@ def _steady_state(setup: Setup, refine: bool, arguments: dict[str, Any]) -> Part
     return Part(tree_of(state), state if refine else state.best)
 
 
+def _means(converged: Converged) -> list[Estimate]:
+    """Return the values of `Steady.quantities`."""
+    names = ("velocity", "torque", "impulse", "peak_force", "contact_share")
+    return [
+        *(converged.value(attrgetter(name)) for name in names),
+        *(converged.value(methodcaller("average", name)) for name in CUMULATIVE[1:]),
+    ]
+
+
 def tree_of(converged: Converged, records: int = 2000) -> xarray.DataTree:
     """Return one orbit, or one period of another motion, as a tree like that of a run.
 
@@ -155,13 +170,8 @@ def tree_of(converged: Converged, records: int = 2000) -> xarray.DataTree:
     law = str(tree.attrs["title"]).removeprefix(TITLE)
     tree.attrs["title"] = f"Steady state of a standing-wave piezoelectric motor with the contact law {law}"
     tree["time"].attrs["long_name"] = f"time since the drive's phase of {best.phase:.9g} periods"
-    names = ("velocity", "torque", "impulse", "peak_force", "contact_share")
-    numbers = [
-        *(converged.value(attrgetter(name)) for name in names),
-        *(converged.value(methodcaller("average", name)) for name in CUMULATIVE[1:]),
-    ]
     variables: dict[str, Any] = {}
-    for quantity, (value, error) in zip(Steady.quantities, numbers, strict=True):
+    for quantity, (value, error) in zip(Steady.quantities, _means(converged), strict=True):
         for name, number, about in (("", value, ""), ("_error", error, "error of the ")):
             meaning = {"units": quantity.units, "long_name": about + quantity.long_name}
             variables[quantity.name + name] = (), number, meaning

@@ -156,6 +156,9 @@ class Study(ABC):
     quantities: ClassVar[tuple[Variable, ...]] = ()
     """Numbers of a result, each with its error: what a sweep of the study collects."""
 
+    together: ClassVar[int] = 1
+    """Cells of a sweep that are one task: more than one where a cell takes far less than a second."""
+
     several: ClassVar[bool] = False
     """Whether one study takes several setups: `law=newton,poisson`."""
 
@@ -213,6 +216,10 @@ class Study(ABC):
     @abstractmethod
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return the values of `quantities` with their errors."""
+
+    def evaluate(self, setup: Setup) -> dict[str, Estimate]:
+        """Return the numbers for one setup alone: a sweep keeps nothing else of the study."""
+        return self(setup).numbers
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the sentences that the result supports."""

@@ -223,6 +223,17 @@ def test_an_orbit_behind_another_is_not_where_a_motor_goes(place: float, goes: b
     assert _goes_to(orbit, np.array([place + 0.05]), line.run(np.array([place + 0.05]), 5), 5)
 
 
+def test_a_stable_orbit_that_is_found_first_is_left_where_the_motor_does_not_go() -> None:
+    """After 118 periods Newton's method finds one at 5.80 rad/s; the motor settles at 5.10."""
+    motor = {"clearance": 1.645e-6}, {"initial_velocity": 2.25}, {"stiffness_damping": 1.02e-6}
+    groups = dict(zip(("contact", "rotor", "resonator"), motor, strict=True))
+    setup = cl.build({"law": "newton", "drive": {"phase": 0.394}, **groups})
+    period = 1.0 / float(setup.motor.drive.frequency[0])
+    angle = setup.run(duration=6000 * period, record_interval=2000 * period).series["rotor_angle"]
+    mean = (angle[-1] - angle[-2]) / (2000 * period)
+    assert cl.steady(setup).velocity.value == pytest.approx(mean, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     ("arguments", "error", "key"),
     [

@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 CHUNK: Final = 100
 """Least number of runs in a task that keeps numbers: a file of each task is written."""
 
+FEWEST_TASKS: Final = 16
+"""Tasks of a sweep of a study that has as many cells: processes share them."""
+
 MOST_TASKS: Final = 1000
 """Number of tasks from which on each has more runs."""
 
@@ -234,8 +237,10 @@ class Plan:
         return TypeAdapter(cls).validate_json(text)
 
 
-def size_of_tasks(cells: int, keep: str = "metrics") -> int:
-    """Return the number of runs in a task."""
+def size_of_tasks(cells: int, keep: str = "metrics", study: str = "") -> int:
+    """Return the number of runs in a task, or of cells of a study."""
+    if study:
+        return max(min(study_class(study).together, cells // FEWEST_TASKS), 1)
     return max(1 if keep == "runs" else CHUNK, ceil(cells / MOST_TASKS))
 
 
@@ -305,7 +310,7 @@ def planned(
         code=code_digest_of(bases),
         keep=keep,
     )
-    plan = replace(plan, chunk=chunk or size_of_tasks(plan.cells, keep))
+    plan = replace(plan, chunk=chunk or size_of_tasks(plan.cells, keep, outputs.study))
     if plan.cells > (most := MOST_JOBS if keep == "runs" else MOST_RUNS):
         shown = f"{' x '.join(map(str, plan.shape))} = {plan.cells:.4g} runs"
         raise ConfigurationError(f"The sweep has {shown}; it must have at most {most} (sweep.keep={keep}).")

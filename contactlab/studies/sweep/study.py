@@ -227,7 +227,7 @@ def _outcome(work: Cells, cell: int) -> Outcome:
 
 def _numbers(study: Study, setup: Setup) -> Outcome:
     """Put a study to a setup; return its numbers and their errors."""
-    every = study(setup).numbers
+    every = study.evaluate(setup)
     values = {q.name: every[q.name].value for q in study.quantities}
     errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
     return Outcome(Status.COMPLETE, numbers=values | errors)
@@ -442,7 +442,6 @@ def sweep(
     in_python = callable(base) or (isinstance(base, Setup) and base.made_in_python)
     if in_python and output is not None:
         raise ValueError("output is for sweeps over a configuration; a motor made in Python has no identity.")
-    chunk = None if study is None else 1
     if callable(base):
         units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
         axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
@@ -454,8 +453,8 @@ def sweep(
     else:
         composer = ScriptComposer(base, study)
         full = full_keys(columns, composer.keys, composer.options)
-        swept = Sweep(plan=planned(composer, full, outputs, samples=samples, chunk=chunk))
-    plan = replace(swept.plan, chunk=chunk or size_of_tasks(swept.plan.cells))
+        swept = Sweep(plan=planned(composer, full, outputs, samples=samples))
+    plan = replace(swept.plan, chunk=size_of_tasks(swept.plan.cells, study=outputs.study))
     swept = replace(
         swept,
         plan=plan,
