@@ -25,10 +25,6 @@ import yaml
 from tqdm import tqdm
 
 ROOT = Path(__file__).resolve().parents[2]
-PARTS = (
-    *(".ci", "contactlab", "hydra_plugins", "conf", "tests", "experiments", "benchmarks", "docs"),
-    *("pyproject.toml", "README.md"),
-)
 
 
 @dataclass(frozen=True)
@@ -84,13 +80,15 @@ class Outcome:
 
 
 def copy_project(target: Path) -> None:
-    """Copy what the tests need, without compiled code."""
-    for part in PARTS:
-        source = ROOT / part
-        if source.is_dir():
-            shutil.copytree(source, target / part, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            shutil.copy(source, target / part)
+    """Copy the project's files, without compiled code."""
+    listing = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
+    names = subprocess.run(listing, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    for source in (ROOT / name for name in names.split("\0") if name):
+        # What is deleted and not committed is listed as well.
+        if source.is_file():
+            copy = target / source.relative_to(ROOT)
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy(source, copy)
 
 
 def run_tests(project: Path, tests: Sequence[str]) -> tuple[bool, str]:
