@@ -7,6 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
 
+from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import AgeingStick
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
@@ -68,3 +69,14 @@ def test_every_slip_begins_the_age_anew() -> None:
     assert_allclose(result, once + again, rtol=1e-8)
     # With an age that went on it would have held for some hundredths longer.
     assert breakaway(speed, MU * WEIGHT - drop, once) > 1.03 * again
+
+
+def test_slip_forgets_the_age_where_it_begins_and_not_where_it_ends() -> None:
+    motor = resting(stiffness=STIFFNESS, velocity=0.03, belt_velocity=0.03)
+    made = run(motor, LAW, breakaway(0.03) + 1.0, 1e-3, record_interval=1e-3)
+    sticks, slips = (made.contact_mode == mode for mode in (STICK, SLIP))
+    assert slips.any()
+    assert sticks[-1]
+    ages = made.series["internal_age"]
+    assert ages[sticks].max() > 0.1
+    assert np.all(ages[slips] == 0.0)
