@@ -12,6 +12,7 @@ from support.kernels import stepped
 from contactlab.engine import simulate
 from contactlab.laws import HertzElliptic, HertzPenalty, LagrangeSlip, LagrangeStick, hertz_stiffness
 from contactlab.laws.base import SLIP, STICK
+from contactlab.laws.friction import Coulomb
 from contactlab.testing.plants import paper_motor
 
 STIFFNESS = 1e10
@@ -89,6 +90,14 @@ def test_contact_on_the_surface_of_the_cone_still_sticks() -> None:
     assert impact_of(LagrangeStick(0.25), -1.0, 0.5, d) == (0.5, -0.125, STICK)
     p_n, p_t, mode = impact_of(LagrangeStick(0.25), -1.0, 0.5 * (1.0 + 1e-9), d)
     assert (p_n, p_t, mode) == (0.5, -0.125, SLIP)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3, 2.0])
+def test_the_cone_is_mu_n_in_slip_and_its_static_ratio_wider_in_stick(mu: float) -> None:
+    law = Coulomb(mu, static_ratio=1.5)
+    for normal in (2.0, 0.5, 0.0, -1.0):
+        bounds = [law.evaluate("bound", normal=normal, slip=slip) for slip in (0.0, 1e-300, -0.1)]
+        assert bounds == pytest.approx(np.array([1.5, 1.0, 1.0]) * mu * max(normal, 0.0), rel=1e-15)
 
 
 @pytest.mark.parametrize("mu", [0.0, 0.3, 2.0])
