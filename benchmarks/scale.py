@@ -121,7 +121,13 @@ def page(count: int) -> None:
     named = [[f"law={law}"] for law in LAWS if law not in ("archard", "composed")]
     parts = [["law=composed", f"law/normal={n}", f"law/friction={f}"] for n in NORMALS for f in FRICTIONS]
     with tempfile.TemporaryDirectory() as folder:
-        cl.compare([cl.build(each) for each in [*named, *parts][:count]], samples=4, starts=2, output=folder)
+        cl.compare(
+            [cl.build(each) for each in [*named, *parts][:count]],
+            samples=4,
+            starts=2,
+            workers=1,
+            output=folder,
+        )
 
 
 def command(*arguments: str) -> None:
