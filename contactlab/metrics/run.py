@@ -148,8 +148,9 @@ class Run:
 
     @property
     def periods(self) -> float:
-        """Drive periods that the run lasts, not rounded [1]; one where the period is not known."""
-        return self.gain("time") / self.period if self.period else 1.0
+        """Periods of the drive that the run lasts, not rounded [1]; one where it has none."""
+        period = period_in(self.attributes, self.configuration)
+        return self.gain("time") / period if period else 1.0
 
     @cached_property
     def settling(self) -> Settling:
