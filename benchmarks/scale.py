@@ -95,7 +95,7 @@ def by_workers(load: float) -> Iterable[dict[str, Any]]:
             start = perf_counter()
             run(study, {})
             wall = perf_counter() - start
-        yield {"what": f"{count} Dask workers, tasks of {load:g} s", "wall_s": wall,
+        yield {"what": f"{count} Dask worker{'s' * (count > 1)}, tasks of {load:g} s", "wall_s": wall,
                "efficiency": TASKS_OF_A_WORKER * load / wall}  # fmt: skip
 
 

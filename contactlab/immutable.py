@@ -1,12 +1,16 @@
 """Arrays and mappings whose content cannot be changed."""
 
 from collections.abc import Mapping
-from typing import Any, Literal, NoReturn, TypeVar, final
+from types import NoneType
+from typing import Any, Final, Literal, NoReturn, TypeVar, final
 
 import numpy as np
 from numpy.typing import NDArray
 
 Kind = TypeVar("Kind", bound=np.generic)
+
+PLAIN: Final = frozenset((float, int, bool, str, NoneType))
+"""Types of most values of a configuration, which need no closer look."""
 
 
 def read_only(values: NDArray[Kind]) -> NDArray[Kind]:
@@ -36,6 +40,8 @@ class Frozen(dict[str, Any]):
 
 def frozen(value: Any) -> Any:
     """Return a value with all mappings in it as `Frozen`, and all lists as tuples."""
+    if type(value) in PLAIN or isinstance(value, Frozen):
+        return value
     if isinstance(value, Mapping):
         return Frozen({key: frozen(each) for key, each in value.items()})
     return tuple(map(frozen, value)) if isinstance(value, list | tuple) else value

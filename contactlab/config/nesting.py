@@ -2,21 +2,19 @@
 
 import re
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
+
+from contactlab.immutable import PLAIN
 
 Value = float | int | bool | str
 """Type of a value of a configuration."""
-
-
-_PLAIN: Final = frozenset((float, int, bool, str, type(None)))
-"""Types of most values, which need no closer look."""
 
 
 def flat(configuration: Mapping[str, Any], path: str = "") -> dict[str, Any]:
     """Return the values of a nested configuration by full key."""
     values: dict[str, Any] = {}
     for key, value in configuration.items():
-        if type(value) not in _PLAIN and isinstance(value, Mapping):
+        if type(value) not in PLAIN and isinstance(value, Mapping):
             values |= flat(value, f"{path}{key}.")
         else:
             values[f"{path}{key}"] = value

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.estimate import Estimate
+from contactlab.immutable import read_only
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 
 STEP: Final = 1e-6
@@ -77,7 +78,7 @@ class Orbit:
     def multipliers(self) -> NDArray[np.complex128]:
         """Floquet multipliers, eigenvalues of dP/dz, the largest first [1]."""
         result = np.linalg.eigvals(self.jacobian).astype(complex)
-        return result[np.argsort(-np.abs(result), kind="stable")]
+        return read_only(result[np.argsort(-np.abs(result), kind="stable")])
 
     def is_near(self, z: Array, share: float) -> bool:
         """Return whether a state lies within a share of |z| of that of the orbit."""

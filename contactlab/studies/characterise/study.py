@@ -81,6 +81,9 @@ class Characterise(Study):
                 )
                 if point["role"].item()
             }
+            # Without a steady state nothing is known of any point.
+            if not any(np.isfinite(each.value) for of in points.values() for each in of.values()):
+                continue
             for name, chosen in (
                 ("points", [q for n, q in POINT.items() if n not in BALANCE]),
                 ("power", [POINT[name] for name in BALANCE]),

@@ -41,7 +41,7 @@ ENERGY_TERMS: Final = {
 }
 """Terms of the energy flow and their names, in the order of the figure."""
 
-MOST_NAMED: Final = 6
+MOST_IN_TITLE: Final = 6
 """Laws that a title names; of more it has the number."""
 
 NOT_KNOWN: Final = "not known"
@@ -310,7 +310,7 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
 
 
 def _title(labels: Sequence[str]) -> str:
-    if len(labels) > MOST_NAMED:
+    if len(labels) > MOST_IN_TITLE:
         return f"{len(labels)} contact laws compared"
     return f"Contact law{'s' if len(labels) > 1 else ''} compared: {', '.join(labels)}"
 

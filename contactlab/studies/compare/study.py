@@ -45,7 +45,7 @@ from contactlab.studies.compare.pairs import Design, population_of, undecided, w
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
 from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
 
-MOST_NAMED: Final = 3
+MOST_LISTED: Final = 3
 """Laws that are named beside a number that they share; of more the sentence has how many."""
 
 SAMPLES: Final = 64
@@ -270,7 +270,7 @@ def _of_laws(names: Mapping[str, Sequence[str]]) -> Iterator[str]:
     for name in dict.fromkeys(name for each in names.values() for name in each):
         having.setdefault(tuple(law for law in names if name in names[law]), []).append(name)
     for laws, own in having.items():
-        yield f"{listed(own)} of {listed(laws) if len(laws) <= MOST_NAMED else f'{len(laws)} laws'}"
+        yield f"{listed(own)} of {listed(laws) if len(laws) <= MOST_LISTED else f'{len(laws)} laws'}"
 
 
 def _brought_to(datum: Datum, setup: Setup) -> Setup:
