@@ -1,5 +1,6 @@
 """What a simulation gives back: series, contacts, how the run ended, and when its ledger is closed."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from typing import Any, Final, final
@@ -107,7 +108,7 @@ class Trajectory:
     ending: Ending
     message: str
     final: ModalState
-    state: dict[str, Any] = field(default_factory=dict)
+    state: Mapping[str, Any] = field(default_factory=dict)
     part: dict[str, float] = field(default_factory=dict)
     earlier_loss: float = 0.0
 

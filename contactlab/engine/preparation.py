@@ -1,7 +1,7 @@
 """Preparation of a run: checks, bound law, plant, step responses, compiled loop and state."""
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from functools import partial
 from hashlib import sha256
@@ -32,11 +32,11 @@ from contactlab.engine.constrained import step_rigid
 from contactlab.engine.explanation import explain
 from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
-from contactlab.engine.plant import Plant, pace_of, persisting_rates, plant_of, resolved_rate
+from contactlab.engine.plant import Plant, modes_of, pace_of, persisting_rates, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
     HEAD,
-    LEAVES,
+    NAMES,
     NO_OUTPUTS,
     OPEN,
     PRESSED,
@@ -45,6 +45,7 @@ from contactlab.engine.state import (
     STATE,
     STEP,
     TOUCHING,
+    EndState,
     ImpactBatch,
     Law,
     Memory,
@@ -185,7 +186,7 @@ def memory_mark(law: ContactLaw) -> int:
 
 def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
     """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
-    if not isinstance(start, dict) or not {"q", "v", *(LEAVES.names or ())} <= set(start):
+    if not isinstance(start, Mapping) or not (isinstance(start, EndState) or set(start) >= NAMES):
         raise TypeError(
             f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
         )
@@ -594,7 +595,11 @@ def prepared(
     steps = np.array(
         [*propagator.rule[["longest", "contact_level"]].item(), contact_step, tolerance, stepped]
     )
-    signature = signature_of(law, plant, parameters, waves, steps)
+    # Of the plant what it has, without the room for more.
+    count = plant["mode_count"]
+    numbers = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
+    numbers = *numbers, *(plant[name] for name in ("tones", "geometry", "wave"))
+    signature = signature_of(law, *numbers, parameters, waves, steps)
     return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor), signature)
 
 

@@ -33,10 +33,9 @@ from contactlab.engine.state import (
     START,
     STATE,
     TOUCHING,
+    EndState,
     Run,
     State,
-    changed_leaves,
-    state_as_value,
     state_from_value,
 )
 from contactlab.laws.base import FREE, ContactLaw
@@ -153,7 +152,7 @@ def simulate(
     series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
     if ending is Ending.COMPLETE:
         ending, message = balanced(run, series, contact_modes, contact_step)
-    rows, memory = np.concatenate(finished), np.concatenate(ends).T
+    rows, memory = np.concatenate(finished, dtype=cut.dtype), np.concatenate(ends).T
     contacts = {variable.name: rows[variable.name].copy() for variable in contact_variables(law)}
     part = _first_part(state, earlier, contacts)
     return Trajectory(
@@ -257,8 +256,8 @@ def memory_of(state: Any, law: ContactLaw) -> Array:
     return np.array(state["memory"][: len(law.internal_variables)])
 
 
-def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any) -> State:
-    """Return the state as a value: where the run stopped, and before the step that its end cut.
+def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any) -> EndState:
+    """Return the state: where the run stopped, and before the step that its end cut.
 
     The contact that the end cut, if it cut one, is kept as it is there.
     """
@@ -277,9 +276,7 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any
     before = run.step["saved"][0]
     for name in ("normal_force", "friction_force", "initial_energy", "end", "contact_of_run"):
         before[name] = state[name]
-    start = state_as_value(before, modes["saved_q"], modes["saved_v"])
-    other = ["q", "v", *changed_leaves(before, state)]
-    return state_as_value(state, q, v) | {BEFORE + name: start[name] for name in other}
+    return EndState((state, q, v), (before, modes["saved_q"], modes["saved_v"]))
 
 
 @final

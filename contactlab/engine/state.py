@@ -5,7 +5,7 @@ be many small kernels that compile soon. What has a size of its own (modes, tone
 record, with room for more than most motors have, so that the code is the same for all of them.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, NamedTuple, cast, final
 
 import numpy as np
@@ -274,7 +274,7 @@ def largest(values: Array) -> float:
     return float(most)
 
 
-State = dict[str, Any]
+State = Mapping[str, Any]
 """A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name.
 
 That of a trajectory holds its end, and by names that begin with BEFORE what is another at the start of the
@@ -298,24 +298,63 @@ LEAVES: Final = np.dtype(
 )
 """The same memory as `STATE` without records in it, those by dotted names."""
 
+NAMES: Final = frozenset(("q", "v", *_names))
+"""Names of all that a state has."""
+
 BYTES: Final = np.dtype((np.void, STATE.itemsize))
 """The same memory without fields: NumPy copies records field by field, in a hundred times the time."""
 
 
-def state_as_value(state: Any, q: Array, v: Array) -> State:
+def state_as_value(state: Any, q: Array, v: Array) -> dict[str, Any]:
     """Return a state as a plain dict of arrays and numbers."""
     values = state.view(BYTES).copy().view(LEAVES).item()
     return {"q": q.copy(), "v": v.copy(), **dict(zip(_names, values, strict=True))}
 
 
-def changed_leaves(state: Any, other: Any) -> list[str]:
-    """Return the dotted names of the fields whose bits are not the same in two states."""
-    bits, others = (np.frombuffer(each.tobytes(), np.uint8) for each in (state, other))
-    return [_names[i] for i in np.flatnonzero(np.logical_or.reduceat(bits != others, _offsets))]
+@final
+class EndState(Mapping[str, Any]):
+    """State in which a run ended, see `State`; what is read of it is taken from its records then.
+
+    Args:
+        end, before: the state, q and v at the end, and at the start of the step that the end cut; copied.
+    """
+
+    def __init__(self, end: tuple[Any, Array, Array], before: tuple[Any, Array, Array]) -> None:
+        self._parts = {
+            prefix: (state.view(BYTES).copy().view(LEAVES), q.copy(), v.copy())
+            for prefix, (state, q, v) in (("", end), (BEFORE, before))
+        }
+
+    def record(self, prefix: str) -> tuple[Any, Array, Array]:
+        """Return the state record, displacements and rates at the end, or BEFORE."""
+        leaves, q, v = self._parts[prefix]
+        return leaves.view(STATE), q, v
+
+    def __getitem__(self, name: str) -> Any:
+        prefix = BEFORE if name.startswith(BEFORE) else ""
+        leaves, q, v = self._parts[prefix]
+        name = name.removeprefix(prefix)
+        if name not in NAMES:
+            raise KeyError(name)
+        if name in ("q", "v"):
+            return q if name == "q" else v
+        value = leaves[name]
+        return value if value.ndim else value.item()
+
+    def __iter__(self) -> Iterator[str]:
+        bits, others = (np.frombuffer(leaves.tobytes(), np.uint8) for leaves, _, _ in self._parts.values())
+        changed = np.flatnonzero(np.logical_or.reduceat(bits != others, _offsets))
+        yield from ("q", "v", *_names)
+        yield from (BEFORE + name for name in ("q", "v", *(_names[i] for i in changed)))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
 
 
 def state_from_value(value: State, prefix: str = "") -> tuple[Any, Array, Array]:
     """Return the state record, displacements and rates of a value, by names with a prefix where there are."""
+    if isinstance(value, EndState):
+        return value.record(prefix)
     values: State = {name: value.get(prefix + name, value[name]) for name in ("q", "v", *_names)}
     leaves = np.zeros(1, LEAVES)
     for name in _names:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from contactlab.engine.preparation import ON_GRID
 from contactlab.engine.simulation import simulate
+from contactlab.engine.state import State
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.motor.drive import period_of
@@ -27,7 +28,7 @@ def simulate_until_steady(
     record_interval: float,
     precision: float = PRECISION,
     progress: Callable[[float], None] | None = None,
-    start: dict[str, Any] | None = None,
+    start: State | None = None,
     **others: Any,
 ) -> Trajectory:
     """Simulate as `contactlab.engine.simulate` does, until the motor has settled, at most for the duration.
@@ -64,7 +65,7 @@ def simulate_until_steady(
         check *= GROWTH
 
 
-def _to_record(start: dict[str, Any] | None, interval: float, until: float) -> float:
+def _to_record(start: State | None, interval: float, until: float) -> float:
     """Return the duration of a run that ends on the first record after a time, to the last bit."""
     now, origin = (float(start["end"]), float(start["origin"])) if start else (0.0, 0.0)
     if start and abs(now - (origin + round((now - origin) / interval) * interval)) > ON_GRID * interval:

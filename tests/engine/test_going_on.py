@@ -78,9 +78,9 @@ def test_states_that_cannot_go_on_are_refused() -> None:
     with pytest.raises(TypeError, match="state"):
         run(law, 1e-5, start={"time": 1.0})
     with pytest.raises(ValueError, match="modes"):
-        run(law, 1e-5, start=state | {"q": np.zeros(2), "v": np.zeros(2)})
+        run(law, 1e-5, start={**state, "q": np.zeros(2), "v": np.zeros(2)})
     with pytest.raises(ValueError, match="state"):
-        run(law, 1e-5, start=state | {"ending": 1})
+        run(law, 1e-5, start={**state, "ending": 1})
     other = next(each for each in every_law() if each.__class__.__bases__ != law.__class__.__bases__)
     touching = run(law, cuts(law).get("slip", cuts(law).get("stick", 0)) * INTERVAL).state
     with pytest.raises(ValueError, match="law"):
