@@ -1,11 +1,5 @@
 """Studies: questions put to motors, each declared once, with one runner, one page and one path of tables."""
 
-from contactlab.studies.study import (
-    Part as Part,
-    Result as Result,
-    Study as Study,
-    Task as Task,
-    estimates as estimates,
-    option as option,
-)
-from contactlab.studies.tables import table as table, table_of_quantities as table_of_quantities
+from contactlab.lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)
