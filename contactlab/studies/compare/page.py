@@ -47,7 +47,7 @@ MOST_PAIRS: Final = 30
 
 def findings(data: xarray.Dataset) -> list[str]:
     """Return what limits the comparison, classes and orders of the laws, and failed thresholds."""
-    notes = str(data.attrs["notes"]).splitlines()
+    notes = " ".join(str(data.attrs["notes"]).splitlines())
     limits = str(data.attrs.get("limits", "")).splitlines()
     if "limits" not in data.attrs:
         sentences = _of_transients(data)
@@ -55,7 +55,7 @@ def findings(data: xarray.Dataset) -> list[str]:
         sentences = _of_pairs(data)
     else:
         sentences = _of_velocities(data)
-    return [*filter(None, [*limits, *sentences, _thresholds(data), " ".join(notes)])]
+    return [*filter(None, [*limits, *sentences, _thresholds(data), notes])]
 
 
 def ends(values: Any, laws: Any, unit: str, digits: int = 3) -> str:
@@ -110,7 +110,8 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
         up, down = (points[list(velocity["order"].values[a, b]).index(kind)] for kind in (GREATER, LESS))
         yield f"{names[a]} is faster than {names[b]} at {up}, slower at {down}."
         break
-    yield from _no_functions(data)
+    spreads = dict(zip(names, velocity["spread"].max("cell").values.tolist(), strict=True))
+    yield not_stated("order", spreads, "settled velocity", data.attrs["margin"])
     yield from _by_symmetry(data)
 
 
@@ -209,14 +210,6 @@ def _turns(here: xarray.Dataset) -> Iterator[str]:
     )
 
 
-def _no_functions(data: xarray.Dataset) -> Iterator[str]:
-    """Yield the laws whose settled velocity is no function of the inputs."""
-    spread = data["spread"].sel(quantity="rotor_velocity").max("cell")
-    spreads = dict(zip(map(str, spread["law"].values), spread.values.tolist(), strict=True))
-    if sentence := not_stated("order", spreads, "settled velocity", data.attrs["margin"]):
-        yield sentence
-
-
 def _by_symmetry(data: xarray.Dataset) -> Iterator[str]:
     """Yield the reason why rigid laws that differ in impacts alone cannot differ in this motor."""
     group = data["law"].values[(data["rigid"] == 1) & (data["normal_tangential_coupling"] < 1e-9)]
@@ -286,34 +279,35 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
 
 def _scorecard(data: xarray.Dataset, name: str, keys: list[str]) -> pandas.DataFrame:
     """Return a row for each metric that a law has: value, error and verdict of each law."""
-    rows = []
+    rows, judged = [], name != "motion"
     for key in keys:
         here = data.sel(metric=key)
         if not here["value"].notnull().any():
             continue
-        threshold = str(here["threshold"].item())
-        row: dict[str, Any] = {"metric": brief(str(here["meaning"].item()))}
-        row |= {UNIT: str(here["units"].item())} | ({"must be": threshold} if name != "motion" else {})
+        row: dict[str, Any] = {"metric": brief(str(here["meaning"].item())), UNIT: str(here["units"].item())}
+        if judged:
+            row["must be"] = str(here["threshold"].item())
         for law in map(str, data["law"].values):
             cell = here.sel(law=law)
-            verdict = VERDICTS[int(cell["verdict"])]
             row[law] = Estimate(float(cell["value"]), float(cell["numerical_error"]))
-            if name != "motion":
+            if judged:
+                verdict = VERDICTS[int(cell["verdict"])]
                 row[f"{law}: verdict"] = "" if verdict == REPORTED else verdict
-        reason = {"reason": str(here["reason"].item())} if name == "plausibility" else {}
-        rows.append(row | reason | {"key": key})
+        if name == "plausibility":
+            row["reason"] = str(here["reason"].item())
+        rows.append(row | {"key": key})
     frame = table(rows, caption=name.capitalize())
-    frame.attrs |= {"digits": DIGITS, "reference": name != "motion"}
+    frame.attrs |= {"digits": DIGITS, "reference": judged}
     return frame
 
 
 def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
     """Return a row for each quantity, operating point and pair of laws."""
-    rows = []
-    places = product(range(data.sizes["quantity"]), range(data.sizes["cell"]))
-    for (quantity, cell), (a, b) in product(places, combinations(range(data.sizes["law"]), 2)):
+    rows, outcomes = [], list(map(str, data["outcome_kind"].values))
+    size = {f"{end} (%)": f"relative_difference{name}" for end, name in ENDS.items()}
+    quantities, cells = range(data.sizes["quantity"]), range(data.sizes["cell"])
+    for quantity, cell, (a, b) in product(quantities, cells, combinations(range(data.sizes["law"]), 2)):
         pair = data.isel(quantity=quantity, cell=cell, law=a, other_law=b)
-        size = {f"{end} (%)": f"relative_difference{name}" for end, name in ENDS.items()}
         rows.append(
             {
                 "quantity": str(pair["quantity"].item()).replace("_", " "),
@@ -322,13 +316,7 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
                 "against": str(pair["other_law"].item()),
                 "order": ORDERS[int(pair["order"])],
                 **{head: 100.0 * float(pair[name]) for head, name in size.items()},
-                **dict(
-                    zip(
-                        map(str, data["outcome_kind"].values),
-                        (int((pair["outcome"] == kind).sum()) for kind in range(4)),
-                        strict=True,
-                    )
-                ),
+                **{word: int((pair["outcome"] == kind).sum()) for kind, word in enumerate(outcomes)},
             }
         )
     caption = (
