@@ -106,10 +106,10 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
     yield from _size(here)
     if draws:
         yield from _turns(here)
-    for a, b in (pair for pair, kind in whole.items() if kind == KINDS[3]):
+    if turned := [pair for pair, kind in whole.items() if kind == KINDS[3]]:
+        a, b = turned[0]
         up, down = (points[list(velocity["order"].values[a, b]).index(kind)] for kind in (GREATER, LESS))
         yield f"{names[a]} is faster than {names[b]} at {up}, slower at {down}."
-        break
     spreads = dict(zip(names, velocity["spread"].max("cell").values.tolist(), strict=True))
     yield not_stated("order", spreads, "settled velocity", data.attrs["margin"])
     yield from _by_symmetry(data)

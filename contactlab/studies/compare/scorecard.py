@@ -167,15 +167,15 @@ class Reruns:
         for name, change, _ in reruns_of(setup, refine=refine):
             tree = parts[name]
             failure = str(tree.attrs.get("failure", ""))
-            if failure and name not in VARIANTS and tree.attrs["settles"] == 0:
-                return cls(run, setup, without=failure)
-            if failure:
-                law.notes.append(f"{run.label} fails {change}: {failure}")
-                if name not in VARIANTS:
-                    law.runs, law.states = {}, {}
-                    return law
-            else:
+            note = f"{run.label} fails {change}: {failure}"
+            if not failure:
                 law.runs[name], law.states[name] = Run.of(tree), means_in(tree.children["means"])
+            elif name in VARIANTS:
+                law.notes.append(note)
+            elif tree.attrs["settles"] == 0:
+                return cls(run, setup, without=failure)
+            else:
+                return cls(run, setup, notes=[note])
         if refine and "friction" not in parts:
             law.notes.append(f"{run.label} has no friction coefficient to change.")
         if "starts" in parts:
@@ -348,11 +348,10 @@ def motion(law: Reruns) -> xarray.Dataset:
     pressed = run.settings.get("contact.preload")
     if isinstance(clearance := run.settings.get("contact.clearance"), float) and pressed is None:
         data.attrs["clearance"] = clearance
-    if not run.columns:
-        return data
-    return data.assign_coords(time=("time", run.time, cf_attributes(variables.TIME))).assign_attrs(
-        period=law.period
-    )
+    if run.columns:
+        data = data.assign_coords(time=("time", run.time, cf_attributes(variables.TIME)))
+        data.attrs["period"] = law.period
+    return data
 
 
 def listed(names: Sequence[str]) -> str:
