@@ -103,7 +103,7 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
         drawn = "Farthest apart"
     if draws:
         yield _outcomes(data, here, drawn)
-    yield from _size(here)
+    yield _size(here)
     if draws:
         yield from _turns(here)
     if turned := [pair for pair, kind in whole.items() if kind == KINDS[3]]:
@@ -170,8 +170,8 @@ def _outcomes(data: xarray.Dataset, here: xarray.Dataset, drawn: str) -> str:
     )
 
 
-def _size(here: xarray.Dataset) -> Iterator[str]:
-    """Yield the relative difference in speed of one pair."""
+def _size(here: xarray.Dataset) -> str:
+    """Return the relative difference in speed of one pair."""
     low, middle, high, configured, other = (
         100.0 * float(here[f"relative_{name}"])
         for name in (*(f"difference{end}" for end in ENDS.values()), "nominal", "other")
@@ -184,7 +184,7 @@ def _size(here: xarray.Dataset) -> Iterator[str]:
     if isfinite(low):
         ends = f"{low:+.{digits}f} to {high:+.{digits}f} in nine of ten"
         text = f"{middle:+.{digits}f} % in the median motor ({ends}), {text}"
-    yield f"The difference in speed, in the sense in which the motor turns and over the larger, is {text}."
+    return f"The difference in speed, in the sense in which the motor turns and over the larger, is {text}."
 
 
 def _turns(here: xarray.Dataset) -> Iterator[str]:
