@@ -40,14 +40,13 @@ def draw(data: xarray.Dataset) -> Figure:
     power.set_ylim(bottom=-0.25 * max(power.get_ylim()[1], 0.0))
     efficiency.set_ylim(bottom=0.0)
     note = {"fontsize": 7, "color": "0.35", "textcoords": "offset points"}
-    upper, lower = torque.get_ylim()[1], torque.get_ylim()[0]
-    right = torque.get_xlim()[1]
+    (lower, upper), (_, right) = torque.get_ylim(), torque.get_xlim()
     torque.annotate("load brakes", (right, upper), (-2, -2), ha="right", va="top", **note)
     torque.annotate("load drives the motor on", (0.0, lower), (3, 3), **note)
     torque.annotate("load turns\nit back", (0.0, lower), (-3, 3), ha="right", **note)
     figure.align_ylabels()
     handles, labels = torque.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(max(len(labels), 1), 3))
+    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 3))
     return figure
 
 

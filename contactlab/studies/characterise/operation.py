@@ -1,7 +1,6 @@
 """One operating point: the steady state at a prescribed or a free rotor speed, and its numbers."""
 
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Final, final
 
 import numpy as np
@@ -21,7 +20,7 @@ UNKNOWN: Final = Estimate(np.nan, np.nan)
 AVERAGED: Final = 160
 """Periods over which an aperiodic motion is averaged."""
 
-RECORDS: Final = {True: 512, False: 128}
+OF_ORBIT, OF_OTHERS = 512, 128
 """Records in a period of an orbit, and of another motion."""
 
 LONGEST: Final = (480, 4000)
@@ -127,11 +126,9 @@ class Periods:
     def of(cls, state: Steady) -> "Periods":
         """Record a steady state finely: its orbit, or many periods from its end on."""
         if (orbit := state.orbit) is not None:
-            records = RECORDS[True]
-            return cls(orbit.map, orbit.map.run(orbit.state, 1, records), records, state.closure)
-        section, records = state.once, RECORDS[False]
-        run = section.run(state.final, AVERAGED, records)
-        return cls(section, run, records, None)
+            return cls(orbit.map, orbit.map.run(orbit.state, 1, OF_ORBIT), OF_ORBIT, state.closure)
+        section = state.once
+        return cls(section, section.run(state.final, AVERAGED, OF_OTHERS), OF_OTHERS, None)
 
     def numbers(self) -> dict[str, Estimate]:
         """Return every quantity of `sheet.POINT`, velocity and torque in the model's sense."""
@@ -153,7 +150,7 @@ class Periods:
         slip = np.abs(series["slip_velocity"][1:]) * (self.run.contact_mode[1:] != 0)
         ripple = float(np.ptp(series["rotor_velocity"])) if belt is None else 0.0
         coarser = float(np.ptp(series["rotor_velocity"][::2])) if ripple else 0.0
-        share, stick = (self._mean(self._summed(n) / self._period) for n in ("duration", "stick_duration"))
+        share, stick = self._share("duration"), self._share("stick_duration")
         spent = output.value + damping.value + friction.value + contact.value + self._stored
         # The two halves of many periods show the error of the peak; one contact may last for all of them.
         peaks = contacts["peak_normal_force"] if contacts["duration"].size > 1 else series["normal_force"][1:]
@@ -181,16 +178,8 @@ class Periods:
             ),
         }
 
-    @property
-    def _period(self) -> float:
-        return self.section.period
-
-    @cached_property
-    def _count(self) -> int:
-        return (self.run.time.size - 1) // self.records
-
     def _by_period(self, values: Array) -> Array:
-        return values.reshape(self._count, self.records)
+        return values.reshape(-1, self.records)
 
     def _mean(self, values: Array) -> Estimate:
         """Return the mean of a value for each period."""
@@ -200,7 +189,7 @@ class Periods:
 
     def _rate(self, name: str) -> Estimate:
         """Return the mean rate at which a series grows."""
-        return self._mean(np.diff(self.run.series[name][:: self.records]) / self._period)
+        return self._mean(np.diff(self.run.series[name][:: self.records]) / self.section.period)
 
     def _sampled(self, values: Array) -> Estimate:
         """Return the mean over all records; its error includes the change with half as many records."""
@@ -208,14 +197,16 @@ class Periods:
         value, error = self._mean(every.mean(axis=1))
         return Estimate(value, error + abs(float(every[:, 1::2].mean()) - value))
 
-    def _summed(self, name: str) -> Array:
-        """Sum a column of the contacts over every period, shape (period,); a long one is spread."""
+    def _share(self, name: str) -> Estimate:
+        """Return the share of the time that a duration of the contacts has; a long one is spread."""
         contacts = self.run.contacts
         starts, sums = contacts["start_time"], np.cumsum(contacts[name])
         times = np.column_stack([starts, starts + contacts["duration"]]).ravel()
         reached = np.column_stack([np.append(0.0, sums[:-1])[: sums.size], sums]).ravel()
-        edges = self._period * np.arange(self._count + 1)
-        return np.diff(np.interp(edges, times, reached)) if times.size else np.zeros(self._count)
+        count = (self.run.time.size - 1) // self.records
+        edges = self.section.period * np.arange(count + 1)
+        seconds = np.diff(np.interp(edges, times, reached)) if times.size else np.zeros(count)
+        return self._mean(seconds / self.section.period)
 
     @property
     def _stored(self) -> float:

@@ -15,6 +15,7 @@ from contactlab.results.netcdf import cf_attributes
 from contactlab.steady_state.period_map import contact_at_end, memory_at_end, variables_in
 from contactlab.studies.characterise.operation import UNKNOWN, Point, operate
 from contactlab.studies.characterise.transients import holding_torque, start_time, stop_time
+from contactlab.studies.study import Part
 from contactlab.variables import Variable
 
 FIRST: Final = (-0.25, 0.0, 0.25, 0.5, 0.75, 1.0, 1.25)
@@ -126,10 +127,8 @@ def root(points: Iterable[Point]) -> Estimate:
     """
     known = [point for point in points if point.belt is not None and np.isfinite(point.value("torque"))]
     for below, above in reversed([*pairwise(known)]):
-        (v, w), ((m, m_error), (n, n_error)) = (
-            (below.value("velocity"), above.value("velocity")),
-            (below["torque"], above["torque"]),
-        )
+        v, w = below.value("velocity"), above.value("velocity")
+        (m, m_error), (n, n_error) = below["torque"], above["torque"]
         if m > 0.0 >= n:
             value = v + (w - v) * m / (m - n)
             spread = max(m_error, n_error) * (w - v) / (m - n)
@@ -180,7 +179,7 @@ ROLES: Final = ("stall", "greatest power", "greatest efficiency", "no load")
 """Points of the curve that have a name."""
 
 
-def data_sheet(setup: Setup) -> xarray.Dataset:
+def data_sheet(setup: Setup) -> Part:
     """Return the data sheet of a motor.
 
     It has every quantity of `POINT` and `MOTOR` and its error, `NAME_error`, those
@@ -207,7 +206,7 @@ def data_sheet(setup: Setup) -> xarray.Dataset:
     values |= {name: ("point", np.array(column, dtype=object)) for name, column in texts.items()}
     about = {"units": "1", "long_name": "sign of the motor's sense in the model, 0 where it does not turn"}
     values["sense"] = (), sense, about
-    return xarray.Dataset(values, {"point": np.arange(len(points))})
+    return Part(xarray.DataTree(xarray.Dataset(values, {"point": np.arange(len(points))})))
 
 
 def _sheet(setup: Setup) -> tuple[list[Point], dict[str, Estimate], float]:
@@ -239,7 +238,7 @@ def _roles(points: Sequence[Point]) -> list[str]:
     """Name the points that have a role."""
     motoring = [point for point in points if point.value("output_power") > 0.0]
     role = {id(point): "stall" for point in points if point.belt == 0.0}
-    role |= {id(points[-1]): "no load"}
+    role[id(points[-1])] = "no load"
     for name, quantity in zip(ROLES[1:3], BEST, strict=True):
         if (best := greatest(motoring, quantity)) is not None:
             role[id(best)] = f"{role[id(best)]} and efficiency" if id(best) in role else name

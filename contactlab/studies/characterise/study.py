@@ -15,7 +15,7 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
-from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, estimates
+from contactlab.studies.study import LENGTH, Progress, Result, Setups, Study, Task, estimates
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -52,14 +52,14 @@ class Characterise(Study):
                     f"rotor.load_torque is {load:.12g} N m; it must be 0 N m: the sheet loads the motor "
                     "itself, from beyond stall to beyond no load. Leave it out."
                 )
-        return [Task(label, _sheet, (setup,)) for label, setup in setups.items()]
+        return [Task(label, data_sheet, (setup,)) for label, setup in setups.items()]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the sheets of all laws over the dimension `law`."""
         labels = pandas.Index(unique([setup.law.name for setup in setups.values()]), name="law")
         sheets = [part.to_dataset() for part in parts.values()]
         # Texts of a point that a law lacks are empty.
-        data = xarray.concat(sheets, labels, join="outer", fill_value={**dict.fromkeys(TEXTS, "")})
+        data = xarray.concat(sheets, labels, join="outer", fill_value=dict.fromkeys(TEXTS, ""))
         data.attrs["title"] = f"Data sheet of a standing-wave piezoelectric motor: {', '.join(labels)}"
         return xarray.DataTree(data)
 
@@ -73,24 +73,23 @@ class Characterise(Study):
         labels = [str(label) for label in every["law"].values]
         numbers = {label: estimates(every.sel(law=label), self.quantities) for label in labels}
         tables = {"motor": table_of_quantities(self.quantities, numbers, "Motor")}
+        parts = {
+            "points": [quantity for name, quantity in POINT.items() if name not in BALANCE],
+            "power": [POINT[name] for name in BALANCE],
+        }
         for label in labels:
+            sheet = every.sel(law=label)
             points = {
-                str(point["role"].item()): estimates(point, POINT.values())
-                for point in map(
-                    every.sel(law=label).isel, ({"point": i} for i in range(every.sizes["point"]))
-                )
-                if point["role"].item()
+                str(role): estimates(sheet.isel(point=number), POINT.values())
+                for number, role in enumerate(sheet["role"].values)
+                if role
             }
             # Without a steady state nothing is known of any point.
             if not any(np.isfinite(each.value) for of in points.values() for each in of.values()):
                 continue
-            for name, chosen in (
-                ("points", [q for n, q in POINT.items() if n not in BALANCE]),
-                ("power", [POINT[name] for name in BALANCE]),
-            ):
-                tables[f"{name}_{label}"] = table_of_quantities(
-                    chosen, points, f"{name.capitalize()}, {label}"
-                )
+            for name, chosen in parts.items():
+                caption = f"{name.capitalize()}, {label}"
+                tables[f"{name}_{label}"] = table_of_quantities(chosen, points, caption)
         return tables
 
     def findings(self, data: xarray.DataTree) -> list[str]:
@@ -113,10 +112,6 @@ class Characterise(Study):
 
 
 TEXTS: Final = ("kind", "role", "load", "reason")
-
-
-def _sheet(setup: Setup) -> Part:
-    return Part(xarray.DataTree(data_sheet(setup)))
 
 
 def unique(names: Sequence[str]) -> list[str]:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from itertools import permutations
 from textwrap import fill
 from typing import Any, Final, NamedTuple
 
@@ -84,17 +85,13 @@ def draw_all(data: xarray.DataTree) -> dict[str, Figure]:
     return figures
 
 
-def _labels(data: xarray.Dataset) -> list[str]:
-    return [fill(str(label), LONGEST_LABEL // 2 + 6) for label in data["law"].values]
-
-
 def draw_differences(data: xarray.Dataset) -> Figure:
     """Draw relative differences over the draws: every quantity of two laws, the speed of several."""
     needed("order" in data and data.sizes["law"] > 1 and data.sizes["draw"])
     here = data.isel(cell=0)
     if data.sizes["law"] == 2:
         pairs = here.isel(law=0, other_law=1)
-        labels = list(map(_title, data["quantity"].values))
+        labels = [str(name).replace("_", " ") for name in data["quantity"].values]
         about = f"{pairs['law'].item()} less {pairs['other_law'].item()}"
     else:
         pairs = here.sel(quantity="rotor_velocity").isel(law=0, other_law=slice(1, None))
@@ -142,15 +139,6 @@ def draw_turning(data: xarray.Dataset) -> Figure:
     return legend_above(figure, axes)
 
 
-def _title(quantity: object) -> str:
-    return str(quantity).replace("_", " ")
-
-
-def _size(values: Array) -> float:
-    known = np.abs(values[np.isfinite(values)])
-    return float(known.max(initial=0.0)) or 1.0
-
-
 def draw_pairs(data: xarray.Dataset) -> Figure:
     """Draw the relative difference in speed of every pair of laws, and its order."""
     needed("order" in data and data.sizes["law"] > 2)
@@ -158,23 +146,23 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
     difference, order = here["relative_difference"].values, here["order"].values
     many = count > MOST_ROWS
     figure, (axes,) = drawing(1, 1, 0.7 * WIDTH if many else 1.6 + 0.31 * count)
-    middle = np.nanmedian(np.where(np.isfinite(difference), difference, 0.0), axis=2)
+    middle = np.median(np.where(np.isfinite(difference), difference, 0.0), axis=2)
     # What is far below the margin has no colour.
-    size = max(_size(middle), data.attrs["margin"])
+    size = max(float(np.abs(middle).max()) or 1.0, data.attrs["margin"])
     image = axes.imshow(middle, cmap="RdBu_r", vmin=-size, vmax=size)
-    for a in range(count):
-        for b in range(count):
-            signs = "".join(dict.fromkeys(SIGNS[int(kind)] for kind in order[a, b]))
-            dark = abs(middle[a, b]) > 0.6 * size
-            text = {"ha": "center", "va": "center", "color": "white" if dark else "black"}
-            axes.text(b, a, signs if a != b else "", fontsize=4 if many else 7, **text)
+    for a, b in permutations(range(count), 2):
+        signs = "".join(dict.fromkeys(SIGNS[int(kind)] for kind in order[a, b]))
+        dark = abs(middle[a, b]) > 0.6 * size
+        text = {"ha": "center", "va": "center", "color": "white" if dark else "black"}
+        axes.text(b, a, signs, fontsize=4 if many else 7, **text)
     if many:
         numbered = [f"{law}  {number}" for number, law in enumerate(data["law"].values, 1)]
         axes.set_yticks(np.arange(count), numbered, fontsize=4)
         axes.set_xticks(np.arange(count), np.arange(1, count + 1), fontsize=4)
     else:
-        axes.set_yticks(np.arange(count), _labels(data))
-        axes.set_xticks(np.arange(count), _labels(data), rotation=60, ha="right", rotation_mode="anchor")
+        labels = [fill(str(label), LONGEST_LABEL // 2 + 6) for label in data["law"].values]
+        axes.set_yticks(np.arange(count), labels)
+        axes.set_xticks(np.arange(count), labels, rotation=60, ha="right", rotation_mode="anchor")
     figure.colorbar(image, label="row less column, over the larger", shrink=0.8)
     return figure
 

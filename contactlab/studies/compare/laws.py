@@ -204,7 +204,9 @@ def shown(value: Any) -> str:
     """Return a value as a text of nine digits."""
     if isinstance(value, list | tuple):
         return " ".join(map(shown, value))
-    return "not given" if value is None else f"{value:.9g}" if isinstance(value, float) else str(value)
+    if isinstance(value, float):
+        return f"{value:.9g}"
+    return "not given" if value is None else str(value)
 
 
 def unchecked(runs: Sequence[Run]) -> Iterator[str]:

@@ -47,7 +47,7 @@ MOST_PAIRS: Final = 30
 
 def findings(data: xarray.Dataset) -> list[str]:
     """Return what limits the comparison, classes and orders of the laws, and failed thresholds."""
-    notes = str(data.attrs["notes"]).splitlines()
+    notes = " ".join(str(data.attrs["notes"]).splitlines())
     limits = str(data.attrs.get("limits", "")).splitlines()
     if "limits" not in data.attrs:
         sentences = _of_transients(data)
@@ -55,7 +55,7 @@ def findings(data: xarray.Dataset) -> list[str]:
         sentences = _of_pairs(data)
     else:
         sentences = _of_velocities(data)
-    return [*filter(None, [*limits, *sentences, _thresholds(data), " ".join(notes)])]
+    return [*filter(None, [*limits, *sentences, _thresholds(data), notes])]
 
 
 def ends(values: Any, laws: Any, unit: str, digits: int = 3) -> str:
@@ -103,14 +103,15 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
         drawn = "Farthest apart"
     if draws:
         yield _outcomes(data, here, drawn)
-    yield from _size(here)
+    yield _size(here)
     if draws:
         yield from _turns(here)
-    for a, b in (pair for pair, kind in whole.items() if kind == KINDS[3]):
+    if turned := [pair for pair, kind in whole.items() if kind == KINDS[3]]:
+        a, b = turned[0]
         up, down = (points[list(velocity["order"].values[a, b]).index(kind)] for kind in (GREATER, LESS))
         yield f"{names[a]} is faster than {names[b]} at {up}, slower at {down}."
-        break
-    yield from _no_functions(data)
+    spreads = dict(zip(names, velocity["spread"].max("cell").values.tolist(), strict=True))
+    yield not_stated("order", spreads, "settled velocity", data.attrs["margin"])
     yield from _by_symmetry(data)
 
 
@@ -169,8 +170,8 @@ def _outcomes(data: xarray.Dataset, here: xarray.Dataset, drawn: str) -> str:
     )
 
 
-def _size(here: xarray.Dataset) -> Iterator[str]:
-    """Yield the relative difference in speed of one pair."""
+def _size(here: xarray.Dataset) -> str:
+    """Return the relative difference in speed of one pair."""
     low, middle, high, configured, other = (
         100.0 * float(here[f"relative_{name}"])
         for name in (*(f"difference{end}" for end in ENDS.values()), "nominal", "other")
@@ -183,7 +184,7 @@ def _size(here: xarray.Dataset) -> Iterator[str]:
     if isfinite(low):
         ends = f"{low:+.{digits}f} to {high:+.{digits}f} in nine of ten"
         text = f"{middle:+.{digits}f} % in the median motor ({ends}), {text}"
-    yield f"The difference in speed, in the sense in which the motor turns and over the larger, is {text}."
+    return f"The difference in speed, in the sense in which the motor turns and over the larger, is {text}."
 
 
 def _turns(here: xarray.Dataset) -> Iterator[str]:
@@ -207,14 +208,6 @@ def _turns(here: xarray.Dataset) -> Iterator[str]:
         f"The outcome turns with the {name}, whose share in it is {share:.2f} (by chance {chance:.2f}): "
         f"faster and slower are {listed(parts)}."
     )
-
-
-def _no_functions(data: xarray.Dataset) -> Iterator[str]:
-    """Yield the laws whose settled velocity is no function of the inputs."""
-    spread = data["spread"].sel(quantity="rotor_velocity").max("cell")
-    spreads = dict(zip(map(str, spread["law"].values), spread.values.tolist(), strict=True))
-    if sentence := not_stated("order", spreads, "settled velocity", data.attrs["margin"]):
-        yield sentence
 
 
 def _by_symmetry(data: xarray.Dataset) -> Iterator[str]:
@@ -286,34 +279,35 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
 
 def _scorecard(data: xarray.Dataset, name: str, keys: list[str]) -> pandas.DataFrame:
     """Return a row for each metric that a law has: value, error and verdict of each law."""
-    rows = []
+    rows, judged = [], name != "motion"
     for key in keys:
         here = data.sel(metric=key)
         if not here["value"].notnull().any():
             continue
-        threshold = str(here["threshold"].item())
-        row: dict[str, Any] = {"metric": brief(str(here["meaning"].item()))}
-        row |= {UNIT: str(here["units"].item())} | ({"must be": threshold} if name != "motion" else {})
+        row: dict[str, Any] = {"metric": brief(str(here["meaning"].item())), UNIT: str(here["units"].item())}
+        if judged:
+            row["must be"] = str(here["threshold"].item())
         for law in map(str, data["law"].values):
             cell = here.sel(law=law)
-            verdict = VERDICTS[int(cell["verdict"])]
             row[law] = Estimate(float(cell["value"]), float(cell["numerical_error"]))
-            if name != "motion":
+            if judged:
+                verdict = VERDICTS[int(cell["verdict"])]
                 row[f"{law}: verdict"] = "" if verdict == REPORTED else verdict
-        reason = {"reason": str(here["reason"].item())} if name == "plausibility" else {}
-        rows.append(row | reason | {"key": key})
+        if name == "plausibility":
+            row["reason"] = str(here["reason"].item())
+        rows.append(row | {"key": key})
     frame = table(rows, caption=name.capitalize())
-    frame.attrs |= {"digits": DIGITS, "reference": name != "motion"}
+    frame.attrs |= {"digits": DIGITS, "reference": judged}
     return frame
 
 
 def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
     """Return a row for each quantity, operating point and pair of laws."""
-    rows = []
-    places = product(range(data.sizes["quantity"]), range(data.sizes["cell"]))
-    for (quantity, cell), (a, b) in product(places, combinations(range(data.sizes["law"]), 2)):
+    rows, outcomes = [], list(map(str, data["outcome_kind"].values))
+    size = {f"{end} (%)": f"relative_difference{name}" for end, name in ENDS.items()}
+    quantities, cells = range(data.sizes["quantity"]), range(data.sizes["cell"])
+    for quantity, cell, (a, b) in product(quantities, cells, combinations(range(data.sizes["law"]), 2)):
         pair = data.isel(quantity=quantity, cell=cell, law=a, other_law=b)
-        size = {f"{end} (%)": f"relative_difference{name}" for end, name in ENDS.items()}
         rows.append(
             {
                 "quantity": str(pair["quantity"].item()).replace("_", " "),
@@ -322,13 +316,7 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
                 "against": str(pair["other_law"].item()),
                 "order": ORDERS[int(pair["order"])],
                 **{head: 100.0 * float(pair[name]) for head, name in size.items()},
-                **dict(
-                    zip(
-                        map(str, data["outcome_kind"].values),
-                        (int((pair["outcome"] == kind).sum()) for kind in range(4)),
-                        strict=True,
-                    )
-                ),
+                **{word: int((pair["outcome"] == kind).sum()) for kind, word in enumerate(outcomes)},
             }
         )
     caption = (

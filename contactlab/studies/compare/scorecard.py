@@ -56,7 +56,7 @@ CONTACTS: Final = ("start_time", "duration", "normal_impulse", "peak_normal_forc
 
 SHOWN: Final = {each.name: each for each in (*variables.SERIES, *variables.CONTACTS)}
 
-Rerun = tuple[str, str, "Setup | dict[str, Any]"]
+Rerun = tuple[str, str, Setup | dict[str, Any]]
 """Name, change in words, and the setup or its configuration."""
 
 
@@ -102,7 +102,7 @@ def attempt(work: Callable[..., xarray.DataTree], *arguments: Any) -> Part:
         return Part(xarray.DataTree(xarray.Dataset(attrs={"failure": failure_of(error), "settles": settles})))
 
 
-def settled_motion(rerun: "Setup | dict[str, Any]") -> xarray.DataTree:
+def settled_motion(rerun: Setup | dict[str, Any]) -> xarray.DataTree:
     """Return the settled motion with its means."""
     setup = rerun if isinstance(rerun, Setup) else build(rerun)
     state = settled(setup)
@@ -167,15 +167,15 @@ class Reruns:
         for name, change, _ in reruns_of(setup, refine=refine):
             tree = parts[name]
             failure = str(tree.attrs.get("failure", ""))
-            if failure and name not in VARIANTS and tree.attrs["settles"] == 0:
-                return cls(run, setup, without=failure)
-            if failure:
-                law.notes.append(f"{run.label} fails {change}: {failure}")
-                if name not in VARIANTS:
-                    law.runs, law.states = {}, {}
-                    return law
-            else:
+            note = f"{run.label} fails {change}: {failure}"
+            if not failure:
                 law.runs[name], law.states[name] = Run.of(tree), means_in(tree.children["means"])
+            elif name in VARIANTS:
+                law.notes.append(note)
+            elif tree.attrs["settles"] == 0:
+                return cls(run, setup, without=failure)
+            else:
+                return cls(run, setup, notes=[note])
         if refine and "friction" not in parts:
             law.notes.append(f"{run.label} has no friction coefficient to change.")
         if "starts" in parts:
@@ -273,15 +273,14 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
     energy = {"units": "J", "long_name": "destination of the work of the drive"}
     work = {"units": "J", "long_name": "work of the drive on the resonator"}
     labels = [law.run.label for law in laws]
-    of_metrics = {name: name for name in ("symbol", "units", "meaning", "threshold", "reason", "conclusion")}
+    of_metrics = ("symbol", "units", "meaning", "threshold", "reason", "conclusion")
     of_laws = {
         "kind": [law.means[-1].kind if law.means else NOT_KNOWN for law in laws],
         "run": [law.run.source for law in laws],
         "refined": [law.refinement for law in laws],
         "configuration": [safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
-    } | {
-        name: [str(law.run.attributes.get(name, "")) for law in laws]
-        for name in ("law_parameters", "contactlab_version")
+        "law_parameters": [str(law.run.attributes.get("law_parameters", "")) for law in laws],
+        "contactlab_version": [str(law.run.attributes.get("contactlab_version", "")) for law in laws],
     }
     return xarray.Dataset(
         {
@@ -295,10 +294,8 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
             "law": labels,
             "metric": [metric.key for metric in every],
             "term": list(ENERGY_TERMS),
-            **{
-                name: ("metric", [getattr(metric, attribute) for metric in every])
-                for name, attribute in (of_metrics | {"metric_source": "source"}).items()
-            },
+            **{name: ("metric", [getattr(metric, name) for metric in every]) for name in of_metrics},
+            "metric_source": ("metric", [metric.source for metric in every]),
             "judges_law": ("metric", np.array([metric.judges_law for metric in every], dtype=np.int8)),
             **{name: ("law", texts) for name, texts in of_laws.items()},
         },
@@ -351,11 +348,10 @@ def motion(law: Reruns) -> xarray.Dataset:
     pressed = run.settings.get("contact.preload")
     if isinstance(clearance := run.settings.get("contact.clearance"), float) and pressed is None:
         data.attrs["clearance"] = clearance
-    if not run.columns:
-        return data
-    return data.assign_coords(time=("time", run.time, cf_attributes(variables.TIME))).assign_attrs(
-        period=law.period
-    )
+    if run.columns:
+        data = data.assign_coords(time=("time", run.time, cf_attributes(variables.TIME)))
+        data.attrs["period"] = law.period
+    return data
 
 
 def listed(names: Sequence[str]) -> str:

@@ -225,20 +225,14 @@ class Compare(Study):
 
     def _left_alone(self, grid: Grid) -> Iterator[str]:
         """Yield the laws that an option does not reach."""
-        if self.calibrate is not None:
-            datum = self.calibrate
-            off = [
-                law
-                for law, setup in grid.first.items()
-                if not isclose(
-                    datum.measured(setup.law, delassus_at_rest(setup.motor)), datum.value, rel_tol=1e-6
-                )
-            ]
-            if off:
+        laws = grid.first
+        if datum := self.calibrate:
+            values = {law: datum.measured(x.law, delassus_at_rest(x.motor)) for law, x in laws.items()}
+            if off := [law for law, x in values.items() if not isclose(x, datum.value, rel_tol=1e-6)]:
                 yield f"No single number brings {listed(off)} to {datum}: those keep their values."
         if self._posteriors:
             known = self._posteriors.samples
-            if missing := [law for law, setup in grid.first.items() if setup.law.name not in known]:
+            if missing := [law for law, setup in laws.items() if setup.law.name not in known]:
                 yield f"'{self.posterior}' has no posterior of {listed(missing)}, which keep their values."
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
