@@ -29,7 +29,7 @@ from contactlab.progress import tell_progress
 from contactlab.results.files import DATASET, LOG, STATE, digest_of_file, error_text, whole_file
 from contactlab.results.netcdf import Groups, to_groups, write_groups
 from contactlab.results.provenance import code_digest, digest_of, versions
-from contactlab.trajectory import Ending, Trajectory
+from contactlab.trajectory import Trajectory
 
 
 class Status(IntEnum):
@@ -50,11 +50,6 @@ class Status(IntEnum):
     UNBALANCED = 8
     STALLED = 9
     INCONSISTENT = 10
-
-
-def status_of(ending: Ending) -> Status:
-    """Return the status of a run with this ending."""
-    return Status[ending.name]
 
 
 ABSENT, RUNNING, COMPLETE, FAILED, REFUSED = "absent", "running", "complete", "failed", "refused"

@@ -6,7 +6,7 @@ Every value is checked beforehand, and all faults are reported.
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from math import ceil, prod
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
@@ -176,7 +176,7 @@ class Plan:
     outputs: Outputs
     groups: tuple[str, ...] = ()
     choices: tuple[tuple[Value, ...], ...] = ((),)
-    bases: tuple[Configuration, ...] = field(default=({},))
+    bases: tuple[Configuration, ...] = ({},)
     chunk: int = 1
     code: str = ""
     keep: Literal["runs", "metrics"] = "metrics"
@@ -194,11 +194,8 @@ class Plan:
 
     def rows(self, cells: Sequence[int]) -> "Plan":
         """Return the plan of some cells alone, as samples."""
-        places = [self.places(cell) for cell in cells]
-        axes = (
-            replace(axis, values=tuple(axis.values[row[number]] for row in places))
-            for number, axis in enumerate(self.axes)
-        )
+        points = [self.point(cell) for cell in cells]
+        axes = (replace(axis, values=tuple(point[axis.key] for point in points)) for axis in self.axes)
         return replace(self, axes=tuple(axes), samples=True)
 
     def places(self, cell: int) -> list[int]:
