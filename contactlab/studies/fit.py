@@ -155,7 +155,6 @@ class Fit(Study):
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
             )
-        files = [Path(each) for each in self._sources if isinstance(each, str | Path)]
         sets = self.measurements
         return candidates_of(
             sets[""] if [*sets] == [""] else sets,
@@ -165,7 +164,7 @@ class Fit(Study):
             own=self.own or (),
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
-            name=", ".join(path.name for path in files),
+            name=", ".join(Path(x).name for x in self._sources if isinstance(x, str | Path)),
             digest=" ".join(
                 digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")
                 for x in self._sources
@@ -265,13 +264,12 @@ class Fit(Study):
 
         figures = {}
         for label, fit in data.children.items():
-            figures[f"corner{_ending(data, label)}"] = draw_corner(fit)
-            for each in sets_in(fit):
-                figures[f"predictions{_ending(data, label)}{each and f'_{each}'}"] = draw_predictions(
-                    fit, each
-                )
-            if "residuals" in fit.children and len(sets_in(fit)) > 1:
-                figures[f"residuals{_ending(data, label)}"] = draw_residuals(fit)
+            end, sets = _ending(data, label), sets_in(fit)
+            figures[f"corner{end}"] = draw_corner(fit)
+            for each in sets:
+                figures[f"predictions{end}{each and f'_{each}'}"] = draw_predictions(fit, each)
+            if "residuals" in fit.children and len(sets) > 1:
+                figures[f"residuals{end}"] = draw_residuals(fit)
         return figures
 
 
