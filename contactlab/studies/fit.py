@@ -178,15 +178,15 @@ class Fit(Study):
             NoSamplerError: dynesty is not installed.
         """
         available()
-        # Likelihoods are evaluated by several processes where the laws are not.
-        workers = None if self.workers == 1 and self.scheduler is None else 1
         settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "starts": self.starts}
         settings["held_out"] = self.held_out
+        # Likelihoods are evaluated by several processes where the laws are not.
+        settings["workers"] = None if self.workers == 1 and self.scheduler is None else 1
         every = self.candidates(setups)
         if self.held_out != "off":
             folds_of(every[0].problem, self.held_out)
         return [
-            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings, workers), resumes=True)
+            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings), resumes=True)
             for item in every
         ]
 
@@ -273,10 +273,8 @@ class Fit(Study):
         return figures
 
 
-def _fitted(
-    candidate: Candidate, settings: dict[str, Any], workers: int | None, checkpoint: Path | None = None
-) -> Part:
-    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers))
+def _fitted(candidate: Candidate, settings: dict[str, Any], checkpoint: Path | None = None) -> Part:
+    return Part(fitted(candidate, **settings, checkpoint=checkpoint))
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

@@ -210,12 +210,8 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         "law": " ".join(sorted({str(each["law.name"]) for each in known if "law.name" in each})),
         "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
     }
-    return dataset_of(
-        parameters([run.job for run in runs], all(run.configured for run in runs)),
-        columns,
-        attributes,
-        samples=True,
-    )
+    axes = parameters([run.job for run in runs], all(run.configured for run in runs))
+    return dataset_of(axes, columns, attributes, samples=True)
 
 
 def _kept(runs: Sequence[Run], outputs: Outputs) -> tuple[Variable, ...]:

@@ -223,7 +223,8 @@ def combined(
     plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
 ) -> xarray.Dataset:
     """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
-    absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], plan.outputs.metrics)
+    outputs = plan.outputs
+    absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], outputs.metrics)
     columns: dict[str, Any] = {name: np.repeat(column, plan.cells) for name, column in absent.items()}
     scalars = [*columns]
     for key, part in parts.items():
@@ -234,7 +235,7 @@ def combined(
         if with_series and "series" in part.children:
             series = part["series"].to_dataset()
             columns.setdefault("time", series["times"].values)
-            for name in plan.outputs.series:
+            for name in outputs.series:
                 if f"{name}_series" not in columns:
                     columns[f"{name}_series"] = np.full((plan.cells, series.sizes["time"]), np.nan)
                 columns[f"{name}_series"][start : start + size] = series[name].values
@@ -243,12 +244,7 @@ def combined(
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         attributes["configuration"] = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
     return dataset_of(
-        plan.axes,
-        columns,
-        attributes,
-        samples=plan.samples,
-        series=plan.outputs.kept,
-        numbers=plan.outputs.numbers,
+        plan.axes, columns, attributes, samples=plan.samples, series=outputs.kept, numbers=outputs.numbers
     )
 
 
