@@ -56,7 +56,12 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
         if i != j:
             axes.set_ylim(spans[i])
             axes.locator_params(axis="y", nbins=3)
-        _label(axes, heads[j], heads[i], bottom=i == count - 1, left=j == 0 and i > 0)
+        bottom, left = i == count - 1, j == 0 and i > 0
+        axes.tick_params(labelbottom=bottom, labelleft=left)
+        for axis, head, labelled in ((axes.xaxis, heads[j], bottom), (axes.yaxis, heads[i], left)):
+            axis.get_offset_text().set_visible(labelled)
+            if labelled:
+                axis.set_label_text(head, fontsize=6)
     figure.align_labels()
     return figure
 
@@ -76,15 +81,6 @@ def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:
         axes.contourf(*middle, counts.T, [*levels, counts.max()], colors=["0.8", "0.55"])
     else:
         axes.pcolormesh(across, up, counts.T, cmap="Greys", rasterized=True)
-
-
-def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> None:
-    axes.tick_params(axis="x", labelbottom=bottom)
-    axes.tick_params(axis="y", labelleft=left)
-    for axis, head, shown in ((axes.xaxis, below, bottom), (axes.yaxis, beside, left)):
-        axis.get_offset_text().set_visible(shown)
-        if shown:
-            axis.set_label_text(head, fontsize=6)
 
 
 def sets_in(fit: xarray.DataTree) -> list[str]:

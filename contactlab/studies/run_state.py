@@ -252,14 +252,16 @@ def leave(
         write_state(folder, state)
     except KeyboardInterrupt as interrupt:
         reason = str(interrupt) or "Interrupted before the end; no result was written."
-        state = State(INTERRUPTED, job, reason)
         with suppress(OSError):
-            write_state(folder, state)
+            write_state(folder, State(INTERRUPTED, job, reason))
         raise
     # A law of another package may end in any way, and the other runs of a sweep go on.
     except (Exception, SystemExit) as error:
-        text = f"The run could not be written: {error_text(error)}" if isinstance(error, OSError) else ""
-        state = State(FAILED, job, (text or failure_of(error))[:MOST_CHARACTERS])
+        if isinstance(error, OSError):
+            reason = f"The run could not be written: {error_text(error)}"
+        else:
+            reason = failure_of(error)
+        state = State(FAILED, job, reason[:MOST_CHARACTERS])
         with suppress(OSError):
             write_state(folder, state)
         write_log(folder, error)
