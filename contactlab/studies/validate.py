@@ -211,14 +211,8 @@ class Validate(Study):
         return figures
 
 
-def _cross_validated(
-    predictor: ImpactPredictor,
-    impacts: MeasuredImpacts,
-    folds: int,
-    seed: int,
-    corrections: tuple[FreeParameter, ...],
-) -> Part:
-    return Part(xarray.DataTree(cross_validated(predictor, impacts, folds, seed, corrections)))
+def _cross_validated(*arguments: Any) -> Part:
+    return Part(xarray.DataTree(cross_validated(*arguments)))
 
 
 def headline(data: xarray.Dataset) -> str:

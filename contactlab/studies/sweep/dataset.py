@@ -132,7 +132,7 @@ def dataset_of(
 
     def variable(name: str, values: NDArray[Any]) -> xarray.Variable:
         cells = values.astype(object) if values.dtype.kind == "U" else values
-        along = [*dims, *["time"][: values.ndim - 1]]
+        along = [*dims, "time"] if values.ndim > 1 else dims
         return xarray.Variable(along, cells.reshape(*shape, *values.shape[1:]), described[name])
 
     coordinates: dict[str, Any] = {}
