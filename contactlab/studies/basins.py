@@ -93,14 +93,10 @@ class Basins(Study):
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the attractors, a row each."""
-        every = data.to_dataset()
+        columns = data.to_dataset()[["share", "kind", "velocity", "velocity_error"]]
         rows = [
-            {
-                "share": float(each["share"]),
-                "motion": str(each["kind"].item()),
-                "velocity": Estimate(float(each["velocity"]), float(each["velocity_error"])),
-            }
-            for each in (every.isel(attractor=i) for i in range(every.sizes["attractor"]))
+            {"share": x.share, "motion": x.kind, "velocity": Estimate(x.velocity, x.velocity_error)}
+            for x in columns.to_dataframe().itertuples()
         ]
         return {"attractors": table(rows, units={"velocity": "rad s-1"}, caption="Attractors")}
 

@@ -76,20 +76,20 @@ class Branch(Study):
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return both ends and the events."""
         every, parameter = data.to_dataset(), data.attrs["parameter"]
-        names = every["mark"].attrs["flag_meanings"].split()
-        last = every.sizes["point"] - 1
+        names = [name.replace("_", " ") for name in every["mark"].attrs["flag_meanings"].split()]
+        events = {every.sizes["point"] - 1: "end", 0: "start"}
+        events |= {i: names[mark] for i, mark in enumerate(every["mark"].values) if mark}
         # Round-off is no velocity.
         turns = abs(every["rotor_velocity"]) > every["rotor_velocity_error"]
         every["rotor_velocity"] = every["rotor_velocity"].where(turns, 0.0)
         rows = [
             {
-                parameter: float(point["value"]),
-                "rotor velocity": float(point["rotor_velocity"]),
-                "largest multiplier": float(point["largest_multiplier"]),
-                "event": names[mark].replace("_", " ") if mark else "end" if i else "start",
+                parameter: float(every["value"][i]),
+                "rotor velocity": float(every["rotor_velocity"][i]),
+                "largest multiplier": float(every["largest_multiplier"][i]),
+                "event": event,
             }
-            for i, point in ((i, every.isel(point=i)) for i in range(last + 1))
-            if (mark := int(point["mark"])) or i in (0, last)
+            for i, event in sorted(events.items())
         ]
         units = {parameter: every["value"].attrs["units"], "rotor velocity": "rad s-1"}
         return {"events": table(rows, units=units, caption=f"Ends and events over {parameter}")}

@@ -1,6 +1,7 @@
 """Size, line styles and legend of the figures that show several laws, and their forces on a path."""
 
 from collections.abc import Mapping
+from math import ceil
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, Final
 
@@ -54,7 +55,7 @@ def legend_above(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
     columns = len(labels) if sum(map(len, labels)) < SINGLE_LINE else columns
     labels = [fill(label, LONGEST_LABEL) for label in labels]
     # The panels keep their size, however many laws there are.
-    lines = -(-len(labels) // columns) * max(label.count("\n") + 1 for label in labels)
+    lines = ceil(len(labels) / columns) * max(label.count("\n") + 1 for label in labels)
     figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
     figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
     figure.align_ylabels()

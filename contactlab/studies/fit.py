@@ -155,7 +155,6 @@ class Fit(Study):
             raise ConfigurationError(
                 [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
             )
-        files = [Path(each) for each in self._sources if isinstance(each, str | Path)]
         sets = self.measurements
         return candidates_of(
             sets[""] if [*sets] == [""] else sets,
@@ -165,7 +164,7 @@ class Fit(Study):
             own=self.own or (),
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
-            name=", ".join(path.name for path in files),
+            name=", ".join(Path(x).name for x in self._sources if isinstance(x, str | Path)),
             digest=" ".join(
                 digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")
                 for x in self._sources
@@ -179,15 +178,15 @@ class Fit(Study):
             NoSamplerError: dynesty is not installed.
         """
         available()
-        # Likelihoods are evaluated by several processes where the laws are not.
-        workers = None if self.workers == 1 and self.scheduler is None else 1
         settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "starts": self.starts}
         settings["held_out"] = self.held_out
+        # Likelihoods are evaluated by several processes where the laws are not.
+        settings["workers"] = None if self.workers == 1 and self.scheduler is None else 1
         every = self.candidates(setups)
         if self.held_out != "off":
             folds_of(every[0].problem, self.held_out)
         return [
-            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings, workers), resumes=True)
+            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings), resumes=True)
             for item in every
         ]
 
@@ -265,20 +264,17 @@ class Fit(Study):
 
         figures = {}
         for label, fit in data.children.items():
-            figures[f"corner{_ending(data, label)}"] = draw_corner(fit)
-            for each in sets_in(fit):
-                figures[f"predictions{_ending(data, label)}{each and f'_{each}'}"] = draw_predictions(
-                    fit, each
-                )
-            if "residuals" in fit.children and len(sets_in(fit)) > 1:
-                figures[f"residuals{_ending(data, label)}"] = draw_residuals(fit)
+            end, sets = _ending(data, label), sets_in(fit)
+            figures[f"corner{end}"] = draw_corner(fit)
+            for each in sets:
+                figures[f"predictions{end}{each and f'_{each}'}"] = draw_predictions(fit, each)
+            if "residuals" in fit.children and len(sets) > 1:
+                figures[f"residuals{end}"] = draw_residuals(fit)
         return figures
 
 
-def _fitted(
-    candidate: Candidate, settings: dict[str, Any], workers: int | None, checkpoint: Path | None = None
-) -> Part:
-    return Part(fitted(candidate, **settings, checkpoint=checkpoint, workers=workers))
+def _fitted(candidate: Candidate, settings: dict[str, Any], checkpoint: Path | None = None) -> Part:
+    return Part(fitted(candidate, **settings, checkpoint=checkpoint))
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

@@ -11,7 +11,7 @@ from contactlab.arrays import Array
 from contactlab.inference.fit import ENDS, misfits
 from contactlab.parameter import from_cf
 from contactlab.plot.style import COLOURS
-from contactlab.studies.figures import WIDTH, drawing
+from contactlab.studies.figures import drawing
 
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24
@@ -36,29 +36,32 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
     width = np.where(high > low, high - low, np.where(high != 0.0, np.abs(high), 1.0))
     spans = [*zip((low - 0.6 * width).tolist(), (high + 0.6 * width).tolist(), strict=True)]
     count = min(len(heads), MOST)
-    figure = Figure(figsize=(WIDTH, max(CELL * count, 2.2) + 0.5), layout="constrained")
-    panels = figure.subplots(count, count, squeeze=False)
-    for i in range(count):
-        for j in range(count):
-            axes: Axes = panels[i, j]
-            if j > i:
-                axes.set_axis_off()
-                continue
-            if i == j:
-                axes.hist(columns[i], bins=BINS, range=spans[i], weights=weights, color="0.75")
-                axes.set_yticks([])
-                axes.spines["left"].set_visible(False)
-            else:
-                _pair(axes, columns[j], columns[i], weights, (spans[j], spans[i]))
-            for line, at in ((axes.axvline, truth[j]), (axes.axhline, truth[i] if i != j else np.nan)):
-                if not np.isnan(at):
-                    line(at, **_TRUTH)
-            axes.set_xlim(spans[j])
-            axes.locator_params(axis="x", nbins=2)
-            if i != j:
-                axes.set_ylim(spans[i])
-                axes.locator_params(axis="y", nbins=3)
-            _label(axes, heads[j], heads[i], bottom=i == count - 1, left=j == 0 and i > 0)
+    figure, panels = drawing(count, count, max(CELL * count, 2.2) + 0.5)
+    for place, axes in enumerate(panels):
+        i, j = divmod(place, count)
+        if j > i:
+            axes.set_axis_off()
+            continue
+        if i == j:
+            axes.hist(columns[i], bins=BINS, range=spans[i], weights=weights, color="0.75")
+            axes.set_yticks([])
+            axes.spines["left"].set_visible(False)
+        else:
+            _pair(axes, columns[j], columns[i], weights, (spans[j], spans[i]))
+        for line, at in ((axes.axvline, truth[j]), (axes.axhline, truth[i] if i != j else np.nan)):
+            if not np.isnan(at):
+                line(at, **_TRUTH)
+        axes.set_xlim(spans[j])
+        axes.locator_params(axis="x", nbins=2)
+        if i != j:
+            axes.set_ylim(spans[i])
+            axes.locator_params(axis="y", nbins=3)
+        bottom, left = i == count - 1, j == 0 and i > 0
+        axes.tick_params(labelbottom=bottom, labelleft=left)
+        for axis, head, labelled in ((axes.xaxis, heads[j], bottom), (axes.yaxis, heads[i], left)):
+            axis.get_offset_text().set_visible(labelled)
+            if labelled:
+                axis.set_label_text(head, fontsize=6)
     figure.align_labels()
     return figure
 
@@ -78,15 +81,6 @@ def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:
         axes.contourf(*middle, counts.T, [*levels, counts.max()], colors=["0.8", "0.55"])
     else:
         axes.pcolormesh(across, up, counts.T, cmap="Greys", rasterized=True)
-
-
-def _label(axes: Axes, below: str, beside: str, *, bottom: bool, left: bool) -> None:
-    axes.tick_params(axis="x", labelbottom=bottom)
-    axes.tick_params(axis="y", labelleft=left)
-    for axis, head, shown in ((axes.xaxis, below, bottom), (axes.yaxis, beside, left)):
-        axis.get_offset_text().set_visible(shown)
-        if shown:
-            axis.set_label_text(head, fontsize=6)
 
 
 def sets_in(fit: xarray.DataTree) -> list[str]:

@@ -151,10 +151,13 @@ def draw_branch(data: xarray.Dataset) -> Figure:
     """Draw mean rotor velocity and largest multiplier over the parameter, events marked."""
     figure, (upper, lower) = drawing(2, 1, 4.0, sharex=True, height_ratios=(2.0, 1.0))
     # A velocity that is given says nothing.
-    shown = "torque" if "belt" in (data.attrs["parameter"], *data.attrs) else "rotor_velocity"
+    if "belt" in (data.attrs["parameter"], *data.attrs):
+        shown, meaning = "torque", "mean torque (N m)"
+    else:
+        shown, meaning = "rotor_velocity", "mean rotor velocity (rad/s)"
     draw_curve(upper, data, shown)
     draw_curve(lower, data, "largest_multiplier")
-    upper.set_ylabel({"torque": "mean torque (N m)"}.get(shown, "mean rotor velocity (rad/s)"))
+    upper.set_ylabel(meaning)
     lower.set_ylabel("largest multiplier")
     lower.axhline(1.0, **THIN)
     if float(data.largest_multiplier.max()) > SPREAD:
@@ -190,14 +193,14 @@ def draw_basins(data: xarray.Dataset) -> Figure:
     figure, (axes,) = drawing(1, 1, 4.2)
     labels = data["label"]
     x, y = (data[name] for name in labels.dims)
-    colours = [UNKNOWN, *matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]]
+    cycle = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
     count = data.sizes["attractor"]
-    chosen = [colours[0], *(colours[1 + i % (len(colours) - 1)] for i in range(count))]
+    colours = [cycle[i % len(cycle)] for i in range(count)]
     axes.pcolormesh(
         x.values / _unit(x)[1],
         y.values / _unit(y)[1],
         labels.values.T,
-        cmap=ListedColormap(chosen),
+        cmap=ListedColormap([UNKNOWN, *colours]),
         vmin=-1.5,
         vmax=count - 0.5,
         shading="nearest",
@@ -205,7 +208,7 @@ def draw_basins(data: xarray.Dataset) -> Figure:
     )
     for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
         set_label(each.attrs["long_name"] + _in_brackets(each))
-    handles = [Patch(color=chosen[1 + i], label=_label(data.isel(attractor=i))) for i in range(count)]
+    handles = [Patch(color=colours[i], label=_label(data.isel(attractor=i))) for i in range(count)]
     if int(data.attrs["unresolved"]):
         share = int(data.attrs["unresolved"]) / labels.size
         handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: not known"))

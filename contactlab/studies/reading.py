@@ -1,9 +1,8 @@
 """What a file holds: the solution of a run, or the result of a study."""
 
-from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.metrics.run import checked_run, opened
@@ -29,16 +28,11 @@ def load(path: str | Path) -> Solution | Result:
         return solution_in(checked_run(tree, path), path)
     try:
         result = Result(study_in(read_yaml(str(tree.attrs[STUDY]))), {}, tree)
-        return replace(result, setups=dict(_rebuilt(result.configurations)))
+        setups: dict[str, Setup] = {}
+        for label, configuration in result.configurations.items():
+            # It cannot be built again of a motor made in Python, or with a law that is not installed here.
+            with suppress(ConfigurationError):
+                setups[label] = rebuild(configuration)
+        return replace(result, setups=setups)
     except (LookupError, TypeError, ValueError) as error:
         raise ValueError(f"'{path}' holds a study that cannot be read: {error}") from error
-
-
-def _rebuilt(configurations: Mapping[str, Any]) -> Iterator[tuple[str, Setup]]:
-    """Yield the setups that can be built again, by label."""
-    for label, configuration in configurations.items():
-        try:
-            yield label, rebuild(configuration)
-        # A motor made in Python, or a law that is not installed here.
-        except ConfigurationError:
-            continue

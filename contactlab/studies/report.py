@@ -46,18 +46,12 @@ def save(result: Result, folder: Path) -> list[str]:
     folder.mkdir(parents=True, exist_ok=True)
     files = [f"{result.study.name}.nc"]
     write_tree(result.data, folder / files[0])
-    figures = drawn(result)
-    for name, figure in figures.items():
+    pictures = {}
+    for name, figure in drawn(result).items():
         files += save_figure(figure, folder, name)
-    texts = {
-        PAGE: page(
-            result,
-            {
-                str(figure.get_label() or name.replace("_", " ")): (folder / f"{name}.png").read_bytes()
-                for name, figure in figures.items()
-            },
-        )
-    }
+        caption = str(figure.get_label() or name.replace("_", " "))
+        pictures[caption] = (folder / f"{name}.png").read_bytes()
+    texts = {PAGE: page(result, pictures)}
     for name, frame in result.tables.items():
         texts |= {f"{name}.csv": as_csv(frame), f"{name}.tex": as_latex(frame)}
     for name, text in texts.items():
@@ -84,8 +78,7 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
     study = result.study
     question = question_of(study.name)
     attributes = result.data.attrs
-    code = {name.removesuffix("_version"): attributes[name] for name in versions()}
-    text = _template().render(
+    return _template().render(
         title=attributes.get("title") or question,
         question=question,
         findings=result.findings,
@@ -99,10 +92,9 @@ def page(result: Result, pictures: dict[str, bytes]) -> str:
             label or "configuration": yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
             for label, configuration in result.configurations.items()
         },
-        versions="; ".join(f"{name} {version}" for name, version in code.items()),
+        versions="; ".join(f"{name.removesuffix('_version')} {attributes[name]}" for name in versions()),
         revision=attributes["git_revision"],
     )
-    return str(text)
 
 
 def _is_reference(frame: Any) -> bool:

@@ -29,7 +29,7 @@ from contactlab.progress import tell_progress
 from contactlab.results.files import DATASET, LOG, STATE, digest_of_file, error_text, whole_file
 from contactlab.results.netcdf import Groups, to_groups, write_groups
 from contactlab.results.provenance import code_digest, digest_of, versions
-from contactlab.trajectory import Ending, Trajectory
+from contactlab.trajectory import Trajectory
 
 
 class Status(IntEnum):
@@ -50,11 +50,6 @@ class Status(IntEnum):
     UNBALANCED = 8
     STALLED = 9
     INCONSISTENT = 10
-
-
-def status_of(ending: Ending) -> Status:
-    """Return the status of a run with this ending."""
-    return Status[ending.name]
 
 
 ABSENT, RUNNING, COMPLETE, FAILED, REFUSED = "absent", "running", "complete", "failed", "refused"
@@ -257,14 +252,16 @@ def leave(
         write_state(folder, state)
     except KeyboardInterrupt as interrupt:
         reason = str(interrupt) or "Interrupted before the end; no result was written."
-        state = State(INTERRUPTED, job, reason)
         with suppress(OSError):
-            write_state(folder, state)
+            write_state(folder, State(INTERRUPTED, job, reason))
         raise
     # A law of another package may end in any way, and the other runs of a sweep go on.
     except (Exception, SystemExit) as error:
-        text = f"The run could not be written: {error_text(error)}" if isinstance(error, OSError) else ""
-        state = State(FAILED, job, (text or failure_of(error))[:MOST_CHARACTERS])
+        if isinstance(error, OSError):
+            reason = f"The run could not be written: {error_text(error)}"
+        else:
+            reason = failure_of(error)
+        state = State(FAILED, job, reason[:MOST_CHARACTERS])
         with suppress(OSError):
             write_state(folder, state)
         write_log(folder, error)

@@ -57,7 +57,8 @@ class Parts(Mapping[str, xarray.DataTree]):
                 return data
             case Path() as file:
                 try:
-                    return _loaded(file)
+                    with xarray.open_datatree(file, engine="netcdf4") as tree:
+                        return tree.load()
                 except FileNotFoundError as error:
                     raise RemovedError(*error.args) from error
         raise KeyError(key)
@@ -115,9 +116,10 @@ def done_parts(
 
     The arguments and exceptions are those of `run`.
     """
+    store = None
     # A motor made in Python has no configuration that determines it.
-    resumable = folder is not None and all("resonator" in setup.configuration for setup in setups.values())
-    store = Store(folder / TASKS, study, setups) if folder is not None and resumable else None
+    if folder is not None and all("resonator" in setup.configuration for setup in setups.values()):
+        store = Store(folder / TASKS, study, setups)
     parts, details = Parts(()), None
     tasks = list(study.tasks(setups))
     while tasks:
@@ -134,11 +136,6 @@ def done_parts(
                 progress(len(parts), parts.count)
         tasks = list(study.further_tasks(setups, parts))
     return parts, details
-
-
-def kept_parts(study: Study, setups: Setups, folder: Path) -> Parts:
-    """Return the data of the tasks that are finished in a folder; none is done."""
-    return Store(folder / TASKS, study, setups).kept(study.tasks(setups))
 
 
 def finish(result: Result, folder: Path) -> list[str]:
@@ -179,9 +176,8 @@ class Store:
         checkpoint = self.folder / f"{self._name(task.key)}.checkpoint"
         return replace(task, arguments=(*task.arguments, checkpoint))
 
-    def kept(self, tasks: Iterable[Task]) -> Parts:
+    def kept(self, tasks: Sequence[Task]) -> Parts:
         """Return the finished parts of tasks."""
-        tasks = list(tasks)
         parts = Parts(task.key for task in tasks)
         # One look into the folder: a sweep has thousands of tasks.
         files = {file.stem.partition("-")[0]: file for file in self.folder.glob("*-*.nc")}
@@ -210,11 +206,6 @@ class Store:
         return file
 
 
-def _loaded(file: Path) -> xarray.DataTree:
-    with xarray.open_datatree(file, engine="netcdf4") as tree:
-        return tree.load()
-
-
 def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
     """Do tasks and yield key and part of each as it ends."""
     if study.scheduler is not None:
@@ -222,7 +213,8 @@ def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]
         return
     rest, begun = deque(tasks), process_time()
     while rest and (study.workers < 2 or len(rest) < 2 or process_time() < begun + study.delay):
-        yield _done(rest.popleft())
+        task = rest.popleft()
+        yield task.key, task()
     if rest:
         # Imported here: one process needs none.
         from joblib import Parallel, delayed
@@ -244,16 +236,12 @@ def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]
             ) from error
 
 
-def _done(task: Task) -> tuple[str, Part]:
-    return task.key, task()
-
-
 def _done_by_worker(task: Task, package: str, sources: Mapping[str, str]) -> tuple[str, Part]:
     """Do a task in a worker; a WorkerError where its code is not that of the process which keeps the part.
 
     That is the digest of this `package`, and those of the `sources` of others by module.
     """
-    done = _done(task)
+    part = task()
     others = [] if code_digest() == package else ["contactlab"]
     # Laws that are built from a configuration are loaded by the task.
     if others := others + other_sources(sources):
@@ -261,7 +249,7 @@ def _done_by_worker(task: Task, package: str, sources: Mapping[str, str]) -> tup
             f"The sources of {', '.join(others)} in a worker are not those of this process. They were edited "
             "meanwhile, or it is a Dask worker from before; start that anew."
         )
-    return done
+    return task.key, part
 
 
 def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:

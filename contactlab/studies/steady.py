@@ -158,14 +158,14 @@ def _means(converged: Converged) -> list[Estimate]:
     ]
 
 
-def tree_of(converged: Converged, records: int = 2000) -> xarray.DataTree:
+def tree_of(converged: Converged) -> xarray.DataTree:
     """Return one orbit, or one period of another motion, as a tree like that of a run.
 
     The group `steady` contains the quantities of `Steady` with their errors, the Floquet multipliers where
     there is an orbit, stroboscopic samples elsewhere, and kind and section as attributes.
     """
     best = converged.best
-    tree = to_datatree(best.curves(records), best.setup.configuration)
+    tree = to_datatree(best.curves(records=2000), best.setup.configuration)
     del tree["state"]
     law = str(tree.attrs["title"]).removeprefix(TITLE)
     tree.attrs["title"] = f"Steady state of a standing-wave piezoelectric motor with the contact law {law}"

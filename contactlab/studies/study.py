@@ -98,13 +98,12 @@ class Range:
         Raises:
             UnitError: one of them has another unit; a sentence that names both.
         """
-        ends = []
-        for side in (self.start, self.end):
-            try:
-                ends.append(to_si(side, unit) if isinstance(side, str) else float(side))
-            except UnitError as error:
-                raise UnitError(f"{self}, {error}") from error
-        return ends[0], ends[1]
+        sides = (self.start, self.end)
+        try:
+            start, end = (to_si(side, unit) if isinstance(side, str) else float(side) for side in sides)
+        except UnitError as error:
+            raise UnitError(f"{self}, {error}") from error
+        return start, end
 
 
 @final
@@ -274,14 +273,13 @@ class Study(ABC):
 @cache
 def _check_attributes(study: type[Study]) -> None:
     """Refuse a class attribute that no study has, which would be ignored, by a TypeError."""
-    own = get_annotations(Study)
     # A base class of studies may declare attributes of its own.
     declared = (name for base in study.__mro__[1:] for name in get_annotations(base))
     known = {*dir(Study), *declared, *(field.name for field in fields(study))}
     for name, value in vars(study).items():
         described = callable(value) or hasattr(value, "__get__")
         if not (name in known or name.startswith("_") or described):
-            attributes = [n for n in own if n not in WITHOUT_EFFECT]
+            attributes = [n for n in get_annotations(Study) if n not in WITHOUT_EFFECT]
             raise TypeError(
                 f"{study.__name__}.{name} is no attribute of a study; it must be one of "
                 f"{', '.join(attributes)}, an annotated option, or begin with an underscore."

@@ -125,13 +125,10 @@ def as_csv(frame: pandas.DataFrame) -> str:
     columns: dict[str, list[Any]] = {}
     for name, head in zip(frame, heads(frame), strict=True):
         cells = [*frame[name]]
+        columns[head] = [cell.value if isinstance(cell, Estimate) else cell for cell in cells]
+        errors = [cell.error if isinstance(cell, Estimate) else np.nan for cell in cells]
         if any(isinstance(cell, Estimate) for cell in cells):
-            columns[head] = [cell.value if isinstance(cell, Estimate) else cell for cell in cells]
-            columns[f"error of {head}"] = [
-                cell.error if isinstance(cell, Estimate) else np.nan for cell in cells
-            ]
-        else:
-            columns[head] = cells
+            columns[f"error of {head}"] = errors
     return str(pandas.DataFrame(columns).to_csv(index=False, lineterminator="\n"))
 
 

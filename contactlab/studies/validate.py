@@ -127,15 +127,14 @@ class Validate(Study):
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the assessment, see `inference.cross_validation`; further seeds and tracks are groups."""
         del setups
-        trees = []
+        groups = {}
         for seed in self.seeds:
             keys = [key for key in parts if key.startswith(f"{seed} ")]
             # In the order of the laws, not of the tasks.
             keys.sort(key=lambda key: int(key.split()[1]))
             outcomes = [parts[key].to_dataset() for key in keys]
-            trees.append(assessed(outcomes, self.impacts, self.folds, seed, self.block))
-        first, *others = trees
-        groups = {f"seed_{seed}": data for seed, data in zip(self.seeds[1:], others, strict=True)}
+            groups[f"seed_{seed}"] = assessed(outcomes, self.impacts, self.folds, seed, self.block)
+        first = groups.pop(f"seed_{self.seed}")
         if self.impacts.tracks is not None:
             groups[TRACKS] = self.impacts.tracks
         return xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
@@ -212,14 +211,8 @@ class Validate(Study):
         return figures
 
 
-def _cross_validated(
-    predictor: ImpactPredictor,
-    impacts: MeasuredImpacts,
-    folds: int,
-    seed: int,
-    corrections: tuple[FreeParameter, ...],
-) -> Part:
-    return Part(xarray.DataTree(cross_validated(predictor, impacts, folds, seed, corrections)))
+def _cross_validated(*arguments: Any) -> Part:
+    return Part(xarray.DataTree(cross_validated(*arguments)))
 
 
 def headline(data: xarray.Dataset) -> str:
@@ -262,10 +255,14 @@ def comparison(data: xarray.Dataset, better: str, worse: str, kind: str = "") ->
 
 def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
     """Return sentences on whether laws have the same order under all seeds."""
-    orders = _orders(seeds)
+    pairs = combinations(map(str, laws_in(seeds[0])["law"].values), 2)
+    # Signs of the difference over the seeds, 0 where the laws are not distinct.
+    orders = {
+        (a, b): {int(distinct(data, b, a)) - int(distinct(data, a, b)) for data in seeds} for a, b in pairs
+    }
     settled = sum(len(signs) == 1 and 0 not in signs for signs in orders.values())
     never = sum(signs == {0} for signs in orders.values())
-    opposite = opposite_orders(seeds)
+    opposite = [pair for pair, signs in orders.items() if {-1, 1} <= signs]
     odd = [set(entry["impact"].values[entry["unexplained"].values != 0].tolist()) for entry in seeds]
     return [
         f"Of {len(orders)} pairs of laws {settled} are distinct in one order under all {len(seeds)} seeds, "
@@ -274,19 +271,6 @@ def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
         f"No law explains {len(set.intersection(*odd))} impacts under any seed, and "
         f"{len(set.union(*odd))} under at least one.",
     ]
-
-
-def opposite_orders(seeds: Sequence[xarray.Dataset]) -> list[tuple[str, str]]:
-    """Return the pairs of laws of which each predicts better than the other under some seed."""
-    return [pair for pair, signs in _orders(seeds).items() if {-1, 1} <= signs]
-
-
-def _orders(seeds: Sequence[xarray.Dataset]) -> dict[tuple[str, str], set[int]]:
-    """Return, for each pair of laws, the signs of their difference over the seeds, 0 for not distinct."""
-    result = {}
-    for a, b in combinations(map(str, laws_in(seeds[0])["law"].values), 2):
-        result[a, b] = {int(distinct(x, b, a)) - int(distinct(x, a, b)) for x in seeds}
-    return result
 
 
 def limits(data: xarray.Dataset) -> list[str]:

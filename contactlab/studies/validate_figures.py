@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from contactlab.arrays import Array
 from contactlab.inference.cross_validation import BASELINE, COMPLIANT, FLOOR, RIGID, floors_in, laws_in
 from contactlab.plot.style import COLOURS
-from contactlab.studies.figures import THIN, WIDTH, drawing, legend_above, style
+from contactlab.studies.figures import THIN, drawing, legend_above, style
 
 MOST_NUMBERED: Final = 12
 """Largest number of impacts labelled in the map."""
@@ -53,9 +53,9 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         here = data.sel(law=floor)
         axes.axvspan(*here["prediction_error_interval"].values, color="0.85", zorder=0)
         axes.axvline(float(here["prediction_error"]), **THIN)
-        at = (float(here["prediction_error"]), len(labels) - 0.5)
         if floor == floors["law"].values[0]:
             text = "floor: best admissible impulse of each impact "
+            at = float(here["prediction_error"]), len(labels) - 0.5
             axes.annotate(text, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
@@ -76,9 +76,7 @@ def draw_differences(data: xarray.Dataset) -> Figure:
     apart = laws["difference"].sel(other=labels).values
     low, high = np.moveaxis(laws["difference_interval"].sel(other=labels).values, -1, 0)
     parted = (low > 0.0) | (high < 0.0)
-    size = max(1.9, 0.21 * len(labels))
-    figure = Figure(figsize=(WIDTH, size + 1.3), layout="constrained")
-    axes = figure.subplots()
+    figure, (axes,) = drawing(1, 1, max(1.9, 0.21 * len(labels)) + 1.3)
     below = np.tri(len(labels), k=-1, dtype=bool)
     scale = np.max(np.abs(apart[below & parted]), initial=1e-9)
     # Of differences that span decades all are to be seen.

@@ -30,15 +30,7 @@ from contactlab.progress import tell_progress
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_digest
-from contactlab.studies.run_state import (
-    RUNNING,
-    Job,
-    Status,
-    is_as_left,
-    is_of_other_code,
-    read_state,
-    status_of,
-)
+from contactlab.studies.run_state import RUNNING, Job, Status, is_as_left, is_of_other_code, read_state
 from contactlab.studies.sweep.dataset import (
     DATASET,
     DIMENSION,
@@ -66,7 +58,7 @@ MOST_EMPTY: Final = 2
 
 _OF_STATE: Final = {status.name.lower(): status for status in Status} | {RUNNING: Status.UNFINISHED}
 
-_WITH_NUMBERS: Final = {status_of(ending) for ending in Ending if ending.reached_end}
+_WITH_NUMBERS: Final = {Status[ending.name] for ending in Ending if ending.reached_end}
 
 _KEY: Final = re.compile(r"\w+(\.\w+)+")
 _GROUP: Final = re.compile(r"\w+(/\w+)*")
@@ -147,7 +139,7 @@ def collect(
     path = directory / DATASET if output is None else Path(output)
     with files.whole_netcdf(path) as partial:
         kept = _kept(runs, outputs)
-        write(dataset, partial, kept, lambda: _slabs(runs, dataset, kept))
+        write(dataset, partial, kept, _slabs(runs, dataset, kept))
     dataset.encoding["source"] = str(path)
     return dataset
 
@@ -218,12 +210,8 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
         "law": " ".join(sorted({str(each["law.name"]) for each in known if "law.name" in each})),
         "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
     }
-    return dataset_of(
-        parameters([run.job for run in runs], all(run.configured for run in runs)),
-        columns,
-        attributes,
-        samples=True,
-    )
+    axes = parameters([run.job for run in runs], all(run.configured for run in runs))
+    return dataset_of(axes, columns, attributes, samples=True)
 
 
 def _kept(runs: Sequence[Run], outputs: Outputs) -> tuple[Variable, ...]:

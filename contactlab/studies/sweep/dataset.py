@@ -1,6 +1,6 @@
 """Many runs as one dataset: parameters as coordinates, numbers as variables, and the status of each run."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final, final
@@ -107,9 +107,9 @@ def columns_of(runs: Sequence[Outcome], numbers: Iterable[str]) -> dict[str, NDA
 def dataset_of(
     axes: Sequence[Axis],
     columns: Mapping[str, NDArray[Any]],
-    attributes: dict[str, Any] | None = None,
+    attributes: dict[str, Any],
     *,
-    samples: bool = False,
+    samples: bool,
     series: Sequence[Variable] = (),
     numbers: Sequence[Variable] = (),
 ) -> xarray.Dataset:
@@ -132,7 +132,7 @@ def dataset_of(
 
     def variable(name: str, values: NDArray[Any]) -> xarray.Variable:
         cells = values.astype(object) if values.dtype.kind == "U" else values
-        along = [*dims, *["time"][: values.ndim - 1]]
+        along = [*dims, "time"] if values.ndim > 1 else dims
         return xarray.Variable(along, cells.reshape(*shape, *values.shape[1:]), described[name])
 
     coordinates: dict[str, Any] = {}
@@ -151,15 +151,10 @@ def dataset_of(
         **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},
     }
     cells = {name: variable(name, values) for name, values in columns.items() if name != "time"}
-    return xarray.Dataset(cells, coordinates, every | (attributes or {}))
+    return xarray.Dataset(cells, coordinates, every | attributes)
 
 
-def write(
-    dataset: xarray.Dataset,
-    path: Path,
-    series: Sequence[Variable] = (),
-    slabs: Callable[[], Iterable[Slab]] = tuple,
-) -> None:
+def write(dataset: xarray.Dataset, path: Path, series: Sequence[Variable], slabs: Iterable[Slab]) -> None:
     """Write the dataset of `dataset_of` into a new file; the same dataset gives the same bytes.
 
     The `series` go into the group of that name, one of the `slabs` in memory at a time; they are NaN
@@ -176,7 +171,7 @@ def write(
     dims: Any = dataset["status"].dims
     with netCDF4.Dataset(path, "a") as file:
         group = None
-        for place, time, rows in slabs():
+        for place, time, rows in slabs:
             if group is None:
                 group = file.createGroup(GROUP)
                 group.createDimension("time", time.size)

@@ -6,7 +6,7 @@ Every value is checked beforehand, and all faults are reported.
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from math import ceil, prod
 from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
@@ -176,7 +176,7 @@ class Plan:
     outputs: Outputs
     groups: tuple[str, ...] = ()
     choices: tuple[tuple[Value, ...], ...] = ((),)
-    bases: tuple[Configuration, ...] = field(default=({},))
+    bases: tuple[Configuration, ...] = ({},)
     chunk: int = 1
     code: str = ""
     keep: Literal["runs", "metrics"] = "metrics"
@@ -194,11 +194,8 @@ class Plan:
 
     def rows(self, cells: Sequence[int]) -> "Plan":
         """Return the plan of some cells alone, as samples."""
-        places = [self.places(cell) for cell in cells]
-        axes = (
-            replace(axis, values=tuple(axis.values[row[number]] for row in places))
-            for number, axis in enumerate(self.axes)
-        )
+        points = [self.point(cell) for cell in cells]
+        axes = (replace(axis, values=tuple(point[axis.key] for point in points)) for axis in self.axes)
         return replace(self, axes=tuple(axes), samples=True)
 
     def places(self, cell: int) -> list[int]:
@@ -283,7 +280,7 @@ def planned(
         raise ConfigurationError("solver.until is steady; series must be at the same times in every run.")
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = _trials(bases, values)
-    outputs = outputs.of_laws(_laws(trials))
+    outputs = outputs.of_laws(setup.law for setup in _sound_setups(trials))
     declared = {}
     # Of groups alone too: a value that none of them admits is refused before anything is written.
     sound = _sound(trials).configuration
@@ -408,17 +405,14 @@ def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: O
 
 def _sound(trials: Sequence[Configuration]) -> Setup:
     """Build the first trial that is sound; where none is, raise the faults of the first."""
-    for trial in trials:
-        with suppress(ConfigurationError):
-            return _built(trial)
-    return _built(trials[0])
+    return next(_sound_setups(trials), None) or _built(trials[0])
 
 
-def _laws(trials: Iterable[Configuration]) -> Iterator[ContactLaw]:
-    """Yield the laws of the trials that are sound."""
+def _sound_setups(trials: Iterable[Configuration]) -> Iterator[Setup]:
+    """Yield the setups of the trials that are sound."""
     for trial in trials:
         with suppress(ConfigurationError):
-            yield _built(trial).law
+            yield _built(trial)
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:

@@ -39,24 +39,13 @@ from contactlab.metrics import Run, assess
 from contactlab.processes import processors
 from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
-from contactlab.results.netcdf import internal_series
 from contactlab.settling.criterion import STEADY
-from contactlab.studies.run_state import (
-    INTERRUPTED,
-    REFUSED,
-    Job,
-    State,
-    Status,
-    leave,
-    status_of,
-    write_state,
-)
-from contactlab.studies.runner import TASKS, Parts, done_parts, kept_parts
+from contactlab.studies.run_state import INTERRUPTED, REFUSED, Job, State, Status, leave, write_state
+from contactlab.studies.runner import TASKS, Parts, Store, done_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
 from contactlab.studies.sweep.dataset import (
     DATASET,
     REASONS,
-    SERIES,
     Axis,
     Outcome,
     Slab,
@@ -201,17 +190,14 @@ def _outcome(work: Cells, cell: int) -> Outcome:
             return _numbers(work.question or work.plan.study_at(cell), setup)
         sampled = outputs.sampled or setup.until == STEADY
         trajectory = setup.run(record_interval=setup.record_interval if sampled else setup.duration)
-        outcome = Outcome(status_of(trajectory.ending), trajectory.message)
+        outcome = Outcome(Status[trajectory.ending.name], trajectory.message)
         if trajectory.ending.reached_end:
             outcome.numbers = assess(Run.of_trajectory(trajectory, setup.configuration), outputs.metrics)
             if outputs.series:
-                # A copy: a view would keep all that the run has recorded in memory.
-                there = {*SERIES, *(variable.name for variable in internal_series(trajectory.law))}
                 none = np.full(trajectory.time.size, np.nan)
                 outcome.time = trajectory.time
-                outcome.series = {
-                    name: trajectory.series[name].copy() if name in there else none for name in outputs.series
-                }
+                # A copy: a view would keep all that the run has recorded in memory.
+                outcome.series = {name: trajectory.series.get(name, none).copy() for name in outputs.series}
     except ConfigurationError as error:
         return Outcome(Status.REFUSED, " ".join(error.faults))
     except LawError as error:
@@ -237,7 +223,8 @@ def combined(
     plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
 ) -> xarray.Dataset:
     """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
-    absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], plan.outputs.metrics)
+    outputs = plan.outputs
+    absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], outputs.metrics)
     columns: dict[str, Any] = {name: np.repeat(column, plan.cells) for name, column in absent.items()}
     scalars = [*columns]
     for key, part in parts.items():
@@ -248,7 +235,7 @@ def combined(
         if with_series and "series" in part.children:
             series = part["series"].to_dataset()
             columns.setdefault("time", series["times"].values)
-            for name in plan.outputs.series:
+            for name in outputs.series:
                 if f"{name}_series" not in columns:
                     columns[f"{name}_series"] = np.full((plan.cells, series.sizes["time"]), np.nan)
                 columns[f"{name}_series"][start : start + size] = series[name].values
@@ -257,12 +244,7 @@ def combined(
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
         attributes["configuration"] = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
     return dataset_of(
-        plan.axes,
-        columns,
-        attributes,
-        samples=plan.samples,
-        series=plan.outputs.kept,
-        numbers=plan.outputs.numbers,
+        plan.axes, columns, attributes, samples=plan.samples, series=outputs.kept, numbers=outputs.numbers
     )
 
 
@@ -321,7 +303,8 @@ def continued(study: Sweep, folder: Path, progress: Progress | None = None) -> x
 
 def collected(folder: Path, plan: Plan) -> xarray.Dataset:
     """Write and return the dataset of the runs that are finished; see `continued`."""
-    return _written(plan, folder, lambda: kept_parts(Sweep(plan=plan), {}, folder))
+    study = Sweep(plan=plan)
+    return _written(plan, folder, lambda: Store(folder / TASKS, study, {}).kept([*study.tasks({})]))
 
 
 def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.Dataset:
@@ -333,7 +316,7 @@ def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.
             dataset, kept = combined(plan, parts), plan.outputs.kept
             path = folder / UNFINISHED if parts.missing else file
             with whole_netcdf(path) as partly:
-                write(dataset, partly, kept, partial(_slabs, plan, parts))
+                write(dataset, partly, kept, _slabs(plan, parts))
                 if path == file:
                     # Before the sweep has its name: killed in between, the tasks make the same again.
                     with whole_file(folder / DIGEST) as digest:
@@ -454,18 +437,16 @@ def sweep(
         composer = ScriptComposer(base, study)
         full = full_keys(columns, composer.keys, composer.options)
         swept = Sweep(plan=planned(composer, full, outputs, samples=samples))
-    plan = replace(swept.plan, chunk=size_of_tasks(swept.plan.cells, study=outputs.study))
     swept = replace(
         swept,
-        plan=plan,
         question=study if in_python else None,
         workers=workers or processors(),
         scheduler=study.scheduler if study else None,
     )
     report = runs_of(swept, progress) if progress else None
     if output is None:
-        return combined(plan, done_parts(swept, {}, None, report)[0], with_series=True)
-    begin(Path(output), plan)
+        return combined(swept.plan, done_parts(swept, {}, None, report)[0], with_series=True)
+    begin(Path(output), swept.plan)
     return continued(swept, Path(output), report)
 
 
@@ -478,7 +459,8 @@ def _in_python(make: Maker, axes: Iterable[Axis], samples: bool, outputs: Output
     for cell in (0, plan.cells - 1):
         with suppress(Exception):
             laws.append(make(plan, cell).law)
-    return Sweep(plan=replace(plan, outputs=outputs.of_laws(laws)), make=make)
+    chunk = size_of_tasks(plan.cells, study=outputs.study)
+    return Sweep(plan=replace(plan, outputs=outputs.of_laws(laws), chunk=chunk), make=make)
 
 
 def _returned(function: Callable[..., Setup], plan: Plan, cell: int) -> Setup:
