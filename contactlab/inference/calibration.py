@@ -13,7 +13,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import combinations
+from itertools import combinations, compress
 from math import exp, expm1, inf, isfinite, isnan, pi, sqrt, tan
 from typing import Any, ClassVar, Final, Self, final
 
@@ -92,10 +92,9 @@ class Datum:
         if self.quantity not in NORMAL:
             raise ValueError(f"quantity is '{self.quantity}'; it must be one of {', '.join(NORMAL)}.")
         highest = 1.0 if self.quantity == "restitution" else inf
-        speed = f"speed of {self.quantity}"
         for name, label, unit, most in (
             ("value", self.quantity, self.unit, highest),
-            ("speed", speed, "m/s", inf),
+            ("speed", f"speed of {self.quantity}", "m/s", inf),
         ):
             x = getattr(self, name)
             try:
@@ -113,8 +112,8 @@ class Datum:
         """Read QUANTITY=VALUE@SPEED; a ValueError if it is something else."""
         if not (word := cls.PATTERN.fullmatch(text.strip())):
             raise ValueError(f"it must be QUANTITY=VALUE@SPEED with a quantity {' or '.join(NORMAL)}")
-        (result,) = cls.each(word[1], "@".join(word.groups()[1:]))
-        return result
+        parts: Any = word.groups()
+        return cls(*parts)
 
     @classmethod
     def each(cls, quantity: str, required: Required) -> Iterator[Self]:
@@ -197,7 +196,7 @@ class Requirements:
             columns.append((self.misses(free, high) - self.misses(free, low)) / (ends[1] - ends[0]))
         return np.array(columns).T.reshape(len(self.data), len(free))
 
-    def met(self, scanned: Array) -> "tuple[tuple[FreeParameter, ...], Array] | None":
+    def met(self, scanned: Array) -> tuple[tuple[FreeParameter, ...], Array] | None:
         """Return the numbers that the data determine, and their values [SI]; None if nothing meets the data.
 
         The most numbers whose effects on the data are independent; of several such sets the first, in the
@@ -394,7 +393,7 @@ def identify(
 
 def _names(data: Sequence[Datum], chosen: NDArray[np.bool_]) -> str:
     """Return the names of the quantities of some data."""
-    return ", ".join(dict.fromkeys(data[int(i)].quantity for i in np.flatnonzero(chosen)))
+    return ", ".join(dict.fromkeys(datum.quantity for datum in compress(data, chosen)))
 
 
 def _known(
@@ -424,12 +423,13 @@ def _known(
     known = {name: derived[place] for name, place in places.items() if place in derived}
     used = ", ".join(source for _, source in known.values())
     arguments = {"materials": materials, "radius": radius, "friction_angle": friction_angle}
-    for name in (name for name, value in arguments.items() if value is not None and name not in used):
-        every = ", ".join(f"{symbol} [{from_cf(units)}]" for symbol, units in places.values())
-        raise ValueError(
-            f"{name} sets no number of {law.title}, which has {every or 'none'}; materials set E* [Pa], a "
-            "radius R [m], both together K [N/m^1.5], friction_angle mu [1]."
-        )
+    for name, argument in arguments.items():
+        if argument is not None and name not in used:
+            every = ", ".join(f"{symbol} [{from_cf(units)}]" for symbol, units in places.values())
+            raise ValueError(
+                f"{name} sets no number of {law.title}, which has {every or 'none'}; materials set E* [Pa], "
+                "a radius R [m], both together K [N/m^1.5], friction_angle mu [1]."
+            )
     return known
 
 
@@ -459,6 +459,8 @@ def _refusal(requirements: Requirements, scanned: Array) -> str:
     law, data, free = requirements.law, requirements.data, requirements.free
     names = ", ".join(item.name for item in free) or "nothing"
     effects, own = effects_of(scanned), requirements.misses((), ())
+    required = " and ".join(map(str, data))
+    text = f"{required} cannot be met within {requirements.tolerance:g} by {law.title} with {names} free."
     for i, datum in enumerate(data):
         known = [x for x in [*scanned[..., i].ravel(), own[i]] if not isnan(x)]
         low, high = min(known, default=inf), max(known, default=-inf)
@@ -468,9 +470,7 @@ def _refusal(requirements: Requirements, scanned: Array) -> str:
             ends = [f"{datum.value * np.exp(end):.6g}{unit}" for end in (low, high) if known]
             has = " to ".join(dict.fromkeys(ends)) or "none"
             text = f"{datum} is required; {law.title} has {has} with any of {names} changed."
-            return f"{text} {_bound(law, free)}".rstrip()
-    required = " and ".join(map(str, data))
-    text = f"{required} cannot be met within {requirements.tolerance:g} by {law.title} with {names} free."
+            break
     return f"{text} {_bound(law, free)}".rstrip()
 
 

@@ -150,7 +150,7 @@ def predictors_of(
         raise ValidationError(f"folds is {folds}; it must be at least 2.")
     if not laws:
         raise ValidationError("There is no law; at least one must be chosen.")
-    every: list[ImpactPredictor] = [*(without_idle(item, impacts) for item in (*laws, frictionless()))]
+    every: list[ImpactPredictor] = [without_idle(item, impacts) for item in (*laws, frictionless())]
     every.append(ConstantImpulse.of(impacts))
     labels = [item.label for item in every]
     if twice := sorted({label for label in labels if labels.count(label) > 1}):
@@ -312,9 +312,9 @@ def assessed(
     data["noise_bound"] = "impact", noise.bound, {"units": "1", "long_name": "error that noise may cause"}
     smallest = laws_in(data)["error"].values.min(axis=0)
     data["unexplained"] = "impact", (smallest > noise.bound).astype(np.int8)
-    data.attrs["unexplained_by_noise"] = RARE * len(impacts)
-    data.attrs["block"] = block
-    data.attrs |= {
+    data.attrs = {
+        "unexplained_by_noise": RARE * len(impacts),
+        "block": block,
         "noise": noise.source,
         "title": f"Contact laws against: {impacts.title}",
         "source": impacts.source,
@@ -422,6 +422,5 @@ def noise_of(impacts: MeasuredImpacts) -> Noise:
     variances = np.linalg.eigvals(np.linalg.solve(impacts.delassus, covariance)).real
     square = (2.0 * impacts.outside + CHI_SQUARE * variances.max(axis=1)) / (2.0 * impacts.kinetic_energy)
     bound = np.asarray(np.sqrt(square))
-    return Noise(
-        bound, f"{np.median(bound):.3f} (median), which {origin} exceeds in {RARE:.0%} of the impacts"
-    )
+    source = f"{np.median(bound):.3f} (median), which {origin} exceeds in {RARE:.0%} of the impacts"
+    return Noise(bound, source)

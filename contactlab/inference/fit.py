@@ -251,26 +251,23 @@ def _problem(
     discrepancy: bool,
 ) -> Problem:
     """Return the problem of one law and one data set."""
-    problem: Problem
     if isinstance(data, MeasuredImpacts):
         predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
         unknown = discrepancy or data.covariance is None
-        problem = ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
-    elif isinstance(data, MeasuredSeries) and data.path:
-        problem = path_problem(
+        return ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
+    if isinstance(data, MeasuredSeries) and data.path:
+        return path_problem(
             data, setup.law, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )
-    elif "resonator" not in setup.configuration:
+    if "resonator" not in setup.configuration:
         raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
-    elif isinstance(data, MeasuredSeries):
-        problem = series_problem(
+    if isinstance(data, MeasuredSeries):
+        return series_problem(
             data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )
-    elif discrepancy:
+    if discrepancy:
         raise ConfigurationError("study.discrepancy must be off: operating points have no time.")
-    else:
-        problem = points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
-    return problem
+    return points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
 
 
 def fitted(
@@ -286,7 +283,6 @@ def fitted(
     """Fit a law: least squares of law and motor, then posterior and evidence of all that is free.
 
     Args:
-        candidate: the law.
         points: live points of nested sampling.
         seed: the same gives the same bits.
         starts: of least squares.

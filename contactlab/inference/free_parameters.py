@@ -86,18 +86,17 @@ def free_parameters(
         ValueError: the law has no such number, or does not admit the range.
     """
     known = dict(_numbers(law))
-    if chosen is None:
-        return tuple(_declared_range(name, value, declared) for name, (value, declared) in known.items())
-    for name in chosen:
+    spans = dict.fromkeys(known) if chosen is None else chosen
+    for name in spans:
         if name not in known:
             hint = suggestion(name, known, f"It has {', '.join(known) or 'none'}.")
             raise ValueError(f"{law.name} has no free number {name!r}. {hint}")
     return tuple(
         _declared_range(name, value, declared)
-        if (span := chosen[name]) is None
+        if (span := spans[name]) is None
         else chosen_range(name, span, declared)
         for name, (value, declared) in known.items()
-        if name in chosen
+        if name in spans
     )
 
 
@@ -107,9 +106,8 @@ def with_values(law: _Law, free: Sequence[FreeParameter], values: Sequence[float
     Raises:
         ValueError: the law does not admit them together.
     """
-    return _replaced(
-        law, {item.field or item.name: float(value) for item, value in zip(free, values, strict=True)}
-    )
+    changed = {item.field or item.name: float(x) for item, x in zip(free, values, strict=True)}
+    return _replaced(law, changed)
 
 
 def label_of(law: ContactLaw) -> str:

@@ -70,13 +70,13 @@ class LawPredictor:
     idle: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, law: ContactLaw, ranges: Ranges | None = None, label: str = "") -> "LawPredictor":
+    def of(cls, law: ContactLaw, ranges: Ranges | None = None) -> Self:
         """Return the predictor of a law; ranges as of `free_parameters`.
 
         Raises:
             ValueError: the law has no such number, or does not admit a range.
         """
-        return cls(law, free_parameters(law, ranges), label or label_of(law))
+        return cls(law, free_parameters(law, ranges), label_of(law))
 
     @property
     def integrated(self) -> bool:
@@ -133,13 +133,10 @@ class ConstantImpulse:
     def of(cls, impacts: MeasuredImpacts) -> "ConstantImpulse":
         """Return the baseline with ranges up to the largest impulse of these impacts."""
         normal, tangential = map(float, np.abs(best_impulses(impacts)).max(axis=0))
-        p_n, p_t = (Parameter(f"p_{name[0]}", "N s", f"{name} impulse") for name in ("normal", "tangential"))
-        return cls(
-            (
-                FreeParameter("normal_impulse", 0.0, normal, False, p_n),
-                FreeParameter("tangential_impulse", -tangential, tangential, False, p_t),
-            )
-        )
+        p_n, p_t = Parameter("p_n", "N s", "normal impulse"), Parameter("p_t", "N s", "tangential impulse")
+        pushing = FreeParameter("normal_impulse", 0.0, normal, False, p_n)
+        rubbing = FreeParameter("tangential_impulse", -tangential, tangential, False, p_t)
+        return cls((pushing, rubbing))
 
     def velocities_after(self, values: Array, impacts: MeasuredImpacts) -> Array:
         """Return gap rate and slip after the impacts [m/s], shape (impact, 2)."""
@@ -237,10 +234,9 @@ class ImpactProblem(Problem):
         before, delassus = changed.contact(changed.before), changed.delassus()
         approaching = before[:, 0] < 0.0
         jump = np.zeros_like(before)
-        some = replace(self.measured, delassus=delassus, velocity_before=before, bodies=None).part(
-            approaching
-        )
-        jump[approaching] = self.predictor.velocities_after(values[:own], some) - before[approaching]
+        moved = replace(self.measured, delassus=delassus, velocity_before=before, bodies=None)
+        reached = self.predictor.velocities_after(values[:own], moved.part(approaching))
+        jump[approaching] = reached - before[approaching]
         impulses = np.linalg.solve(delassus, jump[..., None])[..., 0]
         after = changed.after_impulses(np.asarray(impulses, dtype=np.float64))
         missed = np.where(np.isfinite(after), bodies.after - after, bodies.after - bodies.before)

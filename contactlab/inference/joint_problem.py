@@ -59,7 +59,7 @@ class JointProblem(Problem):
         """The measurements of all parts."""
         every = []
         for label, part in self.parts.items():
-            names = dict.fromkeys([*part.data.data_vars, *part.data.coords, *part.data.dims])
+            names = dict.fromkeys([*part.data.variables, *part.data.dims])
             every.append(part.data.rename({name: named(label, str(name)) for name in names}))
         return xarray.merge(every)
 
@@ -122,6 +122,5 @@ class JointProblem(Problem):
 
 def _of(label: str, every: Mapping[str, Array]) -> dict[str, Array]:
     """Return what is of one part, by its names there."""
-    return {
-        name.removeprefix(f"{label}."): x for name, x in every.items() if name.startswith(named(label, ""))
-    }
+    start = named(label, "")
+    return {name.removeprefix(start): x for name, x in every.items() if name.startswith(start)}

@@ -141,7 +141,8 @@ def law_predictors(
     Raises:
         ConfigurationError: no law has a number, or a range is not admitted.
     """
-    result = [_predictor(setup.law) for setup in setups.values()] if setups else usual_laws()
+    chosen = [LawPredictor.of(setup.law, usual_ranges(setup.law)) for setup in setups.values()]
+    result = chosen or usual_laws()
     every = sorted({key_of(name) for predictor in result for name in predictor.law.describe()})
     for key in [*known, *free]:
         if not (is_of_data(key) or key in every):
@@ -149,11 +150,6 @@ def law_predictors(
             raise ConfigurationError(f"None of these laws has a number {key}. {hint}")
         result = [_changed(predictor, key, free.get(key)) for predictor in result]
     return result
-
-
-def _predictor(law: ContactLaw) -> LawPredictor:
-    """Return the predictor of a law whose numbers are free as usual."""
-    return LawPredictor.of(law, usual_ranges(law))
 
 
 def _changed(predictor: LawPredictor, key: str, ends: Sequence[float | str] | None) -> LawPredictor:
@@ -173,12 +169,10 @@ def usual_laws() -> list[LawPredictor]:
 
     A law with microslip is not among them: its impacts take 25 times as long as those of `mindlin`.
     """
-    rigid = [name for name in registry.law_names() if issubclass(registry.class_of(name), MultiplierLaw)]
+    names = [name for name in registry.law_names() if issubclass(registry.class_of(name), MultiplierLaw)]
+    rigid = [LawPredictor.of(law, usual_ranges(law)) for law in map(registry.law, names)]
     compliant = [LawPredictor.of(*item) for item in _compliant_laws()]
-    return [
-        *(_predictor(registry.law(name)) for name in rigid),
-        *(item for item in compliant if "microslip" not in item.label),
-    ]
+    return [*rigid, *(item for item in compliant if "microslip" not in item.label)]
 
 
 def usual_ranges(law: ContactLaw) -> Ranges | None:

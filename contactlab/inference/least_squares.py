@@ -110,9 +110,6 @@ def best_fit(
             raise ValueError("The residuals are not finite numbers, and nothing is free to change that.")
         return Optimum((), np.empty(0), cost, np.array([cost]), 1, (), ())
 
-    def in_cube(shares: Array) -> Array:
-        return np.asarray(residuals(from_cube(free, shares)), dtype=np.float64)
-
     if begin is None:
         points = starting_points(len(free), starts * looks, seed)
     else:
@@ -121,12 +118,12 @@ def best_fit(
     looked = LOOKED if begin is None else 0.0
 
     def counted(shares: Array, share: float) -> Array:
-        """Return the residuals at a point, and tell of it."""
+        """Return the residuals at a point of the unit cube, and tell of it."""
         nonlocal evaluations
         evaluations += 1
         tell_progress(f"least squares: {evaluations} evaluations", share)
         with untold_progress():
-            return in_cube(shares)
+            return np.asarray(residuals(from_cube(free, shares)), dtype=np.float64)
 
     seen = np.array(
         [_cost(counted(point, looked * number / len(points))) for number, point in enumerate(points)]
@@ -139,8 +136,7 @@ def best_fit(
         )
     # In units of the lowest cost, so that no tolerance depends on the unit of the residuals.
     unit = sqrt(2.0 * seen.min()) or 1.0
-    best: OptimizeResult | None = None
-    costs = np.full(starts, inf)
+    ends, costs = list[OptimizeResult](), np.full(starts, inf)
     for number, place in enumerate(np.argsort(seen, kind="stable")[:starts]):
         if np.isfinite(seen[place]):
             end = least_squares(
@@ -152,9 +148,9 @@ def best_fit(
                 gtol=NO_SLOPE,
                 diff_step=step,
             )
-            best = end if best is None or end.cost < best.cost else best
+            ends.append(end)
             costs[number] = end.cost
-    assert best is not None
+    best = min(ends, key=lambda end: end.cost)
     point, jacobian = np.asarray(best.x), np.asarray(best.jac) * unit
     squares = float(np.sum((np.asarray(best.fun) * unit) ** 2))
     spread = sqrt(squares / max(best.fun.size - len(free), 1))
@@ -191,7 +187,6 @@ def undetermined(free: Sequence[FreeParameter], jacobian: Array, spread: float) 
     parameters with a component of `SHARE` and more in a flat direction are undetermined.
 
     Args:
-        free: the parameters.
         jacobian: of the residuals in the unit cube, shape (residual, parameter).
         spread: standard deviation of one residual.
     """

@@ -21,6 +21,7 @@ from typing import Any, ClassVar, Final, final
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from contactlab import variables
 from contactlab.arrays import Array
@@ -186,8 +187,7 @@ class OverTime(MotorProblem):
     def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
         """Return the log density of each residual given those before it, by a Kalman filter."""
         terms = np.empty(missed.size)
-        time, correlation = self.measured.time, self.correlation or 1.0
-        series_log_densities(missed, time, noise, amplitude, correlation, terms)
+        series_log_densities(missed, self.measured.time, noise, amplitude, self.correlation or 1.0, terms)
         return terms
 
 
@@ -202,7 +202,7 @@ class SeriesProblem(OverTime):
     """
 
     interval: float
-    places: Array | None
+    places: NDArray[np.int64] | None
 
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return the series of the run at the times of the data, by name; None if it ends before."""
@@ -216,8 +216,7 @@ class SeriesProblem(OverTime):
         series = {name: run.series[name] for name in self.measured.values}
         if self.places is None:
             return {name: np.interp(self.measured.time, run.time, x) for name, x in series.items()}
-        places = self.places.astype(np.int64)
-        return {name: x[places] for name, x in series.items()}
+        return {name: x[self.places] for name, x in series.items()}
 
 
 def series_problem(
@@ -231,7 +230,6 @@ def series_problem(
     """Return the problem of a motor's series.
 
     Args:
-        measured: the series.
         configuration: of a run, checked; duration and records follow from the data.
         keys: free numbers, named by full keys.
         discrepancy: whether the law may be wrong, by a process with the drive's period as correlation time.
@@ -284,7 +282,7 @@ def check_noise(discrepancy: bool, degrees_of_freedom: float | None) -> None:
         )
 
 
-def records_at(time: Array) -> tuple[float, Array | None]:
+def records_at(time: Array) -> tuple[float, NDArray[np.int64] | None]:
     """Return an interval of records [s] and the indices of times among them; None for other times."""
     interval = float(np.median(np.diff(time)))
     # The last time has the most digits.
@@ -292,7 +290,7 @@ def records_at(time: Array) -> tuple[float, Array | None]:
     if steps[-1] > 0.0:
         interval = float(time[-1] / steps[-1])
     if np.abs(time - steps * interval).max() <= ON_GRID * interval and (np.diff(steps) > 0.0).all():
-        return interval, steps
+        return interval, steps.astype(np.int64)
     return float(np.diff(time).min()) / FINER, None
 
 
@@ -419,12 +417,11 @@ def points_problem(
     settings = flat(configuration)
     for point in points:
         build(nested({**settings, **point}))
-    units = declared[measured.keys[0]].units
     return PointsProblem(
         measured=measured,
         configuration=settings,
         keys=tuple(keys),
         points=points,
-        units=units,
+        units=declared[measured.keys[0]].units,
         degrees_of_freedom=degrees_of_freedom,
     )

@@ -13,7 +13,7 @@ the same bits as one without a stop, and a checkpoint from somebody else can run
 
 import warnings
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
@@ -156,7 +156,9 @@ def sample(
     record = _Record(checkpoint)
     _RECORDED.clear()
     _RECORDED.update(zip((row.tobytes() for row in record.values), record.log_likelihood, strict=True))
-    with _mapping(problem, workers) as mapping, record.kept():
+    with _mapping(problem, workers) as mapping, ExitStack() as at_end:
+        # What is evaluated is kept, also of a run that is interrupted.
+        at_end.callback(record.write)
 
         def recorded(work: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
             """Return the results in the order of the items, and record the likelihoods."""
@@ -297,14 +299,6 @@ class _Record:
             self.values.append(values)
             self.log_likelihood.append(outcome)
         if perf_counter() - self._written > EVERY:
-            self.write()
-
-    @contextmanager
-    def kept(self) -> Iterator[None]:
-        """Write the file at the end of the body, also if it is interrupted."""
-        try:
-            yield
-        finally:
             self.write()
 
     def write(self) -> None:

@@ -50,9 +50,8 @@ def spread_of(values: Array, axis: int = -1, least: float = 0.0) -> Array:
     Infinite where some of them, NaN, are none.
     """
     known = np.isfinite(values)
-    low, high = (
-        edge(np.where(known, values, empty), axis=axis) for edge, empty in ((np.min, inf), (np.max, -inf))
-    )
+    low = np.where(known, values, inf).min(axis=axis)
+    high = np.where(known, values, -inf).max(axis=axis)
     size = np.maximum(np.maximum(np.abs(low), np.abs(high)), least)
     with np.errstate(invalid="ignore"):
         spread = np.where(high > low, (high - low) / size, 0.0)

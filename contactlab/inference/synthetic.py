@@ -67,7 +67,6 @@ def made_impacts(
 
     Args:
         law: the truth.
-        count: number of impacts.
         noise: standard deviation in that norm [1], positive.
         seed: of approaches and noise.
         configuration: of the law, whose numbers are noted as the truth.
@@ -138,8 +137,8 @@ def truth_in(measured: Measured, configuration: Mapping[str, Any]) -> dict[str, 
     if isinstance(measured, MeasuredSeries | MeasuredPoints):
         text = measured.attributes.get(TRUTH, "{}")
     else:
-        notes = [note.removeprefix(f"{TRUTH}: ") for note in measured.notes if note.startswith(f"{TRUTH}: ")]
-        text = notes[0] if notes else "{}"
+        head = f"{TRUTH}: "
+        text = next((note.removeprefix(head) for note in measured.notes if note.startswith(head)), "{}")
     try:
         result = json.loads(str(text))
     # A note of that name may be anything.

@@ -45,11 +45,6 @@ class Column(NamedTuple):
     units: tuple[str, ...]
     meaning: str
 
-    @property
-    def coordinates(self) -> int:
-        """Number of coordinates in the name."""
-        return self.form.count("{}")
-
     def names(self, *coordinates: str) -> tuple[str, ...]:
         """Return the names for some coordinates; a pair may come in either order."""
         return tuple(dict.fromkeys((self.form.format(*coordinates), self.form.format(*coordinates[::-1]))))
@@ -101,7 +96,7 @@ def known_names(angles: Mapping[str, bool], *, contact: bool) -> dict[str, str]:
         columns = [column for column in columns if column not in (TANGENTIAL, *DELASSUS[1:])]
     result: dict[str, str] = {}
     for column in columns:
-        for several in combinations_with_replacement(angles, column.coordinates):
+        for several in combinations_with_replacement(angles, column.form.count("{}")):
             if column is not COUPLING or several[0] != several[1]:
                 units = column.units[sum(angles[each] for each in several)]
                 result |= dict.fromkeys(column.names(*several), units)

@@ -47,12 +47,13 @@ def read_measurements(path: Path) -> MeasuredImpacts | MeasuredSeries | Measured
         if fault := damage(path):
             raise MeasurementError(fault)
         table = read_table(path)
-        names = table.names
-        if {"time", "x", "y"} <= {*names}:
+        names = {*table.names}
+        if {"time", "x", "y"} <= names:
             return impacts_of_tracks(table, path.stem)
-        if {"time", *MEASURABLE} & {*names} == {VELOCITY}:
+        series = {"time", *MEASURABLE} & names
+        if series == {VELOCITY}:
             return points_of_table(table, digest_of_file(path))
-        if {"time", *MEASURABLE} & {*names} and not any(n.startswith(("before_", "after_")) for n in names):
+        if series and not any(name.startswith(("before_", "after_")) for name in names):
             return series_of_table(table, digest_of_file(path))
         if table.dimension in names and "impact" not in names:
             # Numbers of the impacts are those of the dimension, whatever its name.
@@ -85,7 +86,6 @@ def write_impacts(impacts: MeasuredImpacts, path: Path) -> None:
     """Write measured impacts as contact velocities, whole or not at all; read again they have the same bits.
 
     Args:
-        impacts: what is written.
         path: ends in .nc for netCDF, in .csv for CSV.
 
     Raises:

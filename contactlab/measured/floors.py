@@ -39,7 +39,6 @@ def best_admissible_impulses(impacts: MeasuredImpacts, friction_coefficient: flo
     No passive law, or passive law of Coulomb friction with this coefficient, has a smaller error.
 
     Args:
-        impacts: as measured.
         friction_coefficient: mu of the friction cone, 0 or more; None for no cone.
 
     Raises:

@@ -80,12 +80,10 @@ class MeasuredImpacts:
 
     def __post_init__(self) -> None:
         for name, shape in _SHAPES.items():
-            values, sizes = getattr(self, name), (len(self), *shape)
+            values = getattr(self, name)
             if values is not None or name not in _OPTIONAL:
-                meaning = f"(impact{', 2' * len(shape)})"
-                check_shape(
-                    f"The {name} of the impacts", values, sizes, meaning, "iu" if name in _WHOLE else "iuf"
-                )
+                meaning, kinds = f"(impact{', 2' * len(shape)})", "iu" if name in _WHOLE else "iuf"
+                check_shape(f"The {name} of the impacts", values, (len(self), *shape), meaning, kinds)
         check_kind("The number of impacts left out", self.left_out, int)
         for name in ("delassus", "covariance"):
             if (matrices := getattr(self, name)) is None:
@@ -112,11 +110,8 @@ class MeasuredImpacts:
 
         The covariance is by default that of the bodies; sentences on odd energies are added to the notes.
         """
-        before, after, delassus = (
-            bodies.contact(bodies.before),
-            bodies.contact(bodies.after),
-            bodies.delassus(),
-        )
+        before, after = bodies.contact(bodies.before), bodies.contact(bodies.after)
+        delassus = bodies.delassus()
         others["notes"] = (*others.get("notes", ()), *odd_energies(before, after, delassus))
         return cls(
             delassus=delassus,

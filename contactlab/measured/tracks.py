@@ -333,7 +333,8 @@ def impacts_of_tracks(table: Table, title: str) -> MeasuredImpacts:
     if not number.size:
         raise MeasurementError(f"it has no impact. {' '.join(sentences)}")
     impacts, size = [breaks[at - 1] for at in number], len(noise)
-    velocity, covariance = (np.array([getattr(x, n) for x in impacts]) for n in ("velocity", "covariance"))
+    velocity = np.array([each.velocity for each in impacts])
+    covariance = np.array([each.covariance for each in impacts])
     geometry = np.diag(motion.mass), motion.normal, motion.tangential
     mass, normal, tangential = (np.broadcast_to(x, (number.size, *x.shape)) for x in geometry)
     jump = np.kron([-1.0, 1.0], np.eye(size))
