@@ -17,9 +17,14 @@ VISCOUS_FRICTION = not_negative("sigma_2", "N s m-1", "viscous friction beside t
 OUTSIDE = {"inside_the_cone": "viscous friction is beside the cone and grows with the slip."}
 
 
-def _of_friction(name: str) -> Any:
-    """Return a property that is the friction's."""
-    return property(lambda law: getattr(law.friction, name), doc="That of the friction.")
+def _of(part: str, name: str) -> Any:
+    """Return a property that is that of a part."""
+    return property(lambda law: getattr(getattr(law, part), name), doc=f"That of the part {part}.")
+
+
+def _of_either(name: str) -> Any:
+    """Return a property that is the friction's kernel, or that of the normal force where it has none."""
+    return property(lambda law: getattr(law.friction, name) or getattr(law.normal, name), doc="As `force`.")
 
 
 @final
@@ -42,11 +47,17 @@ class Composed(PenaltyLaw):
     friction: Friction = field(default_factory=Coulomb)
     viscous_friction: Annotated[float | None, VISCOUS_FRICTION] = None
 
-    friction_kind = _of_friction("friction_kind")
-    friction_limit = _of_friction("friction_limit")
-    friction_offset = _of_friction("friction_offset")
-    coupled = _of_friction("coupled")
-    exact_stick = _of_friction("exact_stick")
+    friction_kind = _of("friction", "friction_kind")
+    friction_limit = _of("friction", "friction_limit")
+    friction_offset = _of("friction", "friction_offset")
+    coupled = _of("friction", "coupled")
+    exact_stick = _of("friction", "exact_stick")
+    friction_force = _of("friction", "state")
+    allows_tension = _of("normal", "allows_tension")
+    limits = _of("normal", "limits")
+    rate = _of_either("rate")
+    guard = _of_either("guard")
+    jump = _of_either("jump")
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -87,11 +98,6 @@ class Composed(PenaltyLaw):
         return self.friction.guards + self.normal.guards
 
     @dependent
-    def allows_tension(self) -> bool:
-        """Whether the normal force may pull."""
-        return self.normal.allows_tension
-
-    @dependent
     def convergence_order(self) -> float:
         """That of the part which has the lower one; less where viscous friction jumps at the touch."""
         return min(*(part.convergence_order for part in self.parts), 0.5 if self.viscous_friction else 1.0)
@@ -106,28 +112,3 @@ class Composed(PenaltyLaw):
     def force(self) -> Any:
         """Made from those of the parts, see `contactlab.engine.binding`."""
         return self.normal.elastic if self.normal.force is None else self.normal.force
-
-    @property
-    def friction_force(self) -> Any:
-        """As `force`."""
-        return self.friction.state
-
-    @property
-    def rate(self) -> Any:
-        """As `force`."""
-        return self.friction.rate or self.normal.rate
-
-    @property
-    def guard(self) -> Any:
-        """As `force`."""
-        return self.friction.guard or self.normal.guard
-
-    @property
-    def jump(self) -> Any:
-        """As `force`."""
-        return self.friction.jump or self.normal.jump
-
-    @property
-    def limits(self) -> Any:
-        """As `force`."""
-        return self.normal.limits

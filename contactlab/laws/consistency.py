@@ -168,8 +168,7 @@ def check_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
         _check_energy(law, force, friction_force, guarded(parameters), float(begin))
         _check_stiffness(law)
     else:
-        _check_impacts(law, impact, evaluate, check_variables)
-        _check_bound(law, bound, evaluate)
+        _check_impacts(law, impact, bound, evaluate, check_variables)
 
 
 def _check_forces(
@@ -191,7 +190,10 @@ def _check_forces(
         check_variables(where, gap, gap_rate, slip, normal)
 
 
-def _check_impacts(law: ContactLaw, impact: Kernel, evaluate: Any, check_variables: Any) -> None:
+def _check_impacts(
+    law: ContactLaw, impact: Kernel, bound: Kernel, evaluate: Any, check_variables: Any
+) -> None:
+    """Reject an impact of a rigid law that does not stop the approach, and a negative friction bound."""
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
         where = f"at an approach of {approach:g} m/s and a slip of {slip:g} m/s"
@@ -204,9 +206,6 @@ def _check_impacts(law: ContactLaw, impact: Kernel, evaluate: Any, check_variabl
                 "stop it."
             )
         check_variables(where, 0.0, approach, slip, p_n / law.default_contact_step)
-
-
-def _check_bound(law: ContactLaw, bound: Kernel, evaluate: Any) -> None:
     for normal, slip in product(NORMALS, SPEEDS):
         where = f"at a normal force of {normal:g} N and a slip of {slip:g} m/s"
         (most,) = evaluate("bound", bound, where, normal, slip)

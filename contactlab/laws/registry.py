@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import MISSING
 from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, cast
 
 from contactlab.laws.archard import Archard
 from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, Part, PenaltyLaw
@@ -121,7 +121,11 @@ def origin_of(name: str, family: str = "") -> Origin:
     for origin in result:
         if not origin.fault:
             return origin
-    raise ValueError(result[0].fault if result else _unknown(family, name))
+    if result:
+        raise ValueError(result[0].fault)
+    known = law_names(family)
+    text = f"There is no {_KINDS[family][0]} {name!r}; it must be one of {', '.join(known)}."
+    raise ValueError(f"{text} {suggestion(name, known)}".rstrip())
 
 
 @cache
@@ -149,9 +153,7 @@ def class_of(name: str, family: str = "") -> type[Declared]:
 
 def law_class(name: str) -> type[ContactLaw]:
     """Return a law's class, importing that law alone, or say in a ValueError what is wrong with it."""
-    result: Any = class_of(name)
-    owner: type[ContactLaw] = result
-    return owner
+    return cast("type[ContactLaw]", class_of(name))
 
 
 def law(name: str, /, **parameters: Any) -> ContactLaw:
@@ -247,12 +249,6 @@ def _group(family: str) -> str:
 
 def _entry(owner: type) -> str:
     return f"{owner.__module__}:{owner.__qualname__}"
-
-
-def _unknown(family: str, name: str) -> str:
-    known = law_names(family)
-    text = f"There is no {_KINDS[family][0]} {name!r}; it must be one of {', '.join(known)}."
-    return f"{text} {suggestion(name, known)}".rstrip()
 
 
 def _clash(origin: Origin, family: str, count: int) -> str:

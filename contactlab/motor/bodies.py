@@ -7,7 +7,6 @@ that the contact is flat. So the gap is what is between the two, and the slip ve
 surface along the other's.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from math import sqrt
 from typing import Any, Final
@@ -429,8 +428,7 @@ def _clamped_free(count: int) -> tuple[Array, Array]:
 
     centres = [(i + 0.5) * np.pi for i in range(count)]
     root = scipy.optimize.brentq
-    numbers: Sequence[float] = [root(characteristic, c - 0.5, c + 0.5, xtol=1e-15) for c in centres]
-    b = np.array(numbers)
+    b = np.array([root(characteristic, c - 0.5, c + 0.5, xtol=1e-15) for c in centres])
     small = np.exp(-b)
     ratio = (1.0 - small**2 - 2.0 * small * np.sin(b)) / (1.0 + small**2 + 2.0 * small * np.cos(b))
     return b, ratio

@@ -198,7 +198,7 @@ class FiniteElementResonator(PatchedBeam):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.rod_length is not None:
-            self._refuse_beside("rod_length", {"tip_inertia": self.tip_inertia})
+            self._refuse_beside("rod_length", "tip_inertia")
         if self.residual_mass and (self.rod_length is not None or not self.static_correction):
             raise ValueError(
                 "residual_mass is True: rod_length must be None, and static_correction True, the "

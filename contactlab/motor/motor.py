@@ -80,7 +80,9 @@ class NormalModes(Immutable):
             if getattr(self, name) is not None:
                 check_shape(name, getattr(self, name), (count,), "one number a mode")
         if self.prescribed is not None:
-            _check_prescribed(self.prescribed, self.stiffness, self.damping)
+            check_shape("prescribed", self.prescribed, (count,), "a truth value a mode", "b")
+            if self.stiffness[self.prescribed].any() or self.damping[self.prescribed].any():
+                raise ValueError("A prescribed mode has stiffness or damping; it must have neither.")
         _check_points(self.points, count)
         check_shape("coupling", self.coupling, (count, -1), "a row a mode and a column an electrode")
         electrodes = self.coupling.shape[1]
@@ -123,12 +125,6 @@ def _check_points(points: Mapping[str, Array], count: int) -> None:
         if not name.isidentifier():
             raise ValueError(f"A point is called {name!r}; it must be a name of letters, digits and _.")
         check_shape(f"points[{name!r}]", row, (count,), "one number a mode")
-
-
-def _check_prescribed(prescribed: NDArray[np.bool_], stiffness: Array, damping: Array) -> None:
-    check_shape("prescribed", prescribed, stiffness.shape, "a truth value a mode", "b")
-    if stiffness[prescribed].any() or damping[prescribed].any():
-        raise ValueError("A prescribed mode has stiffness or damping; it must have neither.")
 
 
 def _check_capacitance(matrix: Array) -> None:

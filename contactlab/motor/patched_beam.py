@@ -11,7 +11,6 @@ layers in the mass (eq. 28 prints one), and the sign of the coupling is that of 
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Annotated, Any, final
@@ -218,9 +217,8 @@ class PatchedBeam(Checked, ABC):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        rayleigh = {name: getattr(self, name) for name in ("mass_damping", "stiffness_damping")}
         if self.damping_ratio is not None:
-            self._refuse_beside("damping_ratio", rayleigh)
+            self._refuse_beside("damping_ratio", "mass_damping", "stiffness_damping")
         for name in ("tip_mass", "tip_inertia"):
             if self.residual_mass and not getattr(self, name) > 0.0:
                 raise ValueError(f"{name} is 0; with residual_mass it must be positive.")
@@ -231,10 +229,10 @@ class PatchedBeam(Checked, ABC):
                 f"0 <= start < end <= {half} m, half the beam, or they leave it or overlap their mirror."
             )
 
-    def _refuse_beside(self, option: str, others: Mapping[str, float]) -> None:
+    def _refuse_beside(self, option: str, *others: str) -> None:
         """Refuse numbers that an option takes the place of, unless they have their defaults."""
-        for name, value in others.items():
-            if value != (default := getattr(type(self), name)):
+        for name in others:
+            if (value := getattr(self, name)) != (default := getattr(type(self), name)):
                 raise ValueError(
                     f"{option} takes the place of {name}, which is {value:g}; it must be left at {default:g}."
                 )

@@ -81,11 +81,14 @@ def add_residual_modes(
     # A mode's sign is free.
     shapes *= np.where(shapes[0] + shapes[1] < 0.0, -1.0, 1.0)
     if damping is None:
-        damping = _ratio_of(modes)
+        stiffest = modes.stiffness.argmax()
+        rates = modes.damping[stiffest] * np.sqrt(squares / modes.stiffness[stiffest])
+    else:
+        rates = damping(squares)
     return replace(
         modes,
         stiffness=np.append(modes.stiffness, squares),
-        damping=np.append(modes.damping, damping(squares)),
+        damping=np.append(modes.damping, rates),
         coupling=np.vstack([modes.coupling, squares[:, None] * np.linalg.solve(shapes, response)]),
         tip_displacement=np.append(modes.tip_displacement, shapes[0]),
         tip_slope=np.append(modes.tip_slope, shapes[1]),
@@ -98,9 +101,3 @@ def _check_definite(name: str, matrix: Array) -> None:
     symmetric = abs(matrix[0, 1] - matrix[1, 0]) <= 1e-9 * scale
     if not (symmetric and matrix[0, 0] > 0.0 and np.linalg.det(matrix) > 0.0):
         raise ValueError(f"{name} is {matrix.tolist()}; it must be symmetric and positive definite.")
-
-
-def _ratio_of(modes: NormalModes) -> Callable[[Array], Array]:
-    """Return c_j of modes with the damping ratio of the stiffest of these."""
-    stiffest = modes.stiffness.argmax()
-    return lambda squares: modes.damping[stiffest] * np.sqrt(squares / modes.stiffness[stiffest])

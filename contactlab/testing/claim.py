@@ -1,8 +1,8 @@
 """One statement that can be wrong, and functions that make such statements.
 
 def hertz_impact() -> Claims:
-'''A ball against a Hertz contact (Johnson 1985, sec. 11.4).'''
-yield close("Hertz impact: duration", found, expected, 1e-6, "s")
+    '''A ball against a Hertz contact (Johnson 1985, sec. 11.4).'''
+    yield close("Hertz impact: duration", duration, expected, 1e-6, "s")
 """
 
 from collections.abc import Callable, Iterator

@@ -1,7 +1,6 @@
 """Properties of what a law remembers: its ledger, its jumps, its guards, its limits and its mirror image."""
 
 from collections.abc import Callable
-from functools import partial
 
 import numpy as np
 
@@ -23,7 +22,7 @@ LOCATED = 1e-6
 
 
 def slope(
-    energy: Callable[[Instant], float], evaluator: Evaluator, at: Instant, span: Array
+    energy: Callable[[Evaluator, Instant], float], evaluator: Evaluator, at: Instant, span: Array
 ) -> tuple[float, float]:
     """Return dV/dt [W] of an energy along the flow of a law's own rates, and the difference's error."""
     normal = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)[0]
@@ -37,9 +36,11 @@ def slope(
         gap, rate, slip = at.path.at(at.time + by)
         return at._replace(gap=gap, rate=rate, slip=slip, kept=at.kept + by * rates)
 
-    coarse, fine = ((energy(moved(s)) - energy(moved(-s))) / (2.0 * s) for s in (h, 0.5 * h))
+    coarse, fine = (
+        (energy(evaluator, moved(s)) - energy(evaluator, moved(-s))) / (2.0 * s) for s in (h, 0.5 * h)
+    )
     # What float64 leaves of a difference, and what a kink in it does.
-    return fine, 2.0 * abs(coarse - fine) + 1e-14 * abs(energy(at)) / h
+    return fine, 2.0 * abs(coarse - fine) + 1e-14 * abs(energy(evaluator, at)) / h
 
 
 def energy_of(evaluator: Evaluator, at: Instant) -> float:
@@ -63,7 +64,7 @@ def losses_of(bench: Bench) -> tuple[Worst, Worst]:
         pressed.take("negative normal loss along a flow, over the power", -loss / size)
         if evaluator.has_friction:
             drag = evaluator.friction(at.gap, at.rate, at.slip, normal, at.kept)[0]
-            change, error = slope(partial(stored_energy, evaluator), evaluator, at, flow.span)
+            change, error = slope(stored_energy, evaluator, at, flow.span)
             power = abs(drag * at.slip) + abs(change) + TINY
             gained = max(drag * at.slip + change - error, 0.0) / power
             dragged.take("energy that friction makes along a flow, over the power", gained, DIFFERENCE)
@@ -79,7 +80,7 @@ def flow_keeps_the_ledger(bench: Bench) -> Claims:
     evaluator, largest = Evaluator(bench.law), TINY
     for at in flow.instants:
         normal, _, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
-        change, error = slope(partial(energy_of, evaluator), evaluator, at, flow.span)
+        change, error = slope(energy_of, evaluator, at, flow.span)
         power = abs(normal * at.rate) + abs(change) + abs(loss) + TINY
         missed = max(abs(change + normal * at.rate + loss) - error, 0.0) / power
         worst.take("dV/dt less -N gdot - loss along a flow, over the power", missed, DIFFERENCE)
@@ -157,18 +158,14 @@ def limits_in_order(bench: Bench) -> Claims:
     """A contact ends at no smaller gap than it begins at; both are numbers."""
     if bench.law.limits is None:
         return
-    flow = flow_of(bench)
-    limits = np.array([Evaluator(bench.law).limits(np.array(_initial(bench))), *flow.limits])
+    flow, evaluator = flow_of(bench), Evaluator(bench.law)
+    limits = np.array([evaluator.limits(evaluator.initial), *flow.limits])
     odd = int((~np.isfinite(limits)).any(axis=1).sum())
     yield at_most(f"drawn paths that it cannot be followed on {flow.faults}", len(flow.faults), 0)
     yield at_most("limits that are no numbers", odd, 0)
     yield at_most(
         "gap of the beginning over that of the end", float((limits[:, 0] - limits[:, 1]).max()), 0.0, "m"
     )
-
-
-def _initial(bench: Bench) -> list[float]:
-    return [item.initial for item in bench.law.internal_variables]
 
 
 def memory_is_its_own(bench: Bench) -> Claims:
@@ -179,25 +176,11 @@ def memory_is_its_own(bench: Bench) -> Claims:
     changed = wild = 0
     perturbed = [Evaluator(bench.law, value) for value in (np.nan, 1.0, -1.0)]
     for at in flow.instants:
-        results = [_all_of(evaluator, at) for evaluator in perturbed]
+        results = [_results(evaluator, at) for evaluator in perturbed]
         changed += any(repr(result) != repr(results[0]) for result in results)
         wild += not np.isfinite(results[0]).all()
     yield at_most("answers that change with what lies beyond the memory", changed, 0)
     yield at_most("answers that are no numbers", wild, 0)
-
-
-def _all_of(evaluator: Evaluator, at: Instant) -> list[float]:
-    """Return every answer that all kernels have to a state."""
-    normal, bound, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
-    state = at.gap, at.rate, at.slip, normal, at.kept
-    result = [normal, bound, stored, loss, *evaluator.rates(*state), *evaluator.limits(at.kept)]
-    if evaluator.law.guards:
-        result += evaluator.guards(*state).tolist()
-    if evaluator.has_friction:
-        result += evaluator.friction(*state)
-    for event in range(AT_TOUCH, evaluator.law.guards):
-        result += evaluator.jumped(event, *state).tolist()
-    return [float(each) for each in result]
 
 
 def image_of(bench: Bench) -> Worst:
@@ -206,18 +189,19 @@ def image_of(bench: Bench) -> Worst:
     evaluator = Evaluator(bench.law)
     parity = np.array([item.parity for item in bench.law.internal_variables], dtype=np.float64)
     for at in flow.instants:
-        sides = [
-            (evaluator, at, 1.0, np.ones(parity.size)),
-            (evaluator, at._replace(slip=-at.slip, kept=parity * at.kept), -1.0, parity),
-        ]
-        here, there = (np.array(_signed(*side)) for side in sides)
+        mirrored = at._replace(slip=-at.slip, kept=parity * at.kept)
+        here = np.array(_results(evaluator, at))
+        there = np.array(_results(evaluator, mirrored, -1.0, parity))
         apart = np.abs(here - there) / (np.abs(here) + np.abs(there) + TINY)
         worst.take("answers unlike those to the mirrored state, relative", float(apart.max()))
     return worst
 
 
-def _signed(evaluator: Evaluator, at: Instant, side: float, signs: Array) -> list[float]:
-    """Return the answers to a state, those that change their signs in the mirror with theirs."""
+def _results(evaluator: Evaluator, at: Instant, side: float = 1.0, signs: Array | float = 1.0) -> list[float]:
+    """Return every result of all kernels in a state.
+
+    In the mirror the force along the rotor has the sign of a side, and the internal variables have signs.
+    """
     normal, bound, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
     state = at.gap, at.rate, at.slip, normal, at.kept
     result = [normal, bound, stored, loss, *(signs * evaluator.rates(*state)), *evaluator.limits(at.kept)]

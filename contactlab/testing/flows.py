@@ -156,11 +156,8 @@ class Walker:
         self.evaluator, self.path, self.flow = evaluator, path, flow
         self.kept, self.speed, self.events, self.fired = evaluator.initial.copy(), 0.0, 0, 0
         self.in_contact, self.forgotten = False, True
-        lives = [each.life == "run" for each in evaluator.variables]
-        self.lasting = np.array(lives, dtype=bool)
-        law = evaluator.law
-        self.set_valued = law.friction_kind == SET_VALUED
-        self.slides = law.friction_kind == ELASTOPLASTIC
+        self.lasting = np.array([each.life == "run" for each in evaluator.variables], dtype=bool)
+        self.friction_kind = evaluator.law.friction_kind
 
     def state(self, time: float, kept: Array) -> Instant:
         """Return the state at a time; a contact ends where it does, whatever round-off says."""
@@ -202,20 +199,18 @@ class Walker:
             third = self.rates(t + 0.5 * h, kept + 0.5 * h * second)
             fourth = self.rates(t + h, kept + h * third)
             kept = kept + h / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
-        if parts == MOST_PARTS and not (np.abs(kept) <= self._reach(time, length)).all():
-            kept = self._relaxed(time, length)
+        if parts == MOST_PARTS:
+            # Explicit steps that are too long lead beyond what can be reached.
+            reach = np.abs(self.kept) + 10.0 * np.abs(self.rates(time, self.kept)) * length
+            if not (np.abs(kept) <= reach + 1e3 * self.path.depth).all():
+                kept = self._relaxed(time, length)
         return self._slid(time + length, kept)
-
-    def _reach(self, time: float, length: float) -> Array:
-        """Return how far what is kept can have come: explicit steps that are too long lead beyond."""
-        away: Array = np.abs(self.kept) + 10.0 * np.abs(self.rates(time, self.kept)) * length
-        return away + 1e3 * self.path.depth
 
     def _relaxed(self, time: float, length: float) -> Array:
         """Return what is kept a length of time later, by an implicit method for fast relaxation."""
         if length <= 0.0:
             return self.kept
-        size = np.maximum(np.abs(self.kept), np.abs(self.path.depth * np.ones(self.kept.size)))
+        size = np.maximum(np.abs(self.kept), self.path.depth)
         result = solve_ivp(
             self.rates, (time, time + length), self.kept, method="Radau", rtol=1e-8, atol=1e-12 * size
         )
@@ -223,7 +218,7 @@ class Walker:
 
     def _slid(self, time: float, kept: Array) -> Array:
         """Keep the stretch of a spring on the bound of its slider."""
-        if not (self.slides and self.in_contact):
+        if not (self.friction_kind == ELASTOPLASTIC and self.in_contact):
             return kept
         at = self.state(time, kept)
         normal, bound, _, _ = self.evaluator.force(at.gap, at.rate, at.slip, at.speed, kept)
@@ -254,7 +249,7 @@ class Walker:
         switches = path.switches()
         grid = np.union1d(np.linspace(0.0, path.duration, GRID + 1), switches)
         for i, (start, end) in enumerate(zip(grid[:-1].tolist(), grid[1:].tolist(), strict=True)):
-            if self.in_contact and self.set_valued and start in switches:
+            if self.in_contact and self.friction_kind == SET_VALUED and start in switches:
                 slips = path.at(0.5 * (start + end))[2] != 0.0
                 self.happens(AT_SLIP if slips else AT_STICK, start)
             self.advance(start, end)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.laws import ContactLaw, PenaltyLaw
+from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
 from contactlab.laws.consistency import contradictions
@@ -160,7 +160,9 @@ def kernel_is_consistent(bench: Bench) -> Claims:
 def _judge_friction(evaluator: Evaluator, state: State, worst: Worst) -> None:
     """Take what a kernel of friction says of one state; there the fourth number is the normal force [N]."""
     gap, rate, slip, normal, kept = state
-    count, first = variables_of_friction(evaluator.law), kept.copy()
+    law, first = evaluator.law, kept.copy()
+    # The friction's variables are the first, or all where the law is one piece.
+    count = len(law.friction.internal_variables if isinstance(law, Composed) else law.internal_variables)
     first[:count] = evaluator.initial[:count]
     drag, _, energy, stiffness = evaluator.friction(gap, rate, slip, normal, kept)
     fresh, _, at_once, _ = evaluator.friction(gap, rate, slip, normal, first)
@@ -168,18 +170,13 @@ def _judge_friction(evaluator: Evaluator, state: State, worst: Worst) -> None:
     size = abs(drag) + stiffness * abs(z) + abs(normal) + TINY
     stored = max(-energy / (size * 1e-6), abs(at_once) / size)
     worst.take("energy stored at first, or negative, over the force", stored)
-    if evaluator.law.friction_kind == ELASTOPLASTIC:
-        spring = drag + viscous_friction(evaluator.law) * slip
+    if law.friction_kind == ELASTOPLASTIC:
+        spring = drag + viscous_friction(law) * slip
         misses = abs(spring + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / (abs(z) + TINY)
         worst.take("spring less -k z and 1/2 k z^2, over the force", max(misses) / size)
     else:
         gained = fresh * slip / (size * abs(slip) + TINY)
         worst.take("power of creep at first on the slip, over the power", gained)
-
-
-def variables_of_friction(law: ContactLaw) -> int:
-    """Return how many internal variables are the friction's: the first, or all where the law is one piece."""
-    return len(law.friction.internal_variables if isinstance(law, Composed) else law.internal_variables)
 
 
 @lru_cache(maxsize=1)
@@ -278,11 +275,12 @@ def forces_of_parts(
     swept["normal_stiffness_rate"] = -slope * rate
     if drag.state is not None:
         friction, *others = drag.evaluate("state", **swept)
-        of_three = len(drag.internal_variables) > drag.coupled
+        of_three = count > drag.coupled
         results += [friction - viscous_friction(law) * slip, *([0.0] if of_three else []), *others]
-    sides = ((drag, swept, kept[:count]), (part, {**state, **pressed}, kept[count:]))
+    # A variable that is coupled with the friction is the only one that this has.
+    sides = ((drag, swept, kept[drag.coupled : count]), (part, {**state, **pressed}, kept[count:]))
     for each, known, own in sides:
-        for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
+        for k in range(own.size):
             results.append(0.0 if each.rate is None else each.evaluate("rate", **known, which=k))
     for each, known, _ in sides:
         results += [each.evaluate("guard", **known, which=k) for k in range(each.guards)]
@@ -291,10 +289,9 @@ def forces_of_parts(
         for each, known, own in sides:
             mine = event if event < 0 or each is drag else event - drag.guards
             theirs = event >= 0 and (event < drag.guards) != (each is drag)
-            for k in range(own.size if len(each.internal_variables) > getattr(each, "coupled", 0) else 0):
-                as_it_was = theirs or each.jump is None
-                jumped = float(own[k]) if as_it_was else each.evaluate("jump", **known, which=k, event=mine)
-                results.append(jumped)
+            as_it_was = theirs or each.jump is None
+            for k, value in enumerate(own.tolist()):
+                results.append(value if as_it_was else each.evaluate("jump", **known, which=k, event=mine))
     return results
 
 

@@ -154,9 +154,6 @@ def impulses_of(law: MultiplierLaw, gap_rate: float, slip: float, delassus: tupl
     return law.evaluate("impact", approach=gap_rate, slip=slip, d_nn=d_nn, d_nt=d_nt, d_tt=d_tt)
 
 
-Limits = tuple[float, float]
-
-
 def viscous_friction(law: ContactLaw) -> float:
     """Return the viscous friction beside that of a law's parts [N s/m]."""
     return float(getattr(law, "viscous_friction", None) or 0.0)
@@ -203,7 +200,7 @@ class Evaluator:
 
     def rates(self, gap: float, rate: float, slip: float, normal: float, kept: Array) -> Array:
         """Return the rates of all internal variables."""
-        result, row = np.zeros(len(self.variables)), self._seen(kept)
+        result, row = np.zeros(self._count), self._seen(kept)
         if self.own:
             result[0] = self.friction(gap, rate, slip, normal, kept)[1]
         for k in range(self.own, self._count):
@@ -222,7 +219,7 @@ class Evaluator:
             after[k] = self._kernels["jump"](k, event, gap, rate, slip, normal, row)
         return after
 
-    def limits(self, kept: Array) -> Limits:
+    def limits(self, kept: Array) -> tuple[float, float]:
         """Return the gaps at which a contact begins and ends [m]."""
         begin, end = self._kernels["limits"](0.0, self._seen(kept))
         return float(begin), float(end)
