@@ -86,10 +86,8 @@ class Recording:
         """
         # 1 - cos th without cancellation.
         versine = 2.0 * np.sin(0.5 * self.series["tip_slope"]) ** 2
-        x, lift = (
-            self.series["tip_tangential_displacement"],
-            self.series.get("rotor_normal_displacement", 0.0),
-        )
+        x = self.series["tip_tangential_displacement"]
+        lift = self.series.get("rotor_normal_displacement", 0.0)
         y = self.series["tip_normal_displacement"] - lift - self.tip_length * versine
         cosine, sine = np.cos(self.angle), np.sin(self.angle)
         # A run that has diverged may not be finite.
