@@ -155,7 +155,9 @@ def kind_without_period(states: Array) -> str:
     if len(states) < LEAST_TESTED:
         return APERIODIC
     indicator = chaos_indicator(states[:, states.std(axis=0).argmax()])
-    return QUASI_PERIODIC if indicator < MOST_REGULAR else CHAOTIC if indicator > LEAST_CHAOTIC else APERIODIC
+    if indicator < MOST_REGULAR:
+        return QUASI_PERIODIC
+    return CHAOTIC if indicator > LEAST_CHAOTIC else APERIODIC
 
 
 @final
