@@ -5,7 +5,6 @@ The catalogues keep the order of the modules that are imported here, and of the 
 
 from contactlab.metrics import balances, constraints, response
 from contactlab.metrics.catalogue import (
-    CANNOT_TELL,
     FAIL,
     INVARIANTS,
     METRICS,

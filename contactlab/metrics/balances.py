@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.laws.base import FREE
 from contactlab.metrics.catalogue import ROUND_OFF, invariant
-from contactlab.metrics.run import Run, declares, needed, positive
+from contactlab.metrics.run import Run, has_limits, needed, positive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.trajectory import LEDGER_LIMIT, SCALE, openness
 from contactlab.window import CLOCK
@@ -126,7 +126,7 @@ def closing_release(run: Run) -> float:
     approach, separation = run.contacts("approach_velocity"), run.contacts("separation_velocity")
     closing = float(np.nanmax(np.append(-separation, 0.0)))
     # A start in contact may be opening; any other contact begins by closing.
-    later = (run.contacts("start_time") > 0.0) & (not _has_limits(run))
+    later = (run.contacts("start_time") > 0.0) & (not _defines_contact(run))
     opening = float(np.nanmax(np.append(approach[later], 0.0)))
     # The whole motion counts: the rates of a tip that only grazes are round-off.
     rates = np.abs(np.diff(run.series("gap")) / run.intervals)
@@ -143,7 +143,7 @@ def closing_release(run: Run) -> float:
     source="0 <= g outside of contact",
 )
 def missed_contact(run: Run) -> float:
-    needed(not _has_limits(run))
+    needed(not _defines_contact(run))
     gap, free, time = run.series("gap"), run.series("contact_mode") == FREE, run.time
     # A record at the very instant of a touch-down or a release may carry either mode.
     if run.touches("start_time"):
@@ -220,9 +220,9 @@ def gap_mismatch(run: Run) -> float:
     return float(np.abs(run.series("gap") - expected).max()) / _motion(run)
 
 
-def _has_limits(run: Run) -> bool:
+def _defines_contact(run: Run) -> bool:
     """Return whether the law or one of its parts defines the gaps at which a contact begins and ends."""
-    return any(declares(owner, "limits") for owner in run.law_classes.values())
+    return any(map(has_limits, run.law_classes.values()))
 
 
 def _motion(run: Run) -> float:

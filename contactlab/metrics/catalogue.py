@@ -32,7 +32,7 @@ Measure = Callable[[Any], float]
 VERDICTS: Final = ("n/a", "pass", "fail", "-", "settled", "not settled", "inconclusive")
 """Verdicts in the order of their flags in a file. A metric without a threshold is reported, one that judges
 the length of a run settled or not settled, a row of measurements possibly inconclusive."""
-NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED, CANNOT_TELL = VERDICTS
+NOT_APPLICABLE, PASS, FAIL, REPORTED, SETTLED, UNSETTLED, _ = VERDICTS
 
 ROUND_OFF: Final = 1e-6
 """Relative difference of numbers that are equal in theory: a file may be in single precision."""
@@ -54,7 +54,6 @@ class Metric:
     source: str = ""
     invariant: bool = False  # holds for every law: where it fails, the solver or the file is wrong
     needs_records: bool = True  # takes other records than the last
-    absent: str = NOT_APPLICABLE  # verdict without a value
     usual: bool = False  # computed by default in a sweep, as it costs next to nothing
     sums: bool = False  # over all contacts, so that it grows with the run
 
@@ -83,9 +82,9 @@ class Metric:
         return "" if self.units == "1" else " " + re.sub(r" (\w+)-1$", r"/\1", self.units)
 
     def verdict(self, value: float) -> str:
-        """Return one of its `verdicts`, `absent` for a NaN, or REPORTED."""
+        """Return one of its `verdicts`, NOT_APPLICABLE for a NaN, or REPORTED."""
         if isnan(value):
-            return self.absent
+            return NOT_APPLICABLE
         if not self.threshold:
             return REPORTED
         return self.verdicts[value > self.bound]

@@ -1,7 +1,7 @@
 """Plausibility of a contact: tension, action at a distance, Coulomb's cone, energy."""
 
 from contextlib import suppress
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -11,11 +11,14 @@ from contactlab.arrays import Array
 from contactlab.laws import hertz_stiffness
 from contactlab.laws.base import STICK, Tangential
 from contactlab.metrics.catalogue import ROUND_OFF, metric
-from contactlab.metrics.run import NotApplicableError, Run, declares, needed, positive
+from contactlab.metrics.run import NotApplicableError, Run, has_limits, needed, positive
 from contactlab.parameter import parameters_of
 
 ONE_STEP: Final = 1e-3
 """Tolerance for the step in which a force or a slip ends: by default a thousandth of a contact."""
+
+OF_A_METRE: Final = hertz_stiffness(1.0, inf)
+"""Stiffness K of steel bodies with a relative radius R_e of one metre [N m^-1.5]; it goes with sqrt(R_e)."""
 
 
 def stiffness(run: Run) -> float:
@@ -36,9 +39,7 @@ def tip_radius(run: Run) -> float:
     with suppress(NotApplicableError):
         return run.setting("law.tip_radius")
     radius = run.setting("rotor.radius")
-    # K goes with sqrt(R_e): a relative radius of one metre gives the constant.
-    flat = hertz_stiffness(1.0, float("inf"))
-    product = (flat / stiffness(run)) ** 4
+    product = (OF_A_METRE / stiffness(run)) ** 4
     return 1.0 / positive(0.5 * (sqrt(1.0 / radius**2 + 4.0 * product) - 1.0 / radius))
 
 
@@ -60,9 +61,9 @@ def penetration_over_radius(run: Run) -> float:
     source="Johnson (1985), Contact Mechanics, eq. 4.24 and sec. 6.1",
 )
 def yield_strength_needed(run: Run) -> float:
-    force, flat = float(run.contacts("peak_normal_force").max()), hertz_stiffness(1.0, float("inf"))
+    force = float(run.contacts("peak_normal_force").max())
     needed(np.isfinite(force) and force > 0.0)
-    modulus, relative = 0.75 * flat, (stiffness(run) / flat) ** 2
+    modulus, relative = 0.75 * OF_A_METRE, (stiffness(run) / OF_A_METRE) ** 2
     return float(np.cbrt(6.0 * force * modulus**2 / (np.pi**3 * relative**2))) / 1.6
 
 
@@ -83,9 +84,9 @@ def penetration_over_amplitude(run: Run) -> float:
     return float(run.contacts("max_penetration").max()) / run.normal_amplitude()
 
 
-def pulls(run: Run) -> bool:
-    """Return whether the law, or its normal force, declares adhesion."""
-    return any(getattr(owner, "allows_tension", None) is True for owner in run.law_classes.values())
+def pulling(run: Run) -> list[Any]:
+    """Return which of the law and its parts declare adhesion."""
+    return [owner for owner in run.law_classes.values() if getattr(owner, "allows_tension", None) is True]
 
 
 def changes_side(force: Array) -> NDArray[np.bool_]:
@@ -120,7 +121,7 @@ def cone(run: Run) -> tuple[float, float]:
     source="Signorini's condition; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def tension(run: Run) -> float:
-    needed(not pulls(run))
+    needed(not pulling(run))
     pull = -float(run.series("normal_force").min())
     return max(0.0, pull) / run.contact_force()
 
@@ -134,9 +135,8 @@ def tension(run: Run) -> float:
     source="complementarity; Brogliato (2016), Nonsmooth Mechanics, ch. 5",
 )
 def force_at_distance(run: Run) -> float:
-    pulling = [each for each in run.law_classes.values() if getattr(each, "allows_tension", None) is True]
     # Adhesion may act over an open gap where it defines the gaps of contact.
-    needed(not any(declares(owner, "limits") for owner in pulling))
+    needed(not any(has_limits(owner) for owner in pulling(run)))
     gap, force = run.series("gap"), run.series("normal_force")
     # A contact may begin and end between two records with an open gap: throughout the interval the gap is at
     # least the mean of the two less the fastest recorded change.
@@ -160,7 +160,7 @@ def cone_excess(run: Run) -> float:
     limit, offset = cone(run)
     normal, friction = run.series("normal_force"), run.series("friction_force")
     excess = np.abs(friction) - limit * ((1.0 + ROUND_OFF) * np.abs(normal) + offset)
-    if pulls(run):
+    if pulling(run):
         # The mean of a force that changes its sign does not bound its size.
         excess = excess[~changes_side(normal)]
         needed(excess.size)

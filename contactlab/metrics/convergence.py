@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.laws.base import MultiplierLaw, is_stepped
+from contactlab.laws.base import is_stepped
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
-from contactlab.metrics.response import peak_force, rotor_velocity, total_impulse
+from contactlab.metrics.response import finite_peak, peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
 
 if TYPE_CHECKING:
@@ -69,12 +69,6 @@ def _exponent(ladder: Ladder, value: Callable[[Run], float], form: Any = float) 
     return float(form(x @ np.log(values) / positive(float(x @ x))))
 
 
-def _finite_peak(run: Run) -> float:
-    """Return the largest normal force [N]; the force of an impulse is infinite."""
-    needed(not issubclass(run.law_classes.get("", object), MultiplierLaw))
-    return peak_force(run)
-
-
 def _impulse(run: Run) -> float:
     """Return the normal impulse of a drive period [N s]: settled motions may repeat after several."""
     return total_impulse(run) / run.periods
@@ -83,7 +77,7 @@ def _impulse(run: Run) -> float:
 for _value, _judged, _key, _symbol, _name, _except in (
     (
         peak_force,
-        _finite_peak,
+        finite_peak,
         "peak_force",
         "N_max",
         "peak force",

@@ -29,16 +29,21 @@ def peak_force(run: Run) -> float:
     return float(run.contacts("peak_normal_force").max())
 
 
+def finite_peak(run: Run) -> float:
+    """Return the largest normal force [N]; the force of an impulse is infinite."""
+    needed(not issubclass(run.law_classes.get("", object), MultiplierLaw))
+    return peak_force(run)
+
+
 @without_records(
     "max N_l",
     "largest normal force while contacts last: without the impacts of rigid laws, whose force is infinite",
     "N",
 )
 def peak_lasting_force(run: Run) -> float:
-    rigid = issubclass(run.law_classes.get("", object), MultiplierLaw)
-    needed("peak_lasting_force" in run.rows or not rigid)
-    name = "peak_lasting_force" if "peak_lasting_force" in run.rows else "peak_normal_force"
-    return float(run.contacts(name).max())
+    if "peak_lasting_force" in run.rows:
+        return float(run.contacts("peak_lasting_force").max())
+    return finite_peak(run)
 
 
 @without_records("max p_i", "largest normal impulse of an impact under a rigid law", "N s")

@@ -62,11 +62,11 @@ def positive(scale: float) -> float:
     return scale
 
 
-def declares(owner: Any, kernel: str) -> bool:
-    """Return whether a law or a part defines an optional kernel, limits."""
-    result = getattr_static(owner, kernel, None)
-    idle = [base.__dict__.get(kernel) for base in (Remembering, PenaltyLaw, Composed, Damping)]
-    return result is not None and result not in idle
+def has_limits(owner: Any) -> bool:
+    """Return whether a law or a part defines the gaps at which a contact begins and ends."""
+    limits = getattr_static(owner, "limits", None)
+    idle = [base.__dict__.get("limits") for base in (Remembering, PenaltyLaw, Composed, Damping)]
+    return limits is not None and limits not in idle
 
 
 @final
@@ -110,9 +110,8 @@ class Run:
     @classmethod
     def of_trajectory(cls, trajectory: Trajectory, configuration: Mapping[str, Any]) -> Run:
         """Return the run of a trajectory; the numbers are those of its dataset."""
-        records: dict[str, NDArray[Any]] = {"contact_mode": trajectory.contact_mode}
         return cls(
-            columns={**records, **trajectory.series, "time": trajectory.time},
+            columns={"contact_mode": trajectory.contact_mode, **trajectory.series, "time": trajectory.time},
             rows=trajectory.contacts_within,
             configuration=configuration,
             law=trajectory.law.name,
@@ -158,13 +157,13 @@ class Run:
         period = period_in(self.attributes, self.configuration)
         return settling_of(self.columns, self.rows, period, self.lasting)
 
-    def holds(self, *names: str) -> bool:
-        """Return whether the root has all of these variables."""
-        return set(names) <= self.columns.keys()
+    def holds(self, name: str) -> bool:
+        """Return whether the root has this variable."""
+        return name in self.columns
 
-    def touches(self, *names: str) -> bool:
-        """Return whether there is a contact, with all of these columns."""
-        return all(name in self.rows and self.rows[name].size > 0 for name in names)
+    def touches(self, name: str) -> bool:
+        """Return whether there is a contact, with this column."""
+        return name in self.rows and self.rows[name].size > 0
 
     def series(self, name: str) -> Array:
         """Return a series over time, all of it finite."""
@@ -259,9 +258,6 @@ class Run:
         return impulse / positive(float(self.contacts("duration").sum()))
 
 
-_ROOT: Final = (*variables.SERIES, variables.CONTACT_MODE)
-
-
 def read_run(source: str | Path | xarray.DataTree) -> xarray.DataTree:
     """Read a run.nc, or another file or tree in the same layout; the file is closed again.
 
@@ -322,10 +318,11 @@ def opened(path: Path) -> xarray.DataTree:
 
 def _faults(tree: xarray.DataTree) -> Iterator[str]:
     """Yield what the metrics would misread in a layout."""
-    root, names = tree.to_dataset(inherit=False), [variable.name for variable in _ROOT]
+    root, known = tree.to_dataset(inherit=False), (*variables.SERIES, variables.CONTACT_MODE)
+    names = [variable.name for variable in known]
     if "time" not in root.variables or root["time"].dims != ("time",):
         yield "no variable 'time' over a dimension 'time' at its root; it must have one, in seconds."
-    yield from _misread(root, (variables.TIME, *_ROOT))
+    yield from _misread(root, (variables.TIME, *known))
     time = root["time"].values
     if time.size < 2 or not np.all(np.diff(time) > 0.0):
         yield (

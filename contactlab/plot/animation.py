@@ -162,9 +162,8 @@ class Animation:
     def _add_moving(self, scene: Axes, traces: list[Axes]) -> None:
         """Add what moves, left out of the still part."""
         moving: dict[str, Any] = {"animated": True}
-        nothing = np.zeros((1, 2))
         self.marks = LineCollection([], colors="0.35", zorder=2, **moving)
-        self.tip = Polygon(nothing, edgecolor="0.2", linewidth=1.0, zorder=3, **moving)
+        self.tip = Polygon(np.zeros((1, 2)), edgecolor="0.2", linewidth=1.0, zorder=3, **moving)
         moving_arrow = moving | {"length_includes_head": True}
         self.arrow = FancyArrow(0, 0, 0, 0, edgecolor="black", linewidth=0.6, zorder=4, **moving_arrow)
         self.components = [

@@ -64,8 +64,8 @@ def _draw_normal(axes: Axes, run: Recording) -> None:
     """Draw the normal force over the penetration; over time where that does not change."""
     force, gap = drawable(run.series["normal_force"][1:]), run.series["gap"]
     if np.ptp(gap) > SAME * np.abs(gap).max():
-        unit, scale = prefixed_unit(float(np.abs(run.series["gap"]).max()), "m")
-        axes.plot(-_between(drawable(run.series["gap"])) / scale, force, color="black")
+        unit, scale = prefixed_unit(float(np.abs(gap).max()), "m")
+        axes.plot(-_between(drawable(gap)) / scale, force, color="black")
         axes.set_xlabel(f"penetration ({unit})")
     else:
         axes.plot(_between(run.time) / run.unit[1], force, color="black")
@@ -93,9 +93,8 @@ def _draw_forces(axes: Axes, run: Recording) -> None:
     axes.plot(*envelope(time, friction), color="black", linestyle=(0, (4, 1.5)), label="friction")
     axes.set_xlabel(f"time ({run.unit[0]})")
     axes.set_ylabel("force (N)")
-    shown = axes.get_lines()
     lines = axes.legend(
-        handles=shown, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.0
+        handles=axes.get_lines(), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.0
     )
     explain_shades(axes, 1.0)
     axes.add_artist(lines)

@@ -243,8 +243,9 @@ def _draw_force(axes: Axes, window: Recording) -> None:
 
 def _line(window: Recording) -> dict[str, Any]:
     """Return how a motion is drawn: as a line, or as points where a line would invent it."""
-    points = {"linestyle": "none", "marker": "o", "markersize": 2.5}
-    return {"color": "black", **(points if window.coarse else {})}
+    if window.coarse:
+        return {"color": "black", "linestyle": "none", "marker": "o", "markersize": 2.5}
+    return {"color": "black"}
 
 
 def _set_equal_limits(axes: Axes, x: Array, y: Array) -> None:

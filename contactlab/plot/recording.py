@@ -86,10 +86,8 @@ class Recording:
         """
         # 1 - cos th without cancellation.
         versine = 2.0 * np.sin(0.5 * self.series["tip_slope"]) ** 2
-        x, lift = (
-            self.series["tip_tangential_displacement"],
-            self.series.get("rotor_normal_displacement", 0.0),
-        )
+        x = self.series["tip_tangential_displacement"]
+        lift = self.series.get("rotor_normal_displacement", 0.0)
         y = self.series["tip_normal_displacement"] - lift - self.tip_length * versine
         cosine, sine = np.cos(self.angle), np.sin(self.angle)
         # A run that has diverged may not be finite.
@@ -351,8 +349,8 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     if reach > 0.0:
         # The largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture.
         largest = REACH * size / reach
-        steps = 10.0 ** floor(log10(largest)) * np.array([1.0, 2.0, 5.0])
-        magnification = float(steps[steps <= largest * (1.0 + 1e-9)].max())
+        round_ones = 10.0 ** floor(log10(largest)) * np.array([1.0, 2.0, 5.0])
+        magnification = float(round_ones[round_ones <= largest * (1.0 + 1e-9)].max())
     return Film(
         run=run,
         magnification=magnification,

@@ -115,7 +115,7 @@ def repeats_after(states: Array, tolerance: float) -> int:
     return 0
 
 
-def chaos_indicator(values: Array, seed: int = 0) -> float:
+def chaos_indicator(values: Array) -> float:
     """Return the 0-1 test for chaos: near 0 for regular, near 1 for chaotic motion.
 
     The sum of values times cos(c n) and sin(c n) walks at random where the motion is chaotic, and stays
@@ -123,7 +123,6 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
 
     Args:
         values: one a period of a motion that has settled, shape (period,), some hundred or more.
-        seed: of the frequencies c.
 
     Source: Gottwald and Melbourne, SIAM J. Appl. Dyn. Syst. 8 (2009) 129, with the damping of sec. 3.
     """
@@ -134,7 +133,7 @@ def chaos_indicator(values: Array, seed: int = 0) -> float:
     lags = np.arange(1, values.size // 10 + 1)
     mean_square = values.mean() ** 2
     result = []
-    for c in np.random.default_rng(seed).uniform(np.pi / 5.0, 4.0 * np.pi / 5.0, ANGLES):
+    for c in np.random.default_rng(0).uniform(np.pi / 5.0, 4.0 * np.pi / 5.0, ANGLES):
         p, q = np.cumsum(values * np.cos(c * steps)), np.cumsum(values * np.sin(c * steps))
         count = values.size - lags[-1]
         moved = np.array(
@@ -156,7 +155,9 @@ def kind_without_period(states: Array) -> str:
     if len(states) < LEAST_TESTED:
         return APERIODIC
     indicator = chaos_indicator(states[:, states.std(axis=0).argmax()])
-    return QUASI_PERIODIC if indicator < MOST_REGULAR else CHAOTIC if indicator > LEAST_CHAOTIC else APERIODIC
+    if indicator < MOST_REGULAR:
+        return QUASI_PERIODIC
+    return CHAOTIC if indicator > LEAST_CHAOTIC else APERIODIC
 
 
 @final

@@ -60,7 +60,10 @@ def simulate_until_steady(
         )
         run = piece if run is None else run.followed_by(piece)
         start = piece.state
-        if last or not piece.ending.reached_end or _has_settled(run, period, precision):
+        if last or not piece.ending.reached_end:
+            return run
+        settling = settling_of({**run.series, "time": run.time}, run.contacts, period, run.lasting)
+        if settling.verdict == SETTLED and settling.share <= precision:
             return run
         check *= GROWTH
 
@@ -70,17 +73,8 @@ def _to_record(start: State | None, interval: float, until: float) -> float:
     now, origin = (float(start["end"]), float(start["origin"])) if start else (0.0, 0.0)
     if start and abs(now - (origin + round((now - origin) / interval) * interval)) > ON_GRID * interval:
         origin = now
-    for number in count(ceil((until - origin) / interval)):
-        end = origin + number * interval
-        if now + (end - now) == end:
-            break
-    return end - now
-
-
-def _has_settled(run: Trajectory, period: float, precision: float) -> bool:
-    columns = {**run.series, "time": run.time}
-    result = settling_of(columns, run.contacts, period, run.lasting)
-    return result.verdict == SETTLED and result.share <= precision
+    ends = (origin + number * interval for number in count(ceil((until - origin) / interval)))
+    return next(end - now for end in ends if now + (end - now) == end)
 
 
 def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:

@@ -1,7 +1,7 @@
 """Whether a run has settled, to which velocity and in what kind of motion, from its recorded periods."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from math import floor, inf, isfinite, isnan, nan
 from typing import Any, Final, final
@@ -44,7 +44,6 @@ FADING: Final = 0.9
 
 LATE: Final = 4
 """Number of equal parts of a run of which the last one is examined for contacts."""
-
 
 DIGITS: Final = 6
 """Largest number of significant digits of an extrapolated number."""
@@ -106,13 +105,11 @@ class Periods:
     least_gap: Array
     impulse: Array
     touching: NDArray[np.bool_]
-    memory: Mapping[str, tuple[Array, float]] = field(default_factory=dict)
+    memory: Mapping[str, tuple[Array, float]]
 
 
-def periods_of(
-    columns: Columns, rows: Columns, length: float, least: int, lasting: Iterable[str] = ()
-) -> Periods:
-    """Divide a run into at least so many periods of the drive.
+def periods_of(columns: Columns, rows: Columns, length: float, lasting: Iterable[str] = ()) -> Periods:
+    """Divide a run into periods of the drive, at least `LEAST_VALUES`.
 
     The angle at the ends of a period is Hermite's cubic between the records around it, and the impulses are
     those of whole contacts: neither depends on where the records lie.
@@ -120,7 +117,6 @@ def periods_of(
     Args:
         columns, rows: series and contacts, see `contactlab.variables`.
         length: period of the drive [s]; zero where there is none.
-        least: number of periods.
         lasting: names of the series of internal variables whose life is the run.
 
     Raises:
@@ -159,9 +155,11 @@ def periods_of(
     # The impulse of a contact that the end cuts is not whole.
     end -= length if end > whole_until else 0.0
     count = floor((end - time[0]) / length + CLOCK)
-    if count < least:
-        text = f"the run has {max(count, 0)} whole periods of the drive, and at least {least} are needed"
-        raise UnknownError(text, longer=True)
+    if count < LEAST_VALUES:
+        raise UnknownError(
+            f"the run has {max(count, 0)} whole periods of the drive, and at least {LEAST_VALUES} are needed",
+            longer=True,
+        )
     ends = end - length * np.arange(count, -1, -1)
     bins = np.searchsorted(ends, starts, side="right") - 1
     inside = (bins >= 0) & (bins < count)
@@ -255,12 +253,12 @@ class Settling:
 
     @property
     def motion(self) -> str:
-        """Return the kind of motion of a settled run; else empty."""
+        """Kind of motion of a settled run; else empty."""
         return self.kind if self.verdict == SETTLED else ""
 
     @property
     def estimate(self) -> str:
-        """Return the estimate with its error, '-2.25 +- 0.28 rad/s'."""
+        """The estimate with its error, '-2.25 +- 0.28 rad/s'."""
         return f"{Estimate(self.velocity, self.error).text(most=DIGITS)} rad/s"
 
     @cached_property
@@ -294,11 +292,9 @@ class Settling:
         """Summary in a few words."""
         if self.verdict == SETTLED:
             return f"settled{self.motion and ': '}{self.motion}, {self.estimate}"
-        return (
-            f"not settled: {self.estimate} estimated"
-            if self.verdict == UNSETTLED
-            else "settled or not: inconclusive"
-        )
+        if self.verdict == UNSETTLED:
+            return f"not settled: {self.estimate} estimated"
+        return "settled or not: inconclusive"
 
     def way_out(self, end: float) -> str:
         """Return the advice for a run that has not settled by its end [s]; empty for one that has."""
@@ -325,7 +321,7 @@ def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterabl
     While an internal variable has not settled, no steady velocity is estimated: it depends on the variable.
     """
     try:
-        run = periods_of(columns, rows, period, LEAST_VALUES, lasting)
+        run = periods_of(columns, rows, period, lasting)
     except UnknownError as unknown:
         return Settling(reason=str(unknown), longer=unknown.longer)
     result = approach(run.velocity)
@@ -333,7 +329,7 @@ def settling_of(columns: Columns, rows: Columns, period: float, lasting: Iterabl
     memory_share, flowing = _memory_of(run)
     known = isfinite(result.error) and not flowing
     impulse, gap = approach(run.impulse), approach(run.least_gap)
-    touching = bool(run.touching[-max(run.touching.size // LATE, 1) :].any())
+    touching = bool(run.touching[-(run.touching.size // LATE) :].any())
     reason = flowing
     if not reason and not touching and gap.distance > 0.0 and gap.limit <= gap.error:
         reason = f"the tip is free, but approaches the rotor, of which it is {gap.now:.2g} m clear at least"

@@ -94,19 +94,18 @@ def settled(
         NotSettledError: the rotor does.
     """
     phase, modal, velocity, memory, contact = begins
-    clock, modes = (
-        PeriodMap(setup, phase, belt=belt, contact=continues(contact, setup.law)),
-        setup.motor.modes,
-    )
+    clock = PeriodMap(setup, phase, belt=belt, contact=continues(contact, setup.law))
     memory = None if clock.contact is None and contact is not None else memory
+    modes = setup.motor.modes
     nothing = np.zeros(modes.stiffness.size)
     z = clock.state_of(modal or ModalState(nothing, nothing), velocity, memory)
     # What no spring holds does not swing.
-    half, stiffness = 0.5 * modes.damping[modes.stiffness > 0.0], modes.stiffness[modes.stiffness > 0.0]
+    swings = modes.stiffness > 0.0
+    half, stiffness = 0.5 * modes.damping[swings], modes.stiffness[swings]
     slowest = float((half - np.sqrt(np.maximum(half**2 - stiffness, 0.0))).min(initial=inf))
     decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
     run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
-    orbit, far, done = None, inf, 0
+    orbit, done = None, 0
     while done < longest:
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
             return None
@@ -127,14 +126,17 @@ def settled(
             if _goes_to(orbit, z, clock.end_of(run), times):
                 motion, count = orbit.map.run(orbit.state), orbit.map.periods
                 return Steady(setup, PERIODIC, count, motion, orbit, done, clock.belt, phase=clock.phase)
-            orbit, far = (orbit, distance) if distance < far else (None, inf)
+            if distance < far:
+                far = distance
+            else:
+                orbit = None
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
             run = _on(run, TAIL // count * count)
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         if done < longest:
             run = _on(run, min(2 * done, longest - done))
-    return _long_run(setup, clock, run, longest // 2)
+    return _long_run(clock, run, longest // 2)
 
 
 def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:
@@ -175,7 +177,7 @@ def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
 
     As the rotor is slow, the motor moves along a line; in front of another orbit it would cover less of it.
     """
-    if np.linalg.norm(after - orbit.state) <= ARRIVED * np.linalg.norm(orbit.state):
+    if orbit.is_near(after, ARRIVED):
         return True
     half = 0.5 * (before + orbit.state)
     try:
@@ -195,7 +197,7 @@ def _as_predicted(orbit: Orbit, before: Array, after: Array, times: int) -> bool
     return bool(missed <= DEVIATION * np.linalg.norm(predicted - deviation))
 
 
-def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
+def _long_run(clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
     """Take the means of a motion that comes to no orbit, and say what kind it is."""
     done = round(run.state["end"] / clock.period)
     late = _on(run, periods)
@@ -203,7 +205,7 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
         if _grows(values) or _drifts(values):
             last = late.series[name]
             raise UnboundedError(
-                f"The internal variable {variable.name} of {setup.law.name} has no steady value: after "
+                f"The internal variable {variable.name} of {clock.setup.law.name} has no steady value: after "
                 f"{done + periods} periods of the drive it still changes by "
                 f"{(last[-1] - last[1]) / (periods - 1):.3g} {variable.units} a period, and nothing was "
                 "found that brings it back, so that the motor has no steady state. Simulate it for the time "
@@ -211,19 +213,18 @@ def _long_run(setup: Setup, clock: PeriodMap, run: Trajectory, periods: int) -> 
             )
     velocity = np.diff(late.series["rotor_angle"]) / clock.period
     if clock.belt is None and _drifts(velocity):
-        change = trend(velocity)[0]
-        mean = float(velocity.mean())
         raise NotSettledError(
             f"The rotor has not settled after {done + periods} periods of the drive: over the last {periods} "
-            f"its velocity, {mean:.4g} rad/s in the mean, has changed by {change:.2g} rad/s. Run it longer, "
-            "by `longest`; a load that drives it, without damping of the rotor, may do so for ever."
+            f"its velocity, {velocity.mean():.4g} rad/s in the mean, has changed by {trend(velocity)[0]:.2g} "
+            "rad/s. Run it longer, by `longest`; a load that drives it, without damping of the rotor, may do "
+            "so for ever."
         )
     samples = _stroboscopic_samples(late)
     # In a contact that lasts, the steps of time stepping do not divide the period.
     count = repeats_after(samples[-TAIL:], max(run.contact_step / clock.period, REPEATS))
     # Rotor and energy follow the tip.
     kind = PERIODIC if count else kind_without_period(samples[:, 2:])
-    return Steady(setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
+    return Steady(clock.setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
 
 
 def _grows(values: Array) -> bool:

@@ -68,6 +68,7 @@ NEAREST: Final = 0.02
 """Part of a period between a contact and the section, below which another section is chosen."""
 
 MOST_POINTS: Final = 1000
+"""Points after which a branch is left as it is."""
 
 MapAt = Callable[[float], PeriodMap]
 
@@ -147,8 +148,8 @@ class Curve:
     size: float
     start: float
     end: float
-    weights: tuple[float, ...] = ()
-    contact: State | None = None
+    weights: tuple[float, ...]
+    contact: State | None
 
     def value(self, y: Array) -> float:
         """Return the parameter."""
@@ -156,8 +157,13 @@ class Curve:
 
     def map_at(self, y: Array) -> PeriodMap:
         """Return the period map of the parameter."""
-        section = {name: getattr(self, name) for name in ("phase", "periods", "weights", "contact")}
-        return replace(self.family(self.value(y)), **section)
+        return replace(
+            self.family(self.value(y)),
+            phase=self.phase,
+            periods=self.periods,
+            weights=self.weights,
+            contact=self.contact,
+        )
 
     def gap(self, y: Array) -> Array:
         """Return (P(z) - z) / size; endless where the motor does not run from there."""
@@ -192,10 +198,10 @@ class Place:
     derivative: Array
     tangent: Array
 
-    def ahead(self, length: float, corrections: int = MOST_CORRECTIONS) -> tuple[Array, int] | None:
+    def ahead(self, length: float) -> tuple[Array, int] | None:
         """Return the point of the curve that lies ahead along the tangent, and its corrections."""
         guess = self.y + length * self.tangent
-        return corrected(self.curve.gap, self.derivative, self.tangent, guess, length, corrections)
+        return corrected(self.curve.gap, self.derivative, self.tangent, guess, length)
 
     def further(self, length: float) -> "Place | None":
         """Return the place that lies ahead on the curve."""
@@ -221,16 +227,11 @@ def place_at(curve: Curve, y: Array, heading: Array) -> Place:
 
 
 def corrected(
-    gap: Callable[[Array], Array],
-    derivative: Array,
-    tangent: Array,
-    guess: Array,
-    within: float,
-    most: int = MOST_CORRECTIONS,
+    gap: Callable[[Array], Array], derivative: Array, tangent: Array, guess: Array, within: float
 ) -> tuple[Array, int] | None:
     """Bring a predicted point onto the curve, across the tangent; give it and the corrections it took."""
     y, left = guess, gap(guess)
-    for count in range(most):
+    for count in range(MOST_CORRECTIONS):
         if not np.all(np.isfinite(left)) or np.linalg.norm(y - guess) > within:
             return None
         if np.linalg.norm(left) <= CLOSED:
@@ -251,9 +252,7 @@ class Followed:
     end: str
 
 
-def follow(
-    map_at: MapAt, first: Orbit, value: float, end: float, step: float = 0.02, most: int = MOST_POINTS
-) -> Followed:
+def follow(map_at: MapAt, first: Orbit, value: float, end: float, step: float = 0.02) -> Followed:
     """Follow a branch of periodic orbits from one of them, until the parameter leaves its range.
 
     Unknown are y = (z / |z_0|, (parameter - value) / (end - value)); the branch is a curve of
@@ -265,13 +264,12 @@ def follow(
         first, value: where the branch begins.
         end: of the parameter's range, which begins at `value`.
         step: length of the first step; a fiftieth of range and state by default. The longest is twice that.
-        most: points after which it is left as it is.
     """
     section, size = first.map, float(np.linalg.norm(first.state))
     start = Curve(map_at, section.phase, section.periods, size, value, end, section.weights, section.contact)
     walk = _walk(start, np.append(first.state / start.size, 0.0), step)
     points: list[BranchPoint] = []
-    while len(points) < most:
+    while len(points) < MOST_POINTS:
         try:
             points.append(next(walk))
             at = points[-1].value
@@ -283,7 +281,8 @@ def follow(
             if abs(at - points[-1].value) < NEAR * abs(end - value):
                 end_text += f" That contact would be without speed at {at:.7g}: it grazes."
             return Followed(tuple(points), end_text)
-    return Followed(tuple(points), f"It is left as it is after {most} points; more of them or longer steps.")
+    end_text = f"It is left as it is after {MOST_POINTS} points; more of them or longer steps."
+    return Followed(tuple(points), end_text)
 
 
 def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, str]:
@@ -320,12 +319,11 @@ def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
         step = min(step, to_edge)
         if result is not None:
             place = place_at(last.curve, result[0], last.tangent)
-            turns = last.tangent @ place.tangent <= LEAST_COSINE
-            if last.point.stretches == place.point.stretches and not turns:
+            same = last.point.stretches == place.point.stretches
+            if same and last.tangent @ place.tangent > LEAST_COSINE:
                 return place, min(LONGER * step, 2.0 * first) if result[1] <= EASY else step
             if step < CLOSELY * first:
                 # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there.
-                same = last.point.stretches == place.point.stretches
                 return (place, step) if same or last.point.orbit.roughness <= SMOOTH else None
         step *= 0.5
     return None

@@ -13,7 +13,7 @@ from contactlab.laws.normal.jkr import Jkr
 from contactlab.metrics import METRICS
 from contactlab.metrics.catalogue import NOT_APPLICABLE, measured
 from contactlab.metrics.constraints import cone
-from contactlab.metrics.run import Run, declares
+from contactlab.metrics.run import Run, has_limits
 
 FORCES = (0.0, 2.0, 4.0, 2.0, -1.0, -0.5, -0.25)
 """It pulls before it lets go."""
@@ -97,4 +97,4 @@ def test_an_overlap_that_a_law_says_is_no_contact_is_no_missed_one() -> None:
         run = of_normal(part)
         run.columns["contact_mode"] = np.zeros(7)
         assert isnan(value_of(run, "missed_contact")) != judged
-        assert declares(part, "limits") != judged
+        assert has_limits(part) != judged

@@ -58,7 +58,7 @@ def logistic(rate: float, count: int = 2000) -> Array:
 def test_the_mean_of_a_period_is_that_of_the_closed_form_wherever_records_fall() -> None:
     for interval in (PERIOD / 9.1, PERIOD / 70.3):
         columns = lag(50.0, interval)
-        result = periods_of(columns, {}, PERIOD, 40)
+        result = periods_of(columns, {}, PERIOD)
         ends = columns["time"][-1] - PERIOD * np.arange(result.velocity.size, -1, -1)
         exact = LIMIT - SWING * TIME_CONSTANT * np.diff(np.exp(-ends / TIME_CONSTANT)) / PERIOD
         # Hermite's cubic: h^4/384 of the fourth derivative of the angle, at both ends of a period.
@@ -71,7 +71,7 @@ def test_no_contact_is_counted_in_the_wrong_period_and_none_that_the_end_cuts(ph
     impulses = np.arange(1.0, 61.0)
     rows = contacts(impulses, phase)
     rows["separation_velocity"][-1] = nan
-    result = periods_of(lag(60.0, PERIOD / 20), rows, PERIOD, 40)
+    result = periods_of(lag(60.0, PERIOD / 20), rows, PERIOD)
     assert np.array_equal(np.diff(result.impulse), np.ones(result.impulse.size - 1))
     assert result.impulse[-1] == 59.0
 
@@ -195,7 +195,7 @@ def test_tones_that_repeat_together_have_a_period_and_silent_ones_do_not_count()
         == 0.0
     )
     with pytest.raises(UnknownError):
-        periods_of(lag(100.0, PERIOD / 20), {}, 0.0, 1)
+        periods_of(lag(100.0, PERIOD / 20), {}, 0.0)
 
 
 @pytest.mark.parametrize(
