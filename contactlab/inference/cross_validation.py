@@ -84,7 +84,7 @@ CHI_SQUARE: Final = -2.0 * log(RARE)
 """Quantile of a chi-square distribution of two degrees of freedom that is exceeded so rarely."""
 
 PLANAR: Final = 3
-"""Coordinates of a body in the plane."""
+"""Coordinates of a body in the plane, which impacts without coordinates are taken for."""
 
 IDLE_IMPACTS: Final = 12
 IDLE_SHARES: Final = (0.1, 0.5, 0.9)
@@ -410,14 +410,15 @@ def noise_of(impacts: MeasuredImpacts) -> Noise:
     r' D^-1 r/(2 K), is a sum of squares of normal variables whose variances are the eigenvalues of
     D^-1 C/(2 K): the larger one bounds it, as a chi-square of two. The part of the jump that no impulse
     reaches is in the bound. Without a stated covariance it is estimated from that part of all impacts, see
-    `contactlab.measured.impacts.noise_from_outside`, of one body in the plane.
+    `contactlab.measured.impacts.noise_from_outside`.
     """
     covariance, origin = impacts.covariance, "the stated covariance"
     if covariance is None:
         if not np.median(impacts.outside) > 0.0:
             unknown = "not known: the data state no covariance, and impulses reach all of the jumps"
             return Noise(np.full(len(impacts), np.nan), unknown)
-        covariance = noise_from_outside(impacts, PLANAR)
+        coordinates = PLANAR if impacts.bodies is None else impacts.bodies.mass.shape[1]
+        covariance = noise_from_outside(impacts, coordinates)
         origin = "a covariance estimated from what no impulse reaches"
     variances = np.linalg.eigvals(np.linalg.solve(impacts.delassus, covariance)).real
     square = (2.0 * impacts.outside + CHI_SQUARE * variances.max(axis=1)) / (2.0 * impacts.kinetic_energy)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import xarray
 from support.command_line import Command
+from support.measured_impacts import drawn_bodies
 from support.struck_discs import struck_discs
 
 import contactlab as cl
@@ -99,6 +100,18 @@ def test_one_in_a_hundred_impacts_is_above_noise_under_the_true_law_and_an_outli
     after[7] += 1.0
     moved = replace(many, velocity_after=after)
     assert moved.errors(true)[7] > noise_of(moved).bound[7]
+
+
+@pytest.mark.parametrize("coordinates", [3, 6])
+def test_noise_that_is_estimated_is_that_which_is_stated(coordinates: int) -> None:
+    """The errors put in have the covariance s^2 M^-1; its median over 2000 impacts is good to some per cent."""
+    noise = 0.05
+    bodies = drawn_bodies(2000, 5, noise, coordinates)
+    variance = noise**2 * bodies.mass[0, 0, 0]
+    stated = replace(bodies, covariance=variance * np.linalg.inv(bodies.mass))
+    about = {"title": "", "source": "", "licence": "", "left_out": 0, "number": np.arange(1, 2001)}
+    bounds = [noise_of(MeasuredImpacts.of_bodies(each, **about)).bound for each in (bodies, stated)]
+    assert np.median(bounds[0] / bounds[1]) == pytest.approx(1.0, rel=0.05)
 
 
 def test_without_covariance_and_with_contact_velocities_alone_the_noise_is_unknown() -> None:
