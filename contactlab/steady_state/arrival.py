@@ -113,7 +113,7 @@ def settled(
         states = np.hstack([samples, _remembered(run)])
         touches = run.contacts["start_time"] + run.contacts["duration"]
         if touches.max(initial=-inf) < 0.5 * (run.time[0] + run.time[-1]):
-            return _without_contact(clock, run, done)
+            return _without_contact(clock, run)
         if orbit is None:
             clock, run = _at_section(clock, run)
             count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
@@ -131,7 +131,7 @@ def settled(
             else:
                 orbit = None
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
-            run = _on(run, TAIL // count * count)
+            done, run = round(run.state["end"] / clock.period), _on(run, TAIL // count * count)
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         if done < longest:
@@ -240,9 +240,9 @@ def _drifts(values: Array) -> bool:
     return bool(abs(change) > max(DRIFT * error, SETTLED * np.abs(values).max()))
 
 
-def _without_contact(clock: PeriodMap, run: Trajectory, done: int) -> Steady:
+def _without_contact(clock: PeriodMap, run: Trajectory) -> Steady:
     """Return the free vibration, with the rotor velocity at which load and damping balance."""
-    clock = clock.at_end_of(run, clock.phase)
+    clock, done = clock.at_end_of(run, clock.phase), round(run.state["end"] / clock.period)
     rotor, z = clock.setup.motor.rotor, clock.end_of(run)
     if clock.belt is None and rotor.damping > 0.0:
         z[-1] = -np.sqrt(rotor.inertia) * rotor.load_torque / rotor.damping
