@@ -100,7 +100,7 @@ def help_on_keys() -> str:
     return "\n  ".join(
         f"{key:<31} {declared.meaning}{declared.label and f' [{declared.unit}]'}"
         f"{'. ' + declared.hint if NoneType in field.kinds else ''}"
-        for key, field in dict(full_keys({**listed})).items()
+        for key, field in dict(full_keys(listed)).items()
         if (declared := field.parameter)
     )
 
