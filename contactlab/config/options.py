@@ -85,11 +85,11 @@ def full_keys(
 @cache
 def known_keys(law: str = "") -> list[str]:
     """Return every full key of every option, or of one law alone; a law that cannot be loaded has none."""
-    keys = dict.fromkeys(["law.name"])
+    keys: dict[str, object] = {"law.name": None}
     for name in LAW.options:
         if law in ("", name):
             with suppress(ValueError):
-                keys |= dict.fromkeys(dict(full_keys(LAW.options[name], "law.")))
+                keys |= dict(full_keys(LAW.options[name], "law."))
     others = {group: section for group, section in _sections.items() if group.partition("/")[0] != "law"}
     return [*keys, *dict(full_keys(others))]
 
