@@ -69,9 +69,7 @@ def accepts_units(**units: str) -> Callable[[Function], Function]:
 def check_fields(owner: Any, title: str = "") -> None:
     """Refuse an object of a dataclass by the fields of numbers and of classes that are not as declared.
 
-    Texts with units, '1 um', are converted.
-
-    Sentences begin with the title, or the name of the class.
+    Texts with units, '1 um', are converted. Sentences begin with the title, or the name of the class.
 
     Raises:
         TypeError: with a sentence for each field that is of another kind.
@@ -92,10 +90,8 @@ def check_fields(owner: Any, title: str = "") -> None:
         elif is_number and not has_magnitude(value, parameter):
             ranges.append(f"{title}: {name} is {value}, {BEYOND}.")
         elif is_number and parameter and not parameter.admits(value):
-            message = (
-                f"{title}: {name} is {value}{parameter.label}; it must be {parameter.range}. {field.hint}"
-            )
-            ranges.append(message.rstrip())
+            sentence = f"{title}: {name} is {value}{parameter.label}; it must be {parameter.range}."
+            ranges.append(f"{sentence} {field.hint}".rstrip())
     if kinds:
         raise TypeError(" ".join(kinds))
     if ranges:

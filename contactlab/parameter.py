@@ -115,7 +115,7 @@ class DeclaredField:
     def choices(self) -> tuple[Any, ...]:
         """What is admitted besides numbers: None, and the texts of a `Literal`."""
         texts = (x for kind in self.kinds if get_origin(kind) is Literal for x in get_args(kind))
-        return (*texts, *[None][: NoneType in self.kinds])
+        return (*texts, None) if NoneType in self.kinds else (*texts,)
 
     @cached_property
     def is_number(self) -> bool:

@@ -24,7 +24,6 @@ _NUMBER_AND_UNIT = re.compile(
     r"\s*(?P<unit>((?<=\s)1\s*/\s*)?[^\W\d_°%][\w\s*/^().-]*|[°%])\s*"
 )
 
-
 _CF = re.compile(r"\s*[^\W\d_]+(-?\d+(\.\d+)?)?(\s+[^\W\d_]+(-?\d+(\.\d+)?)?)*\s*")
 """Units of the CF conventions: 'm2 s-2'."""
 

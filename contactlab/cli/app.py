@@ -93,9 +93,10 @@ def perform(setup: Setup, directory: Path, job: Job, *, swept: bool) -> bool:
     Raises:
         KeyboardInterrupt: with a sentence, after what there was has been written.
     """
-    started = perf_counter()
+    started, taken = perf_counter(), 0.0
 
     def simulate(setup: Setup) -> Trajectory:
+        nonlocal taken
         with terminal.progress(setup.duration, "s") as show, terminal.waiting() as check:
 
             def report(time: float) -> None:
@@ -106,15 +107,14 @@ def perform(setup: Setup, directory: Path, job: Job, *, swept: bool) -> bool:
                 check()
 
             trajectory = setup.run(progress=report, keep_interrupted=True)
-        ended.append(perf_counter())
+        taken = perf_counter() - started
         return trajectory
 
-    ended: list[float] = []
     with terminal.raising():
         state, groups = leave(setup, directory, job, simulate, with_metrics=swept)
     if state.digest:
         beside = f" and {PICTURE} beside it." if setup.configuration["record"]["picture"] else "."
-        tell(f"{summarise(groups, ended[0] - started)}\nWritten to {directory / DATASET}{beside}", sys.stdout)
+        tell(f"{summarise(groups, taken)}\nWritten to {directory / DATASET}{beside}", sys.stdout)
     if state.state == run_state.INTERRUPTED:
         raise KeyboardInterrupt(state.reason)
     if state.reason:
@@ -143,7 +143,8 @@ class Check(Callback):
         with faults_added(faults):
             study, sweep = of_command(config)
             over = list(sweep.over or [])
-            faults += [] if faults else without_effect(study, [*lines, *over])
+            if not faults:
+                faults += without_effect(study, [*lines, *over])
         try:
             setup = _checked["setup"] = rebuild(of_run(config))
             faults += idle_friction(lines, [setup.configuration["law"]])
@@ -162,18 +163,20 @@ class Check(Callback):
         Raises:
             SystemExit: options of our sweeper, on which another does not depend.
         """
-        if not _is_ours(config):
-            lines = typed(config.hydra.overrides.task)
-            if idle := [line for line in lines if line.lstrip("+").startswith("sweep.")]:
-                name = config.hydra.runtime.choices["hydra/sweeper"]
-                sys.exit(
-                    refuse(f"{x} has no effect with hydra/sweeper={name}; it must be left out." for x in idle)
-                )
-            # A reference may not have its value yet; each job then refuses it.
-            with suppress(OmegaConfBaseException), read_write(config.hydra):
-                folder = config.hydra.sweep.dir = str(config.hydra.sweep.dir)
-                config.hydra.overrides.hydra.append(f"hydra.sweep.dir={quoted(folder)}")
-            self._collects = True
+        # Our sweeper does all this itself.
+        if "contactlab" in str(config.hydra.sweeper.get("_target_")):
+            return
+        lines = typed(config.hydra.overrides.task)
+        if idle := [line for line in lines if line.lstrip("+").startswith("sweep.")]:
+            name = config.hydra.runtime.choices["hydra/sweeper"]
+            sys.exit(
+                refuse(f"{x} has no effect with hydra/sweeper={name}; it must be left out." for x in idle)
+            )
+        # A reference may not have its value yet; each job then refuses it.
+        with suppress(OmegaConfBaseException), read_write(config.hydra):
+            folder = config.hydra.sweep.dir = str(config.hydra.sweep.dir)
+            config.hydra.overrides.hydra.append(f"hydra.sweep.dir={quoted(folder)}")
+        self._collects = True
 
     def on_multirun_end(self, config: DictConfig, **_: Any) -> None:
         """Collect what the sweeper of another package left.
@@ -196,11 +199,6 @@ def status_of_runs(folders: Iterable[Path]) -> int:
     if states == {run_state.COMPLETE}:
         return COMPLETE
     return REFUSED if run_state.REFUSED in states else INCOMPLETE
-
-
-def _is_ours(config: DictConfig) -> bool:
-    """Return whether the sweeper is ours, which does all this itself."""
-    return "contactlab" in str(config.hydra.sweeper.get("_target_"))
 
 
 def typed(overrides: Any) -> list[str]:
@@ -240,7 +238,7 @@ def _folder_faults(config: DictConfig) -> Iterator[str]:
     yield from refusals(Path(folder), "hydra.run.dir" if config.study.name == SIMULATE else "output")
 
 
-def refusals(directory: Path, key: str = "output") -> Iterator[str]:
+def refusals(directory: Path, key: str) -> Iterator[str]:
     """Yield why nothing can be written into a directory, if so; everything is left as it was."""
     created: list[Path] = []
     try:

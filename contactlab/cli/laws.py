@@ -54,7 +54,10 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
     # Two packages may bring a law of one name.
-    listing = {family: [(_title(each, family), each) for each in origins(family)] for family in HEADINGS}
+    listing = {
+        family: [(f"{family}/{each.name}".lstrip("/"), each) for each in origins(family)]
+        for family in HEADINGS
+    }
     titles = [title for entries in listing.values() for title, _ in entries]
     known = {name for title in titles for name in (title, title.rpartition("/")[2])}
     if wanted is not None and wanted not in known:
@@ -66,17 +69,14 @@ def main(arguments: list[str]) -> int:
             blocks.append(HEADINGS[family])
         for title, origin in entries:
             if wanted in (None, title, title.rpartition("/")[2]):
-                blocks.append(_paragraph(origin, family))
+                blocks.append(_paragraph(title, origin, family))
     print("\n\n".join(blocks))
     return COMPLETE
 
 
-def _title(origin: Origin, family: str) -> str:
-    return f"{family}/{origin.name}" if family else origin.name
-
-
-def _paragraph(origin: Origin, family: str) -> str:
-    fault, title = origin.fault, _title(origin, family)
+def _paragraph(title: str, origin: Origin, family: str) -> str:
+    """Return all that a law or a part says of itself, or why it cannot be used."""
+    fault = origin.fault
     try:
         if not fault:
             return _described(class_of(origin.name, family), title, f"{origin} ({origin.entry})")

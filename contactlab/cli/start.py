@@ -172,16 +172,14 @@ def _help(lines: list[str]) -> str:
     with started() as application:
         config = hydra.compose(COMMAND, lines, return_hydra_config=True)
         HydraConfig.instance().set_config(config)
-        template, sources = Template(config.hydra.help.template), application.config_loader.get_sources()
+        sources, listed = application.config_loader.get_sources(), ""
         every = {group for source in sources for group in source.list("", ObjectType.GROUP)}
-        options = {
-            group: sorted(
-                {each for s in sources if s.is_group(group) for each in s.list(group, ObjectType.CONFIG)}
-            )
-            for group in sorted({*groups(), *every} - {"hydra"})
-        }
-        listed = "".join(f"{group}: {', '.join(names)}\n" for group, names in options.items() if names)
+        for group in sorted({*groups(), *every} - {"hydra"}):
+            having = [source for source in sources if source.is_group(group)]
+            if names := {name for source in having for name in source.list(group, ObjectType.CONFIG)}:
+                listed += f"{group}: {', '.join(sorted(names))}\n"
         own = OmegaConf.masked_copy(config, [str(key) for key in config if key != "hydra"])
+        template = Template(config.hydra.help.template)
         return template.substitute(APP_CONFIG_GROUPS=listed, CONFIG=OmegaConf.to_yaml(own))
 
 

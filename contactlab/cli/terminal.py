@@ -32,7 +32,6 @@ MESSAGE: Final = "Interrupted before the end; no result was written."
 BAR_AFTER, BAR_EVERY = 0.7, 0.5
 """Time after which progress is shown, and between two times [s]."""
 
-
 LONGEST_LEFT: Final = 1e7
 """Estimate of the time left that is shown [s]; a longer one tells of a first step alone."""
 
@@ -167,8 +166,8 @@ class _Line:
         pieces = [
             f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "",
             self.current,
+            f"{tqdm.format_interval(elapsed)} so far",
         ]
-        pieces.append(f"{tqdm.format_interval(elapsed)} so far")
         left = elapsed * (all_of_it - done) / (done - begun) if done > begun else inf
         if left < LONGEST_LEFT:
             pieces.append(f"about {tqdm.format_interval(left)} left")

@@ -268,8 +268,7 @@ def with_references(written: Mapping[str, Any]) -> dict[str, Any]:
     try:
         return OmegaConf.to_container(OmegaConf.create(dict(written)), resolve=True)  # type: ignore[return-value]
     except OmegaConfBaseException as error:
-        fault = f"{one_line(error)} Correct the reference in ${{...}}."
-        raise ConfigurationError(fault) from None
+        raise ConfigurationError(f"{one_line(error)} Correct the reference in ${{...}}.") from None
 
 
 def refuse_lines(lines: Iterable[str]) -> None:

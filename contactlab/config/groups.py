@@ -26,7 +26,7 @@ from contactlab.laws.registry import PARTS, class_of, law_names
 from contactlab.motor import Chirp, FiniteElementResonator, RitzResonator, TwoMode, TwoPhase
 from contactlab.motor.modal import ModalFile
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
-from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
+from contactlab.settling.criterion import LONGEST, PRECISION, Until
 from contactlab.settling.verdict import SHARE
 
 RESONATORS: Final = "contactlab.resonators"
@@ -48,11 +48,6 @@ OWN_RESONATORS: Final[Mapping[str, type]] = {**BASES, MODAL: ModalFile}
 def other_resonators() -> dict[str, EntryPoint]:
     """Return the resonators of other packages by name."""
     return {point.name: point for point in entry_points(group=RESONATORS) if point.name not in OWN_RESONATORS}
-
-
-def resonator_names() -> list[str]:
-    """Return the names by which a resonator can be chosen; nothing of another package is imported."""
-    return [*OWN_RESONATORS, *other_resonators()]
 
 
 def resonator_class(name: str) -> type:
@@ -166,11 +161,6 @@ class Record(Checked):
     picture: Annotated[bool, _declared("whether run.png is drawn; it takes long")] = True
 
 
-def duration_for(until: object) -> float:
-    """Return the duration of a run where none is configured [s]; until steady it is the longest."""
-    return LONGEST if until == STEADY else DURATION
-
-
 Keys: TypeAlias = dict[str, "DeclaredField | Section"]
 
 
@@ -262,7 +252,8 @@ _OF_OTHERS: Final = ("patch_start", "patch_end", "piezoceramic")
 GROUPS: Final[dict[str, Section]] = {
     "resonator": Section(
         Options(
-            resonator_names, lambda name: named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS))
+            lambda: [*OWN_RESONATORS, *other_resonators()],
+            lambda name: named("basis", name, keys_of(resonator_class(name), *_OF_OTHERS)),
         ),
         "basis",
     ),

@@ -85,11 +85,11 @@ def full_keys(
 @cache
 def known_keys(law: str = "") -> list[str]:
     """Return every full key of every option, or of one law alone; a law that cannot be loaded has none."""
-    keys = dict.fromkeys(["law.name"])
+    keys: dict[str, object] = {"law.name": None}
     for name in LAW.options:
         if law in ("", name):
             with suppress(ValueError):
-                keys |= dict.fromkeys(dict(full_keys(LAW.options[name], "law.")))
+                keys |= dict(full_keys(LAW.options[name], "law."))
     others = {group: section for group, section in _sections.items() if group.partition("/")[0] != "law"}
     return [*keys, *dict(full_keys(others))]
 
@@ -100,7 +100,7 @@ def help_on_keys() -> str:
     return "\n  ".join(
         f"{key:<31} {declared.meaning}{declared.label and f' [{declared.unit}]'}"
         f"{'. ' + declared.hint if NoneType in field.kinds else ''}"
-        for key, field in dict(full_keys({**listed})).items()
+        for key, field in dict(full_keys(listed)).items()
         if (declared := field.parameter)
     )
 

@@ -6,7 +6,7 @@ from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
 from contactlab.config.faults import unknown_key
-from contactlab.config.groups import ADDED, GROUPS, LAW, Keys, Section, duration_for
+from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, Keys, Section
 from contactlab.config.nesting import flat
 from contactlab.config.options import known_keys
 from contactlab.laws.base import PenaltyLaw
@@ -16,7 +16,7 @@ from contactlab.motor.drive import samples_of_chirp
 from contactlab.motor.waveform import MOST_SAMPLES
 from contactlab.parameter import DeclaredField, Parameter
 from contactlab.quantity import MISSING, UnitError, describe, number_of
-from contactlab.settling.criterion import PRECISION, STEADY
+from contactlab.settling.criterion import LONGEST, PRECISION, STEADY
 
 FRICTION = f"contact.{SHARED}"
 """Key of the friction coefficient that laws share."""
@@ -105,7 +105,6 @@ RULES: Final = (
 
 _KINDS: Final = {bool: "true or false", str: "a text", list[str]: "a list of texts", NoneType: "null"}
 
-
 KEYS: Final[Keys] = {"law": LAW, **GROUPS}
 """All that a run's configuration has."""
 
@@ -136,7 +135,7 @@ class Examination:
         self.values = self._values(keys, configuration)
         solver = self.values.get("solver", {})
         if "duration" in solver and solver["duration"] is None:
-            solver["duration"] = duration_for(solver.get("until"))
+            solver["duration"] = LONGEST if solver.get("until") == STEADY else DURATION
         sound = flat(self.values)
         for rule in rules:
             values = [sound[key] for key in rule.keys if key in sound]
@@ -175,10 +174,8 @@ def _chosen(section: Section, values: Any, path: str) -> tuple[str, Keys]:
     group = path.replace(".", "/")
     if not isinstance(values, Mapping):
         raise UnitError(f"{path} is {describe(values)}; it must be a group of keys, or {group}=NAME.")
-    if not section.selector:
-        return next(iter(section.options.items()))
     key, options = f"{path}.{section.selector}", section.labelled
-    if section.selector not in values and key in ADDED:
+    if not section.selector or (section.selector not in values and key in ADDED):
         return next(iter(section.options.items()))
     if section.selector not in values:
         raise UnitError(f"{key} is missing; choose one by {group}=NAME.")

@@ -192,7 +192,7 @@ def _lives(process: int) -> bool:
 
 
 def _link(partial: Path, path: Path) -> None:
-    """Return a file its name if no other has it."""
+    """Let a file have its name if no other has it."""
     try:
         path.hardlink_to(partial)
     except OSError as fault:

@@ -95,7 +95,6 @@ PART: Final = "/first_contact"
 
 EMPTY: Final = Group({}, {})
 
-
 GROUP: Final = "files"
 """Group of the contents of the files that a configuration names, in a section with a `digest`.
 
@@ -205,11 +204,13 @@ def to_groups(trajectory: Trajectory, configuration: Mapping[str, object] | None
     if trajectory.state:
         groups["/state"] = Group({name: _of_state(name, x) for name, x in trajectory.state.items()}, {})
     if contents := contents_of(configuration or {}):
-        about: dict[str, dict[str, object]]
-        about = {name: {"long_name": f"content of {name}.file"} for name in contents}
         groups[f"/{GROUP}"] = Group(
             {
-                name: Recorded((f"{name}_byte",), np.frombuffer(content, np.uint8), about[name])
+                name: Recorded(
+                    (f"{name}_byte",),
+                    np.frombuffer(content, np.uint8),
+                    {"long_name": f"content of {name}.file"},
+                )
                 for name, content in contents.items()
             },
             {},
@@ -341,12 +342,9 @@ def cf_attributes(variable: Variable) -> dict[str, object]:
         "long_name": variable.long_name,
         "symbol": variable.symbol,
     }
-    if variable.cell_methods:
-        attributes["cell_methods"] = variable.cell_methods
-    if variable.standard_name:
-        attributes["standard_name"] = variable.standard_name
-    if variable.comment:
-        attributes["comment"] = variable.comment
+    for name in ("cell_methods", "standard_name", "comment"):
+        if text := getattr(variable, name):
+            attributes[name] = text
     if variable.flags:
         # CF wants the values in the type of the variable itself.
         attributes["flag_values"] = np.arange(len(variable.flags), dtype=np.int8)

@@ -49,11 +49,10 @@ def code_digest() -> str:
 def digest_of(package: Path) -> str:
     """Return the digest of the sources in a package's folder, whatever machine it lies on."""
     digest = sha256()
-    # Compiled code may lie below, with sources written for it.
-    every = (file for file in package.rglob("*.py") if "__pycache__" not in file.parts)
-    files = {file.relative_to(package): file for file in every}
-    for name, file in sorted((name.as_posix(), file) for name, file in files.items()):
-        if name.partition("/")[0] not in _WITHOUT_NUMBERS:
+    files = {file.relative_to(package).as_posix(): file for file in package.rglob("*.py")}
+    for name, file in sorted(files.items()):
+        # Compiled code may lie below, with sources written for it.
+        if "__pycache__" not in file.parts and name.partition("/")[0] not in _WITHOUT_NUMBERS:
             # Line ends differ between systems, and say nothing.
             digest.update(f"{name}\0".encode() + file.read_bytes().replace(b"\r\n", b"\n") + b"\0")
     return digest.hexdigest()

@@ -55,8 +55,6 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
     (root, attributes), contacts = groups["/"], contacts_in(groups)
     configuration = configuration_of(attributes)
     start, end = root["time"].values[[0, -1]].tolist()
-    # Plus nothing: a rotor at rest has no sign.
-    velocity = float(root["rotor_velocity"].values[-1]) + 0.0
     settling = settling_in(groups)
     lines = {"law": _law(attributes), "contacts": _contacts(groups["/"], configuration, contacts)}
     if "prescribed" in attributes:
@@ -64,6 +62,8 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
         texts = (f"{name.replace('_', ' ')} {float(root[name].values[-1]):.6g} J" for name in energies)
         lines["prescribed path"] = f"{prefixed(end - start, 's')}; {', '.join(texts)}"
     else:
+        # Plus nothing: a rotor at rest has no sign.
+        velocity = float(root["rotor_velocity"].values[-1]) + 0.0
         lines["rotor velocity"] = f"{velocity:.6g} rad/s after {prefixed(end, 's')}"
         lines["steady state"] = f"{settling.sentence}. {settling.way_out(end)}".rstrip()
     lines["peak normal force"] = _peak(contacts)
