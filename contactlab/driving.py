@@ -133,9 +133,9 @@ def longest_step(motor: Motor, law: ContactLaw) -> float | None:
 def driven_by(
     law: ContactLaw,
     time: Array,
-    gap: Path | None,
-    normal: Path | None,
-    slip: Path,
+    gap: Path | None = None,
+    normal: Path | None = None,
+    slip: Path = 0.0,
     degree: int = 3,
     period: float | None = None,
     touching: bool = False,

@@ -53,11 +53,11 @@ class PathProblem(OverTime):
 
         A force is the rate of its impulse, which the records have exactly.
         """
-        time, path = self.measured.time, self.measured.path
+        time = self.measured.time
         span = float(time[-1] - time[0])
         try:
             law = with_values(self.base, self.keys, values[: len(self.keys)])
-            motor = driven_by(law, time, path.get("gap"), path.get("normal"), path["slip"])
+            motor = driven_by(law, time, **self.measured.path)
             run = simulate(
                 motor,
                 law,
@@ -102,9 +102,8 @@ def path_problem(
     check_noise(discrepancy, degrees_of_freedom)
     if not measured.values:
         raise ConfigurationError(f"The data have a path and no force; they must have {' or '.join(FORCES)}.")
-    path = measured.path
     try:
-        driven_by(law, measured.time, path.get("gap"), path.get("normal"), path["slip"])
+        driven_by(law, measured.time, **measured.path)
     except ValueError as error:
         raise ConfigurationError(f"law={law.name}: {error}") from error
     span = float(measured.time[-1] - measured.time[0])

@@ -82,7 +82,7 @@ class MeasuredSeries:
     configuration: Mapping[str, Any]
     attributes: Mapping[str, Any]
     digest: str = ""
-    path: Mapping[str, Array] = field(default_factory=dict)
+    path: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def content_digest(self) -> str:

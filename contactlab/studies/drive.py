@@ -119,16 +119,8 @@ class Driven(LawStudy):
 
 
 def _driven(setup: Setup, path: MeasuredSeries, times: Mapping[str, Any]) -> Part:
-    prescribed = path.path
     try:
-        run = drive(
-            setup.law,
-            path.time,
-            gap=prescribed.get("gap"),
-            normal=prescribed.get("normal"),
-            slip=prescribed["slip"],
-            **times,
-        )
+        run = drive(setup.law, path.time, **path.path, **times)
     except (ValueError, LawError) as error:
         raise ConfigurationError(f"law={setup.law.name}: {error}") from error
     return Part(run.tree)

@@ -17,6 +17,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
+from multiprocessing import parent_process
 from pathlib import Path
 from time import process_time
 from typing import Any, Final, final
@@ -234,6 +235,10 @@ def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]
                 "A worker process died, maybe for want of memory; finished tasks are kept. Start again, with "
                 "fewer workers if it dies again."
             ) from error
+        finally:
+            # A process that multiprocessing made ends after its workers, which wait five minutes for work.
+            if parent_process() is not None:
+                get_reusable_executor().shutdown()
 
 
 def _done_by_worker(task: Task, package: str, sources: Mapping[str, str]) -> tuple[str, Part]:

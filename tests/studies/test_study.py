@@ -1,10 +1,12 @@
 """Claims on the declaration of a study: nothing that an author writes is ignored."""
 
+import multiprocessing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+from support.slow_study import run_by_workers
 
 import contactlab as cl
 from contactlab.studies.runner import TASKS, Store
@@ -39,3 +41,14 @@ def test_a_task_that_resumes_leaves_no_folder_before_it_has_something_to_keep(tm
     task = store.resuming(Task("one", print, (), resumes=True))
     assert task.arguments[-1].parent == tmp_path / TASKS
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.long
+def test_a_process_of_multiprocessing_ends_with_its_study() -> None:
+    """It waits for its workers at its end, and they would wait five minutes for work."""
+    process = multiprocessing.get_context("spawn").Process(target=run_by_workers)
+    process.start()
+    process.join(100.0)
+    status = process.exitcode
+    process.kill()
+    assert status == 0

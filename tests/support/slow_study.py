@@ -9,6 +9,7 @@ import xarray
 
 import contactlab as cl
 from contactlab.studies import Part, Study, Task
+from contactlab.studies.runner import run
 from contactlab.studies.study import Setups
 
 
@@ -34,3 +35,7 @@ def velocity(setup: cl.Setup, number: int) -> Part:
     run = setup.run(duration=setup.duration * (1.0 + number / 12.0))
     final = run.series["rotor_velocity"][-1]
     return Part(xarray.DataTree(xarray.Dataset({"velocity": ((), final)}, {"number": number})))
+
+
+def run_by_workers() -> None:
+    run(Slow(workers=2), {"": cl.build(["solver.duration=1 ms"])})
