@@ -2,21 +2,25 @@
 
 from collections.abc import Mapping
 from types import NoneType
-from typing import Any, Final, Literal, NoReturn, TypeVar, final
+from typing import TYPE_CHECKING, Any, Final, Literal, NoReturn, TypeVar, final
 
-import numpy as np
-from numpy.typing import NDArray
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
-Kind = TypeVar("Kind", bound=np.generic)
+Kind = TypeVar("Kind", bound="np.generic")
 
 PLAIN: Final = frozenset((float, int, bool, str, NoneType))
 """Types of most values of a configuration, which need no closer look."""
 
 
-def read_only(values: NDArray[Kind]) -> NDArray[Kind]:
+def read_only(values: "NDArray[Kind]") -> "NDArray[Kind]":
     """Return an array that cannot be made writable: a copy, or the array itself if it is one."""
     if isinstance(values.base, bytes) and not values.flags.writeable:
         return values
+    # Imported here, as below: help needs no NumPy.
+    import numpy as np
+
     order: Literal["C", "F"] = "C" if values.flags.c_contiguous else "F"
     return np.ndarray(values.shape, values.dtype, values.tobytes(order), order=order)
 
@@ -57,6 +61,8 @@ class Immutable:
 
     def freeze(self) -> None:
         """Make all arrays in the fields read-only, and all mappings."""
+        import numpy as np
+
         for name, value in vars(self).items():
             if isinstance(value, np.ndarray):
                 object.__setattr__(self, name, read_only(value))

@@ -19,8 +19,6 @@ from pathlib import Path
 from stat import S_ISREG
 from typing import Final
 
-from contactlab.checks import check_size
-
 DATASET: Final = "run.nc"
 STATE: Final = "state.json"
 LOG: Final = "run.log"
@@ -118,6 +116,9 @@ def check_file(path: Path) -> None:
     """
     if not S_ISREG((status := path.stat()).st_mode):
         raise OSError(errno.EINVAL, "it is a folder or a device", str(path))
+    # Imported here: help needs no NumPy.
+    from contactlab.checks import check_size
+
     check_size("The file", status.st_size)
 
 
