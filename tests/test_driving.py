@@ -11,6 +11,8 @@ from support.command_line import cases
 
 import contactlab as cl
 from contactlab.laws.registry import origins
+from contactlab.measured.series import MeasuredSeries
+from contactlab.studies.drive import Driven
 from contactlab.testing.plants import Evaluator
 
 DURATION = 1e-3
@@ -292,6 +294,15 @@ def test_a_waveform_is_the_path_of_its_samples() -> None:
     law = cl.Composed(friction=cl.Dahl())
     sampled, made = (cl.drive(law, TIME, gap=-1e-6, slip=path, degree=7) for path in (way, wave))
     np.testing.assert_allclose(made["friction_force"], sampled["friction_force"], rtol=1e-9, atol=1e-12)
+
+
+def test_a_path_made_in_python_needs_no_slip() -> None:
+    time = np.linspace(0.0, 1e-3, 21)
+    gap = -1e-6 * np.sin(np.pi * time / time[-1]) ** 2
+    setup, data = cl.build(["law=hertz_penalty"]), MeasuredSeries(time, {}, {}, {}, {}, path={"gap": gap})
+    (run,) = Driven(data=data)(setup).data.children.values()
+    assert run["normal_force"].max() > 0.0
+    assert np.array_equal(run["normal_force"], cl.drive(setup.law, time, gap=gap)["normal_force"])
 
 
 def test_a_run_is_saved_read_and_drawn(tmp_path) -> None:

@@ -349,8 +349,8 @@ def film_of(run: Recording, start: float, end: float, frames: int) -> Film:
     if reach > 0.0:
         # The largest 1, 2 or 5 times a power of ten that keeps the vibration in the picture.
         largest = REACH * size / reach
-        round_ones = 10.0 ** floor(log10(largest)) * np.array([1.0, 2.0, 5.0])
-        magnification = float(round_ones[round_ones <= largest * (1.0 + 1e-9)].max())
+        magnifications = 10.0 ** floor(log10(largest)) * np.array([1.0, 2.0, 5.0])
+        magnification = float(magnifications[magnifications <= largest * (1.0 + 1e-9)].max())
     return Film(
         run=run,
         magnification=magnification,

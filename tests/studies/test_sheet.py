@@ -162,6 +162,10 @@ def test_a_motor_that_does_not_touch_has_a_sheet_that_says_so() -> None:
     assert sheet["active_power"].values[0, 0] > 0.0
     assert sheet.findings
     assert not sheet.study.figures(sheet.data)
+    # Without a steady state it has not even that.
+    numbers = {name: x * np.nan for name, x in sheet.data.data_vars.items() if x.dtype.kind == "f"}
+    nothing = xarray.DataTree(sheet.data.to_dataset().assign(numbers))
+    assert sheet.tables.keys() > sheet.study.tables(nothing).keys() == {"motor"}
 
 
 def test_a_setup_with_a_load_is_refused_by_its_key() -> None:
