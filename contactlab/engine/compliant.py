@@ -82,8 +82,11 @@ from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 MOST_ITERATIONS = 25
 AGREEMENT = 1e-10
-"""Relative change of the nodal forces at which the iteration ends; it contracts by far more than ten a
-sweep, so that what is left is round-off."""
+"""Relative change of the nodal forces in a next sweep, or else in the last one, at which the iteration ends;
+it contracts by far more than ten a sweep."""
+
+CAUTION = 10.0
+"""Ratio of two sweeps' changes over that of the two before, at most [1]."""
 
 BOUND_ROUND_OFF = 1e-9
 """Of a friction bound, relative to the normal force."""
@@ -395,7 +398,7 @@ def _collocate(
     state, step, rule = run.state, run.step, run.propagator.rule
     kind, sticks = state.law.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
-    least_slip = HELD_SLIP if at_zero_slip else LEAST_SLIP
+    least_slip, before = HELD_SLIP if at_zero_slip else LEAST_SLIP, 0.0
     for sweep in range(1, MOST_ITERATIONS + 1):
         # Eq. 3.4: the law's answers to the motion that the nodal forces cause; then friction by eq. 3.7 or
         # 3.9, and the internal variables by eq. 5.2.
@@ -408,8 +411,8 @@ def _collocate(
         flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
         if not np.isfinite(change):
             return 0
-        least = 1e-3 * AGREEMENT * state.impulse_scale
-        if not (flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least)):
+        agrees, before = agreement(state, change, most, flowed, before)
+        if not agrees:
             continue
         # The friction that holds the slip at zero is the start of Newton's method on the law's own.
         if at_zero_slip:
@@ -427,6 +430,20 @@ def _collocate(
         fit(rule, step.push_r)
         return sweep
     return 0
+
+
+@part_kernel
+def agreement(state: Any, change: float, most: float, flowed: float, before: float) -> tuple[bool, float]:
+    """Return whether a sweep ends the iteration, and its relative change for the next one [1].
+
+    It has changed the forces by `change` of `most` [N], and internal variables by `flowed`; the sweep before,
+    if there was one, by `before`. As the iteration is linear near its end, their ratio foretells what the
+    next sweep would change (Hairer and Wanner, Solving ODEs II, sec. IV.8).
+    """
+    moved = max(flowed, change / most if most > 0.0 else 0.0)
+    share = min(CAUTION * moved / before, 1.0) if before > 0.0 else 1.0
+    small = AGREEMENT * max(most, 1e-3 * state.impulse_scale / state.length)
+    return bool(share * flowed <= AGREEMENT and share * change <= small), min(moved, 1.0)
 
 
 @inner_kernel

@@ -28,9 +28,9 @@ import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.compliant import (
-    AGREEMENT,
     MOST_ITERATIONS,
     ROUND_OFF as IMPULSE_ROUND_OFF,
+    agreement,
     impulse_scale,
     lengthen,
     pushed_tip,
@@ -44,9 +44,9 @@ from contactlab.engine.kinematics import (
     contact_after,
     contact_at,
     contact_of,
+    free_accelerations,
     free_response,
     tip_motion,
-    wave_force,
 )
 from contactlab.engine.memory import (
     SLIP_ROUND_OFF,
@@ -213,35 +213,6 @@ def _at_once(run: Run, event: int) -> int:
     """Let the step take no time; returns the event that ends it."""
     run.step.kind, run.state.accepted_length = FLIGHT, 0.0
     return event
-
-
-@inner_kernel
-def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
-    """Return gddot and vdot [m/s^2] that there would be without contact, at a place and time s of the step.
-
-    gddot = G_n qddot + n.(Jdot qdot) + v_T^2/|d|,   vdot = G_t qddot + t.(Jdot qdot) - v_T gdot/|d|,
-    Jdot qdot = L_tip thdot^2 (sin th, -cos th), with n = (t_u, n_u) and t = (-n_u, t_u).
-    """
-    plant = run.plant
-    u_acc, th_acc, rotor_acc = 0.0, 0.0, 0.0
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        acceleration = mode.constant - mode.damping * mode.v[place] - mode.stiffness * mode.q[place]
-        for k in range(plant.tone_count):
-            tone, phasor = plant.tones[k], plant.phasors[j, k]
-            acceleration += phasor.force_re * tone.cosine[place] - phasor.force_im * tone.sine[place]
-        if plant.wave.electrodes > 0:
-            acceleration += wave_force(plant, j, s)
-        u_acc += mode.row_u * acceleration
-        th_acc += mode.row_th * acceleration
-        rotor_acc += mode.row_r * acceleration
-    _, th, _, th_rate, rotor = tip_motion(plant, place)
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_at(plant, place)
-    turning, passing = plant.geometry.tip_length * th_rate * th_rate, slip - rotor
-    distance = plant.geometry.radius + gap
-    normal = n_u * u_acc + n_th * th_acc + turning * (t_u * sin(th) - n_u * cos(th))
-    tangential = t_u * u_acc + t_th * th_acc + rotor_acc - turning * (n_u * sin(th) + t_u * cos(th))
-    return normal + passing * passing / distance, tangential - passing * rate / distance
 
 
 @inner_kernel
@@ -529,7 +500,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
     """
     state, step, rule = run.state, run.step, run.propagator.rule
     sticks = state.mode == STICK
-    size = 2 * NODES if sticks else NODES
+    size, before = 2 * NODES if sticks else NODES, 0.0
     for sweep in range(1, MOST_ITERATIONS + 1):
         most = 0.0
         for i in range(NODES):
@@ -547,8 +518,8 @@ def _collocate(run: Run, law: Law, level: int) -> int:
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
             return 0
-        least = 1e-3 * AGREEMENT * state.impulse_scale
-        if flowed <= AGREEMENT and (change <= AGREEMENT * most or change * state.length <= least):
+        agrees, before = agreement(state, change, most, flowed, before)
+        if agrees:
             for i in range(NODES):
                 _bound_node(run, law, i, sticks)
             fit(rule, state.normal)

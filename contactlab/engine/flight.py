@@ -13,7 +13,15 @@ chord at the left end, the smaller one at the right end. The parabolas are then 
 from math import sqrt
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.kinematics import Tip, contact_after, contact_at, contact_of, free_response, tip_motion
+from contactlab.engine.kinematics import (
+    Tip,
+    contact_after,
+    contact_at,
+    contact_of,
+    free_accelerations,
+    free_response,
+    tip_motion,
+)
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.plant import ORDERS
 from contactlab.engine.propagator import build_level, step_length
@@ -47,6 +55,9 @@ RESOLUTION = 1e-22
 
 ROUND_OFF = 1e-19
 """Gap [m] that is open for certain, whatever float64 makes of it after a release."""
+
+ROUGH = 1e-9
+"""Share of the largest curvature of a gap below which that at an instant is not relied on."""
 
 NO_TOUCH, LOST = -1.0, -2.0
 """The flight stays open; the flight cannot be followed."""
@@ -156,38 +167,52 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     """Return B >= |gddot| over the next h of flight [m/s^2], for as long as the gap is open.
 
     A free oscillator's acceleration a obeys the oscillator's own equation, so that
-    |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping; the tones add their amplitudes. The
-    answer from rest to a force f exp(i omega s) has |a(s)| <= |f| (1 + omega s), as its impulse response
-    never moves faster than it began; that to a waveform's force has |a(s)| <= |f(0)| + int |fdot|. The rest
-    is geometry: |dn.L/dth| <= L_tip (|th| (L_tip + R + |e|) + |sin beta| (R + g_0)) / R and the centripetal
-    terms.
+    |a(s)| <= |a(0)| + |adot(0)| min(s, 1/sqrt k) for any damping, and so does its jerk; the tones add their
+    amplitudes. The answer from rest to a force f exp(i omega s) has |a(s)| <= |f| (1 + omega s), as its
+    impulse response never moves faster than it began; that to a waveform's force has
+    |a(s)| <= |f(0)| + int |fdot|, and either has |adot| <= |fdot| + (c + k s) |a|. The rest is geometry:
+    |dn.L/dth| <= L_tip (|th| (L_tip + R + |e|) + |sin beta| (R + g_0)) / R and the centripetal terms.
+    Over a short step what the start has of gddot counts, and what the jerk may add.
     """
     plant, lengths = run.plant, run.plant.geometry
-    u_acc, th_acc = 0.0, 0.0
+    u_acc, th_acc, u_jerk, th_jerk = 0.0, 0.0, 0.0, 0.0
     u, th, u_rate, th_rate, _ = tip
+    short = h < run.propagator.rule.longest
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         k, c = mode.stiffness, mode.damping
         acceleration = -c * mode.free_v - k * mode.free_q
         jerk = -c * acceleration - k * mode.free_v
         reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
-        bound = abs(acceleration) + abs(jerk) * reach + abs(mode.constant)
+        answer, change = abs(mode.constant), 0.0
         if plant.wave.electrodes > 0:
             power = 1.0
             for m in range(ORDERS):
-                bound += abs(plant.forces[j, m]) * power
+                answer += abs(plant.forces[j, m]) * power
+                if m + 1 < ORDERS:
+                    change += abs(plant.forces[j, m + 1]) * power
                 power *= h / (m + 1)
         for i in range(plant.tone_count):
             phasor = plant.phasors[j, i]
             if phasor.near != 0:
-                force = sqrt(phasor.force_re**2 + phasor.force_im**2)
-                bound += force * (1.0 + plant.tones[i].omega * h)
+                force, omega = sqrt(phasor.force_re**2 + phasor.force_im**2), plant.tones[i].omega
+                answer += force * (1.0 + omega * h)
+                change += force * omega
+        bound = abs(acceleration) + abs(jerk) * reach + answer
         u_acc += abs(mode.row_u) * bound
         th_acc += abs(mode.row_th) * bound
+        if short:
+            snap = -c * jerk - k * acceleration
+            bound = abs(jerk) + abs(snap) * reach + change + (c + k * h) * answer
+            u_jerk += abs(mode.row_u) * bound
+            th_jerk += abs(mode.row_th) * bound
     for i in range(plant.tone_count):
         tone = plant.tones[i]
         u_acc += tone.omega**2 * tone.steady_u
         th_acc += tone.omega**2 * tone.steady_th
+        if short:
+            u_jerk += tone.omega**3 * tone.steady_u
+            th_jerk += tone.omega**3 * tone.steady_th
     u_rate, th_rate = abs(u_rate) + u_acc * h, abs(th_rate) + th_acc * h
     u, th = abs(u) + u_rate * h, abs(th) + th_rate * h
     length, radius = lengths.tip_length, lengths.radius
@@ -195,7 +220,15 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     lever = length * th * (length + radius + excess) / radius
     lever += length * abs(lengths.sine) * (radius + lengths.clearance) / radius
     speed = u_rate + length * th_rate
-    return float(u_acc + lever * th_acc + length * th_rate * th_rate + speed * speed / radius)
+    whirl = length * th_rate * th_rate
+    bound = u_acc + lever * th_acc + whirl + speed * speed / radius
+    if short:
+        # gdddot = n.Ldddot + 3 (Ldot_t.Lddot - gdot |Ldot_t|^2 / |d|) / |d|, with |d| >= R.
+        jerk = u_jerk + lever * th_jerk + length * th_rate * (3.0 * th_acc + th_rate * th_rate)
+        jerk += 3.0 * speed * (u_acc + length * th_acc + whirl + speed * speed / radius) / radius
+        at_start = abs(free_accelerations(run, START, 0.0)[0])
+        bound = min(bound, at_start + jerk * h + ROUGH * bound)
+    return float(bound)
 
 
 @inner_kernel

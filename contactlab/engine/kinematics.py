@@ -232,6 +232,36 @@ def begin(run: Run, waves: Array) -> None:
 
 
 @inner_kernel
+def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
+    """Return gddot and vdot [m/s^2] that there would be without contact, at a place and time s of the step.
+
+    gddot = G_n qddot + n.(Jdot qdot) + v_T^2/|d|,   vdot = G_t qddot + t.(Jdot qdot) - v_T gdot/|d|,
+    Jdot qdot = L_tip thdot^2 (sin th, -cos th), with n = (t_u, n_u) and t = (-n_u, t_u).
+    """
+    plant = run.plant
+    u_acc, th_acc, rotor_acc = 0.0, 0.0, 0.0
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        acceleration = mode.constant - mode.damping * mode.v[place] - mode.stiffness * mode.q[place]
+        for k in range(plant.tone_count):
+            tone, phasor = plant.tones[k], plant.phasors[j, k]
+            acceleration += phasor.force_re * tone.cosine[place] - phasor.force_im * tone.sine[place]
+        if plant.wave.electrodes > 0:
+            acceleration += wave_force(plant, j, s)
+        u_acc += mode.row_u * acceleration
+        th_acc += mode.row_th * acceleration
+        rotor_acc += mode.row_r * acceleration
+    tip = tip_motion(plant, place)
+    _, th, _, th_rate, rotor = tip
+    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(plant, tip)
+    turning, passing = plant.geometry.tip_length * th_rate * th_rate, slip - rotor
+    distance = plant.geometry.radius + gap
+    normal = n_u * u_acc + n_th * th_acc + turning * (t_u * sin(th) - n_u * cos(th))
+    tangential = t_u * u_acc + t_th * th_acc + rotor_acc - turning * (n_u * sin(th) + t_u * cos(th))
+    return normal + passing * passing / distance, tangential - passing * rate / distance
+
+
+@inner_kernel
 def _add_driven(
     plant: Plant, j: int, k: int, origin: int, place: int, response: tuple[float, float, float, float]
 ) -> None:

@@ -44,16 +44,16 @@ def solve_linear(system: Array, n: int) -> None:
         for row in range(p + 1, n):
             if abs(system[row, p]) > abs(system[best, p]):
                 best = row
-        for column in range(p, n + 1):
-            pivot = system[p, column]
-            system[p, column] = system[best, column]
-            system[best, column] = pivot
-        for row in range(n):
-            if row != p:
-                ratio = system[row, p] / system[p, p]
-                for column in range(p, n + 1):
-                    system[row, column] -= ratio * system[p, column]
-    for p in range(n):
+        if best != p:
+            for column in range(p, n + 1):
+                system[p, column], system[best, column] = system[best, column], system[p, column]
+        for row in range(p + 1, n):
+            ratio = system[row, p] / system[p, p]
+            for column in range(p + 1, n + 1):
+                system[row, column] -= ratio * system[p, column]
+    for p in range(n - 1, -1, -1):
+        for column in range(p + 1, n):
+            system[p, n] -= system[p, column] * system[column, n]
         system[p, n] /= system[p, p]
 
 

@@ -18,7 +18,7 @@ from math import cos, inf, pi, sin, sqrt
 from typing import Annotated, final
 
 from contactlab.checks import Checked
-from contactlab.compiler.kernels import kernel
+from contactlab.compiler.kernels import kernel, part_kernel
 from contactlab.parameter import Parameter, positive
 
 _ANGLE = Parameter(
@@ -74,6 +74,25 @@ class ContactGeometry(Checked):
         return result
 
 
+SMALL_ANGLE = 2.0**-5
+"""Angle [rad] up to which Taylor's polynomials of degree 9 and 8 are the sine and 1 - cos to round-off."""
+
+
+@part_kernel
+def sine_and_versine(angle: float) -> tuple[float, float]:
+    """Return sin x and 1 - cos x [1] of an angle x [rad], the latter without cancellation.
+
+    A tip leans by a few milliradians, of which the polynomials take a fifth of the library's time.
+    """
+    x2 = angle * angle
+    if x2 > SMALL_ANGLE * SMALL_ANGLE:
+        half = sin(0.5 * angle)
+        return sin(angle), 2.0 * half * half
+    sine = 1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0 - x2 * (1.0 / 362880.0))))
+    versine = 0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0 - x2 * (1.0 / 40320.0)))
+    return angle * sine, x2 * versine
+
+
 @kernel
 def contact_frame(
     u: float, th: float, tip_length: float, radius: float, clearance: float, cosine: float, sine: float
@@ -90,19 +109,17 @@ def contact_frame(
         gap [m], n.dL/du [1], n.dL/dth [m], t.dL/du [1], t.dL/dth [m]. The gap is formed from
         |d|^2 - R^2 without cancellation, so it is good to round-off of itself, not of R.
     """
-    sine_th = sin(th)
-    cosine_th = cos(th)
-    half = sin(0.5 * th)
+    sine_th, versine_th = sine_and_versine(th)
+    cosine_th = 1.0 - versine_th
     # How far the tip has come against x, and how far its leaning has drawn it back.
-    aside = tip_length * sine_th
-    back = 2.0 * tip_length * half * half
+    aside, back = tip_length * sine_th, tip_length * versine_th
     # In the axes of the contact at rest, along the line of centres and across it.
     across = aside * cosine + (u - back) * sine
     excess = clearance - u * cosine + back * cosine + aside * sine
     distance = sqrt(across * across + (radius + excess) * (radius + excess))
     gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
-    aslant = -across / distance
-    straight = -(radius + excess) / distance
+    inverse = 1.0 / distance
+    aslant, straight = -across * inverse, -(radius + excess) * inverse
     nx = aslant * cosine + straight * sine
     ny = straight * cosine - aslant * sine
     normal = -tip_length * (cosine_th * nx + sine_th * ny)
