@@ -1,6 +1,7 @@
 """Every recorded quantity once: name, dimensions, unit and meaning, for dataset and recorder alike."""
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Final, final
 
 
@@ -68,6 +69,7 @@ BEARING: Final = Variable(
 """A root variable of motors whose rotor is on a bearing."""
 
 
+@cache
 def of_electrode(number: int) -> tuple[Variable, ...]:
     """Return charge and current of an electrode, root variables of motors whose capacitance is known."""
     return _along(
@@ -81,6 +83,7 @@ POINT: Final = "point_"
 """What the name of a point's displacement begins with."""
 
 
+@cache
 def of_point(name: str) -> tuple[Variable, ...]:
     """Return displacement and velocity of a point of the structure, root variables of motors that have it."""
     return _along(

@@ -233,8 +233,13 @@ def _coefficients(law: ContactLaw, part: Any) -> tuple[tuple[tuple[str, int], ..
         raise LawError(
             f"{part.name}: coefficients() returns {shown(coefficients)}; it must return numbers by name."
         )
-    shape = tuple((name, np.size(value) if np.ndim(value) else 0) for name, value in coefficients.items())
-    return shape, [x for value in coefficients.values() for x in np.atleast_1d(value).tolist()]
+    shape: list[tuple[str, int]] = []
+    numbers: list[Any] = []
+    for name, value in coefficients.items():
+        several = not isinstance(value, float) and np.ndim(value) > 0
+        shape.append((name, np.size(value) if several else 0))
+        numbers += np.ravel(value).tolist() if several else [value]
+    return tuple(shape), numbers
 
 
 class _Part:

@@ -129,7 +129,8 @@ def plant_of(motor: Motor) -> Plant:
     made["row_u"][:-1], made["row_th"][:-1] = modes.approach, modes.tip_slope
     made["row_w"][:-1] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
     made["row_r"][-1] = -geometry.rotor_radius / root
-    force = np.vstack([motor.force_phasors, np.zeros((1, omega.size))])
+    force = np.zeros((count, omega.size), complex)
+    force[:-1] = motor.force_phasors
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
     margin = np.abs(dynamic[:-1]) / (stiffness[:-1, None] + omega**2)
     if margin.size and margin.min() < RESONANCE_MARGIN:
@@ -139,7 +140,8 @@ def plant_of(motor: Motor) -> Plant:
             f"{modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
             "bound. Give the resonator damping or move the tone."
         )
-    near = np.vstack([margin < NEARLY_RESONANT, np.zeros((1, omega.size), bool)])
+    near = np.zeros(force.shape, bool)
+    near[:-1] = margin < NEARLY_RESONANT
     steady = np.where(near, 0.0, force / dynamic)
     made["near"] = near.any(axis=1)
     tones["omega"] = omega

@@ -235,12 +235,16 @@ def kind_of(bound: Bound, impacts: bool) -> str:
 class LoopData(NamedTuple):
     """All that the compiled loops read and write beside the kernels of a law.
 
+    Plant, propagator and scratch of a step, each the only record of an array: of a record by itself the
+    compiler would ask for a description of its fields at every call, which takes longer than the rest of it.
     States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
     that another call continues the runs, by `budget` steps of each start. Where there are impacts, they are
     integrated or evaluated instead.
     """
 
-    run: Run
+    plant: Any
+    propagator: Any
+    step: Any
     states: Any
     motions: Array
     records: Records
@@ -300,13 +304,12 @@ def run_compliant(
     Each of these functions is compiled for laws with internal variables, and for those without, whose last
     four kernels are None.
     """
+    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
     law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
     if data.impacts.outcomes.size > 0:
-        integrate_impacts(data.run, data.states, data.motions, data.records, data.impacts, law, data.waves)
+        integrate_impacts(run, data.states, data.motions, data.records, data.impacts, law, data.waves)
     else:
-        run_law(
-            data.run, data.states, data.motions, data.records, law, step_compliant, data.budget, data.waves
-        )
+        run_law(run, data.states, data.motions, data.records, law, step_compliant, data.budget, data.waves)
 
 
 @kernel
@@ -322,8 +325,9 @@ def run_rigid(
     limits: Any,
 ) -> None:
     """Run a rigid law in its limit of no step or in time stepping, see `run_compliant`."""
+    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
     law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    run_law(data.run, data.states, data.motions, data.records, law, step_rigid, data.budget, data.waves)
+    run_law(run, data.states, data.motions, data.records, law, step_rigid, data.budget, data.waves)
 
 
 @kernel
@@ -340,7 +344,8 @@ def evaluate_rigid(
 ) -> None:
     """Evaluate impacts of a rigid law."""
     law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    evaluate_impacts(data.run, data.states[0], data.impacts, law)
+    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
+    evaluate_impacts(run, data.states[0], data.impacts, law)
 
 
 LOOPS: Final = {"run_compliant", "run_rigid", "evaluate_rigid"}
@@ -440,8 +445,9 @@ class Prepared(NamedTuple):
     def _data(
         self, run: Run, states: Any, motions: Array, records: Records, budget: int, impacts: ImpactBatch
     ) -> LoopData:
-        waves, parameters, row = self.waves, self.parameters, self.row
-        return LoopData(run, states, motions, records, waves, parameters, row, budget, impacts)
+        arrays = (each.base for each in (run.plant, run.propagator, run.step))
+        law = self.waves, self.parameters, self.row
+        return LoopData(*arrays, states, motions, records, *law, budget, impacts)
 
     def _loop(self, impacts: bool) -> Any:
         """Return the compiled loop of the kind of contact."""

@@ -537,9 +537,10 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
     if table.size == records.size:
         time[-1] = state["end"]
     series: dict[str, Array] = {v.name: table[v.name] for v in (*SERIES, BEARING)}
+    lengths = time[1:] - time[:-1]
     for name in ("normal_force", "friction_force"):
         impulse = series[name]
-        impulse[1:] = np.diff(impulse) / np.diff(time)
+        impulse[1:] = (impulse[1:] - impulse[:-1]) / lengths
         impulse[:1] = state[name]
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
     losses = sum(series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work"))

@@ -319,9 +319,14 @@ class Flow:
     contact: State | None = None
 
     def __call__(
-        self, displacement: Array, velocity: Array, rotor_velocity: Array, memory: Array | None = None
+        self,
+        displacement: Array,
+        velocity: Array,
+        rotor_velocity: Array,
+        memory: Array | None = None,
+        times: int = 1,
     ) -> Ends:
-        """Run the motor from starts in the form of `Ends`.
+        """Run the motor from starts in the form of `Ends`, for some times the duration.
 
         A start that overlaps the rotor of a rigid law breaks off; so does a run that ends over the residual
         indentation of its last contact, whose internal variables are not among those of the run, or in
@@ -338,6 +343,7 @@ class Flow:
         motions[:, 1, -1] = -rotor_velocity * radius / row
         whole = np.repeat(self._fresh.view(BYTES), len(motions))
         states: Any = whole.view(STATE)
+        states["end"] = times * self.duration
         contacts = contacts_from(ready.plant, motions[:, 0], motions[:, 1])
         for state, values in zip(states, memory if memory is not None else (), strict=False):
             ready.begin_with(state, values)

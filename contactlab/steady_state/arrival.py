@@ -120,12 +120,13 @@ def settled(
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
             times = ceil(min(TEST_RUN * orbit.settling_time, longest * clock.period) / orbit.map.period) or 1
-            z, run = clock.end_of(run), _on(run, times * orbit.map.periods)
-            done = round(run.state["end"] / clock.period)
-            distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
-            if _goes_to(orbit, z, clock.end_of(run), times):
-                motion, count = orbit.map.run(orbit.state), orbit.map.periods
+            periods, z = times * orbit.map.periods, clock.end_of(run)
+            if _goes_to(orbit, z, times):
+                motion, done = orbit.map.run(orbit.state), round(run.state["end"] / clock.period) + periods
+                count = orbit.map.periods
                 return Steady(setup, PERIODIC, count, motion, orbit, done, clock.belt, phase=clock.phase)
+            run = _on(run, periods)
+            distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
             if distance < far:
                 far = distance
             else:
@@ -172,21 +173,17 @@ def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
     return orbit if orbit.stable else None
 
 
-def _goes_to(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
+def _goes_to(orbit: Orbit, z: Array, times: int) -> bool:
     """Return whether the motor follows the linearised map to an orbit, from its state and from half-way.
 
     As the rotor is slow, the motor moves along a line; in front of another orbit it would cover less of it.
     """
-    if orbit.is_near(after, ARRIVED):
+    # Half way may lie inside the rotor, and has no end then.
+    starts = np.array([z, 0.5 * (z + orbit.state)])
+    ends = orbit.map.ends(starts, times)
+    if orbit.is_near(ends[0], ARRIVED):
         return True
-    half = 0.5 * (before + orbit.state)
-    try:
-        return _as_predicted(orbit, before, after, times) and _as_predicted(
-            orbit, half, orbit.map.end_of(orbit.map.run(half, times)), times
-        )
-    # Half way may lie inside the rotor.
-    except (BrokenOffError, ValueError):
-        return False
+    return all(_as_predicted(orbit, *pair, times) for pair in zip(starts, ends, strict=True))
 
 
 def _as_predicted(orbit: Orbit, before: Array, after: Array, times: int) -> bool:

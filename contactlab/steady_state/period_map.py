@@ -160,31 +160,30 @@ class PeriodMap:
 
         In contact the latter are all of the law's, those that are discrete as at the section.
         """
-        (modal,), (velocity,), (memory,) = self._parts_of(z[None])
-        return modal, float(velocity), memory
+        (q,), (v,), (velocity,), (memory,) = self._parts_of(z[None])
+        return ModalState(q, v), float(velocity), memory
 
-    def _parts_of(self, starts: Array) -> tuple[list[ModalState], Array, Array]:
-        """Return those of many states, shape (start, state), projected onto the section."""
+    def _parts_of(self, starts: Array) -> tuple[Array, Array, Array, Array]:
+        """Return those of many states, shape (start, state), projected onto the section, q and v apart."""
         count, placed, weights = self.scale.size, int(self._kept.sum()), self._weights
         q = np.zeros((len(starts), count))
         q[:, self._kept] = starts[:, :placed] / self.scale[self._kept]
-        v, memory, rotor = np.split(starts[:, placed:], [count, count + weights.size], axis=1)
-        motions = [ModalState(*pair) for pair in zip(q, v.copy(), strict=True)]
+        v = starts[:, placed : placed + count].copy()
+        memory = starts[:, placed + count : placed + count + weights.size] / weights
         velocities = np.full(len(starts), self.belt or 0.0)
         if self.belt is None:
-            velocities = rotor[:, 0] / np.sqrt(self.setup.motor.rotor.inertia)
+            velocities = starts[:, -1] / np.sqrt(self.setup.motor.rotor.inertia)
         if self.touches:
-            pairs = [self._projected(*pair) for pair in zip(motions, velocities.tolist(), strict=True)]
-            motions = [each for each, _ in pairs]
-            velocities = velocities if self.belt is not None else np.array([each for _, each in pairs])
-        memory = memory / weights
+            rows = [self._projected(*row) for row in zip(q, v, velocities.tolist(), strict=True)]
+            q, v, turned = map(np.array, zip(*rows, strict=True))
+            velocities = velocities if self.belt is not None else turned
         if self.contact is not None:
             every = np.repeat(self.contact["memory"][None, : self._continuous.size], len(starts), axis=0)
             every[:, self._continuous] = memory
             memory = every
-        return motions, velocities, memory
+        return q, v, velocities, memory
 
-    def _projected(self, modal: ModalState, velocity: float) -> tuple[ModalState, float]:
+    def _projected(self, q: Array, v: Array, velocity: float) -> tuple[Array, Array, float]:
         """Project a motion in contact onto what its contact holds."""
         law, modes, geometry, rotor = (
             self.setup.law,
@@ -192,11 +191,11 @@ class PeriodMap:
             self._motor.geometry,
             self._motor.rotor,
         )
-        rigid, q, v = isinstance(law, MultiplierLaw), modal.displacement, modal.velocity
+        rigid = isinstance(law, MultiplierLaw)
         sticks = self.contact is not None and self.contact["mode"] == STICK
         sticks = sticks and (rigid or getattr(law, "friction_kind", None) == SET_VALUED)
         if not (rigid or sticks):
-            return modal, velocity
+            return q, v, velocity
         for _ in range(PROJECTIONS if rigid else 1):
             gap, n_u, n_th, t_u, t_th = geometry.frame(float(modes.approach @ q), float(modes.tip_slope @ q))
             normal = n_u * modes.approach + n_th * modes.tip_slope
@@ -207,7 +206,7 @@ class PeriodMap:
         constraints = np.array(rows[0 if rigid else 1 : 2 if sticks else 1])
         rates = np.append(v, np.sqrt(rotor.inertia) * velocity)
         rates = rates - constraints.T @ np.linalg.solve(constraints @ constraints.T, constraints @ rates)
-        return ModalState(q, rates[:-1]), float(rates[-1] / np.sqrt(rotor.inertia))
+        return q, rates[:-1], float(rates[-1] / np.sqrt(rotor.inertia))
 
     def mechanical(self, z: Array) -> Array:
         """Return a state z without internal variables."""
@@ -276,18 +275,16 @@ class PeriodMap:
             raise BrokenOffError(messages[0])
         return np.asarray(ends[0])
 
-    def ends(self, starts: Array) -> Array:
-        """Return the states one period of the map after others, shape (start, state): many for little more.
+    def ends(self, starts: Array, times: int = 1) -> Array:
+        """Return the states some periods of the map after others, shape (start, state): many for little more.
 
         Where a run did not reach its end, or could not begin, the state is no number.
         """
-        return self._sent(starts)[0]
+        return self._sent(starts, times)[0]
 
-    def _sent(self, starts: Array) -> tuple[Array, tuple[str, ...]]:
+    def _sent(self, starts: Array, times: int = 1) -> tuple[Array, tuple[str, ...]]:
         """Return the states after others, and why one is no number."""
-        motions, velocities, memory = self._parts_of(starts)
-        q, v = (np.array([getattr(each, of) for each in motions]) for of in ("displacement", "velocity"))
-        ends = self._flow(q, v, velocities, memory)
+        ends = self._flow(*self._parts_of(starts), times)
         placed = (self.scale * ends.displacement)[:, self._kept]
         memory = ends.memory if self.contact is None else ends.memory[:, self._continuous]
         parts = [placed, ends.velocity, self._weights * memory]
