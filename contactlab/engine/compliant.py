@@ -82,8 +82,8 @@ from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 MOST_ITERATIONS = 25
 AGREEMENT = 1e-10
-"""Relative change of the nodal forces in a next sweep, or else in the last one, at which the iteration ends;
-it contracts by far more than ten a sweep."""
+"""Relative change of the nodal forces, in the last sweep or in the next one, at which the iteration ends; it
+contracts by far more than ten a sweep."""
 
 CAUTION = 10.0
 """Ratio of two sweeps' changes over that of the two before, at most [1]."""
@@ -411,8 +411,11 @@ def _collocate(
         flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
         if not np.isfinite(change):
             return 0
-        agrees, before = agreement(state, change, most, flowed, before)
-        if not agrees:
+        moved = max(flowed, change / most if most > 0.0 else 0.0)
+        # What is held at zero drifts by whatever a sweep leaves of it: there the next one must be done.
+        share = 1.0 if holds else _share_left(moved, before)
+        before = min(moved, 1.0)
+        if not agree(state, share * change, most, share * flowed):
             continue
         # The friction that holds the slip at zero is the start of Newton's method on the law's own.
         if at_zero_slip:
@@ -433,17 +436,22 @@ def _collocate(
 
 
 @part_kernel
-def agreement(state: Any, change: float, most: float, flowed: float, before: float) -> tuple[bool, float]:
-    """Return whether a sweep ends the iteration, and its relative change for the next one [1].
+def agree(state: Any, change: float, most: float, flowed: float) -> bool:
+    """Return whether a sweep that changes forces by a change of `most` [N] leaves nothing to change.
 
-    It has changed the forces by `change` of `most` [N], and internal variables by `flowed`; the sweep before,
-    if there was one, by `before`. As the iteration is linear near its end, their ratio foretells what the
-    next sweep would change (Hairer and Wanner, Solving ODEs II, sec. IV.8).
+    It changes internal variables by `flowed` [1].
     """
-    moved = max(flowed, change / most if most > 0.0 else 0.0)
-    share = min(CAUTION * moved / before, 1.0) if before > 0.0 else 1.0
     small = AGREEMENT * max(most, 1e-3 * state.impulse_scale / state.length)
-    return bool(share * flowed <= AGREEMENT and share * change <= small), min(moved, 1.0)
+    return bool(flowed <= AGREEMENT and change <= small)
+
+
+@part_kernel
+def _share_left(moved: float, before: float) -> float:
+    """Return the share of a sweep's change that bounds the next one's, from the relative changes of two [1].
+
+    The iteration is linear near its end, and it is their ratio (Hairer and Wanner, Solving ODEs II, IV.8).
+    """
+    return min(CAUTION * moved / before, 1.0) if before > 0.0 else 1.0
 
 
 @inner_kernel

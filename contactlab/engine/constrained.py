@@ -21,7 +21,7 @@ Where slip presses the bodies together more than the normal force parts them, D_
 a contact that opens by itself is released, and one that does not is stopped by an impact without approach.
 """
 
-from math import cos, inf, sin, sqrt
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
@@ -30,7 +30,7 @@ from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.compliant import (
     MOST_ITERATIONS,
     ROUND_OFF as IMPULSE_ROUND_OFF,
-    agreement,
+    agree,
     impulse_scale,
     lengthen,
     pushed_tip,
@@ -500,7 +500,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
     """
     state, step, rule = run.state, run.step, run.propagator.rule
     sticks = state.mode == STICK
-    size, before = 2 * NODES if sticks else NODES, 0.0
+    size = 2 * NODES if sticks else NODES
     for sweep in range(1, MOST_ITERATIONS + 1):
         most = 0.0
         for i in range(NODES):
@@ -518,8 +518,7 @@ def _collocate(run: Run, law: Law, level: int) -> int:
         flowed = correct_memory(run, law, law.memory, state.length)
         if not np.isfinite(change):
             return 0
-        agrees, before = agreement(state, change, most, flowed, before)
-        if agrees:
+        if agree(state, change, most, flowed):
             for i in range(NODES):
                 _bound_node(run, law, i, sticks)
             fit(rule, state.normal)

@@ -23,7 +23,7 @@ from contactlab.engine.kinematics import (
     tip_motion,
 )
 from contactlab.engine.memory import limit_at, note_limit
-from contactlab.engine.plant import ORDERS
+from contactlab.engine.plant import ORDERS, Plant
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import locate
 from contactlab.engine.state import (
@@ -184,26 +184,13 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
         acceleration = -c * mode.free_v - k * mode.free_q
         jerk = -c * acceleration - k * mode.free_v
         reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
-        answer, change = abs(mode.constant), 0.0
-        if plant.wave.electrodes > 0:
-            power = 1.0
-            for m in range(ORDERS):
-                answer += abs(plant.forces[j, m]) * power
-                if m + 1 < ORDERS:
-                    change += abs(plant.forces[j, m + 1]) * power
-                power *= h / (m + 1)
-        for i in range(plant.tone_count):
-            phasor = plant.phasors[j, i]
-            if phasor.near != 0:
-                force, omega = sqrt(phasor.force_re**2 + phasor.force_im**2), plant.tones[i].omega
-                answer += force * (1.0 + omega * h)
-                change += force * omega
+        answer, rate = _from_rest(plant, j, h)
         bound = abs(acceleration) + abs(jerk) * reach + answer
         u_acc += abs(mode.row_u) * bound
         th_acc += abs(mode.row_th) * bound
         if short:
             snap = -c * jerk - k * acceleration
-            bound = abs(jerk) + abs(snap) * reach + change + (c + k * h) * answer
+            bound = abs(jerk) + abs(snap) * reach + rate + (c + k * h) * answer
             u_jerk += abs(mode.row_u) * bound
             th_jerk += abs(mode.row_th) * bound
     for i in range(plant.tone_count):
@@ -229,6 +216,26 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
         at_start = abs(free_accelerations(run, START, 0.0)[0])
         bound = min(bound, at_start + jerk * h + ROUGH * bound)
     return float(bound)
+
+
+@inner_kernel
+def _from_rest(plant: Plant, j: int, h: float) -> tuple[float, float]:
+    """Return bounds of the acceleration by forces without a steady state, and of the rate of these forces."""
+    answer, rate = abs(plant.modes[j].constant), 0.0
+    if plant.wave.electrodes > 0:
+        power = 1.0
+        for m in range(ORDERS):
+            answer += abs(plant.forces[j, m]) * power
+            if m + 1 < ORDERS:
+                rate += abs(plant.forces[j, m + 1]) * power
+            power *= h / (m + 1)
+    for k in range(plant.tone_count):
+        phasor, omega = plant.phasors[j, k], plant.tones[k].omega
+        if phasor.near != 0:
+            force = sqrt(phasor.force_re**2 + phasor.force_im**2)
+            answer += force * (1.0 + omega * h)
+            rate += force * omega
+    return answer, rate
 
 
 @inner_kernel

@@ -445,9 +445,9 @@ class Prepared(NamedTuple):
     def _data(
         self, run: Run, states: Any, motions: Array, records: Records, budget: int, impacts: ImpactBatch
     ) -> LoopData:
-        arrays = (each.base for each in (run.plant, run.propagator, run.step))
+        plant, propagator, step = (each.base for each in (run.plant, run.propagator, run.step))
         law = self.waves, self.parameters, self.row
-        return LoopData(*arrays, states, motions, records, *law, budget, impacts)
+        return LoopData(plant, propagator, step, states, motions, records, *law, budget, impacts)
 
     def _loop(self, impacts: bool) -> Any:
         """Return the compiled loop of the kind of contact."""
