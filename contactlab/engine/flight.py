@@ -184,13 +184,13 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
         acceleration = -c * mode.free_v - k * mode.free_q
         jerk = -c * acceleration - k * mode.free_v
         reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
-        answer, rate = _from_rest(plant, j, h)
-        bound = abs(acceleration) + abs(jerk) * reach + answer
+        forced, rate = _from_rest(plant, j, h)
+        bound = abs(acceleration) + abs(jerk) * reach + forced
         u_acc += abs(mode.row_u) * bound
         th_acc += abs(mode.row_th) * bound
         if short:
             snap = -c * jerk - k * acceleration
-            bound = abs(jerk) + abs(snap) * reach + rate + (c + k * h) * answer
+            bound = abs(jerk) + abs(snap) * reach + rate + (c + k * h) * forced
             u_jerk += abs(mode.row_u) * bound
             th_jerk += abs(mode.row_th) * bound
     for i in range(plant.tone_count):
@@ -210,7 +210,7 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     whirl = length * th_rate * th_rate
     bound = u_acc + lever * th_acc + whirl + speed * speed / radius
     if short:
-        # gdddot = n.Ldddot + 3 (Ldot_t.Lddot - gdot |Ldot_t|^2 / |d|) / |d|, with |d| >= R.
+        # gdddot = n.Ldddot + 3 (v_T.Lddot - gdot |v_T|^2 / |d|) / |d|, with |d| >= R.
         jerk = u_jerk + lever * th_jerk + length * th_rate * (3.0 * th_acc + th_rate * th_rate)
         jerk += 3.0 * speed * (u_acc + length * th_acc + whirl + speed * speed / radius) / radius
         at_start = abs(free_accelerations(run, START, 0.0)[0])
@@ -221,11 +221,11 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
 @inner_kernel
 def _from_rest(plant: Plant, j: int, h: float) -> tuple[float, float]:
     """Return bounds of the acceleration by forces without a steady state, and of the rate of these forces."""
-    answer, rate = abs(plant.modes[j].constant), 0.0
+    forced, rate = abs(plant.modes[j].constant), 0.0
     if plant.wave.electrodes > 0:
         power = 1.0
         for m in range(ORDERS):
-            answer += abs(plant.forces[j, m]) * power
+            forced += abs(plant.forces[j, m]) * power
             if m + 1 < ORDERS:
                 rate += abs(plant.forces[j, m + 1]) * power
             power *= h / (m + 1)
@@ -233,9 +233,9 @@ def _from_rest(plant: Plant, j: int, h: float) -> tuple[float, float]:
         phasor, omega = plant.phasors[j, k], plant.tones[k].omega
         if phasor.near != 0:
             force = sqrt(phasor.force_re**2 + phasor.force_im**2)
-            answer += force * (1.0 + omega * h)
+            forced += force * (1.0 + omega * h)
             rate += force * omega
-    return answer, rate
+    return forced, rate
 
 
 @inner_kernel
