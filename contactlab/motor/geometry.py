@@ -118,8 +118,7 @@ def contact_frame(
     excess = clearance - u * cosine + back * cosine + aside * sine
     distance = sqrt(across * across + (radius + excess) * (radius + excess))
     gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
-    inverse = 1.0 / distance
-    aslant, straight = -across * inverse, -(radius + excess) * inverse
+    aslant, straight = -across / distance, -(radius + excess) / distance
     nx = aslant * cosine + straight * sine
     ny = straight * cosine - aslant * sine
     normal = -tip_length * (cosine_th * nx + sine_th * ny)
