@@ -437,9 +437,9 @@ def _collocate(
 
 @part_kernel
 def agree(state: Any, change: float, most: float, flowed: float) -> bool:
-    """Return whether a sweep that changes forces by a change of `most` [N] leaves nothing to change.
+    """Return whether a sweep leaves nothing to change.
 
-    It changes internal variables by `flowed` [1].
+    It has changed forces of up to `most` by `change` [N], and internal variables by `flowed` of them [1].
     """
     small = AGREEMENT * max(most, 1e-3 * state.impulse_scale / state.length)
     return bool(flowed <= AGREEMENT and change <= small)
