@@ -4,7 +4,7 @@
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
 motor in populations, three of which the usual draws seldom contain; and how often the rule of pairs is wrong
-in worlds of known truth. It takes about twenty minutes on two cores, and writes docs/results/motor.json.
+in worlds of known truth. It takes some four minutes on two processors, and writes docs/results/motor.json.
 """
 
 import sys
