@@ -82,7 +82,7 @@ SMALL_ANGLE = 2.0**-5
 def sine_and_versine(angle: float) -> tuple[float, float]:
     """Return sin x and 1 - cos x [1] of an angle x [rad], the latter without cancellation.
 
-    A tip leans by a few milliradians; the library's functions of them took a sixth of a run under Hertz's law.
+    A tip leans by a few milliradians; the library's functions took a sixth of a run under Hertz's law.
     """
     x2 = angle * angle
     if x2 > SMALL_ANGLE * SMALL_ANGLE:
