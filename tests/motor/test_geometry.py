@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.geometry import SMALL_ANGLE, ContactGeometry, sine_and_versine
 
 TIP, RADIUS = 19e-3, 25e-3
 
@@ -70,3 +70,14 @@ def test_the_way_to_touch_closes_the_gap(open_by: float, beside: float) -> None:
         way = made.way_to_touch
         assert made.frame(way, 0.0)[0] == pytest.approx(0.0, abs=1e-15 * hypot(RADIUS, way))
         assert made.frame(0.999 * way, 0.0)[0] >= 0.0
+
+
+def test_sine_and_versine_are_good_to_the_last_digit_on_either_side_of_a_small_angle() -> None:
+    edge = SMALL_ANGLE * np.array([1.0 - 1e-15, 1.0, 1.0 + 1e-15])
+    for angle in (*edge, *-edge, *np.logspace(-300, 0, 601), *-np.logspace(-9, 0, 50)):
+        # The reference has eleven more bits where the platform's long double does.
+        exact = np.longdouble(angle)
+        expected = np.sin(exact), 2.0 * np.sin(0.5 * exact) ** 2
+        found = sine_and_versine(float(angle))
+        for value, reference in zip(found, expected, strict=True):
+            assert abs(value - reference) <= 2.0 * np.finfo(np.float64).eps * abs(reference) + 1e-320
