@@ -78,6 +78,5 @@ def test_sine_and_versine_are_good_to_the_last_digit_on_either_side_of_a_small_a
         # The reference has eleven more bits where the platform's long double does.
         exact = np.longdouble(angle)
         expected = np.sin(exact), 2.0 * np.sin(0.5 * exact) ** 2
-        found = sine_and_versine(float(angle))
-        for value, reference in zip(found, expected, strict=True):
+        for value, reference in zip(sine_and_versine(float(angle)), expected, strict=True):
             assert abs(value - reference) <= 2.0 * np.finfo(np.float64).eps * abs(reference) + 1e-320
