@@ -11,7 +11,17 @@ import numpy as np
 # The module of the bench, by its folder: an environment of simulators has no contactlab.
 from measures import Numbers, of_block, of_bounce
 
-__all__ = ["SETTLING", "Numbers", "Values", "of_block", "of_bounce", "of_impact", "push_at", "serve"]
+__all__ = [
+    "SETTLING",
+    "Numbers",
+    "Values",
+    "is_constant",
+    "of_block",
+    "of_bounce",
+    "of_impact",
+    "push_at",
+    "serve",
+]
 
 SETTLING = 0.2
 """Time for which a block rests on a soft contact before it is loaded [s]."""
@@ -53,6 +63,11 @@ def push_at(numbers: Numbers, time: float, way: float) -> float:
     phase = 2.0 * np.pi * numbers.get("frequency", 0.0) * time
     spring = numbers.get("stiffness", 0.0) * (way + numbers.get("belt_velocity", 0.0) * time)
     return float(cone * (numbers["push"] + numbers.get("amplitude", 0.0) * np.cos(phase)) - spring)
+
+
+def is_constant(numbers: Numbers) -> bool:
+    """Return whether the load along the plane stays as it is."""
+    return not (numbers.get("amplitude") or numbers.get("stiffness"))
 
 
 def of_impact(numbers: Numbers, gap_rate: float, along: float, up: float, turning: float) -> Values:

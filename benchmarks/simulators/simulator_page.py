@@ -5,7 +5,7 @@ python benchmarks/simulators/simulator_page.py
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import isnan
 from pathlib import Path
 from textwrap import fill
@@ -70,11 +70,11 @@ def table(names: Sequence[str]) -> str:
     return "\n".join(lines)
 
 
-def span(values: Iterable[float]) -> str:
-    """Return the range of numbers."""
-    known = sorted(values)
-    least, most = shown(known[0]), shown(known[-1])
-    return least if least == most else f"{least} to {most}"
+def span(values: Mapping[str, float], unit: str) -> str:
+    """Return the range of numbers, and the setting of the least where they differ."""
+    best, most = min(values, key=values.__getitem__), shown(max(values.values()))
+    least = shown(values[best])
+    return f"{least}{unit}" if least == most else f"{least} ({best}) to {most}{unit}"
 
 
 def findings() -> str:
@@ -84,9 +84,11 @@ def findings() -> str:
         entrants.setdefault(row["entrant"], []).append(row)
 
     def ranges(column: str, unit: str = "") -> str:
-        every = {name: [columns(row)[column] for row in rows] for name, rows in entrants.items()}
-        known = {name: [x for x in values if not isnan(x)] for name, values in every.items()}
-        return ", ".join(f"{name} {span(values)}{unit}" for name, values in known.items() if values)
+        every = {
+            name: {row["setting"]: x for row in rows if not isnan(x := columns(row)[column])}
+            for name, rows in entrants.items()
+        }
+        return "; ".join(f"{name} {span(values, unit)}" for name, values in every.items() if values)
 
     count = {
         name: sum(case.question == name and case.quantity != "slip" for case in questions()[0])
