@@ -93,6 +93,8 @@ class Trajectory:
         part: of the first contact, where that began before the run, what lies in it: variables of a contact
             by name.
         earlier_loss: what a contact before the run had stored, and the run lost while apart [J].
+        impulse_error: sum since t = 0 of the errors of all steps in contact, by which they were accepted
+            [N s], without what the motion makes of them; NaN in time stepping, which has no estimate.
     """
 
     motor: Motor
@@ -111,6 +113,12 @@ class Trajectory:
     state: Mapping[str, Any] = field(default_factory=dict)
     part: dict[str, float] = field(default_factory=dict)
     earlier_loss: float = 0.0
+    impulse_error: float = float("nan")
+
+    @property
+    def rotor_velocity_error(self) -> float:
+        """What the impulse error makes of the rotor's velocity, as friction [rad/s]."""
+        return self.impulse_error * self.motor.geometry.rotor_radius / self.motor.rotor.inertia
 
     @property
     def contacts_within(self) -> dict[str, Array]:

@@ -130,7 +130,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     highest coefficient, as is an elastic force that a damping outweighs, and of rate-dependent friction
     counts what no change of the slip makes good; internal variables have one where nothing else tells of
     them. A step in which the gap opens, or the force ends or begins before it, carries a kink, and stands
-    only when the whole force left is negligible.
+    only when the whole normal force left is negligible; friction that goes on without it is judged as ever.
     """
     state, step = run.state, run.step
     normal, bound, bias, friction, steepness = known[:5]
@@ -151,17 +151,19 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if sweeps == 0:
         return np.inf
     allowed = state.tolerance * state.impulse_scale
-    kinked, outweighed = _kinked_force(run, known), _outweighed_error(run)
-    if kinked >= 0.0:
-        return max(0.5, outweighed * h / allowed) if kinked * h <= allowed else KINK
-    # Eq. 3.10: a polynomial through the nodes misses what is known at the step's start.
-    error = max(abs(state.normal.coefficient[0] - normal), outweighed)
+    kinked, beside = _kinked_force(run, known), _outweighed_error(run)
     if not depends:
-        error = max(error, abs(state.bound.coefficient[0] - bound), abs(state.bias.coefficient[0] - bias))
+        beside = max(beside, abs(state.bias.coefficient[0] - bias))
+    if kinked >= 0.0:
+        return max(0.5, beside * h / allowed) if kinked * h <= allowed else KINK
+    # Eq. 3.10: a polynomial through the nodes misses what is known at the step's start.
+    error = max(abs(state.normal.coefficient[0] - normal), beside)
+    if not depends:
+        error = max(error, abs(state.bound.coefficient[0] - bound))
     if state.law.friction_kind != SET_VALUED:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
-        if depends:
-            error = max(error, missed_between(run, law, mobility(run, level, FIRST, FIRST)))
+        if depends or state.mode == STICK:
+            error = missed_between(run, law, mobility(run, level, FIRST, FIRST), error, allowed / h)
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
@@ -489,15 +491,18 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
     state, step = run.state, run.step
     tip = pushed_tip(run, level, i)
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, tip)
-    normal, bound, bias, loss = 0.0, 0.0, 0.0, 0.0
     recall(run, law, i)
     step.end[i] = end_at(run, law, law.memory, rate)
+    seen = 0.0 if state.mode == STICK else slip
+    # Friction without a normal force goes on beyond the release, which cuts the step: it has no jump there.
+    closed = min(gap, step.end[i] + TOUCHED)
+    normal, least, most, _, loss = law.force(closed, rate, seen, state.impact_speed, law.parameters)
+    bound, bias = 0.5 * (most - least), 0.5 * (most + least)
     if gap < step.end[i]:
-        seen = 0.0 if state.mode == STICK else slip
-        normal, least, most, _, loss = law.force(gap, rate, seen, state.impact_speed, law.parameters)
-        bound, bias = 0.5 * (most - least), 0.5 * (most + least)
         normal = sound_normal(normal, bound)
         bias += _beside_spring(run, law, (gap, rate, slip), step.end[i], normal)
+    else:
+        normal, loss = 0.0, 0.0
     step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
     step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
@@ -565,8 +570,9 @@ def step_compliant(run: Run, law: Law) -> int:
 
 @inner_kernel
 def lengthen(run: Run, level: int, error: float) -> None:
-    """Choose the level of the next step from that of this one and its error over the tolerance."""
+    """Add up the error of a step over the tolerance, and choose the level of the next one by it."""
     state = run.state
+    state.impulse_error += error * state.tolerance * state.impulse_scale
     state.level = state.level_before = level
     for _ in range(2):
         if state.level > run.propagator.rule.contact_level and 2.0 * error * GROWTH < 1.0:

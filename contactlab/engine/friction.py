@@ -19,6 +19,7 @@ from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
 from contactlab.engine.memory import (
     SLIP_ROUND_OFF,
+    add_missed_flow,
     end_at,
     jump,
     memory_at,
@@ -26,6 +27,7 @@ from contactlab.engine.memory import (
     recall_start,
     solve_linear,
 )
+from contactlab.engine.propagator import step_length
 from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
@@ -270,24 +272,50 @@ def jump_at_guard(run: Run, law: Law) -> bool:
 
 
 @inner_kernel
-def missed_between(run: Run, law: Law, yielding: float) -> float:
-    """Return the largest error [N] of friction's polynomial half-way between nodes, from the law's answer.
+def _missed_stretch(
+    run: Run, law: Law, at: tuple[float, float, float], end: float, normal: float, x: float
+) -> float:
+    """Return the error [N] of friction by what the variables miss of their rates, at x = s/h.
 
-    Rate-dependent friction has kinks where the slip changes its sign, which the nodes alone do not see.
+    The variables are recalled. Their error lasts for a step in contact at its longest, or until the variable
+    forgets it.
+    """
+    rule, coupled = run.propagator.rule, run.state.law.coupled != 0
+    longest = step_length(run.propagator, rule.contact_level)
+    friction, flow, _, _ = friction_at(law, at, end, normal)
+    if coupled:
+        z = law.row[HEAD]
+        dz = NUDGE * (abs(z) + LEAST_INTERNAL)
+        law.row[HEAD] = z + dz
+        forgetting = max((flow - friction_at(law, at, end, normal)[1]) / dz, 0.0)
+        missed = flow - value_at(run.state.internal_rate, x)
+        law.row[HEAD] = z + missed * longest / (1.0 + longest * forgetting)
+    add_missed_flow(run, law, law.memory, at, normal, x)
+    return abs(friction_at(law, at, end, normal)[0] - friction)
+
+
+@inner_kernel
+def missed_between(run: Run, law: Law, yielding: float, error: float, enough: float) -> float:
+    """Return the largest error [N] of friction's polynomial half-way between nodes, or one known, if larger.
+
+    Friction with a state has kinks that the nodes alone do not see: where the slip changes its sign it is the
+    rate of its variable that has one, and so the rates are judged too, at the step's start as well.
     Of a difference counts what is left once the slip gives way to it, by its mobility `yielding` [m/s/N]:
     steep friction is met by a slip that is hardly another. So errors of stiff equations are judged (Hairer
-    and Wanner, Solving ODEs II, sec. IV.8).
+    and Wanner, Solving ODEs II, sec. IV.8). Above `enough` [N] the step is not accepted, whatever the rates.
     """
     state, nodes = run.state, run.propagator.rule.nodes
-    most = 0.0
-    for i in range(NODES - 1):
-        x = 0.5 * (nodes[i] + nodes[i + 1])
+    most = error
+    for i in range(NODES):
+        x = 0.5 * (nodes[i - 1] + nodes[i]) if i > 0 else 0.0
         gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
         memory_at(run, law, law.memory, x * state.length)
-        end = end_at(run, law, law.memory, rate)
+        at, end = (gap, rate, slip), end_at(run, law, law.memory, rate)
         if gap < end:
             normal = max(value_at(state.normal, x), 0.0)
-            friction, steepness = friction_and_steepness(law, (gap, rate, slip), end, normal)
+            friction, steepness = friction_and_steepness(law, at, end, normal)
             missed = abs(friction - value_at(state.friction, x))
+            if max(most, missed / (1.0 + steepness * yielding)) <= enough:
+                missed = max(missed, _missed_stretch(run, law, at, end, normal, x))
             most = max(most, missed / (1.0 + steepness * yielding))
     return most

@@ -172,6 +172,7 @@ def simulate(
         state=_state_to_go_on(run, series, ending, cut),
         part=part,
         earlier_loss=float(state["earlier_loss"]),
+        impulse_error=np.nan if state["law"]["stepped"] else float(state["impulse_error"]),
     )
 
 

@@ -161,6 +161,7 @@ STATE: Final = record(
     ("length", float),  # length of the last step [s]
     ("accepted_length", float),  # part of it up to its event [s]
     ("impulse_scale", float),  # impulse of the contact that errors are relative to [N s]
+    ("impulse_error", float),  # sum of the errors of steps in contact since t = 0 [N s]
     ("impact_speed", float),  # approach with which the contact began [m/s]
     ("earlier_loss", float),  # energy stored by a contact before this run and lost in it [J]
     ("normal_before", float),  # normal force of the step before in time stepping [N]

@@ -99,8 +99,8 @@ class Composed(PenaltyLaw):
 
     @dependent
     def convergence_order(self) -> float:
-        """That of the part which has the lower one; less where viscous friction jumps at the touch."""
-        return min(*(part.convergence_order for part in self.parts), 0.5 if self.viscous_friction else 1.0)
+        """That of the part which has the lower one."""
+        return min(part.convergence_order for part in self.parts)
 
     @dependent
     def violations(self) -> Mapping[str, str]:

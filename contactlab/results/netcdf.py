@@ -373,6 +373,8 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         **prescribed_by(trajectory.motor),
         **settling_of(columns, trajectory.contacts_within, period, trajectory.lasting).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
+        "impulse_error": float(trajectory.impulse_error),
+        "rotor_velocity_error": float(trajectory.rotor_velocity_error),
         "ending": Ending(trajectory.ending).name.lower(),
         "message": trajectory.message,
         "complete": int(trajectory.complete),

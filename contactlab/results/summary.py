@@ -87,6 +87,7 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
     residual, turned = float(root["energy_residual"].values[-1]), abs(float(root["drive_work"].values[-1]))
     share = f"{abs(residual) / turned:.2g} of the drive work" if turned > 0.0 else "no drive work"
     lines["ledger residual"] = f"{residual:.2g} J, {share}"
+    lines["error of steps"] = _error_of_steps(attributes)
     if wall_time is not None:
         pace = f", {(end - start) / wall_time:.3g} times real time" if wall_time > 0.0 else ""
         lines["speed"] = f"{prefixed(end - start, 's')} of motor in {prefixed(wall_time, 's')}{pace}"
@@ -131,6 +132,16 @@ def _law(attributes: Mapping[Any, Any]) -> str:
     if step := float(attributes["contact_step"]):
         texts.append(f"contact step {prefixed(step, 's')}")
     return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(texts)})"
+
+
+def _error_of_steps(attributes: Mapping[Any, Any]) -> str:
+    """Return what the steps in contact have missed in all, as impulse and as velocity of the rotor."""
+    names = "impulse_error", "rotor_velocity_error"
+    impulse, velocity = (float(attributes.get(name, np.nan)) for name in names)
+    if np.isnan(impulse):
+        return "not estimated; of time stepping, halve solver.contact_step to see it"
+    rotor = "" if "prescribed" in attributes else f", {velocity:.2g} rad/s of the rotor"
+    return f"{impulse:.2g} N s in all{rotor}, before the motion amplifies it"
 
 
 def _peak(contacts: Mapping[str, np.ndarray]) -> str:

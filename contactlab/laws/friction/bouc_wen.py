@@ -36,8 +36,6 @@ class BoucWen(Friction):
     validity = "large cycles: small ones drift"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
-    # The rate has a kink where the slip reverses, and no step ends there.
-    convergence_order = 0.5
     internal_variables = (InternalVariable("deflection", "z", "m", "hysteretic deflection", parity=ODD),)
     violations = MappingProxyType(
         {

@@ -23,8 +23,6 @@ class Bristles(Friction):
 
     friction_kind = RATE_DEPENDENT
     exact_stick = False
-    # The bristles have a kink where the slip reverses, and no step ends there.
-    convergence_order = 0.5
     internal_variables = (InternalVariable("deflection", "z", "m", "deflection of the bristles", parity=ODD),)
     violations = MappingProxyType(
         {

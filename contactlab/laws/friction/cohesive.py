@@ -26,8 +26,6 @@ class Cohesive(Friction):
     equation = "|F| <= mu_s (N + C), F = -mu (N + C) sign(v) where v != 0"
     source = "Derjaguin (1934), Z. Phys. 88, 661; Thornton (1991), J. Phys. D 24, 1942"
     validity = "normal forces above -C"
-    # Friction jumps where a contact begins and ends, which coarse tolerances do not see.
-    convergence_order = 0.9
 
     static_ratio: Annotated[float, STATIC_RATIO] = 1.0
     cohesion: Annotated[float, not_negative("C", "N", "force of cohesion in the cone")] = 0.1

@@ -33,8 +33,6 @@ class Dahl(Friction):
     validity = "loads that do not swing inside of mu N: it drifts"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
-    # The rate has a kink where the slip reverses, and no step ends there.
-    convergence_order = 0.5
     internal_variables = (InternalVariable("deflection", "z", "m", "deflection of the contact", parity=ODD),)
     violations = MappingProxyType(
         {

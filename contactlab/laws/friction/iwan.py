@@ -46,8 +46,6 @@ class Iwan(Friction):
     validity = "normal force that hardly changes while the contact is loaded"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
-    # Steps end where elements begin to slide, and one that begins late makes an error of its own.
-    convergence_order = 0.7
     guards = 2
     violations = MappingProxyType(
         {

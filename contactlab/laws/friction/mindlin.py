@@ -51,11 +51,6 @@ class Mindlin(Friction):
         """A slider that ends a spring, or with a dashpot a function of slip and stretch."""
         return ELASTOPLASTIC if self.viscous_time is None else RATE_DEPENDENT
 
-    @dependent
-    def convergence_order(self) -> float:
-        """With a dashpot less: no step ends at the edge of the cone."""
-        return 1.0 if self.viscous_time is None else 0.5
-
     def coefficients(self) -> Mapping[str, Coefficient]:
         """Return the fields by name; the viscous time of a spring alone is zero."""
         return {**super().coefficients(), "viscous_time": self.viscous_time or 0.0}
