@@ -260,6 +260,8 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
     from contactlab.studies.runner import finish, run
 
     try:
+        if notice := study.notice(setups):
+            tell(notice, sys.stderr)
         with terminal.progress(1.0, "tasks") as show, terminal.raising():
             result = run(study, setups, folder, show)
             files = finish(result, folder)

@@ -197,6 +197,11 @@ class Study(ABC):
         """Return the setups to which the study is put, by the labels of its data; by default those chosen."""
         return setups
 
+    def notice(self, setups: Setups) -> str:
+        """Return what is to be known before the tasks are done, as that they are too few; empty without."""
+        del setups
+        return ""
+
     @abstractmethod
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return the independent pieces of the study."""

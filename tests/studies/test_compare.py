@@ -23,6 +23,7 @@ from contactlab.studies.compare.draws import (
     Factor,
     Posteriors,
     Prior,
+    as_configured,
     configuration_of,
     damped,
     drawn,
@@ -113,12 +114,40 @@ def test_everything_but_the_law_is_equal_in_a_draw() -> None:
     """The configurations of a draw differ in the section of the law and the step of the solver alone."""
     setups = [setup_of(law) for law in ("newton", "hertz_penalty")]
     factors = factors_of([run_of("newton"), run_of("hertz_penalty")], {"rotor.inertia": 0.1})
-    assert {factor.name for factor in USUAL} < {factor.name for factor in factors}
+    assert {factor.name for factor in USUAL} - {"preload"} < {factor.name for factor in factors}
     for draw in drawn(factors, 4):
         both = [configuration_of(setup, factors, draw) for setup in setups]
         rest = [{k: x for k, x in each.items() if k not in ("law", "solver")} for each in both]
         assert rest[0] == rest[1]
         assert rest[0]["rotor"]["inertia"] != setups[0].configuration["rotor"]["inertia"]
+
+
+PRESSED = {"contact.preload": 5.0, "rotor.bearing_damping": 300.0}
+
+
+def test_what_is_drawn_follows_from_what_the_motor_has() -> None:
+    """A preload closes the clearance, unless a spring of the bearing holds the rotor there."""
+
+    def names(**changes: object) -> set[str]:
+        return {factor.name for factor in factors_of([run_of("hertz_penalty", **changes)], {})}
+
+    assert {"clearance"} == names() - names(**PRESSED)
+    assert {"preload"} == names(**PRESSED) - names()
+    assert {"clearance", "preload"} <= names(**PRESSED, rotor__bearing_stiffness=1e5)
+    for changes, kept in (({}, False), (PRESSED, True)):
+        run = run_of("newton", **changes)
+        assert ("preload" in as_configured([run], [])) == kept
+        assert "preload" not in as_configured([run], factors_of([run], {}))
+
+
+def test_a_factor_that_moves_nothing_is_named() -> None:
+    """The clearance of a pressed rotor moves no digit, the preload does."""
+    setups = [setup_of(law, **PRESSED) for law in ("newton", "hertz_penalty")]
+    vary: dict[str, Distribution] = EXACT | {"contact.preload": 0.2, "contact.clearance": (0.5e-6, 2e-6)}
+    result = cl.compare(setups, samples=1, starts=1, vary=vary, observe=["rotor_velocity"], workers=1)
+    effect = result["effect"].max("law").to_series()
+    assert effect["contact.clearance"] < 1e-6 < 1e-3 < effect["preload"]
+    assert any("contact.clearance" in text and "preload" not in text for text in result.findings)
 
 
 def test_the_values_are_those_of_the_steady_states(opposite: cl.Result) -> None:
@@ -186,7 +215,8 @@ def verdict_of(velocities: Any, spread: float = 1e-6, error: float = 0.0, margin
     middle = np.nan_to_num(drawn[..., 0], nan=1.0)
     nominal = np.repeat(middle[:, :, None], 3, axis=2)
     repeats = middle[:, :, None] * np.linspace(1.0 - spread, 1.0, 4)[:, None]
-    settled = Settled(nominal, middle, repeats, drawn, np.full_like(drawn, error), [1.0, 1.0])
+    moved = nominal[:, :, :0]
+    settled = Settled(nominal, middle, repeats, moved, drawn, np.full_like(drawn, error), [1.0, 1.0])
     pairs = population_of(settled, ["rotor_velocity"], margin, 1)
     return int(pairs.orders.verdict[0, 1, 0, 0])
 

@@ -21,7 +21,7 @@ def pairs_of(difference: float) -> xarray.Dataset:
     """Two laws and a third, at one operating point, with this relative difference of their velocities."""
     dims, shape = ("law", "other_law", "cell", "quantity"), (3, 3, 1, 1)
     each = difference * np.sign(np.subtract.outer(np.arange(3), np.arange(3)))
-    numbers = {"relative_difference": each.astype(float), "order": np.zeros((3, 3))}
+    numbers = {"relative_size": np.abs(each).astype(float), "order": np.zeros((3, 3))}
     return xarray.Dataset(
         {name: (dims, values.reshape(shape)) for name, values in numbers.items()},
         {"law": [*LAWS, "poisson"], "quantity": ["rotor_velocity"]},
@@ -32,7 +32,7 @@ def pairs_of(difference: float) -> xarray.Dataset:
 @pytest.mark.parametrize(("difference", "share"), [(1e-11, 2e-10), (0.2, 1.0)])
 def test_a_difference_far_within_the_margin_has_no_colour(difference: float, share: float) -> None:
     image = draw_pairs(pairs_of(difference)).axes[0].images[0]
-    assert difference / image.norm.vmax == pytest.approx(share)
+    assert 100.0 * difference / image.norm.vmax == pytest.approx(share)
 
 
 @pytest.mark.parametrize(("pressed", "lines"), [((), 2), (("contact.preload=5",), 1)])

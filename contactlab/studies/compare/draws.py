@@ -1,20 +1,22 @@
 """The population of motors: what is uncertain of them and their laws, draws for all laws, and quantities.
 
-One draw of parameters and start serves every law: common random numbers. Draws are points of a scrambled
-Sobol' sequence, whose first 16, 32, 64 points are designs of their own. They have the configured basis and
-step; what those change is computed for the motor as configured.
+One draw of parameters and start serves every law: common random numbers. The draws up to each look are one
+or several Latin hypercubes. They have the configured basis and step; what those change is computed for the
+motor as configured.
 """
 
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from math import isfinite, log
 from pathlib import Path
 from typing import Any, ClassVar, Final, NamedTuple, Self, final
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import check_declared
@@ -25,6 +27,7 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import WIDE
+from contactlab.inference.paired import looks_up_to
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
@@ -38,8 +41,20 @@ from contactlab.studies.study import Part
 from contactlab.variables import Variable
 
 SEED: Final = 0
+"""Seed of the draws by default."""
+
+CONFIGURED_NUMBERS: Final = {
+    "load": "rotor.load_torque",
+    "preload": "contact.preload",
+    "tip": "contact.tip_length",
+    "radius of the rotor": "rotor.radius",
+    "inertia": "rotor.inertia",
+    "length of the beam": "resonator.length",
+}
+"""Numbers that are as configured where nothing draws them."""
 
 START, POSTERIOR = "initial velocity", "posterior"
+START_KEY: Final = "rotor.initial_velocity"
 FREQUENCY: Final = "drive.frequency"
 DAMPING: Final = "resonator.damping_ratio"
 """Key of the damping ratio of the first mode, with which all others are scaled."""
@@ -183,6 +198,7 @@ USUAL: Final = (
     Factor("friction coefficient", "share", 0.33, keys=("contact.friction_coefficient",)),
     Factor("contact stiffness", "share", 0.3, keys=("law.stiffness", "law.normal.stiffness")),
     Factor("clearance", "share", 0.2, keys=("contact.clearance",)),
+    Factor("preload", "share", 0.2, keys=("contact.preload",)),
     Factor(
         "damping ratio", "log", 0.002, 0.2, (DAMPING, "resonator.mass_damping", "resonator.stiffness_damping")
     ),
@@ -237,7 +253,7 @@ def factors_of(runs: Sequence[Run], priors: Mapping[str, Distribution]) -> tuple
         raise ComparisonError(faults)
     # A frequency relative to the resonance follows from the rest.
     ordered = sorted(every.values(), key=lambda factor: factor.keys == (FREQUENCY,))
-    start = () if "rotor.initial_velocity" in priors else (Factor(START, "uniform", -1.0, 1.0),)
+    start = () if START_KEY in priors else (Factor(START, "uniform", -1.0, 1.0),)
     some = (x for x in ordered if _applies(x, runs) and not (x.kind == "share" and x.a == 0.0))
     return (*some, *start)
 
@@ -246,7 +262,15 @@ def _applies(factor: Factor, runs: Sequence[Run]) -> bool:
     """Return whether a run has what a factor changes."""
     if factor.kind not in ("share", "shift") or DAMPING in factor.keys:
         return True
-    return any(is_scalable(run, key, factor.kind) for run in runs for key in factor.keys)
+    return any(
+        is_scalable(run, key, factor.kind) and _counts(run, key) for run in runs for key in factor.keys
+    )
+
+
+def _counts(run: Run, key: str) -> bool:
+    """Return whether a motor depends on a number: on the clearance it does not if a preload closes it."""
+    closed = run.settings.get("contact.preload") and not run.settings.get("rotor.bearing_stiffness")
+    return key != "contact.clearance" or not closed
 
 
 def _factor(usual: Factor, key: str, prior: Distribution, declared: Parameter) -> Factor | None:
@@ -287,15 +311,54 @@ def left_fixed(run: Run, factors: Sequence[Factor], priors: Mapping[str, Distrib
     ]
 
 
-def drawn(factors: Sequence[Factor], count: int) -> Array:
-    """Return the draws, shape (draw, factor)."""
-    # Imported here: no other study needs scipy.stats.
-    from scipy.stats import qmc
+def as_configured(runs: Sequence[Run], factors: Sequence[Factor]) -> list[str]:
+    """Return what the motor has as configured in all draws, beside the laws' own numbers."""
+    varied = {key for factor in factors for key in factor.keys}
+    numbers = {
+        name: key for name, key in CONFIGURED_NUMBERS.items() if isinstance(runs[0].settings.get(key), float)
+    }
+    return [name for name, key in numbers.items() if key not in varied] if runs else []
 
-    if not factors:
-        return np.empty((count, 0))
-    uniform = qmc.Sobol(len(factors), seed=SEED).random(count)
-    return np.column_stack([factor.at(uniform[:, i]) for i, factor in enumerate(factors)])
+
+def drawn(factors: Sequence[Factor], count: int, seed: int = SEED) -> Array:
+    """Return the draws, shape (draw, factor); those up to a look are the first ones of any greater number.
+
+    Each block between two looks is a Latin hypercube, sliced by the sense of the rotor at the start (Qian
+    2012, J. Am. Stat. Assoc. 107, 393): the halves that start backwards and forwards are Latin hypercubes
+    themselves, so that every other factor has as many starts of either sense in each part of its range. The
+    places are independent otherwise. Points of a sequence of low discrepancy are not: of a Sobol' sequence
+    some quarters of one factor are halves of another.
+
+    Args:
+        factors: what is drawn.
+        count: of the draws.
+        seed: of the places.
+    """
+    starts = [factor.name == START or START_KEY in factor.keys for factor in factors]
+    looks = [0, *looks_up_to(count)]
+    blocks = [_hypercube(until - since, np.array(starts), [seed, since]) for since, until in pairwise(looks)]
+    uniform = np.concatenate(blocks)
+    every = [factor.at(uniform[:, n]) for n, factor in enumerate(factors)]
+    return np.reshape(every, (len(factors), count)).T
+
+
+def _hypercube(count: int, starts: NDArray[np.bool_], seed: Sequence[int]) -> Array:
+    """Return points of a Latin hypercube in two slices in turn, shape (draw, factor), from 0 to 1.
+
+    Args:
+        count: of the points; of an odd number the last one is anywhere.
+        starts: whether a factor is the start, whose halves are the slices.
+        seed: of the places.
+    """
+    rng, half = np.random.default_rng(seed), -(-count // 2)
+    shape = (half, 2, starts.size)
+    cells = rng.permuted(np.broadcast_to(np.arange(half)[:, None, None], shape), axis=0)
+    # Each of `half` parts of a range has a point of either slice, one in its lower and one in its upper half.
+    upper = rng.integers(2, size=(half, starts.size))
+    upper = np.take_along_axis(np.stack([upper, 1 - upper], axis=1), cells, axis=0)
+    slices = np.arange(2)[:, None]
+    places = np.where(starts, cells + half * slices, 2 * cells + upper) + rng.random(shape)
+    return np.asarray(places.reshape(2 * half, starts.size)[:count] / (2 * half))
 
 
 def configuration_of(
@@ -306,7 +369,7 @@ def configuration_of(
     settings |= {FREQUENCY: None} if is_tuned(setup) else {}
     for factor, x in zip(factors, draw.tolist(), strict=True):
         if factor.name == START:
-            settings["rotor.initial_velocity"] = x * reach(setup)
+            settings[START_KEY] = x * reach(setup)
         elif factor.name == POSTERIOR and posterior:
             settings |= posterior.values(setup, x)
         elif DAMPING not in factor.keys:

@@ -12,7 +12,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
-from contactlab.inference.paired import binomial_interval, bins_of
+from contactlab.inference.paired import ALONE, binomial_interval, bins_of
 from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.recording import drawable, envelope
 from contactlab.results.summary import prefixed_unit
@@ -23,13 +23,14 @@ CAPTIONS: Final = {
     "differences": "Difference of two laws over the larger of both, as configured (diamond) and in the "
     "motors drawn: a point a motor, a bar from 5 to 95 %. In the grey band they are practically equal. Speed "
     "and torque count in the sense in which the motor turns.",
-    "turning": "Where the order turns: share of the motors with each outcome, with 95 % intervals, over the "
-    "factor that has the largest share in it.",
+    "turning": "Where the order in speed turns: share of the motors with each outcome, with 95 % intervals, "
+    "over the factor that turns it, of the pair that a factor turns most.",
     "contact_force": "Normal force and friction of one contact, means over the record intervals. Peaks of "
     "rigid impacts, which grow without bound as the step falls, are off scale.",
-    "pairs": "Speed of the row less that of the column, over the larger: median over draws and operating "
-    "points. The outcome of most motors: > greater, < less, = equal within the margin, 0 without a steady "
-    "state; ~ it varies; ? inconclusive. Several signs are those of several operating points.",
+    "pairs": "Difference in speed of row and column over the larger, without its sign: median over draws, "
+    "the largest of the operating points. The outcome of most motors: > the row is greater, < less, = equal "
+    "within the margin, 0 without a steady state; ~ it varies; ? inconclusive. Several signs are those of "
+    "several operating points.",
     "operating_points": "Settled velocity as configured over the operating points; below, the paired "
     "difference from the first law, median and 5 to 95 % of the draws.",
     "rotor_velocity": "Rotor velocity.",
@@ -114,14 +115,14 @@ def draw_differences(data: xarray.Dataset) -> Figure:
 
 
 def draw_turning(data: xarray.Dataset) -> Figure:
-    """Draw the probabilities of the outcomes over the factor with the largest share in them."""
+    """Draw the probabilities of the outcomes in speed over the factor that turns them."""
     needed("order" in data and data.sizes["law"] > 1 and data.sizes["draw"])
-    here = data.sel(quantity="rotor_velocity").isel(cell=0)
-    shares = here["factor_share"].where(here["factor_share"] > here["chance_share"])
+    here = data.sel(quantity="rotor_velocity")
+    shares = here["factor_share"].where(here["factor_role"] == ALONE)
     needed(bool(shares.notnull().any()))
-    # Of several pairs, the one whose outcome a factor determines most.
-    law, other, factor = np.unravel_index(int(np.nanargmax(shares.values)), shares.shape)
-    here = here.isel(law=law, other_law=other, factor=factor)
+    # Of several pairs and points, the one whose outcome a factor determines most.
+    largest = {name: int(place) for name, place in shares.argmax(...).items()}
+    here = here.isel(largest)
     values, bins = here["drawn"].values, bins_of(here["drawn"].values)
     figure, (axes,) = drawing(1, 1, 2.6)
     middle = [float(np.median(values[bins == n])) for n in range(bins.max() + 1)]
@@ -135,24 +136,25 @@ def draw_turning(data: xarray.Dataset) -> Figure:
     axes.set(ylim=(-0.03, 1.03), ylabel="share of motors", xlabel=str(here["prior"].item()))
     if here["logarithmic"]:
         axes.set_xscale("log")
-    axes.set_title(f"{here['law'].item()} against {here['other_law'].item()}", fontsize=8)
+    at = f" at {here['cell'].item()}" if data.sizes["cell"] > 1 else ""
+    title = f"speed of {here['law'].item()} against {here['other_law'].item()}{at}"
+    axes.set_title(fill(title, 70), fontsize=8)
     return legend_above(figure, axes)
 
 
 def draw_pairs(data: xarray.Dataset) -> Figure:
-    """Draw the relative difference in speed of every pair of laws, and its order."""
+    """Draw the size of the relative difference in speed of every pair of laws, and its order."""
     needed("order" in data and data.sizes["law"] > 2)
     here, count = data.sel(quantity="rotor_velocity"), data.sizes["law"]
-    difference, order = here["relative_difference"].values, here["order"].values
+    size, order = np.nan_to_num(here["relative_size"].values).max(axis=-1), here["order"].values
     many = count > MOST_ROWS
     figure, (axes,) = drawing(1, 1, 0.7 * WIDTH if many else 1.6 + 0.31 * count)
-    middle = np.median(np.where(np.isfinite(difference), difference, 0.0), axis=2)
     # What is far below the margin has no colour.
-    size = max(float(np.abs(middle).max()) or 1.0, data.attrs["margin"])
-    image = axes.imshow(middle, cmap="RdBu_r", vmin=-size, vmax=size)
+    largest = max(float(size.max()), data.attrs["margin"])
+    image = axes.imshow(100.0 * size, cmap="Blues", vmin=0.0, vmax=100.0 * largest)
     for a, b in permutations(range(count), 2):
         signs = "".join(dict.fromkeys(SIGNS[int(kind)] for kind in order[a, b]))
-        dark = abs(middle[a, b]) > 0.6 * size
+        dark = size[a, b] > 0.6 * largest
         text = {"ha": "center", "va": "center", "color": "white" if dark else "black"}
         axes.text(b, a, signs, fontsize=4 if many else 7, **text)
     if many:
@@ -163,7 +165,7 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
         labels = [fill(str(label), LONGEST_LABEL // 2 + 6) for label in data["law"].values]
         axes.set_yticks(np.arange(count), labels)
         axes.set_xticks(np.arange(count), labels, rotation=60, ha="right", rotation_mode="anchor")
-    figure.colorbar(image, label="row less column, over the larger", shrink=0.8)
+    figure.colorbar(image, label="difference over the larger (%)", shrink=0.8)
     return figure
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from itertools import combinations, product
-from math import ceil, floor, isfinite, log, log10
+from math import floor, isfinite, log10
 from typing import Any, Final
 
 import numpy as np
@@ -10,22 +10,27 @@ import pandas
 import xarray
 
 from contactlab.estimate import Estimate
-from contactlab.inference.bootstrap import LEVEL
 from contactlab.inference.paired import (
     AGREED,
+    ALONE,
+    AMONG,
     EQUAL,
     GREATER,
     INCONCLUSIVE,
     LESS,
     NONE,
     OUTCOMES,
+    TOGETHER,
     VARIES,
     VERDICTS as ORDERS,
     bins_of,
+    least_draws,
     looks_up_to,
+    power,
 )
 from contactlab.inference.repeats import not_stated
 from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, REPORTED, VERDICTS, brief
+from contactlab.studies.compare.pairs import WITHOUT_EFFECT
 from contactlab.studies.compare.scorecard import listed
 from contactlab.studies.tables import UNIT, table
 
@@ -40,6 +45,12 @@ ENDS: Final = {"low": "_low", "median": "", "high": "_high"}
 
 NO_RESULT: Final = "without a steady state that is known well enough"
 """An outcome in words."""
+
+NEARLY_ALL: Final = 0.95
+"""Share of the motors with one order of which the page states how often it is seen."""
+
+DECOUPLED: Final = 1e-9
+"""D_nt over sqrt(D_nn D_tt) below which a normal impulse leaves the slip as it is."""
 
 MOST_PAIRS: Final = 30
 """Rows of the table of pairs beyond which it is one of reference."""
@@ -84,8 +95,8 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
     draws, velocity = data.sizes["draw"], data.sel(quantity="rotor_velocity")
     pairs = [*combinations(range(len(names)), 2)]
     whole = {pair: _over_grid(velocity["order"].values[pair]) for pair in pairs}
-    sizes = np.nan_to_num(np.abs(velocity["relative_difference"].values).max(axis=-1))
-    # One pair stands for all: the two laws that are farthest apart.
+    sizes = np.nan_to_num(velocity["relative_size"].values).max(axis=-1)
+    # One pair stands for all: the two laws that are farthest apart, in whatever sense.
     a, b = sorted(map(int, np.unravel_index(int(sizes.argmax()), sizes.shape))) if sizes.any() else (0, 1)
     here = velocity.isel(law=a, other_law=b, cell=0)
     at = f" at {points[0]}" if len(points) > 1 else ""
@@ -94,25 +105,23 @@ def _of_pairs(data: xarray.Dataset) -> Iterator[str]:
         yield "Nothing was drawn: the motor counts as exactly known, and no order of laws is stated."
     elif len(pairs) > 1:
         count = {kind: [*whole.values()].count(kind) for kind in KINDS}
-        tests, looks = 2 * data["order"].isel(law=0, other_law=0).size * len(pairs), len(looks_up_to(draws))
-        least = ceil(log((1.0 - LEVEL) / looks / tests) / log(AGREED))
-        few = f" {draws} draws can show no order: it takes {least} at least." if draws < least else ""
         where = f"{drawn}, at each of {len(points)} operating points" if at else drawn
         kinds = listed([f"{n} {kind}" for kind, n in count.items() if n])
-        yield f"{where}: of {len(pairs)} pairs {kinds}.{few}"
+        yield f"{where}: of {len(pairs)} pairs {kinds}."
         drawn = "Farthest apart"
     if draws:
-        yield _outcomes(data, here, drawn)
+        yield f"{_outcomes(data, here, drawn)} {_power(data)}"
     yield _size(here)
     if draws:
         yield from _turns(here)
+        yield from _idle(data)
     if turned := [pair for pair, kind in whole.items() if kind == KINDS[3]]:
         a, b = turned[0]
         up, down = (points[list(velocity["order"].values[a, b]).index(kind)] for kind in (GREATER, LESS))
         yield f"{names[a]} is faster than {names[b]} at {up}, slower at {down}."
     spreads = dict(zip(names, velocity["spread"].max("cell").values.tolist(), strict=True))
     yield not_stated("order", spreads, "settled velocity", data.attrs["margin"])
-    yield from _by_symmetry(data)
+    yield from _alike(data)
 
 
 KINDS: Final = (
@@ -141,7 +150,7 @@ def _over_grid(order: Any) -> str:
 
 def population(data: xarray.Dataset) -> str:
     """Return what the motors drawn differ in, and what they have as configured."""
-    fixed = [data.attrs.get("not_varied", ""), "load, preload, tip and dimensions"]
+    fixed = [data.attrs.get("not_varied", ""), data.attrs.get("held", "")]
     return f"{listed(list(data['prior'].values))}; as configured: {'; '.join(filter(None, fixed))}"
 
 
@@ -170,6 +179,22 @@ def _outcomes(data: xarray.Dataset, here: xarray.Dataset, drawn: str) -> str:
     )
 
 
+def few_draws(samples: int, claims: int) -> str:
+    """Return the sentence on draws that can show no order, of so many claims; empty of enough of them."""
+    least = least_draws(claims, len(looks_up_to(samples)))
+    return f"{samples} draws can show no order: it takes {least} at least." if samples < least else ""
+
+
+def _power(data: xarray.Dataset) -> str:
+    """Return how often the draws show an order that nearly all motors have."""
+    samples, laws = int(data.attrs["samples"]), data.sizes["law"]
+    claims = laws * (laws - 1) * data.sizes["cell"] * data.sizes["quantity"]
+    return few_draws(samples, claims) or (
+        f"Up to {samples} draws show an order that holds in {100 * NEARLY_ALL:.0f} of 100 motors with a "
+        f"probability of {power(samples, claims, NEARLY_ALL):.2f}."
+    )
+
+
 def _size(here: xarray.Dataset) -> str:
     """Return the relative difference in speed of one pair."""
     low, middle, high, configured, other = (
@@ -179,45 +204,91 @@ def _size(here: xarray.Dataset) -> str:
     width = high - low
     # The decimals that the width carries to its second digit.
     digits = max(1 - floor(log10(width)), 0) if width > 0.0 and isfinite(width) else 0
-    text = f"{configured:+.{digits}f} % as configured"
-    text += f" and {other:+.{digits}f} % on the other basis" if isfinite(other) else ""
+    text = f"{configured:+z.{digits}f} % as configured"
+    text += f" and {other:+z.{digits}f} % on the other basis" if isfinite(other) else ""
     if isfinite(low):
-        ends = f"{low:+.{digits}f} to {high:+.{digits}f} in nine of ten"
-        text = f"{middle:+.{digits}f} % in the median motor ({ends}), {text}"
+        ends = f"{low:+z.{digits}f} to {high:+z.{digits}f} in nine of ten"
+        size = f"; {100.0 * float(here['relative_size']):.{digits}f} % without its sign"
+        text = f"{middle:+z.{digits}f} % in the median motor ({ends}{size}), {text}"
     return f"The difference in speed, in the sense in which the motor turns and over the larger, is {text}."
 
 
 def _turns(here: xarray.Dataset) -> Iterator[str]:
-    """Yield the factor that the outcome of one pair goes with."""
-    shares, chance = here["factor_share"], float(here["chance_share"])
-    if not shares.notnull().any():
+    """Yield the factors that the outcome of one pair goes with."""
+    shares, chance = here["factor_share"].values, float(here["chance_share"])
+    if not np.isfinite(shares).any():
         return
-    number = int(shares.values.argmax())
-    name, share = str(here["factor"].values[number]), float(shares[number])
-    if share <= chance:
-        yield f"What turns the outcome is not seen: no factor's share in it exceeds chance ({chance:.2f})."
-        return
-    values, outcome = here["drawn"].isel(factor=number).values, here["outcome"].values
-    bins = bins_of(values)
-    parts = [
-        f"{(outcome[bins == n] == GREATER).sum()} and {(outcome[bins == n] == LESS).sum()} of "
-        f"{(bins == n).sum()} up to {values[bins == n].max():.2g}"
-        for n in range(int(bins.max()) + 1)
-    ]
-    yield (
-        f"The outcome turns with the {name}, whose share in it is {share:.2f} (by chance {chance:.2f}): "
-        f"faster and slower are {listed(parts)}."
-    )
-
-
-def _by_symmetry(data: xarray.Dataset) -> Iterator[str]:
-    """Yield the reason why rigid laws that differ in impacts alone cannot differ in this motor."""
-    group = data["law"].values[(data["rigid"] == 1) & (data["normal_tangential_coupling"] < 1e-9)]
-    if len(group) > 1:
+    names, roles = here["factor"].values, here["factor_role"].values
+    some = [int(n) for n in np.argsort(-shares, kind="stable") if roles[n]]
+    several = listed([f"the {names[n]} ({shares[n]:.2f})" for n in some])
+    if not some:
         yield (
-            "The normal impulse of an impact does not change the slip in this motor (D_nt = 0): laws that "
-            f"differ in that alone are one, among {listed(group.tolist())}."
+            f"What turns the outcome is not seen: no factor's share in it exceeds chance ({chance:.2f}), nor "
+            f"that of two together ({float(here['joint_chance_share']):.2f})."
         )
+    elif roles[some[0]] == TOGETHER:
+        joint = here["joint_share"].values
+        a, b = np.unravel_index(int(np.nanargmax(joint)), joint.shape)
+        yield (
+            f"The outcome turns with no factor by itself (by chance {chance:.2f}), but with the {names[a]} "
+            f"and the {names[b]} together, by the halves of both: their share in it is {joint[a, b]:.2f} "
+            f"(by chance {float(here['joint_chance_share']):.2f})."
+        )
+    elif roles[some[0]] == AMONG:
+        resamples = (
+            f"the largest one is the same in {100.0 * float(here['leading_share']):.0f} % of resamples"
+        )
+        yield (
+            f"The shares in the outcome of {several} exceed chance ({chance:.2f}), but which one is the "
+            f"largest these draws do not show: {resamples}."
+        )
+    else:
+        values, outcome = here["drawn"].isel(factor=some[0]).values, here["outcome"].values
+        bins = bins_of(values)
+        parts = [
+            f"{(outcome[bins == n] == GREATER).sum()} and {(outcome[bins == n] == LESS).sum()} of "
+            f"{(bins == n).sum()} up to {values[bins == n].max():.2g}"
+            for n in range(int(bins.max()) + 1)
+        ]
+        yield (
+            f"The outcome turns with the {names[some[0]]}, whose share in it is {shares[some[0]]:.2f} (by "
+            f"chance {chance:.2f}): faster and slower are {listed(parts)}."
+        )
+
+
+def _idle(data: xarray.Dataset) -> Iterator[str]:
+    """Yield the factors that change nothing in the motor as configured."""
+    effect = data["effect"].max("law", skipna=False)
+    if idle := list(map(str, data["moved_factor"].values[(effect < WITHOUT_EFFECT).values])):
+        yield f"Without effect on any law in the motor as configured: {listed(idle)}."
+
+
+def _alike(data: xarray.Dataset) -> Iterator[str]:
+    """Yield the laws that have the same values in all motors, with the reason that symmetry has."""
+    names = list(map(str, data["law"].values))
+    apart = np.abs(
+        np.concatenate([data["relative_drawn"].values, data["relative_nominal"].values[..., None]], -1)
+    )
+    known = np.isfinite(np.concatenate([data["drawn_value"].values, data["nominal"].values], axis=2))
+    alike = [
+        [
+            bool(
+                np.nanmax(apart[a, b], initial=0.0) == 0.0 and (known[a] == known[b]).all() and known[a].any()
+            )
+            for b in range(len(names))
+        ]
+        for a in range(len(names))
+    ]
+    groups = {tuple(np.flatnonzero(row).tolist()) for row in alike}
+    # Some decoupled rigid laws differ in the slip that an impact leaves alone.
+    decoupled = (data["rigid"].values == 1) & (data["normal_tangential_coupling"].values < DECOUPLED)
+    for group in sorted(groups):
+        if len(group) > 1:
+            why = ": the normal impulse of an impact leaves the slip as it is (D_nt = 0)"
+            yield (
+                f"One law in all these motors, to nine digits, are {listed([names[n] for n in group])}"
+                f"{why if decoupled[list(group)].all() else ''}."
+            )
 
 
 def _of_transients(data: xarray.Dataset) -> Iterator[str]:
@@ -257,10 +328,12 @@ def _failed(judged: xarray.Dataset) -> str:
 
 
 def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
-    """Return pairs of laws, plausibility, motion, where to measure, and the metrics."""
+    """Return pairs of laws, what turns them, plausibility, motion, and the metrics."""
     every: dict[str, pandas.DataFrame] = {}
     if "order" in data and data.sizes["law"] > 1:
         every["pairs"] = _pairs(data)
+        if data["factor_share"].notnull().any():
+            every["turning"] = _turning(data)
     keys = list(map(str, data["metric"].values))
     judges = dict(zip(keys, data["judges_law"].values.astype(bool), strict=True))
     parts = {
@@ -325,4 +398,41 @@ def _pairs(data: xarray.Dataset) -> pandas.DataFrame:
     )
     frame = table(rows, caption=caption)
     frame.attrs |= {"digits": DIGITS, "reference": len(rows) > MOST_PAIRS}
+    return frame
+
+
+def _turning(data: xarray.Dataset) -> pandas.DataFrame:
+    """Return a row for each quantity, operating point and pair of laws that has several outcomes."""
+    rows, names = [], data["factor"].values
+    quantities, cells = range(data.sizes["quantity"]), range(data.sizes["cell"])
+    for quantity, cell, (a, b) in product(quantities, cells, combinations(range(data.sizes["law"]), 2)):
+        pair = data.isel(quantity=quantity, cell=cell, law=a, other_law=b)
+        shares, roles = pair["factor_share"].values, pair["factor_role"].values
+        if not np.isfinite(shares).any():
+            continue
+        order = np.argsort(-shares, kind="stable")
+        some = [str(names[n]) for n in order if roles[n]]
+        word = {ALONE: "", AMONG: " or ", TOGETHER: " with "}.get(int(roles.max()), "")
+        rows.append(
+            {
+                "quantity": str(pair["quantity"].item()).replace("_", " "),
+                **({"at": str(pair["cell"].item())} if data.sizes["cell"] > 1 else {}),
+                "law": str(pair["law"].item()),
+                "against": str(pair["other_law"].item()),
+                "order": ORDERS[int(pair["order"])],
+                "turns with": word.join(some),
+                "largest share": float(shares[order[0]]),
+                "next": float(shares[order[1]]) if len(order) > 1 else np.nan,
+                "of two": float(np.nanmax(pair["joint_share"].values)),
+                "largest in all": float(np.nanmax(pair["total_share"].values)),
+            }
+        )
+    chance, joint = (float(data[name]) for name in ("chance_share", "joint_chance_share"))
+    caption = (
+        "What turns the outcome of pairs: factors whose share in it exceeds chance, of one by itself "
+        f"({chance:.2f}) or of the interaction of two ({joint:.2f}), which holds for all pairs here; the "
+        "largest share, the next one, that of an interaction, and that of a factor with its interactions"
+    )
+    frame = table(rows, caption=caption)
+    frame.attrs |= {"digits": 2, "reference": len(rows) > MOST_PAIRS}
     return frame

@@ -19,6 +19,7 @@ from contactlab.inference.paired import (
     LESS,
     NONE,
     OUTCOMES,
+    ROLES,
     UNTESTED,
     VARIES,
     VERDICTS,
@@ -33,6 +34,8 @@ from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.studies.compare.draws import (
     OBSERVABLES,
     POSTERIOR,
+    SEED,
+    START,
     STEPS,
     Distribution,
     Drawn,
@@ -52,6 +55,15 @@ CLEAR: Final = 3.0
 SIGNED: Final = {"rotor_velocity", "stall_torque"}
 """Quantities that count in the sense in which the motor turns."""
 
+ROUND_OFF: Final = 1e-9
+"""Relative difference below which two values are one: nine digits, of which an orbit has as many."""
+
+WITHOUT_EFFECT: Final = 1e-6
+"""Relative change of all quantities below which a factor has no effect on them."""
+
+FAR: Final = 0.9
+"""Place in its range to which a factor is set by itself, from 0 to 1."""
+
 RANGE: Final = (0.05, 0.5, 0.95)
 """Quantiles of a distribution over draws that are shown."""
 
@@ -66,6 +78,7 @@ class Settled(NamedTuple):
         nominal: as configured, at three steps, shape (law, cell, step, quantity).
         other: on the other basis, shape (law, cell, quantity).
         repeats: of the motors of `REPEATS`, shape (law, cell, repeat, quantity).
+        moved: with one factor at `FAR` of its range each, shape (law, cell, factor, quantity).
         drawn: of the draws, shape (law, cell, quantity, draw).
         errors: of the draws, statistical, the same shape.
         orders: of convergence of the laws in the step.
@@ -74,6 +87,7 @@ class Settled(NamedTuple):
     nominal: Array
     other: Array
     repeats: Array
+    moved: Array
     drawn: Array
     errors: Array
     orders: Sequence[float]
@@ -90,6 +104,7 @@ class Design:
         samples: draws at most.
         names: of the quantities.
         posterior: samples of the laws' numbers.
+        seed: of the draws.
     """
 
     grid: Grid
@@ -97,6 +112,7 @@ class Design:
     samples: int
     names: tuple[str, ...]
     posterior: Posteriors | None = None
+    seed: int = SEED
 
     @classmethod
     def of(
@@ -106,6 +122,7 @@ class Design:
         samples: int,
         names: Sequence[str],
         posterior: Posteriors | None,
+        seed: int = SEED,
     ) -> "Design":
         """Return the design for priors by full key.
 
@@ -122,7 +139,7 @@ class Design:
                     "of the laws that are compared."
                 )
             factors = (*factors, Factor(POSTERIOR, "uniform", 0.0, 1.0))
-        return cls(grid, factors, samples, tuple(names), posterior)
+        return cls(grid, factors, samples, tuple(names), posterior, seed)
 
     @property
     def looks(self) -> list[int]:
@@ -132,12 +149,18 @@ class Design:
     @cached_property
     def draws(self) -> Array:
         """All draws, shape (draw, factor)."""
-        return drawn(self.factors, self.samples)
+        return drawn(self.factors, self.samples, self.seed)
+
+    @property
+    def moved(self) -> Sequence[Factor]:
+        """Factors whose effect is computed one by one; `REPEATS` has that of the start."""
+        return [factor for factor in self.factors if factor.name != START] if self.samples else []
 
     def nominal(self) -> dict[str, Drawn]:
         """Return the motors as configured by key: at each step, on the other basis, and `REPEATS`.
 
-        Motors made in Python have the steps alone.
+        Those of which motors are drawn are also computed with one factor at `FAR` of its range. Motors made
+        in Python have the steps alone.
         """
         works: dict[str, Callable[[Setup], Any]] = {
             f"step {step}": partial(_refined, step=step) for step in range(STEPS)
@@ -145,11 +168,22 @@ class Design:
         if self.grid.whole:
             works |= {"other basis": lambda setup: on_other_basis(setup)[0]}
             works |= {name: partial(repeated, repeat=name) for name in REPEATS}
-        return {
+        digest = self.posterior.digest if self.posterior else ""
+        configured = {
             f"as configured {cell} {name}": Drawn(
                 {law: work(self.grid.setups[law, cell]) for law in self.grid.laws}
             )
             for name, work in works.items()
+            for cell in self.grid.cells
+        }
+        return configured | {
+            f"as configured {cell} with {factor.name} {digest}": Drawn(
+                {law: self.grid.setups[law, cell] for law in self.grid.laws},
+                (factor,),
+                factor.at(np.array([FAR])),
+                self.posterior,
+            )
+            for factor in self.moved
             for cell in self.grid.cells
         }
 
@@ -188,11 +222,12 @@ class Design:
             return np.moveaxis(every(name, motors, count), 1, 3)
 
         configured = every("value", nominal := self.nominal(), len(nominal) // cells)
-        known = np.full((laws, STEPS + 1 + len(REPEATS), cells, quantities), np.nan)
+        places = [STEPS, STEPS + 1, STEPS + 1 + len(REPEATS)]
+        known = np.full((laws, places[-1] + len(self.moved), cells, quantities), np.nan)
         known[:, : configured.shape[1]] = configured
-        steps, other, repeats = np.split(np.moveaxis(known, 1, 2), [STEPS, STEPS + 1], axis=2)
+        steps, other, repeats, moved = np.split(np.moveaxis(known, 1, 2), places, axis=2)
         orders = [setup.law.convergence_order for setup in self.grid.first.values()]
-        return Settled(steps, other[:, :, 0], repeats, by_draw("value"), by_draw("error"), orders)
+        return Settled(steps, other[:, :, 0], repeats, moved, by_draw("value"), by_draw("error"), orders)
 
     def failures(self, parts: Mapping[str, xarray.DataTree], count: int) -> str:
         """Return a sentence on the motors without a steady state; empty where there are none."""
@@ -243,11 +278,22 @@ def spreads(settled: Settled) -> Array:
     return np.where(known, spread_of(alike, axis=2), np.nan)
 
 
+def effects(settled: Settled) -> Array:
+    """Return the largest relative change of any quantity by a factor at `FAR`, shape (law, factor).
+
+    Infinite where one of both motors has no steady state.
+    """
+    both = np.stack(np.broadcast_arrays(settled.nominal[:, :, :1], settled.moved), axis=-1)
+    # What no motor has is no quantity.
+    known = np.isfinite(both).any(axis=(0, 1, 2, 4))
+    return np.asarray(spread_of(both[:, :, :, known]).max(axis=(1, 3), initial=0.0))
+
+
 def differences(values: Array, names: Sequence[str]) -> tuple[Array, Array, Array]:
     """Return differences of laws, the sizes that they are held to, and the differences over these.
 
     Of `SIGNED` they are in the sense in which the motor turns under the median law. The size is the larger of
-    both, and of `NEGLIGIBLE` of the largest there is.
+    both, and of `NEGLIGIBLE` of the largest there is. A difference below `ROUND_OFF` of it is none.
 
     Args:
         values: of the quantities, shape (law, cell, quantity, motor).
@@ -263,6 +309,7 @@ def differences(values: Array, names: Sequence[str]) -> tuple[Array, Array, Arra
     largest = np.abs(values).max(axis=(0, 3), initial=0.0, where=np.isfinite(values))
     size = np.maximum(np.abs(values[:, None]), np.abs(values[None]))
     size = np.maximum(size, NEGLIGIBLE * largest[..., None])
+    difference[np.abs(difference) <= ROUND_OFF * size] = 0.0
     return difference, size, np.divide(difference, size, out=np.zeros_like(difference), where=size != 0.0)
 
 
@@ -301,14 +348,17 @@ def population_of(settled: Settled, names: Sequence[str], margin: float, looks: 
     outcome: Array = np.full(difference.shape, NONE)
     outcome[difference - error > margin * size] = GREATER
     outcome[difference + error < -margin * size] = LESS
-    outcome[np.abs(difference) + error <= margin * size] = EQUAL
+    outcome[np.abs(difference) + error <= max(margin, ROUND_OFF) * size] = EQUAL
     # What no law has is no quantity of this motor, as the current of a resonator without capacitance.
     absent = ~np.isfinite(settled.drawn[:, :, 1:]).any(axis=(0, 1, 3))
     outcome[:, :, :, np.flatnonzero(absent) + 1] = UNTESTED
+    # A law with itself is no pair.
+    itself = np.eye(len(difference), dtype=bool)
+    outcome[itself] = UNTESTED
     every = _orders_of(outcome, looks)
     unsure = _unsure(settled, margin)
-    itself = np.eye(len(difference), dtype=bool)[:, :, None, None]
-    verdict = np.where(itself, EQUAL, np.where(unsure, INCONCLUSIVE, np.nan_to_num(every.verdict)))
+    verdict = np.where(unsure, INCONCLUSIVE, np.nan_to_num(every.verdict))
+    verdict[itself] = EQUAL
     return Population(difference, relative, outcome, every._replace(verdict=verdict))
 
 
@@ -335,12 +385,36 @@ def _orders_of(outcome: Array, looks: int) -> Orders:
         high=every.high[..., swapped],
         verdict=np.where(every.verdict < EQUAL, GREATER + LESS - every.verdict, every.verdict),
     )
-    result = []
-    for upper, lower in zip(every, mirrored, strict=True):
-        whole = np.full((len(outcome), len(outcome), *upper.shape[1:]), np.nan)
-        whole[first, second], whole[second, first] = upper, lower
-        result.append(whole)
-    return Orders(*result)
+    return Orders(*(_of_all(x, y, len(outcome)) for x, y in zip(every, mirrored, strict=True)))
+
+
+def _of_all(upper: Array, lower: Array, laws: int) -> Array:
+    """Return what is known of pairs of different laws over (law, law, ...), NaN of a law with itself.
+
+    Args:
+        upper: of each pair once, in the order of `triu_indices`, shape (pair, ...).
+        lower: of the pairs in the other sense.
+        laws: number of laws.
+    """
+    first, second = np.triu_indices(laws, 1)
+    whole = np.full((laws, laws, *upper.shape[1:]), np.nan)
+    whole[first, second], whole[second, first] = upper, lower
+    return whole
+
+
+def _existing(names: Sequence[str], settled: Settled) -> tuple[Sequence[str], Settled, list[str]]:
+    """Return the quantities that a motor has, and what it lacks, as the current without capacitance.
+
+    Of a velocity that no motor has that is known.
+    """
+    drawn = np.isfinite(settled.drawn).any(axis=(0, 1, 3))
+    values = np.asarray(drawn | np.isfinite(settled.nominal).any(axis=(0, 1, 2)))
+    values[0] = True
+    arrays = ("nominal", "other", "repeats", "moved")
+    kept = {name: getattr(settled, name)[..., values] for name in arrays}
+    kept |= {name: getattr(settled, name)[:, :, values] for name in ("drawn", "errors")}
+    existing = [name for name, known in zip(names, values, strict=True) if known]
+    return existing, settled._replace(**kept), [name for name in names if name not in existing]
 
 
 def with_pairs(
@@ -359,19 +433,23 @@ def with_pairs(
         `repeated`, with their `spread`; `drawn` factors and `drawn_value` quantities of all laws; over (law,
         other_law, cell, quantity) the `outcome` of each draw, `difference` and `relative_difference` (their
         medians over the draws where both have a steady state, without draws that as configured; `_low` and
-        `_high` are 5 and 95 %), `difference_error` (numerical), `outcome_share`, `outcome_low` and
-        `outcome_high`, `p_value`, `order` (flags), `factor_share` in the outcome, and the largest by chance,
-        `chance_share`; `normal_tangential_coupling` of the motor at rest.
+        `_high` are 5 and 95 %), `relative_size` (the median without signs), `difference_error` (numerical),
+        `outcome_share`, `outcome_low` and `outcome_high`, `p_value`, `order` (flags); of `factor_shares` in
+        the outcome `factor_share`, `total_share`, `joint_share`, `factor_role` (flags), and the bounds of
+        chance; `effect` of each factor by itself; `normal_tangential_coupling` of the motor at rest.
     """
-    count = design.spent(parts)
+    count, factors = design.spent(parts), design.factors
     settled, draws = design.settled(parts, count), design.draws[:count]
-    names, factors = design.names, design.factors
+    names, settled, absent = _existing(design.names, settled)
     quantities = [OBSERVABLES[name] for name in names]
     pairs = population_of(settled, names, margin, len(design.looks))
     # As configured at the finest step, and on the other basis at the configured one.
-    configured, _, relative = differences(
+    configured, size, relative = differences(
         np.stack([settled.nominal[:, :, -1], settled.other], axis=-1), names
     )
+    # Values that are none on the other basis are not equal there.
+    none = np.maximum(np.abs(settled.other[:, None]), np.abs(settled.other[None])) < size[..., 1]
+    relative[..., 1] = np.where(none, np.nan, relative[..., 1])
 
     def pure(long_name: str, **attributes: Any) -> dict[str, Any]:
         return {"units": "1", "long_name": long_name, **attributes}
@@ -379,8 +457,9 @@ def with_pairs(
     def in_units(long_name: str) -> dict[str, str]:
         return {"comment": "units differ by quantity, see `quantity_units`", "long_name": long_name}
 
-    def flags(names: Sequence[str]) -> dict[str, Any]:
-        return {"flag_values": np.arange(len(names), dtype=np.int8), "flag_meanings": " ".join(names)}
+    def flags(names: Sequence[str], since: int = 0) -> dict[str, Any]:
+        values = np.arange(since, since + len(names), dtype=np.int8)
+        return {"flag_values": values, "flag_meanings": " ".join(names)}
 
     shown: dict[str, Any] = {
         "relative_drawn": ((*PAIR, "draw"), pairs.relative, pure("relative difference of each draw")),
@@ -395,19 +474,26 @@ def with_pairs(
         low, middle, high = quantiles(values, RANGE)
         shown |= {f"{name}_low": (PAIR, low, about), f"{name}_high": (PAIR, high, about)}
         shown[name] = PAIR, middle if count else at_rest, about
+    sizes = np.abs(pairs.relative) if count else np.abs(relative[..., :1])
+    shown["relative_size"] = PAIR, quantiles(sizes, 0.5), pure("median of the relative difference, unsigned")
     outcome, verdict = pairs.outcome, pairs.orders.verdict
-    share, chance = factor_shares(outcome, draws)
+    shares = factor_shares(outcome[np.triu_indices(len(outcome), 1)], draws)
 
+    def of_pairs(values: Array) -> Array:
+        return _of_all(values, values, len(outcome))
+
+    role = np.nan_to_num(of_pairs(np.asarray(shares.role, float)))
     of_outcomes, of_law = (*PAIR, "outcome_kind"), ("law", "cell", "quantity")
     matrices = [delassus_at_rest(setup.motor) for setup in design.grid.first.values()]
     coupling = [float(abs(d[0, 1]) / np.sqrt(d[0, 0] * d[1, 1])) for d in matrices]
     rigid = [isinstance(setup.law, MultiplierLaw) for setup in design.grid.first.values()]
-    notes = "\n".join(filter(None, [data.attrs["notes"], design.failures(parts, count)]))
+    without = f"No motor here has {', '.join(absent)}." if absent else ""
+    notes = "\n".join(filter(None, [data.attrs["notes"], design.failures(parts, count), without]))
     spread = pure("range over motors that differ by a millionth of friction, or the start, over its size")
     error = step_errors(settled.nominal, settled.orders)[:, :, :, -1]
     drawn_value = np.moveaxis(settled.drawn, 2, 3)
     return (
-        data.assign_attrs(notes=notes, margin=margin)
+        data.assign_attrs(notes=notes, margin=margin, samples=design.samples)
         .assign(shown)
         .assign(
             nominal=(("law", "cell", "step", "quantity"), settled.nominal, in_units("as configured")),
@@ -416,15 +502,25 @@ def with_pairs(
             spread=(of_law, spreads(settled), spread),
             drawn=(("draw", "factor"), draws, {"comment": "scales, shifts and values"}),
             drawn_value=(("law", "cell", "draw", "quantity"), drawn_value, in_units("of the draws")),
-            outcome=((*PAIR, "draw"), outcome.astype(np.int8), flags(OUTCOMES)),
+            outcome=((*PAIR, "draw"), outcome.astype(np.int8), flags(["untested", *OUTCOMES], UNTESTED)),
             difference_error=(PAIR, error, in_units("numerical error")),
             outcome_share=(of_outcomes, pairs.orders.share, pure("share of all draws")),
             outcome_low=(of_outcomes, pairs.orders.low, pure("lower end of the 95 % interval")),
             outcome_high=(of_outcomes, pairs.orders.high, pure("upper end of the 95 % interval")),
             p_value=(PAIR, pairs.orders.p_value, pure("p-value, corrected by Holm")),
             order=(PAIR, verdict.astype(np.int8), flags(VERDICTS)),
-            factor_share=((*PAIR, "factor"), share, pure("share in the outcome")),
-            chance_share=(PAIR, chance, pure("largest share by chance, 95 %")),
+            factor_share=((*PAIR, "factor"), of_pairs(shares.first), pure("share in the outcome")),
+            total_share=((*PAIR, "factor"), of_pairs(shares.total), pure("share with interactions")),
+            joint_share=((*PAIR, "factor", "other_factor"), of_pairs(shares.joint), pure("share of two")),
+            factor_role=((*PAIR, "factor"), role.astype(np.int8), flags(ROLES)),
+            chance_share=shares.chance,
+            joint_chance_share=shares.joint_chance,
+            leading_share=(PAIR, of_pairs(shares.lead), pure("resamples with the same largest share")),
+            effect=(
+                ("law", "moved_factor"),
+                effects(settled),
+                pure("largest relative change, as configured"),
+            ),
         )
         .assign_coords(
             other_law=data["law"].values,
@@ -435,6 +531,8 @@ def with_pairs(
             quantity_units=("quantity", [each.units for each in quantities]),
             quantity_name=("quantity", [each.long_name for each in quantities]),
             factor=[factor.name for factor in factors],
+            other_factor=[factor.name for factor in factors],
+            moved_factor=[factor.name for factor in design.moved],
             prior=("factor", [factor.text for factor in factors]),
             logarithmic=("factor", np.array([factor.kind == "log" for factor in factors], np.int8)),
             normal_tangential_coupling=("law", coupling, pure("D_nt over sqrt(D_nn D_tt) at rest")),

@@ -25,9 +25,11 @@ from contactlab.studies.compare.draws import (
     CONVERGED,
     OBSERVABLES,
     OBSERVED,
+    SEED,
     Distribution,
     Posteriors,
     Prior,
+    as_configured,
     left_fixed,
 )
 from contactlab.studies.compare.laws import (
@@ -40,7 +42,7 @@ from contactlab.studies.compare.laws import (
     run_of_setup,
     unchecked,
 )
-from contactlab.studies.compare.page import findings, tables
+from contactlab.studies.compare.page import few_draws, findings, tables
 from contactlab.studies.compare.pairs import Design, population_of, undecided, with_pairs
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
 from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
@@ -80,6 +82,7 @@ class Compare(Study):
     samples: Annotated[
         int, option("draws at most, a power of two; 0 draws nothing", at_least=0, at_most=100_000)
     ] = SAMPLES
+    seed: Annotated[int, option("seed of the draws", at_least=0)] = SEED
     starts: Annotated[int, option("initial conditions of each law", at_least=1, at_most=1000)] = STARTS
     vary: Annotated[
         Mapping[str, Distribution] | list[Prior] | None,
@@ -164,7 +167,16 @@ class Compare(Study):
         """Return the motors that are compared in pairs; None without any."""
         if not self.refine:
             return None
-        return Design.of(grid, self.priors, self.samples, self.observe, self._posteriors)
+        return Design.of(grid, self.priors, self.samples, self.observe, self._posteriors, self.seed)
+
+    def notice(self, setups: Setups) -> str:
+        """Return that the draws are too few to show any order."""
+        if self.runs or not (self.refine and self.samples):
+            return ""
+        grid = grid_of(self.put_to(setups).values())
+        laws, points = len(grid.laws), len(grid.cells)
+        claims = laws * (laws - 1) * points * len(self.observe)
+        return few_draws(self.samples, claims) if claims else ""
 
     def _scored(self, grid: Grid) -> dict[str, dict[str, Task]]:
         """Return the tasks for the scorecard by law and name."""
@@ -220,6 +232,7 @@ class Compare(Study):
                 data = with_pairs(data, design, parts, self.margin)
                 fixed = {law: left_fixed(run, design.factors, self.priors) for law, run in runs.items()}
                 data.attrs["not_varied"] = "; ".join(_of_laws(fixed))
+                data.attrs["held"] = listed(as_configured([*runs.values()], design.factors))
         motions = {f"motion_{n}": xarray.DataTree(motion(law)) for n, law in enumerate(laws, 1)}
         return xarray.DataTree(data, motions)
 
