@@ -2,21 +2,18 @@
 
     python experiments/all.py [NAME ...] [output=DIR]
 
-The page, index.html, contains its pictures; it is left out where experiments are named. Claims, findings and
-tables are written to docs/results/experiments.json too, from which docs/paper.md has them, and the figures
-of the paper to docs/paper. Exit status 1 if a finding does not hold.
+The page, index.html, contains its pictures; it is left out where experiments are named. The results that
+docs/ states are made by remake.py. Exit status 1 if a finding does not hold.
 """
 
 import sys
 from base64 import b64encode
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 from pathlib import Path
-from shutil import copyfile
+from typing import Any
 
 from experiment import CONTRADICTED, DONE, OUTPUTS, REFUSED, Experiment, class_of, perform
 from jinja2 import Environment
-from results_store import PHYSICS, ROOT, put
 from tqdm import tqdm
 
 from contactlab.processes import processors
@@ -51,9 +48,6 @@ BEYOND = (
     "when_laws_matter",
 )
 """Experiments beyond it."""
-
-FIGURES = ROOT / "docs" / "paper"
-"""Folder of the figures that docs/paper.md shows."""
 
 PAGE = """<!doctype html><html lang="en"><head><meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -94,18 +88,11 @@ def page(results: Sequence[tuple[Result, Path]]) -> str:
     return Environment(autoescape=True).from_string(PAGE).render(sections=sections)
 
 
-def store(name: str, make: Callable[[], Result]) -> Result:
-    """Put an experiment's finding and table into docs/results/experiments.json; returns its result."""
-    results: list[Result] = []
-
-    def section() -> dict[str, object]:
-        results.append(make())
-        about, rows = results[0].data.attrs, results[0].tables["table"].to_dict("records")
-        numbers = results[0].study.numbers(results[0].data)
-        return {**{key: about[key] for key in ("says", "finding", "holds")}, "rows": rows, "numbers": numbers}
-
-    put("experiments", name, name, section, PHYSICS)
-    return results[0]
+def numbers_of(result: Result) -> dict[str, Any]:
+    """Return claim, finding, table and numbers of an experiment."""
+    about, rows = result.data.attrs, result.tables["table"].to_dict("records")
+    numbers = result.study.numbers(result.data)
+    return {**{key: about[key] for key in ("says", "finding", "holds")}, "rows": rows, "numbers": numbers}
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -123,9 +110,7 @@ def main(arguments: Sequence[str]) -> int:
     names = [class_of(name).name for name in named or (*PAPER, *BEYOND)]
     results = []
     for name in tqdm(names, unit=" experiments", disable=None):
-        result = store(name, partial(perform, name, folder / name, workers=processors()))
-        if name.startswith("fig"):
-            copyfile(folder / name / f"{name}.png", FIGURES / f"{name}.png")
+        result = perform(name, folder / name, workers=processors())
         results.append((result, folder / name))
         holds = results[-1][0].data.attrs["holds"]
         tqdm.write(f"{name}: {'holds' if holds else 'DOES NOT HOLD'}")

@@ -16,7 +16,7 @@ from typing import Any, Final, Self
 
 import motor_findings
 import yaml
-from results_store import OLDER, read, state_of
+from results_store import read
 from scipy.stats import fisher_exact
 
 from contactlab.inference.paired import binomial_interval
@@ -39,11 +39,6 @@ PAGES: Final = (
         )
     ),
 )
-
-CHEAP: Final[Mapping[str, Mapping[str, Callable[[], Any]]]] = {
-    "motor": {name: motor_findings.SECTIONS[name][0] for name in motor_findings.CHEAP}
-}
-"""Sections that are made anew when the code has changed; the others are checked by them, or say their age."""
 
 INPUTS: Final = re.compile(
     r"95\s%|within\s20\s%\sof\sthe\sdistance|at\s(?:most|least)\s\d+\s%|1\s%\sof|700\srad/s|to\s(?:some\s)?3\smm/s"
@@ -77,16 +72,27 @@ class Number(float):
         return f"{float(self):.{digits}f} +- {error}"
 
 
+class Sections(dict[str, Any]):
+    """Results of a file by section; which ones are read is put down in `USED`."""
+
+    def __init__(self, file: str) -> None:
+        super().__init__({name: section["results"] for name, section in read(file)["sections"].items()})
+        self.file = file
+
+    def __getitem__(self, name: str) -> Any:
+        USED.add((self.file, name))
+        return super().__getitem__(name)
+
+
 @cache
-def results(file: str) -> dict[str, Any]:
+def results(file: str) -> Sections:
     """Return the sections of a file of results."""
-    return {name: section["results"] for name, section in read(file)["sections"].items()}
+    return Sections(file)
 
 
 def value(key: str, file: str = "motor") -> Any:
     """Return a value of the store by its key, "SECTION/.../NAME", a number with its error."""
     *way, name = key.split("/")
-    USED.add((file, way[0]))
     here: Any = results(file)
     for part in way:
         here = here[int(part)] if isinstance(here, list) else here[part]
@@ -121,7 +127,6 @@ def settling_times() -> list[float]:
 
 def rows_of(experiment: str) -> list[dict[str, Any]]:
     """Return the rows of an experiment's table."""
-    USED.add(("experiments", experiment))
     rows: list[dict[str, Any]] = results("experiments")[experiment]["rows"]
     return rows
 
@@ -178,10 +183,8 @@ NAMES: Final = {
 BASES: Final = ("four shapes", "converged")
 THREE, FOUR = ("stick", "newton", "hertz"), ("hertz", "stick", "newton", "mindlin")
 FIVE, PICTURED = (*THREE, "poisson", "mindlin"), tuple(motor_findings.PICTURED)
-PHASE: Final = "converged, by phase"
-DAMPING: Final = "converged, by damping ratio at equal free amplitude"
+PHASE, DAMPING, ROD = motor_findings.PHASE, motor_findings.DAMPED, motor_findings.ROD
 PAPER, *LOWER = (f"{DAMPING}/{damping}" for damping in motor_findings.DAMPING)
-ROD: Final = "converged, with a rod"
 
 
 OF_THE_PAPER: Final = {
@@ -370,12 +373,6 @@ def markdown(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
     return "\n".join([head, "|---" * len(lines[0]) + "|", *body])
 
 
-def with_age(file: str, sections: Iterable[str], table: str) -> str:
-    """Return a table with a sentence below it where its numbers are older than the code."""
-    old = [name for name in sections if state_of(read(file)["sections"][name]) == OLDER]
-    return f"{table}\n\nMade by an earlier code: {', '.join(f'`{name}`' for name in old)}." if old else table
-
-
 def front_page() -> str:
     """Return what the example of README prints."""
     bases = {"ritz": "four shapes", "finite_element": "converged"}
@@ -399,8 +396,7 @@ def default_motor() -> str:
         return f"{speed}, {here['kind']}" if time is None else f"{speed} ({1e3 * time:.1f} ms)"
 
     rows = ([NAMES[law], cell("four shapes", law), cell("converged", law)] for law in PICTURED)
-    table = markdown(("", "four shapes of the paper", "converged beam"), rows)
-    return with_age("motor", ["default motor"], table)
+    return markdown(("", "four shapes of the paper", "converged beam"), rows)
 
 
 def by_phase() -> str:
@@ -414,9 +410,7 @@ def by_phase() -> str:
 
     head = ("law", *(phase if phase == "configured" else f"phase {float(phase):g}" for phase in phases))
     laws = ("stick", "newton", "poisson", "hertz", "mindlin")
-    return with_age(
-        "motor", [PHASE], markdown(head, ([NAMES[x], *(cell(p, x) for p in phases)] for x in laws))
-    )
+    return markdown(head, ([NAMES[x], *(cell(p, x) for p in phases)] for x in laws))
 
 
 def by_damping() -> str:
@@ -431,7 +425,7 @@ def by_damping() -> str:
         yield from (velocity(section, law) or "none" for law in FOUR)
 
     head = ("damping", "ratios", *(NAMES[law].removeprefix("composed, ") for law in FOUR))
-    return with_age("motor", [DAMPING], markdown(head, map(row, (PAPER, *LOWER))))
+    return markdown(head, map(row, (PAPER, *LOWER)))
 
 
 def laws_against_ellipses() -> str:
@@ -449,7 +443,7 @@ def laws_against_ellipses() -> str:
 
     laws = results("measurements")["ellipses"]["laws"]
     head = ("law", "", "held-out error", "95 % interval", "group", "fitted numbers")
-    return with_age("measurements", ["ellipses"], markdown(head, (row(*each) for each in laws.items())))
+    return markdown(head, (row(*each) for each in laws.items()))
 
 
 def free_geometry() -> str:
@@ -498,7 +492,7 @@ def laws_against_spheres() -> str:
 
     laws = results("measurements")["spheres"]["laws"]
     rows = (row(label, law) for label, law in laws.items())
-    return with_age("measurements", ["spheres"], markdown(("law", *names, "lowest", "free"), rows))
+    return markdown(("law", *names, "lowest", "free"), rows)
 
 
 def carrying() -> str:
@@ -525,7 +519,7 @@ def carrying() -> str:
         "loads moved, of 8",
         "misfit (mm/s)",
     )
-    return with_age("experiments", ["published_motor"], markdown(head, [*map(row, CARRIERS), model]))
+    return markdown(head, [*map(row, CARRIERS), model])
 
 
 def when_laws_matter() -> str:
@@ -540,7 +534,7 @@ def when_laws_matter() -> str:
 
     head = ("quantity", "motors", "D > 1", "clearly", "clearly not", "median D (10 to 90 %)")
     rows = (row(own) for own in mattering() if own["group"] == "all")
-    return with_age("experiments", ["when_laws_matter"], markdown(head, rows))
+    return markdown(head, rows)
 
 
 def groups() -> str:
@@ -570,7 +564,7 @@ def populations() -> str:
     head = ("population", "against", "faster", "slower", "equal", "no steady state", "verdict",
             "faster, slower by quarters of rising damping")  # fmt: skip
     rows = (row(each, law) for law in OTHERS for each in motor_findings.POPULATIONS)
-    return with_age("motor", ["populations"], markdown(head, rows))
+    return markdown(head, rows)
 
 
 def known_worlds() -> str:
@@ -581,19 +575,20 @@ def known_worlds() -> str:
         for pairs, rates in each.items()
     )
     head = ("the first law is, in all motors", "pairs", "any false claim", "verdict known")
-    return with_age("motor", ["known worlds"], markdown(head, rows))
+    return markdown(head, rows)
 
 
 def experiments() -> str:
     """Return the findings of the experiments beyond the paper, and whether their claims hold."""
-    those = {x: each for x, each in results("experiments").items() if x not in OF_THE_PAPER.values()}
+    own = results("experiments")
+    those = {x: own[x] for x in own if x not in OF_THE_PAPER.values()}
     rows = ((f"`{x}`", "yes" if each["holds"] else "no", each["finding"]) for x, each in those.items())
-    return with_age("experiments", those, markdown(("script", "holds", "finding"), rows))
+    return markdown(("script", "holds", "finding"), rows)
 
 
 def finding(experiment: str) -> str:
     """Return the finding of an experiment."""
-    return with_age("experiments", [experiment], str(results("experiments")[experiment]["finding"]))
+    return str(results("experiments")[experiment]["finding"])
 
 
 def impact_mass() -> str:
@@ -615,7 +610,7 @@ def impact_mass() -> str:
         *(f"`{x}` (rad/s)" for x in laws),
     )
     text = results("experiments")["impact_mass"]["finding"]
-    return with_age("experiments", ["impact_mass"], f"{text}\n\n{markdown(head, rows)}")
+    return f"{text}\n\n{markdown(head, rows)}"
 
 
 def first_table() -> str:
@@ -628,7 +623,7 @@ def first_table() -> str:
         cells.setdefault(row["placement"], {})[f"{name} {unit}".replace(" V-1", "/V")] = cell
     head = ("", *next(iter(cells.values())))
     rows = ((placement, *row.values()) for placement, row in cells.items())
-    return with_age("experiments", ["table1_placement"], markdown(head, rows))
+    return markdown(head, rows)
 
 
 TABLES: Final[dict[str, Callable[[], str]]] = {

@@ -1,14 +1,9 @@
 """Numbers of docs/measurements.md: laws against the spheres and the ellipses that were measured.
 
-    python experiments/measurement_results.py SPHERES ELLIPSES [--cache DIR]
-
-SPHERES and ELLIPSES are the files that the page describes. Writes docs/results/measurements.json, from which
-results_pages.py makes sentences and tables, and the figures. It takes 20 minutes on one core; an interrupted
-run goes on from its cache.
+They are made by remake.py, from the files that the page describes, and with them the figures.
 """
 
-import argparse
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from shutil import copyfile
@@ -16,22 +11,18 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
+from dependencies import ROOT
 from oblique_spheres import ObliqueSpheres, misfit_rows
-from results_store import ROOT, put
 from scipy.optimize import minimize
 
 import contactlab as cl
 from contactlab.inference.bootstrap import mean_intervals
 from contactlab.inference.cross_validation import laws_in
 from contactlab.measured.files import read_impacts
-from contactlab.results.provenance import code_digest
 from contactlab.studies.validate import parameters
 from contactlab.studies.validate_figures import abscissas, binned, residuals_of
 
 PICTURES: Final = ROOT / "docs" / "measurements"
-PARTS: Final = ("compiler", "config", "engine", "inference", "laws", "measured", "studies")
-"""Folders of contactlab that the results depend on."""
-
 FIGURES: Final = ("prediction_error", "paired_differences", "residuals", "impacts")
 
 SPRING: Final = "hertz_point + flores + mindlin"
@@ -53,12 +44,24 @@ RATIOS, EVERY = (0.67, 1.0, 4.0), 8
 """Tangential over normal stiffness; of so many impacts one is in the comparison of laws at these ratios."""
 
 
-def of_spheres(path: Path) -> dict[str, Any]:
+def misfits(path: Path) -> dict[str, Any]:
     """Return misfits, in errors of digitisation, and the lowest tangential restitution of each law."""
     data = ObliqueSpheres(path=str(path)).compute(cl.build())
     laws = {str(row.pop("law")): row for row in misfit_rows(data)}
     numbers = {k: float(v) for k, v in data.attrs.items() if isinstance(v, float | np.floating)}
     return {"laws": laws, **numbers}
+
+
+def of_spheres(path: Path, folder: Path) -> dict[str, Any]:
+    """Return misfits and the lowest tangential restitution of each law, which the short form has too."""
+    del folder
+    return misfits(path)
+
+
+def some_ellipses(path: Path) -> dict[str, Any]:
+    """Return the mean errors of the laws whose geometry is free on one impact of a hundred."""
+    some = read_impacts(path).part(np.arange(0, len(read_impacts(path)), 100))
+    return {law.name: float(some.errors(some.before.velocities_after(law, 1e-4)).mean()) for law in LAWS}
 
 
 def of_laws(data: xarray.Dataset) -> dict[str, Any]:
@@ -108,21 +111,11 @@ def at_ratios(path: Path) -> dict[str, float]:
     return {name: least(friction) for name, friction in frictions.items()}
 
 
-def validated(path: Path, folder: Path, laws: Any = (), **options: Any) -> cl.Result:
-    """Return the validation in a folder where this code left one, or make it there."""
-    file = folder / "validate.nc"
-    if file.exists():
-        made = cl.load(file)
-        if isinstance(made, cl.Result) and made.data.attrs["code_digest"] == code_digest():
-            return made
-    return cl.validate(laws, data=path, output=folder, **options)
-
-
-def of_ellipses(path: Path, cache: Path) -> dict[str, Any]:
+def of_ellipses(path: Path, folder: Path) -> dict[str, Any]:
     """Return held-out errors of all laws, and of three with free numbers of the geometry."""
-    made = validated(path, cache / "laws")
+    made = cl.validate((), data=path, output=folder / "laws")
     for name in FIGURES:
-        copyfile(cache / "laws" / f"{name}.png", PICTURES / f"ellipses_{name}.png")
+        copyfile(folder / "laws" / f"{name}.png", PICTURES / f"ellipses_{name}.png")
     data = made.data.to_dataset()
     laws, impacts = laws_in(data), read_impacts(path)
     gap_rate, slip = impacts.velocity_before.T
@@ -133,8 +126,9 @@ def of_ellipses(path: Path, cache: Path) -> dict[str, Any]:
     blocks = {str(n): np.arange(errors.size) // n for n in BLOCKS}
     geometry = {}
     for name, free in GEOMETRIES.items():
-        kept = cache / name.replace(" ", "_")
-        fitted = validated(path, kept, LAWS, free=free).data.to_dataset()
+        fitted = cl.validate(
+            LAWS, data=path, output=folder / name.replace(" ", "_"), free=free
+        ).data.to_dataset()
         pair = fitted[["difference", "difference_interval", "p_value"]].sel(law="poisson", other=SPRING)
         low, high = map(float, pair["difference_interval"].values)
         gain = {"gain": float(pair["difference"]), "low": low, "high": high, "p": float(pair["p_value"])}
@@ -165,20 +159,5 @@ def of_ellipses(path: Path, cache: Path) -> dict[str, Any]:
     }
 
 
-def main(arguments: Sequence[str] | None = None) -> None:
-    """Write results and figures."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("spheres", type=Path)
-    parser.add_argument("ellipses", type=Path)
-    parser.add_argument("--cache", type=Path, default=Path("measurement_results"))
-    chosen = parser.parse_args(arguments)
-    makers = {
-        "spheres": partial(of_spheres, chosen.spheres),
-        "ellipses": partial(of_ellipses, chosen.ellipses, chosen.cache),
-    }
-    for section, make in makers.items():
-        put("measurements", "measurement_results", section, make, PARTS)
-
-
-if __name__ == "__main__":
-    main()
+SECTIONS: Final = {"ellipses": (of_ellipses, some_ellipses), "spheres": (of_spheres, misfits)}
+"""What makes a section, and its short form."""

@@ -1,13 +1,10 @@
-"""Numbers on the motor that README, steady.md, paper.md and the page on comparison state, in one file.
-
-    python experiments/motor_findings.py [SECTION ...]
+"""Numbers on the motor that README, steady.md, paper.md and the page on comparison state.
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
 motor in populations, three of which the usual draws seldom contain; and how often the rule of pairs is wrong
-in worlds of known truth. It takes some four minutes on two processors, and writes docs/results/motor.json.
+in worlds of known truth. They are made by remake.py.
 """
 
-import sys
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any, Final, NamedTuple
@@ -15,7 +12,6 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 import xarray
 from joblib import Parallel, delayed
-from results_store import PHYSICS, put
 
 import contactlab as cl
 from contactlab.inference.paired import (
@@ -63,14 +59,21 @@ DAMPING: Final = (
 )
 """The paper's damping per stiffness, and less; damping ratios of all modes."""
 
+PHASE: Final = "converged, by phase"
+DAMPED: Final = "converged, by damping ratio at equal free amplitude"
+ROD: Final = "converged, with a rod"
+"""Names of sections."""
+
+WITH_ROD: Final = [*CONVERGED, "resonator.rod_length=19 mm"]
+FOUR: Final = ("stick", "newton", "hertz", "mindlin")
 BOTH: Final = ("rotor_velocity", "stall_torque")
 REPETITIONS: Final = 1000
 COMPARED: Final = {"stick": "lagrange_stick", "hertz": "hertz_penalty", "newton": "newton"}
 """Laws that are compared in populations, the first one with the others."""
 
 
-SAMPLES, CHECKED_DRAWS = 32, 3
-"""Motors of each population, and those that are made anew whenever the code has changed."""
+SAMPLES, FIRST = 32, 3
+"""Motors of each population, and those of its short form."""
 
 
 class Motors(NamedTuple):
@@ -157,19 +160,19 @@ def delayed_call(function: Callable[..., Any], *arguments: Any) -> Callable[[], 
     return partial(function, *arguments)
 
 
-def rates(truth: Iterable[float], pairs: int) -> dict[str, float]:
+def rates(truth: Iterable[float], pairs: int, repetitions: int = REPETITIONS) -> dict[str, float]:
     """Return how often independent pairs with these outcomes get a false verdict, and any at all."""
     rng, chances, looks = np.random.default_rng(0), np.array(list(truth)), looks_up_to(64)
     true = np.append(chances > AGREED, [chances.max() <= AGREED, True])
     wrong = known = 0.0
-    for _ in range(REPETITIONS):
+    for _ in range(repetitions):
         outcomes = rng.choice(len(OUTCOMES), (pairs, looks[-1]), p=chances)
         verdicts = np.full(pairs, INCONCLUSIVE)
         for look in looks:
             latest = orders(outcomes[:, :look], len(looks)).verdict
             verdicts = np.where(verdicts >= VARIES, latest, verdicts)
-        wrong += bool(~true[verdicts].all()) / REPETITIONS
-        known += float((verdicts != INCONCLUSIVE).mean()) / REPETITIONS
+        wrong += bool(~true[verdicts].all()) / repetitions
+        known += float((verdicts != INCONCLUSIVE).mean()) / repetitions
     return {"any wrong": wrong, "known": known}
 
 
@@ -220,16 +223,15 @@ def by_damping() -> dict[str, Any]:
         result[damping] = {
             "overrides": overrides,
             "damping_ratio": cl.build(overrides).motor.modes.damping_ratio[:2].tolist(),
-            **table([law for law in LAWS if law != "poisson"], overrides, ("rotor_velocity",)),
+            **table(FOUR, overrides, ("rotor_velocity",)),
         }
     return result
 
 
 def with_rod() -> dict[str, Any]:
     """Return laws on the converged beam whose tip is a rod that bends."""
-    overrides = [*CONVERGED, "resonator.rod_length=19 mm"]
-    frequencies = cl.build(overrides).motor.modes.natural_frequency[:3].tolist()
-    return {"natural_frequency": frequencies, **table(("stick", "newton", "hertz"), overrides, BOTH)}
+    frequencies = cl.build(WITH_ROD).motor.modes.natural_frequency[:3].tolist()
+    return {"natural_frequency": frequencies, **table(("stick", "newton", "hertz"), WITH_ROD, BOTH)}
 
 
 def populations() -> dict[str, Any]:
@@ -251,7 +253,7 @@ def first_draws() -> dict[str, Any]:
     design = design_of(Motors())
     return {
         f"draw {n}": do_draw(motor, design.names).data["value"].values[:, 0].tolist()
-        for n, motor in enumerate(design.drawn(0, CHECKED_DRAWS).values())
+        for n, motor in enumerate(design.drawn(0, FIRST).values())
     }
 
 
@@ -298,31 +300,30 @@ def known_worlds() -> dict[str, Any]:
     return {name: {str(n): rates(truth, n) for n in (1, 10)} for name, truth in WORLDS.items()}
 
 
-PAIRS: Final = (*PHYSICS, "inference", "studies/compare")
-SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], tuple[str, ...]]]] = {
-    "default motor": (default_motor, PHYSICS),
-    "first run": (first_run, PHYSICS),
-    "modes": (driven_modes, PHYSICS),
-    "converged, by phase": (by_phase, PHYSICS),
-    "converged, by damping ratio at equal free amplitude": (by_damping, PHYSICS),
-    "converged, with a rod": (with_rod, PHYSICS),
-    "first draws": (first_draws, PAIRS),
-    "populations": (populations, PAIRS),
-    "known worlds": (known_worlds, PAIRS),
+def once(names: Iterable[str], overrides: list[str], quantities: tuple[str, ...]) -> dict[str, Any]:
+    """Return the settled motor under laws at one step."""
+    values = {name: observed(cl.build([*overrides, *LAWS[name]]), quantities)[1] for name in names}
+    return {law: {name: each.value for name, each in own.items()} for law, own in values.items()}
+
+
+def default_once() -> dict[str, Any]:
+    """Return the laws of the picture on both bases at one step."""
+    return {
+        basis: {
+            law: cl.steady(cl.build([*overrides, *PICTURED[law]])).details.velocity.value for law in PICTURED
+        }
+        for basis, overrides in BASES.items()
+    }
+
+
+SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], Callable[[], dict[str, Any]]]]] = {
+    "default motor": (default_motor, default_once),
+    "first run": (first_run, first_run),
+    "modes": (driven_modes, driven_modes),
+    PHASE: (by_phase, lambda: once(LAWS, CONVERGED, BOTH)),
+    DAMPED: (by_damping, lambda: once(FOUR, at_equal_amplitude(DAMPING[1]), BOTH[:1])),
+    ROD: (with_rod, lambda: once(("stick", "newton", "hertz"), WITH_ROD, BOTH)),
+    "populations": (populations, first_draws),
+    "known worlds": (known_worlds, lambda: {name: rates(truth, 1, 20) for name, truth in WORLDS.items()}),
 }
-"""What makes a section, and the folders of contactlab that it depends on."""
-
-CHEAP: Final = ("default motor", "first run", "modes", "first draws")
-"""Sections that are made anew whenever the code has changed, in some seconds of a processor."""
-
-
-def main() -> None:
-    """Compute the sections that are named, or all, and write the file."""
-    for name in sys.argv[1:] or SECTIONS:
-        make, parts = SECTIONS[name]
-        put("motor", "motor_findings", name, make, parts)
-        print(name, flush=True)
-
-
-if __name__ == "__main__":
-    main()
+"""What makes a section, and its short form."""

@@ -1,28 +1,29 @@
 """Write the numbers of the pages from docs/results: sentences with a result, tables, and docs/claims.md.
 
-    python experiments/results_pages.py [--check | --restamp]
+    python experiments/results_pages.py [--check]
 
 A sentence of `claims.CLAIMS` stands on its page as its template, with the numbers of the store and in the
 form that its predicate decides; a table stands between `<!-- table NAME -->` and `<!-- end of the table -->`.
-Without an option the pages are written anew. `--check` says what differs, which results stand on a page
-without a claim, and which cheap sections that are older than the code have other digits under it, and
-makes them anew for that; the exit status is then 1. `--restamp` makes all cheap sections anew, and where
-their digits are the same puts down that the others were checked by them.
+A page whose results are not of the present code says so at its end. Without an option the pages are written
+anew. `--check` says what differs. The exit status is 1 where something does, where a result stands on a page
+without a claim, where a section was changed by hand, and where its short form has other digits under the
+present code. remake.py makes sections.
 """
 
 import argparse
 import re
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from difflib import unified_diff
+from functools import cache
 from itertools import zip_longest
 from string import Formatter
 from textwrap import fill
 
 import claims
-import results_store
-from claims import CHEAP, CLAIMS, TABLES, Claim
-from results_store import CHECKED, OLDER, PRESENT, ROOT, state_of
+from claims import CLAIMS, TABLES, Claim
+from dependencies import ROOT
+from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
 
 LIST = "docs/claims.md"
 
@@ -31,6 +32,14 @@ CODE = re.compile(r"^```.*?^```|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL |
 INPUT = re.compile(r"<!-- inputs -->.*?<!-- end of the inputs -->", re.DOTALL)
 RESULT = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s*(?:%|rad/s|mm/s|mN\s+m|mW\b)")
 """A number with a unit of speed, torque or power, or a share."""
+
+AGE = re.compile(r"\n+<!-- age of the results -->.*", re.DOTALL)
+OTHER = {
+    CHECKED: "Made by an earlier code; a short form has the same digits under the present one:",
+    OLDER: "Made by an earlier code, and not checked:",
+    DIFFERENT: "Made by an earlier code; a short form has other digits under the present one:",
+}
+"""What a page says of results that are not of the present code."""
 
 OPENING = """\
 # What is claimed
@@ -52,7 +61,8 @@ class Page:
         self.old = self.text = (ROOT / name).read_text(encoding="utf-8") if (ROOT / name).is_file() else ""
 
     def fill(self) -> Iterator[str]:
-        """Write sentences and tables; yields what is missing."""
+        """Write sentences and tables, and of what code they are; yields what is missing."""
+        claims.USED.clear()
         self.text = TABLE.sub(lambda each: each[1] + TABLES[each[2]]() + each[4], self.text)
         for claim in of_page(self.name):
             # A sentence may begin as another does: the longest one counts, and comes first.
@@ -67,6 +77,8 @@ class Page:
                 self.text = self.text[: place.start()] + new + self.text[place.end() :]
             else:
                 yield f"{self.name}: {len(places) or 'none'} of: {claim.sentence}"
+        own = AGE.sub("", self.text).rstrip("\n")
+        self.text = f"{own}\n{age_of(claims.USED)}" if own else ""
 
     def bare(self) -> Iterator[str]:
         """Yield the results that no claim and no table states."""
@@ -76,6 +88,24 @@ class Page:
                 text = pattern(sentence).sub("", text)
         text = claims.INPUTS.sub("", CODE.sub("", text))
         yield from (f"{self.name}: '{each[0]}' has no claim" for each in RESULT.finditer(text))
+
+
+@cache
+def states() -> dict[tuple[str, str], str]:
+    """Return the states of all sections by file and name."""
+    every = ((file, name, own) for file in claims.FILES for name, own in read(file)["sections"].items())
+    return {(file, name): state_of(own) for file, name, own in every}
+
+
+def age_of(used: Iterable[tuple[str, str]]) -> str:
+    """Return the paragraph on results of a page that are not of the present code; empty if there are none."""
+    here = {state: sorted(key[1] for key in used if states()[key] == state) for state in OTHER}
+    lines = [
+        f"{text} {', '.join(f'`{name}`' for name in here[state])}."
+        for state, text in OTHER.items()
+        if here[state]
+    ]
+    return "\n<!-- age of the results -->\n\n" + "\n\n".join(lines) + "\n" if lines else ""
 
 
 def of_page(name: str) -> list[Claim]:
@@ -124,53 +154,45 @@ def listed() -> str:
     for page in claims.PAGES:
         lines.append(f"## {page}\n")
         for claim in of_page(page):
-            claims.USED.clear()
             lines.append(f"* **{claim.verdict}**: {rendered(claim)}\n  ({claim.population})")
             lines += [f"  `{claim.holds}`"] if claim.holds else []
-            old = {
-                name
-                for file, name in claims.USED
-                if state_of(results_store.read(file)["sections"][name]) == OLDER
-            }
-            lines += [f"  Older than the code: {', '.join(sorted(old))}."] if old else []
         lines.append("")
-    lines += [
-        "## The code that made the numbers\n",
-        "| results | section | code | state |",
-        "|---|---|---|---|",
-    ]
-    for file in claims.FILES:
-        for name, section in results_store.read(file)["sections"].items():
-            state = {
-                PRESENT: "made by the present code",
-                CHECKED: "not made anew; the cheap sections have the same digits under the present code",
-                OLDER: "older than the present code",
-            }[state_of(section)]
-            lines.append(f"| {file} | {name} | {section['made']} | {state} |")
+    lines += ["## The code that made the numbers\n", "| results | section | code |", "|---|---|---|"]
+    for (file, name), state in states().items():
+        about = {
+            PRESENT: "made by the present code",
+            CHECKED: "made by an earlier code; its short form has the same digits under the present one",
+            OLDER: "made by an earlier code",
+            DIFFERENT: "made by an earlier code; its short form has other digits under the present one",
+            EDITED: "changed by hand",
+        }[state]
+        lines.append(f"| {file} | {name} | {about} |")
     return "\n".join(lines) + "\n"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write or check the pages and return the exit status."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    only = parser.add_mutually_exclusive_group()
-    only.add_argument("--check", action="store_true", help="write nothing, and say what differs")
-    only.add_argument("--restamp", action="store_true", help="make cheap sections anew, and compare")
+    parser.add_argument("--check", action="store_true", help="write nothing, and say what differs")
     chosen = parser.parse_args(arguments)
-    others = results_store.check(CHEAP, claims.FILES) if chosen.restamp else []
-    if chosen.check:
-        others = results_store.different(CHEAP)
     pages = [Page(name) for name in claims.PAGES]
     faults = [fault for page in pages for fault in (*page.fill(), *page.bare())]
     pages.append(Page(LIST))
     pages[-1].text = listed() if not faults else pages[-1].old
-    faults += [f"{name} has other digits under the present code; make its file anew." for name in others]
+    by_hand = [f"{file}: {name} was changed by hand." for (file, name), x in states().items() if x == EDITED]
+    faults += by_hand
+    for (file, name), state in states().items():
+        if state == DIFFERENT:
+            names = ", ".join(sorted(changed(read(file)["sections"][name])))
+            faults.append(
+                f"{file}: {name} has other digits in its short form: make it anew. Changed: {names}."
+            )
     for page in pages:
         if page.text != page.old and chosen.check:
             faults += unified_diff(
                 page.old.splitlines(), page.text.splitlines(), page.name, "store", n=0, lineterm=""
             )
-        elif page.text != page.old:
+        elif page.text != page.old and not by_hand:
             (ROOT / page.name).write_text(page.text, encoding="utf-8")
     print(*faults, sep="\n", end="\n" if faults else "")
     return int(bool(faults))

@@ -7,7 +7,7 @@ from typing import Final
 ROOT: Final = Path(__file__).resolve().parents[2]
 # Its digest leaves out comments and docstrings.
 sys.path.insert(0, str(ROOT / "experiments"))
-from results_store import digest_of  # noqa: E402
+from dependencies import digest_of  # noqa: E402
 
 MARK: Final = "made_by"
 """File in a folder of pictures, with the digest of what made them."""

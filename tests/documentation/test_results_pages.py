@@ -1,64 +1,191 @@
-"""Pages state the numbers of docs/results, which are not older than the code."""
+"""Pages state the numbers of docs/results, and say so where these are not of the present code."""
 
-import re
+from collections.abc import Callable, Iterator
 from copy import deepcopy
-from functools import partial
 from pathlib import Path
-from shutil import copytree
 from typing import Any
 
 import claims
+import dependencies
 import pytest
+import remake
 import results_pages
 import results_store
 from claims import Number
+from dependencies import ROOT, digests
 from results_pages import Page
-from results_store import CHECKED, OLDER, PHYSICS, ROOT, digest_of
+from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, by_module, sealed, state_of
 
 STEADY = "docs/steady.md"
 DAMPING = claims.DAMPING
+
+Edit = Callable[[str, str, str], None]
 
 
 @pytest.fixture
 def fresh():
     claims.results.cache_clear()
+    results_pages.states.cache_clear()
     yield
     claims.results.cache_clear()
+    results_pages.states.cache_clear()
+
+
+@pytest.fixture
+def stored(fresh: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, dict[str, Any]], None]:
+    """Return a function that replaces a file of results."""
+
+    def replace(name: str, content: dict[str, Any]) -> None:
+        def read(other: str) -> dict[str, Any]:
+            return content if other == name else results_store.read(other)
+
+        monkeypatch.setattr(claims, "read", read)
+        monkeypatch.setattr(results_pages, "read", read)
+
+    return replace
+
+
+@pytest.fixture
+def edited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
+    """Return a function that puts a changed source in the place of one, as far as digests go."""
+    original = dependencies.parsed
+
+    def edit(file: str, old: str, new: str) -> None:
+        source = (ROOT / file).read_text(encoding="utf-8")
+        assert old in source
+        changed = tmp_path / Path(file).name
+        changed.write_text(source.replace(old, new, 1), encoding="utf-8")
+        monkeypatch.setattr(
+            dependencies, "parsed", lambda path: original(changed if path == ROOT / file else path)
+        )
+        results_store._code_of.cache_clear()
+
+    yield edit
+    results_store._code_of.cache_clear()
+
+
+def section(*ran: str) -> dict[str, Any]:
+    """Return a section that some definitions made, and a short form that the first of them makes."""
+    short = {"ran": by_module(ran[:1]), "files": [], "results": {"v": 1.0}}
+    return sealed(
+        {"code": digests(ran, []), "ran": by_module(ran), "files": [], "short": short, "results": {"v": 2.0}}
+    )
 
 
 def test_the_pages_are_those_of_the_results(capsys: pytest.CaptureFixture[str]) -> None:
     assert results_pages.main(["--check"]) == 0, capsys.readouterr().out
 
 
-def test_a_factor_in_the_engine_makes_results_old_and_a_comment_does_not(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+HERTZ = "contactlab.laws.hertz_penalty:HertzPenalty"
+IMPACT, LAWS = "contactlab/laws/impact", "contactlab/laws"
+MUTANTS: dict[str, tuple[str, str, str, str, str]] = {
+    "newton": (f"{IMPACT}/newton.py", "approach + restitution * ", "approach + 1.001 * restitution * ",
+               "contactlab.laws.impact.newton:Newton", "contactlab.laws.impact.process:Poisson"),
+    "poisson": (f"{IMPACT}/process.py", "else (1.0 + e) * p_n", "else (1.001 + e) * p_n",
+                "contactlab.laws.impact.process:Poisson", "contactlab.laws.impact.newton:Newton"),
+    "lagrange_slip": (f"{LAWS}/lagrange.py", "return 0.0, 0.0", "return 0.001, 0.0",
+                      "contactlab.laws.lagrange:LagrangeSlip", HERTZ),
+    "lagrange_stick": (f"{LAWS}/lagrange.py", "<= friction_coeff", "<= 1.001 * friction_coeff",
+                       "contactlab.laws.lagrange:LagrangeStick", HERTZ),
+    "hertz": (f"{LAWS}/normal/elastic.py", "force = stiff", "force = 1.001 * stiff",
+              HERTZ, "contactlab.laws.impact.process:Poisson"),
+    "flores": (f"{LAWS}/damping.py", "factor = loss_number / ", "factor = 1.001 * loss_number / ",
+               "contactlab.laws.damping:Flores", "contactlab.laws.impact.newton:Newton"),
+    "mindlin": (f"{LAWS}/friction/mindlin.py", "0.5 * tangential", "0.501 * tangential",
+                "contactlab.laws.friction.mindlin:Mindlin", "contactlab.laws.impact.newton:Newton"),
+    "angle": ("contactlab/motor/geometry.py", "cos(self.angle), sin", "cos(1.001 * self.angle), sin",
+              "contactlab.motor.geometry:ContactGeometry.numbers", "contactlab.motor.drive:Drive"),
+    "bearing": ("contactlab/motor/bearing.py", "-bearing.preload / root", "-1.001 * bearing.preload / root",
+                "contactlab.motor.bearing:on_bearing", "contactlab.motor.motor:Motor"),
+    "start time": ("contactlab/studies/characterise/transients.py", "= 0.9", "= 0.901",
+                   "contactlab.studies.characterise.transients:start_time",
+                   "contactlab.studies.characterise.transients:stop_time"),
+    "calibration": ("contactlab/inference/calibration.py", "float(met[1][0])", "1.001 * float(met[1][0])",
+                    "contactlab.inference.calibration:calibrated",
+                    "contactlab.inference.calibration:identify"),
+    "metrics": ("contactlab/metrics/response.py", "return float(run.contacts(\"normal_impulse\").mean())",
+                "return 1.001 * float(run.contacts(\"normal_impulse\").mean())",
+                "contactlab.metrics.response:mean_impulse", "contactlab.metrics.response:rotor_velocity"),
+}  # fmt: skip
+"""File, text, mutant of 1e-3, a definition that reaches it, and one that does not."""
+
+
+@pytest.mark.parametrize("mutant", MUTANTS)
+def test_a_mutant_turns_what_reaches_it_and_nothing_else(mutant: str, edited: Edit) -> None:
+    file, old, new, user, other = MUTANTS[mutant]
+    used, unused = section(user), section(other)
+    edited(file, old, new)
+    assert state_of(used) == OLDER
+    assert state_of(unused) == PRESENT
+
+
+def test_a_comment_and_a_docstring_turn_nothing(edited: Edit) -> None:
+    used = section("contactlab.laws.impact.newton:Newton")
+    edited("contactlab/laws/impact/newton.py", '    """', '    # A comment.\n    """Another docstring. ')
+    assert state_of(used) == PRESENT
+
+
+def test_a_short_form_checks_what_it_reaches_alone(edited: Edit) -> None:
+    newton, poisson = "contactlab.laws.impact.newton:Newton", "contactlab.laws.impact.process:Poisson"
+    both, of_poisson = section(newton, poisson), section(poisson, newton)
+    edited(*MUTANTS["poisson"][:3])
+    assert state_of(both) == state_of(of_poisson) == OLDER
+    assert not results_store.covers(both)
+    assert results_store.covers(of_poisson)
+
+
+@pytest.mark.parametrize(
+    ("digits", "state"), [(1.0, CHECKED), (1.001, DIFFERENT)], ids=["the same digits", "others"]
+)
+def test_what_a_short_form_says_is_noted(
+    digits: float, state: str, edited: Edit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in ("contactlab", "conf", "experiments"):
-        copytree(ROOT / name, tmp_path / name, ignore=lambda _, names: {"__pycache__"} & {*names})
-    unchanged = results_store.stamp_of("motor_findings", PHYSICS)
-    engine = tmp_path / "contactlab" / "engine" / "flight.py"
-    source = engine.read_text()
-    engine.write_text(f'"""Another docstring."""\n\n# A comment.\n{source}')
-    present = partial(digest_of, root=tmp_path)
-    monkeypatch.setattr(results_store, "digest_of", present)
-    assert results_store.stamp_of("motor_findings", PHYSICS) == unchanged
-    mutant = re.sub(r"= (\w+) \* ", r"= 1.001 * \1 * ", source, count=1)
-    assert mutant != source
-    engine.write_text(mutant)
-    results_store.parsed.cache_clear()
-    digest_of.cache_clear()
-    assert results_store.stamp_of("motor_findings", PHYSICS) != unchanged
-    section = {**unchanged, "script": "motor_findings", "parts": [*PHYSICS]}
-    assert results_store.state_of(section) == OLDER
-    assert results_store.different({"motor": {"modes": lambda: {}}}) == ["motor: modes"]
+    monkeypatch.setattr(results_store, "FOLDER", tmp_path)
+    used = section("contactlab.laws.impact.process:Poisson")
+    results_store.write("motor", {"sections": {"some": used}})
+    edited(*MUTANTS["poisson"][:3])
+    assert remake.note(("motor", "some"), {"results": {"v": digits}}) == state
+    edited(*MUTANTS["newton"][:3])
+    assert state_of(results_store.read("motor")["sections"]["some"]) == PRESENT
+
+
+def test_a_number_changed_by_hand_is_seen(
+    stored: Callable[[str, dict[str, Any]], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed = deepcopy(results_store.read("motor"))
+    changed["sections"]["modes"]["results"]["converged"]["damping_ratio"][0] *= 1.3
+    assert state_of(changed["sections"]["modes"]) == EDITED
+    stored("motor", changed)
+    old = {page: (ROOT / page).read_bytes() for page in claims.PAGES}
+    assert results_pages.main([]) == 1
+    assert "motor: modes" in capsys.readouterr().out
+    assert old == {page: (ROOT / page).read_bytes() for page in claims.PAGES}
+
+
+def test_a_page_says_whose_results_are_not_of_the_present_code(
+    stored: Callable[[str, dict[str, Any]], None], edited: Edit
+) -> None:
+    content = deepcopy(results_store.read("motor"))
+    name, file = claims.PHASE, "contactlab/laws/impact/process.py"
+    content["sections"][name] |= section("contactlab.laws.impact.process:Poisson") | {
+        "results": content["sections"][name]["results"]
+    }
+    content["sections"][name] = sealed(content["sections"][name])
+    stored("motor", content)
+    edited(file, *MUTANTS["poisson"][1:3])
+    for page, uses in ((STEADY, True), ("docs/published_motor.md", False)):
+        there = Page(page)
+        assert [*there.fill()] == []
+        age = there.text.partition("<!-- age of the results -->")[2]
+        assert (f"`{name}`" in age) == uses
 
 
 def test_a_changed_number_changes_tables_and_sentences_together(
-    fresh: None, monkeypatch: pytest.MonkeyPatch
+    stored: Callable[[str, dict[str, Any]], None],
 ) -> None:
     changed = deepcopy(results_store.read("motor"))
     changed["sections"][DAMPING]["results"]["stiffness_damping=2e-5"]["hertz"]["rotor_velocity"] = -1.5
-    monkeypatch.setattr(claims, "read", lambda name: changed if name == "motor" else results_store.read(name))
+    stored("motor", changed)
     page = Page(STEADY)
     assert [*page.fill()] == []
     assert "| `stiffness_damping=2e-5` (paper) | 0.135, 0.237 | -1.5000 |" in page.text
@@ -67,10 +194,10 @@ def test_a_changed_number_changes_tables_and_sentences_together(
     assert "is not the slowest of the four" in page.text
 
 
-def test_what_errors_blur_is_inconclusive(fresh: None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_errors_blur_is_inconclusive(stored: Callable[[str, dict[str, Any]], None]) -> None:
     changed = deepcopy(results_store.read("motor"))
     changed["sections"][DAMPING]["results"]["damping_ratio=0.01"]["stick"]["rotor_velocity_error"] = 1.0
-    monkeypatch.setattr(claims, "read", lambda name: changed if name == "motor" else results_store.read(name))
+    stored("motor", changed)
     page = Page(STEADY)
     assert [*page.fill()] == []
     assert "is open within the errors" in " ".join(page.text.split())
@@ -84,24 +211,3 @@ def test_a_result_without_a_claim_is_refused() -> None:
     assert [*page.bare()] == []
     page.text += "\nUnder `newton` the motor turns at\n1.43 rad/s, and takes 12 % less.\n"
     assert [*page.bare()] == [f"{STEADY}: '1.43 rad/s' has no claim", f"{STEADY}: '12 %' has no claim"]
-
-
-def test_other_digits_of_a_cheap_section_stamp_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    stored = results_store.read("motor")["sections"]["modes"]["results"]
-    written: dict[str, dict[str, Any]] = {}
-    monkeypatch.setattr(results_store, "write", written.__setitem__)
-    near = deepcopy(stored)
-    near["converged"]["damping_ratio"][0] *= 1.001
-    assert results_store.check({"motor": {"modes": lambda: near}}, claims.FILES) == ["motor: modes"]
-    assert not written
-    present = {"script_code": "s" * 16, "made": "f" * 16}
-    monkeypatch.setattr(results_store, "stamp_of", lambda *_: present)
-    assert results_store.check({"motor": {"modes": lambda: stored}}, claims.FILES) == []
-    sections = written["motor"]["sections"]
-    assert sections["modes"]["made"] == "f" * 16
-    assert sections[claims.PHASE]["by"] == ["motor: modes"]
-    assert results_store.state_of(sections[claims.PHASE]) == CHECKED
-    # What depends on more than the cheap section, or on a script that has changed, is not checked by it.
-    assert results_store.state_of(sections["known worlds"]) == OLDER
-    for section in written["experiments"]["sections"].values():
-        assert results_store.state_of(section) == OLDER

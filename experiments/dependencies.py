@@ -1,0 +1,306 @@
+"""Code that a result depends on: the definitions that ran while it was made, and those that they name.
+
+A definition is a constant, function, class body or method of a module of contactlab or of experiments/. What
+ran is recorded. Compiled kernels cannot be watched: those that a definition names count, and with them all
+that kernels, constants and class bodies name in turn. A function or method that did not run does not count,
+as it has decided nothing. Nor do the tables in which every law stands.
+"""
+
+import ast
+import re
+import sys
+import threading
+from collections.abc import Iterable, Iterator
+from functools import cache
+from hashlib import sha256
+from io import StringIO
+from os import fsdecode
+from pathlib import Path
+from tokenize import COMMENT, generate_tokens
+from types import CodeType, FrameType
+from typing import Any, ClassVar, Final, NamedTuple
+
+import yaml
+
+ROOT: Final = Path(__file__).resolve().parents[1]
+
+TABLES: Final = {"contactlab.laws.registry:LAWS", "contactlab.laws.registry:PARTS"}
+"""Constants that name every law."""
+
+OWN: Final = {"dependencies", "remake", "results_store", "sections"}
+"""Modules that make and keep results, and decide no number."""
+
+KERNEL: Final = re.compile(r"(?:\w+_)?kernel\b")
+"""Decorators of kernels."""
+
+FUNCTION: Final = 0x1
+"""Flag of the code of a function; that of a module or of a class body lacks it."""
+
+REST: Final = ""
+"""Name of the statements of a module that define nothing."""
+
+
+class Definition(NamedTuple):
+    """A definition: its code, the chains of names in it, and whether it counts where it is named."""
+
+    text: str
+    names: tuple[tuple[str, ...], ...]
+    counts: bool
+
+
+class Module(NamedTuple):
+    """Definitions of a module, and from where its other names are: module and name, which may be empty."""
+
+    definitions: dict[str, Definition]
+    imports: dict[str, tuple[str, str]]
+
+
+def code_of(source: str) -> list[str]:
+    """Return the lines of a module without comments and docstrings, in which no number lies."""
+    lines = source.splitlines()
+    for token in generate_tokens(StringIO(source).readline):
+        if token.type == COMMENT:
+            row, column = token.start
+            lines[row - 1] = lines[row - 1][:column]
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Expr(value=ast.Constant(value=str())):
+                assert node.end_lineno is not None
+                lines[node.lineno - 1 : node.end_lineno] = [""] * (node.end_lineno - node.lineno + 1)
+    return [line.rstrip() for line in lines]
+
+
+def names_in(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ...]]:
+    """Yield the chains of names in some nodes: of `a.b.c` all three."""
+    for node in (each for outer in nodes for each in ast.walk(outer)):
+        chain: list[str] = []
+        while isinstance(node, ast.Attribute):
+            chain.insert(0, node.attr)
+            node = node.value
+        if isinstance(node, ast.Name):
+            yield (node.id, *chain)
+
+
+def is_kernel(node: ast.FunctionDef) -> bool:
+    """Return whether a function is compiled; as a method it is part of the body of its class."""
+    return any(KERNEL.match(ast.unparse(each)) for each in node.decorator_list)
+
+
+def rows_of(node: ast.stmt) -> range:
+    """Return the lines of a statement, from 0, decorators included."""
+    first = min([node.lineno, *(each.lineno for each in getattr(node, "decorator_list", ()))])
+    return range(first - 1, node.end_lineno or first)
+
+
+def assigned(node: ast.Assign | ast.AnnAssign) -> set[str]:
+    """Return the names that a statement assigns to."""
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return {each.id for one in targets for each in ast.walk(one) if isinstance(each, ast.Name)}
+
+
+def imports_of(tree: ast.Module) -> dict[str, tuple[str, str]]:
+    """Return module and name of what a module imports, by the name that it has there."""
+    imports: dict[str, tuple[str, str]] = {}
+    for each in ast.walk(tree):
+        if isinstance(each, ast.Import):
+            for alias in each.names:
+                imports[alias.asname or alias.name.partition(".")[0]] = (alias.name, "")
+        elif isinstance(each, ast.ImportFrom):
+            for alias in each.names:
+                imports[alias.asname or alias.name] = (str(each.module), alias.name)
+    return imports
+
+
+@cache
+def parsed(path: Path) -> Module:
+    """Return the definitions of a file."""
+    source = path.read_text(encoding="utf-8")
+    lines, tree = code_of(source), ast.parse(source)
+    definitions: dict[str, Definition] = {}
+
+    def put(name: str, nodes: list[ast.stmt], counts: bool, without: Iterable[ast.stmt] = ()) -> None:
+        hidden = {row for node in without for row in rows_of(node)}
+        rows = (row for node in nodes for row in rows_of(node) if row not in hidden)
+        text = "\n".join(lines[row] for row in rows if lines[row])
+        parts = [part for node in nodes for part in ast.iter_child_nodes(node) if part not in {*without}]
+        old = definitions.get(name, Definition("", (), counts))
+        names = {*old.names, *names_in(parts)}
+        definitions[name] = Definition(f"{old.text}{text}\n", tuple(sorted(names)), counts)
+
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            put(node.name, [node], is_kernel(node))
+        elif isinstance(node, ast.ClassDef):
+            methods = [
+                each for each in node.body if isinstance(each, ast.FunctionDef) and not is_kernel(each)
+            ]
+            put(node.name, [node], True, methods)
+            for method in methods:
+                put(f"{node.name}.{method.name}", [method], False)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            for name in assigned(node):
+                put(name, [node], True)
+        elif not isinstance(node, ast.Import | ast.ImportFrom):
+            put(REST, [node], True)
+    return Module(definitions, imports_of(tree))
+
+
+@cache
+def file_of(module: str, root: Path = ROOT) -> Path | None:
+    """Return the file of a module of contactlab or of experiments/; None of any other."""
+    place = root / ("" if module.partition(".")[0] == "contactlab" else "experiments")
+    place /= module.replace(".", "/")
+    files = (place.with_suffix(".py"), place / "__init__.pyi", place / "__init__.py")
+    return next((path for path in files if path.is_file()), None)
+
+
+def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
+    """Return the definition "MODULE:NAME" that a chain of names in a module begins with, if it is ours."""
+    path = file_of(module, root)
+    if path is None or not chain:
+        return None
+    own, (head, *tail) = parsed(path), chain
+    if head in own.definitions:
+        return f"{module}:{head}"
+    if head not in own.imports:
+        return target_of(f"{module}.{head}", tuple(tail), root)
+    source, name = own.imports[head]
+    chain = (name, *tail) if name else tuple(tail)
+    if (source, name) == (module, head):
+        return None
+    return target_of(source, chain, root)
+
+
+def reached(ran: Iterable[str], root: Path = ROOT) -> set[str]:
+    """Return definitions that ran, and what counts of all that they name."""
+    counted: set[str] = set()
+    waiting = [*ran]
+    while waiting:
+        here = waiting.pop()
+        module, _, name = here.partition(":")
+        path = file_of(module, root)
+        if here in counted or here in TABLES or path is None:
+            continue
+        counted.add(here)
+        own = parsed(path)
+        if name != REST:
+            waiting.append(f"{module}:{REST}")
+        if "." in name:
+            waiting.append(f"{module}:{name.partition('.')[0]}")
+        if (definition := own.definitions.get(name)) is None:
+            continue
+        for chain in definition.names:
+            target = target_of(module, chain, root)
+            if target is not None:
+                there, _, what = target.partition(":")
+                file = file_of(there, root)
+                if file is not None and parsed(file).definitions[what].counts:
+                    waiting.append(target)
+    return counted
+
+
+def digests(ran: Iterable[str], files: Iterable[str], root: Path = ROOT) -> dict[str, str]:
+    """Return the digests of the definitions that are reached from some, by module, and of configurations.
+
+    Args:
+        ran: definitions.
+        files: configurations that were read.
+        root: of the repository.
+    """
+    texts: dict[str, list[str]] = {}
+    for each in sorted(reached(ran, root)):
+        module, _, name = each.partition(":")
+        path = file_of(module, root)
+        definition = None if path is None else parsed(path).definitions.get(name)
+        if definition is not None:
+            texts.setdefault(module, []).append(f"{name}\0{definition.text}\0")
+    content = {module: "".join(own) for module, own in texts.items()}
+    content |= {name: keys_of(root / name) for name in files}
+    return {name: sha256(text.encode()).hexdigest()[:16] for name, text in content.items()}
+
+
+@cache
+def digest_of(*paths: str, root: Path = ROOT) -> str:
+    """Return the digest of the code in files and folders of the repository, 16 hexadecimal digits."""
+    files = [file for path in paths for file in [root / path, *(root / path).rglob("*")]]
+    value = sha256()
+    for name, file in sorted((file.relative_to(root).as_posix(), file) for file in files):
+        if file.suffix == ".py":
+            text = "\n".join(filter(None, code_of(file.read_text(encoding="utf-8"))))
+            value.update(f"{name}\0{text}\0".encode())
+        elif file.suffix == ".yaml":
+            value.update(f"{name}\0{keys_of(file)}\0".encode())
+    return value.hexdigest()[:16]
+
+
+def keys_of(path: Path) -> str:
+    """Return what counts of a configuration: its keys and values."""
+    return repr(yaml.safe_load(path.read_text(encoding="utf-8"))) if path.is_file() else ""
+
+
+class Recorder:
+    """A record of the definitions that run, and of the configurations that are read, in this process."""
+
+    _codes: ClassVar[set[tuple[CodeType, type | None]]] = set()
+    _ours: ClassVar[dict[CodeType, bool]] = {}
+    _files: ClassVar[set[str]] = set()
+
+    @classmethod
+    def start(cls) -> None:
+        """Begin to record."""
+        sys.addaudithook(cls._audited)
+        threading.settrace(cls._called)
+        sys.settrace(cls._called)
+
+    @classmethod
+    def stop(cls) -> None:
+        """End the record."""
+        sys.settrace(None)
+        threading.settrace(None)  # type: ignore[arg-type]
+
+    @classmethod
+    def _called(cls, frame: FrameType, *_: object) -> None:
+        code = frame.f_code
+        ours = cls._ours.get(code)
+        if ours is None:
+            ours = cls._ours[code] = code.co_flags & FUNCTION != 0 and module_of(code.co_filename) is not None
+        if ours:
+            named = code.co_varnames[:1] == ("self",) and code.co_argcount
+            cls._codes.add((code, type(frame.f_locals.get("self")) if named else None))
+
+    @classmethod
+    def _audited(cls, event: str, arguments: tuple[Any, ...]) -> None:
+        if event == "open" and not isinstance(arguments[0], int):
+            path = fsdecode(arguments[0])
+            if path.endswith(".yaml"):
+                cls._files.add(path)
+
+    @classmethod
+    def ran(cls) -> list[str]:
+        """Return the definitions that ran, and the classes of the objects whose methods ran."""
+        result = set()
+        for code, owner in tuple(cls._codes):
+            name = code.co_qualname.partition(".<locals>")[0]
+            result.add(f"{module_of(code.co_filename)}:{REST if '<' in name else name}")
+            for base in owner.__mro__ if owner is not None else ():
+                if file_of(base.__module__) is not None:
+                    result.add(f"{base.__module__}:{base.__qualname__.partition('.')[0]}")
+        return sorted(result)
+
+    @classmethod
+    def files(cls) -> list[str]:
+        """Return the configurations of the repository that were read."""
+        paths = (Path(each).resolve() for each in cls._files)
+        return sorted(path.relative_to(ROOT).as_posix() for path in paths if path.is_relative_to(ROOT))
+
+
+@cache
+def module_of(file: str) -> str | None:
+    """Return the module of a file of contactlab or of experiments/ that may decide a number; else None."""
+    path = Path(file)
+    if path.is_relative_to(ROOT / "experiments"):
+        return None if path.stem in OWN else path.stem
+    if not path.is_relative_to(ROOT / "contactlab"):
+        return None
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

@@ -1,0 +1,82 @@
+"""Sections of docs/results: what makes each, and its short form, which has the same laws and keys."""
+
+from collections.abc import Callable
+from pathlib import Path
+from shutil import copyfile
+from typing import Any, Final, NamedTuple
+
+from all import BEYOND, PAPER, numbers_of
+from dependencies import ROOT, Recorder
+from experiment import class_of, setup_of
+
+from contactlab.studies.runner import finish, run
+
+PICTURES: Final = {
+    **{name: "docs/paper" for name in PAPER if name.startswith("fig")},
+    **dict.fromkeys(("published_motor", "when_laws_matter"), "docs/measurements"),
+}
+"""Folders of the experiments' pictures that pages show."""
+
+
+class Section(NamedTuple):
+    """A section of a file of results.
+
+    Args:
+        make: returns the results, from a file of measurements and with a folder to write to.
+        short: returns those of the short form, from a file of measurements.
+    """
+
+    make: Callable[[Path, Path], Any]
+    short: Callable[[Path], Any]
+
+
+# A script is imported where its sections are made: what runs meanwhile is recorded.
+
+
+def of_motor(name: str) -> Section:
+    """Return a section of the motor."""
+    from motor_findings import SECTIONS
+
+    make, short = SECTIONS[name]
+    return Section(lambda *_: make(), lambda *_: short())
+
+
+def of_experiment(name: str) -> Section:
+    """Return the section of an experiment."""
+
+    def make(source: Path, folder: Path) -> dict[str, Any]:
+        del source
+        result = run(class_of(name)(), {"": setup_of(name)})
+        numbers = numbers_of(result)
+        # What draws decides no number.
+        Recorder.stop()
+        finish(result, folder)
+        if name in PICTURES:
+            copyfile(folder / f"{name}.png", ROOT / PICTURES[name] / f"{name}.png")
+        return numbers
+
+    def short(source: Path) -> dict[str, Any]:
+        del source
+        return numbers_of(run(class_of(name)(short=True), {"": setup_of(name)}))
+
+    return Section(make, short)
+
+
+def of_measurements(name: str) -> Section:
+    """Return a section of the measurements."""
+    from measurement_results import SECTIONS
+
+    return Section(*SECTIONS[name])
+
+
+def keys() -> list[tuple[str, str]]:
+    """Return file and name of every section."""
+    from measurement_results import SECTIONS as MEASURED
+    from motor_findings import SECTIONS
+
+    named = {"motor": SECTIONS, "experiments": (*PAPER, *BEYOND), "measurements": MEASURED}
+    return [(file, name) for file, names in named.items() for name in names]
+
+
+FILES: Final = {"motor": of_motor, "experiments": of_experiment, "measurements": of_measurements}
+"""Files of docs/results, and what returns a section of each."""
