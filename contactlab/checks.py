@@ -1,18 +1,19 @@
 """Checks of arguments from Python against the annotations of a class."""
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial, wraps
-from inspect import signature
-from math import inf, prod
+from inspect import Parameter as Parameters, signature
+from math import inf, isnan, prod
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType
-from typing import Any, Literal, TypeVar, cast, get_args, get_origin
+from typing import Any, Literal, TypeVar, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from contactlab.parameter import BEYOND, DeclaredField, declared_fields, has_magnitude
+from contactlab.arrays import Array
+from contactlab.parameter import BEYOND, Parameter, annotated, declared_fields, has_magnitude, kinds_of
 from contactlab.quantity import in_si
 
 SMALLEST_STEP = 1e-12
@@ -35,39 +36,122 @@ MEMORY_INFO = Path("/proc/meminfo")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-_NUMBERS = {float: "a number", int: "a whole number", bool: "True or False", NoneType: "None"}
+_NAMES = {
+    float: "a number",
+    int: "a whole number",
+    bool: "True or False",
+    str: "a text",
+    NoneType: "None",
+    np.ndarray: "an array",
+    Callable: "a function",
+    Mapping: "a mapping",
+    Sequence: "a list",
+    list: "a list",
+    tuple: "a tuple",
+}
+"""What values of a kind are called, or of all kinds of one origin."""
 
 
-def accepts_units(**units: str) -> Callable[[Function], Function]:
-    """Return a decorator of a function that takes texts with units, '1 um', for numbers in SI, as declared.
+def checked_arguments(**units: str) -> Callable[[Function], Function]:
+    """Return a decorator of a function that checks every argument against its annotation.
 
-    >>> @accepts_units(height="m")
+    Texts with units, '1 um', become numbers in SI, alone or in a list: of the arguments that are named with
+    their unit, and of those annotated with a `Parameter`, whose range holds too. A list of numbers becomes an
+    array where one is annotated.
+
+    >>> @checked_arguments(height="m")
     ... def fall(height: float) -> float:
     ...     return (2.0 * height / 9.81) ** 0.5
     >>> fall("10 mm") == fall(0.01)
     True
+    >>> fall(None)
+    Traceback (most recent call last):
+    TypeError: height is None; it must be a number.
     """
 
     def decorated(function: Function) -> Function:
         declared = signature(function)
 
-        @wraps(function)
-        def converting(*arguments: Any, **named: Any) -> Any:
-            if any(isinstance(value, str) for value in (*arguments, *named.values())):
-                bound = declared.bind(*arguments, **named)
-                for name, unit in units.items():
-                    if name in bound.arguments:
-                        bound.arguments[name] = in_si(name, bound.arguments[name], unit)
-                arguments, named = bound.args, bound.kwargs
-            return function(*arguments, **named)
+        @cache
+        def annotations() -> dict[str, tuple[tuple[Any, ...], Parameter | None]]:
+            # Not before a call: an annotation may name what is defined below.
+            hints = get_type_hints(function, include_extras=True)
+            return {name: annotated(hint) for name, hint in hints.items() if name in declared.parameters}
 
-        return cast(Function, converting)
+        @wraps(function)
+        def checking(*arguments: Any, **named: Any) -> Any:
+            try:
+                bound = declared.bind(*arguments, **named)
+            except TypeError as error:
+                known = ", ".join(declared.parameters)
+                raise TypeError(f"{function.__name__}: {error}; its arguments are {known}.") from None
+            for name, value in bound.arguments.items():
+                parameter = declared.parameters[name]
+                # Others are checked by whom they are passed on to.
+                if name in annotations() and parameter.kind is not Parameters.VAR_KEYWORD:
+                    kinds, number = annotations()[name]
+                    unit = number.unit if number else units.get(name)
+                    bound.arguments[name] = _argument(name, value, kinds, number, unit)
+            return function(*bound.args, **bound.kwargs)
+
+        return cast(Function, checking)
 
     return decorated
 
 
+def _argument(
+    name: str, value: Any, kinds: tuple[Any, ...], number: Parameter | None, unit: str | None
+) -> Any:
+    """Return the value of an argument as its function takes it, or refuse it."""
+    # A number of an array is one.
+    if getattr(value, "ndim", -1) == 0 and hasattr(value, "item"):
+        value = value.item()
+    if unit is not None:
+        value = numbers_in_si(name, value, unit)
+    if isinstance(value, list | tuple) and np.ndarray in [get_origin(kind) for kind in kinds]:
+        value = as_array(name, value)
+    if not any(is_kind(value, kind) for kind in kinds):
+        raise TypeError(_other_kind(name, value, kinds))
+    if isinstance(value, float | int) and isnan(value):
+        raise ValueError(f"{name} is {value}; it must be a number.")
+    if isinstance(value, float | int) and number and not number.admits(value):
+        wrong = f"; it must be {number.range}" if has_magnitude(value, number) else f", {BEYOND}"
+        raise ValueError(f"{name} is {value}{number.label}{wrong}.")
+    return value
+
+
+def numbers_in_si(name: str, value: Any, unit: str) -> Any:
+    """Return a number, or numbers in lists, with texts with units, '1 um', in SI; all else as it is.
+
+    Raises:
+        UnitError: a unit is unknown or has another dimension; the sentence begins with the name.
+    """
+    if isinstance(value, list | tuple):
+        return type(value)(numbers_in_si(name, each, unit) for each in value)
+    if isinstance(value, np.ndarray) and value.dtype.kind == "U":
+        return np.array(numbers_in_si(name, value.tolist(), unit))
+    return in_si(name, value, unit)
+
+
+def as_array(name: str, value: Any, unit: str = "1") -> Array:
+    """Return a number, or numbers in lists or an array, as an array in SI; texts with units are converted.
+
+    Raises:
+        TypeError: it has something else than numbers.
+        ValueError: its rows are of several lengths, or a unit is another one.
+    """
+    numbers = numbers_in_si(name, value, unit)
+    try:
+        array = np.asarray(numbers)
+    except ValueError:
+        raise ValueError(f"{name} is {shown(value)}; its rows must be of one length.") from None
+    if array.dtype.kind not in "iuf":
+        raise TypeError(f"{name} is {shown(value)}; it must be an array of numbers.")
+    return array.astype(np.float64)
+
+
 def check_fields(owner: Any, title: str = "") -> None:
-    """Refuse an object of a dataclass by the fields of numbers and of classes that are not as declared.
+    """Refuse an object of a dataclass by the fields that are not as annotated and declared.
 
     Texts with units, '1 um', are converted. Sentences begin with the title, or the name of the class.
 
@@ -78,7 +162,7 @@ def check_fields(owner: Any, title: str = "") -> None:
     owner_class: type = type(owner)
     title = title or owner_class.__name__
     kinds, ranges = [], []
-    for name, field in _checked(owner_class).items():
+    for name, field in declared_fields(owner_class).items():
         value, parameter = getattr(owner, name), field.parameter
         if field.is_number and isinstance(value, str) and str not in field.kinds:
             assert parameter is not None
@@ -190,41 +274,49 @@ def shown(value: object) -> str:
 
 
 def is_kind(value: object, kind: Any) -> bool:
-    """Return whether a value is of an annotated kind: a class, a number, a `Literal`, a list, a mapping."""
+    """Return whether a value is of an annotated kind: a class, a number, a `Literal`, a list, a mapping.
+
+    What only a type checker can tell apart is admitted.
+    """
     if type(value) is kind:
         return True
-    if get_origin(kind) is Literal:
-        return value in get_args(kind)
-    if get_origin(kind) is list:
-        return isinstance(value, list | tuple) and all(is_kind(each, *get_args(kind)) for each in value)
-    if get_origin(kind) is Mapping:
+    origin, arguments = get_origin(kind), get_args(kind)
+    if origin is Literal:
+        return isinstance(value, str) and value in arguments
+    if origin in (list, Sequence):
+        return isinstance(value, list | tuple) and all(
+            any(is_kind(each, kind) for kind in kinds_of(arguments[0])) for each in value
+        )
+    if origin is tuple:
+        fits = isinstance(value, tuple) and len(value) == len(arguments)
+        return fits and all(map(is_kind, cast("tuple[Any, ...]", value), arguments))
+    if origin is Mapping:
         return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+    if origin is Callable:
+        return callable(value)
     if kind in (float, int):
         number = Real if kind is float else Integral
         return isinstance(value, number) and not isinstance(value, bool)
-    return isinstance(value, kind)
-
-
-@cache
-def _checked(owner: type) -> dict[str, DeclaredField]:
-    """The fields of numbers and of classes."""
-    return {
-        name: field
-        for name, field in declared_fields(owner).items()
-        if all(isinstance(kind, type) and not get_args(kind) for kind in field.kinds)
-        or (field.is_number and any(field.choices))
-    }
+    checked = origin or kind
+    if kind is Any or not isinstance(checked, type) or getattr(checked, "_is_protocol", False):
+        return True
+    return isinstance(value, checked)
 
 
 def _other_kind(name: str, value: object, kinds: tuple[Any, ...]) -> str:
-    expected = " or ".join(
-        _NUMBERS.get(kind)
-        or " or ".join(map(repr, get_args(kind)))
-        or f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
-        for kind in kinds
-    )
     way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
+    expected = " or ".join(dict.fromkeys(map(_called, kinds)))
     return f"{name} is {shown(value)}; it must be {expected}.{way_out}"
+
+
+def _called(kind: Any) -> str:
+    """Return what a value of a kind is called."""
+    origin = get_origin(kind)
+    if origin is Literal:
+        return " or ".join(map(repr, get_args(kind)))
+    if text := _NAMES.get(origin or kind):
+        return text
+    return f"{'an' if kind.__name__[0] in 'AEIOU' else 'a'} {kind.__name__}"
 
 
 def check_declared(source: Path | bytes) -> None:

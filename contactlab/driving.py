@@ -17,7 +17,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_shape
+from contactlab.checks import check_shape, checked_arguments
 from contactlab.engine.equilibrium import penetrations
 from contactlab.engine.preparation import check_law
 from contactlab.laws.base import ContactLaw, PenaltyLaw
@@ -46,7 +46,9 @@ Path = Array | Waveform | float
 """Samples at the times, a waveform of one row from the first time on, or a number."""
 
 
-@accepts_units(period="s", duration="s", record_interval="s", tolerance="1")
+@checked_arguments(
+    time="s", gap="m", normal="N", slip="m", period="s", duration="s", record_interval="s", tolerance="1"
+)
 def drive(
     law: ContactLaw,
     time: Array,

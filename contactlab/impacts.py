@@ -18,7 +18,7 @@ import xarray
 from numpy.typing import ArrayLike, NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_kind, check_shape, shown
+from contactlab.checks import as_array, check_kind, check_shape, checked_arguments
 from contactlab.engine.impact import MOMENT, OUTCOME, WAY
 from contactlab.engine.plant import MODES, TONES, Plant, plant_record
 from contactlab.engine.preparation import (
@@ -33,7 +33,6 @@ from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
 from contactlab.laws.base import ContactLaw, MultiplierLaw
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.quantity import UnitError, in_si
 from contactlab.results.netcdf import cf_attributes
 from contactlab.results.provenance import code_attributes
 from contactlab.trajectory import Ending
@@ -280,7 +279,7 @@ class Impacts:
         return dataset
 
 
-@accepts_units(tolerance="1")
+@checked_arguments(tolerance="1")
 def impact(
     law: ContactLaw,
     delassus: ArrayLike,
@@ -367,7 +366,7 @@ def normal_quantities(
     }
 
 
-@accepts_units(mass="kg", tolerance="1")
+@checked_arguments(mass="kg", tolerance="1")
 def normal_impact(
     law: ContactLaw, speed: ArrayLike, *, mass: float, tolerance: float | None = None
 ) -> xarray.Dataset:
@@ -437,18 +436,10 @@ def _created(law: ContactLaw, ratio: Array) -> str:
 
 def _numbers(name: str, values: ArrayLike, shape: tuple[int, ...], unit: str) -> Array:
     """Return the numbers of one or many impacts with the impact as first axis."""
-    try:
-        array = np.asarray(values)
-        if array.dtype.kind == "U":
-            numbers = [in_si(name, x, unit) for x in np.asarray(values, object).flat]
-            array = np.array(numbers).reshape(array.shape)
-    except UnitError:
-        raise
-    except ValueError:
-        raise ValueError(f"{name} is {shown(values)}; its rows must be of one length.") from None
+    array = as_array(name, values, unit)
     array = array[None] if array.ndim <= len(shape) else array
     check_shape(name, array, (-1, *shape), f"(impact, ...), in {unit}")
-    return array.astype(np.float64)
+    return array
 
 
 def _check(matrices: Array, rates: Array) -> None:

@@ -109,7 +109,7 @@ class DeclaredField:
     @cached_property
     def kinds(self) -> tuple[Any, ...]:
         """The kinds that are admitted, one of them `NoneType` where it may be None."""
-        return get_args(self.kind) if get_origin(self.kind) in (Union, UnionType) else (self.kind,)
+        return kinds_of(self.kind)
 
     @cached_property
     def choices(self) -> tuple[Any, ...]:
@@ -128,6 +128,17 @@ class DeclaredField:
         if self.parameter is None or self.parameter.hint or self.default in (None, MISSING):
             return self.parameter.hint if self.parameter else ""
         return f"The default is {self.default:g}{self.parameter.label}."
+
+
+def kinds_of(hint: Any) -> tuple[Any, ...]:
+    """Return the kinds of an annotation, several of a union."""
+    return get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+
+
+def annotated(hint: Any) -> tuple[tuple[Any, ...], Parameter | None]:
+    """Return the kinds of an annotation and the declaration that it brings, if any."""
+    kind, *extras = get_args(hint) if get_origin(hint) is Annotated else (hint,)
+    return kinds_of(kind), next((extra for extra in extras if isinstance(extra, Parameter)), None)
 
 
 @cache

@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final, get_args
 
-from contactlab.checks import accepts_units, check_kind, check_number
+from contactlab.checks import check_kind, check_number, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.made_in_python import KEYS
 from contactlab.engine.preparation import check_kinds
@@ -147,7 +147,7 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         return f"<table>{''.join(rows)}</table>"
 
 
-@accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1", precision="1")
+@checked_arguments(duration="s", record_interval="s", contact_step="s", tolerance="1", precision="1")
 def simulate(
     motor: Motor | Setup | None = None,
     law: ContactLaw | None = None,

@@ -53,13 +53,8 @@ def main(arguments: list[str]) -> int:
     )
     parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
     wanted = parser.read(arguments).name
-    # Two packages may bring a law of one name.
-    listing = {
-        family: [(f"{family}/{each.name}".lstrip("/"), each) for each in origins(family)]
-        for family in HEADINGS
-    }
-    titles = [title for entries in listing.values() for title, _ in entries]
-    known = {name for title in titles for name in (title, title.rpartition("/")[2])}
+    listing = _listing()
+    titles, known = [title for entries in listing.values() for title, _ in entries], listed_names()
     if wanted is not None and wanted not in known:
         hint = suggestion(wanted, known, f"It must be one of {', '.join(titles)}.")
         raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
@@ -72,6 +67,20 @@ def main(arguments: list[str]) -> int:
                 blocks.append(_paragraph(title, origin, family))
     print("\n\n".join(blocks))
     return COMPLETE
+
+
+def _listing() -> dict[str, list[tuple[str, Origin]]]:
+    """Return the titles and origins of laws and parts by family; two packages may bring one name."""
+    return {
+        family: [(f"{family}/{each.name}".lstrip("/"), each) for each in origins(family)]
+        for family in HEADINGS
+    }
+
+
+def listed_names() -> list[str]:
+    """Return the names by which a law or part can be listed, those of parts with and without their family."""
+    titles = [title for entries in _listing().values() for title, _ in entries]
+    return sorted({name for title in titles for name in (title, title.rpartition("/")[2])})
 
 
 def _paragraph(title: str, origin: Origin, family: str) -> str:

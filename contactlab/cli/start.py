@@ -24,6 +24,7 @@ from omegaconf import DictConfig, OmegaConf
 
 from contactlab.checks import Checked
 from contactlab.cli.arguments import for_hydra
+from contactlab.cli.completion import print_candidates, queried_shell
 from contactlab.cli.terminal import COMPLETE, RefusalError, refuse
 from contactlab.config.composition import (
     COMMAND,
@@ -116,6 +117,9 @@ def main(arguments: list[str]) -> int:
     """Run or sweep what the arguments say, and return the exit status."""
     if "--version" in arguments:
         print(f"contactlab {versions()['contactlab_version']} (hydra-core {hydra.__version__})")
+        return COMPLETE
+    if shell := queried_shell(arguments):
+        print_candidates(shell)
         return COMPLETE
     # So Hydra raises what it would print and end on.
     os.environ["HYDRA_FULL_ERROR"] = "1"

@@ -25,7 +25,7 @@ Function = TypeVar("Function", bound=Callable[..., object])
 INTERPRETED = bool(int(os.environ.get("NUMBA_DISABLE_JIT") or 0))
 """Whether NUMBA_DISABLE_JIT asks for no machine code: every kernel is the Python function that it was."""
 
-OPTIONS = {"error_model": "numpy", "_nrt": False}
+OPTIONS = {"error_model": "numpy", "_nrt": False, "nogil": True}
 """Of every kernel, see `kernel`."""
 
 
@@ -82,7 +82,8 @@ def kernel(function: Function, **options: Any) -> Function:
 
     Division follows IEEE (`error_model="numpy"`) and no fast-math is used, so that the same input
     gives the same bits and a NaN stays visible. Kernels allocate nothing: reference counting is off,
-    which the many small calls with many arrays would otherwise spend most of their time on.
+    which the many small calls with many arrays would otherwise spend most of their time on. Other threads
+    run meanwhile, so that one can end the process where a law's code does not return.
     """
     return function if INTERPRETED else cast(Function, Kernel(function, options, inner=False))
 

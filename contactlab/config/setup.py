@@ -11,7 +11,7 @@ from typing import Any, final
 
 import yaml
 
-from contactlab.checks import accepts_units, check_kind, check_records
+from contactlab.checks import check_kind, check_records, checked_arguments
 from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
 from contactlab.config.drives import drive_of, named_file
@@ -113,7 +113,7 @@ class Setup:
         object.__setattr__(self, "configuration", frozen(configuration))
 
     @classmethod
-    @accepts_units(duration="s", record_interval="s", contact_step="s", tolerance="1")
+    @checked_arguments(duration="s", record_interval="s", contact_step="s", tolerance="1")
     def of(
         cls,
         motor: Motor,
@@ -243,6 +243,7 @@ class Origin:
         return same and setup.changes is self.changes and setup.law == self.law
 
 
+@checked_arguments()
 def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | None = None) -> Setup:
     """Check a configuration and build the motor and the law from it; without arguments, the default run.
 
@@ -259,8 +260,6 @@ def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | N
     Raises:
         ConfigurationError: with every fault.
     """
-    if isinstance(configuration, str):
-        raise TypeError(f"configuration is {configuration!r}; it must be a list of overrides or a mapping.")
     make: Any = completed if isinstance(configuration, Mapping) else compose
     return rebuild(make(configuration, config_dir))
 

@@ -7,6 +7,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
+from contactlab.checks import checked_arguments
 from contactlab.engine.binding import FORCE
 from contactlab.engine.preparation import AT_REST, take_in
 from contactlab.laws.base import ContactLaw, PenaltyLaw
@@ -22,6 +23,7 @@ MOST_CORRECTIONS, CLOSED = 25, 1e-3
 """Of Newton's method, and error of the gap over `OPEN` at which it ends."""
 
 
+@checked_arguments()
 def at_rest(motor: Motor, law: ContactLaw) -> Motor:
     """Return a motor that begins in its static equilibrium, without a drive.
 
@@ -93,14 +95,15 @@ def penetrations(law: PenaltyLaw, forces: Array) -> Array:
     parameters, _, bound, errors = take_in(law)
 
     def missing(depth: float, force: float) -> float:
-        return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
+        with errors():
+            return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
 
     result = np.empty_like(forces)
-    with errors():
-        for i, force in enumerate(forces):
-            if not missing(DEEPEST, force) > 0.0:
-                raise ValueError(
-                    f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest."
-                )
-            result[i] = scipy.optimize.brentq(missing, 0.0, DEEPEST, (force,), xtol=1e-20, rtol=1e-14)
+    for i, force in enumerate(forces):
+        if not missing(DEEPEST, force) > 0.0:
+            raise ValueError(
+                f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest under "
+                f"{law.name}; it must be less."
+            )
+        result[i] = scipy.optimize.brentq(missing, 0.0, DEEPEST, (force,), xtol=1e-20, rtol=1e-14)
     return result

@@ -15,14 +15,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from itertools import combinations, compress
 from math import exp, expm1, inf, isfinite, isnan, pi, sqrt, tan
-from typing import Any, ClassVar, Final, Self, final
+from typing import Annotated, Any, ClassVar, Final, Self, final
 
 import numpy as np
 import pandas
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_kind, check_number
+from contactlab.checks import check_kind, checked_arguments
 from contactlab.engine.preparation import check_law
 from contactlab.impacts import NORMAL, delassus_of, normal_quantities
 from contactlab.inference.free_parameters import (
@@ -35,7 +35,7 @@ from contactlab.inference.free_parameters import (
 from contactlab.inference.least_squares import best_fit
 from contactlab.inference.materials import Materials, effective_modulus
 from contactlab.laws import ContactLaw, MultiplierLaw
-from contactlab.parameter import from_cf
+from contactlab.parameter import from_cf, positive
 from contactlab.quantity import UnitError, to_si
 
 IMPACT_TOLERANCE: Final = 1e-11
@@ -308,7 +308,7 @@ class Identification:
         return "\n\n".join([self.law.title, *written, f"Free: {', '.join(self.free) or 'nothing'}."])
 
 
-@accepts_units(mass="kg", radius="m", friction_angle="rad", tolerance="1")
+@checked_arguments(mass="kg", radius="m", friction_angle="rad")
 def identify(
     law: ContactLaw,
     *,
@@ -321,7 +321,7 @@ def identify(
     radius: float | None = None,
     friction_angle: float | None = None,
     free: Sequence[str] | None = None,
-    tolerance: float = EXACT,
+    tolerance: Annotated[float, positive("", "1", "largest difference of a quantity")] = EXACT,
 ) -> Identification:
     """Set the numbers of a law by measured or handbook quantities; `contactlab.normal_impact` is the reverse.
 
@@ -360,11 +360,6 @@ def identify(
         '3.974e+09 N/m^1.5'
     """
     check_law(law)
-    check_number("tolerance", tolerance)
-    if not 0.0 < tolerance < inf:
-        raise ValueError(f"tolerance is {tolerance}; it must be greater than 0 and finite.")
-    if free is not None and not (isinstance(free, list | tuple) and all(isinstance(x, str) for x in free)):
-        raise TypeError(f"free is {free!r}; it must be a list of names.")
     required = {"restitution": restitution, "contact_time": contact_time}
     required |= {"peak_force": peak_force, "penetration": penetration}
     data = tuple(datum for name, x in required.items() if x is not None for datum in Datum.each(name, x))

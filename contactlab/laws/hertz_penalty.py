@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 from math import sqrt
 from typing import Annotated, final
 
-from contactlab.checks import accepts_units
+from contactlab.checks import checked_arguments
 from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.normal import hertz_elastic
-from contactlab.parameter import positive
+from contactlab.parameter import Parameter, positive
 
 PER_RADIUS = "A 5 mm steel tip has about 1e10 N/m^1.5; null takes it from law.tip_radius."
 LEFT_OUT = "Leave it out where law.stiffness is given."
@@ -59,9 +59,12 @@ class HertzPenalty(PenaltyLaw):
         return normal, friction_coefficient * normal, stored, 0.0
 
 
-@accepts_units(tip_radius="m", rotor_radius="m", youngs_modulus="Pa", poisson_ratio="1")
+@checked_arguments(rotor_radius="m")
 def hertz_stiffness(
-    tip_radius: float, rotor_radius: float, youngs_modulus: float = 210e9, poisson_ratio: float = 0.3
+    tip_radius: Annotated[float, positive("r", "m", "radius of the tip")],
+    rotor_radius: float,
+    youngs_modulus: Annotated[float, positive("E", "Pa", "Young's modulus of both bodies")] = 210e9,
+    poisson_ratio: Annotated[float, Parameter("nu", "1", "Poisson's ratio", above=-1.0, at_most=0.5)] = 0.3,
 ) -> float:
     """Return K = 4/3 E* sqrt(R_e) of a spherical tip on a cylindrical rotor of the same material [N m^-3/2].
 
@@ -75,6 +78,11 @@ def hertz_stiffness(
         >>> f"{cl.hertz_stiffness(tip_radius=1e-3, rotor_radius=25e-3):.3e}"
         '4.818e+09'
     """
+    if rotor_radius == 0.0 or not 1.0 / tip_radius + 1.0 / rotor_radius > 0.0:
+        raise ValueError(
+            f"rotor_radius is {rotor_radius:g} m; it must be positive, or, of a hollow rotor, less than "
+            f"{-tip_radius:g} m, minus the tip_radius."
+        )
     effective_modulus = youngs_modulus / (2.0 * (1.0 - poisson_ratio**2))
     effective_radius = ((1.0 / tip_radius) * (1.0 / tip_radius + 1.0 / rotor_radius)) ** -0.5
     return 4.0 / 3.0 * effective_modulus * sqrt(effective_radius)

@@ -20,6 +20,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points
 from typing import Any, Final, NamedTuple, cast
 
+from contactlab.checks import checked_arguments
 from contactlab.laws.archard import Archard
 from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, Part, PenaltyLaw
 from contactlab.laws.composed import Composed
@@ -105,6 +106,7 @@ def origins(family: str = "") -> tuple[Origin, ...]:
     return *ours, *(each._replace(fault=_clash(each, family, count[each.name])) for each in arguments)
 
 
+@checked_arguments()
 def law_names(family: str = "") -> list[str]:
     """Return the names by which a law, or a part of a family, can be chosen, in their order.
 
@@ -112,6 +114,8 @@ def law_names(family: str = "") -> list[str]:
     >>> cl.law_names("damping")
     ['flores', 'hunt_crossley', 'kuwabara_kono', 'lankarani_nikravesh', 'linear', 'none', 'tsuji']
     """
+    if family not in _KINDS:
+        raise ValueError(f"family is {family!r}; it must be one of {', '.join(map(repr, _KINDS))}.")
     return sorted({origin.name for origin in origins(family) if not origin.fault})
 
 
@@ -156,6 +160,7 @@ def law_class(name: str) -> type[ContactLaw]:
     return cast("type[ContactLaw]", class_of(name))
 
 
+@checked_arguments()
 def law(name: str, /, **parameters: Any) -> ContactLaw:
     """Make a law from its name: `law("newton", restitution=0.4)`.
 
@@ -170,8 +175,6 @@ def law(name: str, /, **parameters: Any) -> ContactLaw:
         TypeError: the name is no text, or a parameter is one that the law has not, or is no number.
         ValueError: there is no such law or part, or a parameter is out of its range.
     """
-    if not isinstance(name, str):
-        raise TypeError(f"The name of the law is {name!r}; it must be a text like 'newton'.")
     made: ContactLaw = _made("", name, parameters)
     return made
 

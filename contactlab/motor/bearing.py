@@ -6,7 +6,7 @@ from typing import Annotated, final
 
 import numpy as np
 
-from contactlab.checks import Checked
+from contactlab.checks import Checked, checked_arguments
 from contactlab.motor.motor import ModalState, Motor
 from contactlab.parameter import not_negative, positive
 
@@ -37,6 +37,7 @@ class Bearing(Checked):
     damping: Annotated[float, not_negative("c", "N s m-1", "viscous damping of the bearing")] = 0.0
 
 
+@checked_arguments()
 def on_bearing(motor: Motor, bearing: Bearing) -> Motor:
     """Return a motor whose rotor can move along u, one more coordinate after its modes.
 

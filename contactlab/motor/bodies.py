@@ -15,7 +15,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_kind, check_number, check_shape
+from contactlab.checks import check_kind, check_number, check_shape, checked_arguments
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
@@ -52,7 +52,7 @@ def _tone(amplitude: float, frequency: float) -> Drive:
     return Drive(np.array([frequency]), np.array([[amplitude], [0.0]], dtype=complex))
 
 
-@accepts_units(
+@checked_arguments(
     mass="kg",
     height="m",
     gap_rate="m/s",
@@ -182,7 +182,7 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
     )
 
 
-@accepts_units(mass="kg", height="m", speed="m/s", velocity="m/s", spin="rad/s", gravity="m/s^2")
+@checked_arguments(mass="kg", height="m", speed="m/s", velocity="m/s", spin="rad/s", gravity="m/s^2")
 def ball(
     mass: float = 1.0,
     *,
@@ -231,7 +231,7 @@ def ball(
     )
 
 
-@accepts_units(
+@checked_arguments(
     mass="kg",
     stiffness="N/m",
     damping="N s/m",
@@ -288,7 +288,7 @@ def oscillator(
     )
 
 
-@accepts_units(
+@checked_arguments(
     mass="kg",
     stiffness="N/m",
     weight="N",
@@ -340,7 +340,7 @@ def belt(
     )
 
 
-@accepts_units(
+@checked_arguments(
     length="m",
     width="m",
     thickness="m",

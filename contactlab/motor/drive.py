@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import Checked, accepts_units, check_shape
+from contactlab.checks import Checked, check_shape, checked_arguments
 from contactlab.immutable import Immutable
 from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform, check_samples
 from contactlab.parameter import Parameter, positive
@@ -128,7 +128,7 @@ class Drive(Immutable):
             raise ValueError(f"The waveform has {count} electrodes; it must have {electrodes}, as the tones.")
 
     @classmethod
-    @accepts_units(voltage_1="V", voltage_2="V", frequency="Hz", frequency_ratio="1", phase="rad")
+    @checked_arguments(voltage_1="V", voltage_2="V", frequency="Hz", frequency_ratio="1", phase="rad")
     def two_mode(
         cls,
         voltage_1: float,

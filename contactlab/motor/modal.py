@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.checks import Checked, accepts_units
+from contactlab.checks import Checked, checked_arguments
 from contactlab.motor import NormalModes, add_residual_modes
 from contactlab.motor.table import MeasurementError, Table, read_table, write_csv
 from contactlab.parameter import Parameter
@@ -68,8 +68,8 @@ class ModalFile(Checked):
     modes: Annotated[int | None, _MODES] = None
 
 
-@accepts_units(tip_length="m")
-def read_modes(path: Path, tip_length: float, most: int | None = None) -> NormalModes:
+@checked_arguments(tip_length="m")
+def read_modes(path: str | Path, tip_length: float, most: int | None = None) -> NormalModes:
     """Return the modes of a file, by rising frequency.
 
     Args:
@@ -81,7 +81,7 @@ def read_modes(path: Path, tip_length: float, most: int | None = None) -> Normal
         OSError: the file cannot be read.
         MeasurementError: a column is missing, unknown, beside another form of it, or has an impossible value.
     """
-    return modes_of(read_table(path), tip_length, most)
+    return modes_of(read_table(Path(path)), tip_length, most)
 
 
 def modes_of(table: Table, tip_length: float, most: int | None = None) -> NormalModes:
@@ -138,6 +138,7 @@ def _with_residual(modes: NormalModes, table: Table) -> NormalModes:
     return add_residual_modes(modes, np.diag([mass, inertia]), np.array([[uu, ur], [ur, rr]]))
 
 
+@checked_arguments()
 def write_modes(modes: NormalModes, path: str | Path) -> None:
     """Write modes to a file that `resonator=modal` reads to the same bits, netCDF by its suffix .nc, or CSV.
 

@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_shape
+from contactlab.checks import check_shape, checked_arguments
 from contactlab.motor.bodies import FLAT
 from contactlab.motor.motor import NormalModes
 
@@ -21,7 +21,7 @@ DEPENDENT: Final = 1e-8
 """Energy of a static response over the largest one below which the kept modes and the others contain it."""
 
 
-@accepts_units(damping_ratio="1", tip_length="m")
+@checked_arguments(damping_ratio="1", tip_length="m")
 def reduced(
     mass: Any,
     stiffness: Any,

@@ -25,10 +25,11 @@ from dataclasses import replace
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import check_shape
+from contactlab.checks import check_shape, checked_arguments
 from contactlab.motor.motor import NormalModes
 
 
+@checked_arguments()
 def add_residual_modes(
     modes: NormalModes,
     mass: Array,

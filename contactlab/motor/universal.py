@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_shape
+from contactlab.checks import check_shape, checked_arguments
 from contactlab.motor import NormalModes
 from contactlab.motor.bodies import FLAT
 from contactlab.motor.table import MeasurementError
@@ -17,7 +17,7 @@ _NORMAL_MODE: Final = 2
 """Analysis type of a dataset 55."""
 
 
-@accepts_units(tip_length="m")
+@checked_arguments(tip_length="m")
 def read_universal(
     path: str | Path,
     node: int,

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units, check_kind, check_shape
+from contactlab.checks import check_kind, check_shape, checked_arguments
 from contactlab.immutable import Immutable, read_only
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class Waveform(Immutable):
         object.__setattr__(self, "pieces", pieces)
 
     @classmethod
-    @accepts_units(period="s")
+    @checked_arguments(period="s")
     def sampled(cls, time: Array, voltage: Array, degree: int = 3, period: float | None = None) -> "Waveform":
         """Return the interpolating spline of samples.
 

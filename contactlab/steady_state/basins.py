@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Final, final
+from typing import Annotated, Final, final
 
 import numpy as np
 import xarray
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_discrete_lyapunov
 
 from contactlab.arrays import Array
-from contactlab.checks import accepts_units
+from contactlab.checks import checked_arguments
 from contactlab.config import Setup
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
+from contactlab.parameter import Parameter, not_negative
 from contactlab.progress import tell_progress
 from contactlab.steady_state.arrival import NotSettledError, UnboundedError, settled
 from contactlab.steady_state.continuation import SMOOTH
@@ -71,15 +72,15 @@ class Attractor:
     share: float
 
 
-@accepts_units(velocity="rad/s", excitation="1")
+@checked_arguments(velocity="rad/s")
 def attractors(
     motor: Motor | Setup,
-    count: int = 8,
-    seed: int = 0,
+    count: Annotated[int, Parameter("", "1", "number of starts", at_least=1)] = 8,
+    seed: Annotated[int, Parameter("", "1", "seed of the random numbers", at_least=0)] = 0,
     *,
     law: ContactLaw | None = None,
     velocity: float | None = None,
-    excitation: float = 2.0,
+    excitation: Annotated[float, not_negative("", "1", "largest amplitude of a mode")] = 2.0,
     longest: int = LONGEST,
 ) -> tuple[Attractor, ...]:
     """Compute the steady states that a motor reaches from its own start and from others drawn at random.

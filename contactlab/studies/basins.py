@@ -10,6 +10,7 @@ import pandas
 import xarray
 
 from contactlab.arrays import Array
+from contactlab.checks import as_array, checked_arguments
 from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -113,6 +114,7 @@ def _map(setup: Setup, axes: Mapping[str, Array]) -> Part:
     return Part(xarray.DataTree(details.to_xarray()), details)
 
 
+@checked_arguments()
 def basins(
     motor: Motor | Setup,
     axes: Mapping[str, Array] | None = None,
@@ -135,4 +137,8 @@ def basins(
         NoPeriodError: the drive does not repeat itself.
         UnboundedError: an internal variable of the law comes to no steady value.
     """
-    return Basins(over=axes)(steady_setup(motor, law), output=output, progress=progress)
+    over = None
+    if axes is not None:
+        units = {name: unit for name, (unit, _) in COORDINATES.items()}
+        over = {name: as_array(name, values, units.get(name, "1")) for name, values in axes.items()}
+    return Basins(over=over)(steady_setup(motor, law), output=output, progress=progress)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar
 import pandas
 import xarray
 
+from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -107,6 +108,7 @@ def _branch(setup: Setup, key: str, start: float, end: float, belt: float | None
     return Part(xarray.DataTree(details.to_xarray()), details)
 
 
+@checked_arguments(belt="rad/s", step="1")
 def branch(
     motor: Motor | Setup,
     parameter: str,

@@ -14,6 +14,7 @@ import pandas
 import xarray
 import yaml
 
+from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.estimate import Estimate
 from contactlab.inference.fit import (
@@ -303,6 +304,7 @@ def _ending(data: xarray.DataTree, label: str) -> str:
     return f"_{label.replace(' + ', '_').replace(' ', '_')}" if len(data.children) > 1 else ""
 
 
+@checked_arguments()
 def fit(
     setups: Setup | ContactLaw | Sequence[Setup | ContactLaw] | Mapping[str, Setup | ContactLaw] = (),
     *,

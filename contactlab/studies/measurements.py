@@ -61,8 +61,6 @@ def by_label(setups: Setup | ContactLaw | Sequence[Any] | Mapping[str, Any]) -> 
     """
     if isinstance(setups, Setup | ContactLaw):
         setups = [setups]
-    if not isinstance(setups, list | tuple | Mapping):
-        raise TypeError(f"setups is {setups!r}; it must be setups or laws. Measurements are data=FILE.")
     if not isinstance(setups, Mapping):
         setups = {"" if len(setups) == 1 else str(place): each for place, each in enumerate(setups, 1)}
     result = {x: replace(build(), law=y) if isinstance(y, ContactLaw) else y for x, y in setups.items()}

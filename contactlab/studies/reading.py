@@ -4,6 +4,7 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
+from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.metrics.run import checked_run, opened
 from contactlab.results.yaml_text import read_yaml
@@ -12,6 +13,7 @@ from contactlab.studies.keys import study_in
 from contactlab.studies.study import STUDY, Result
 
 
+@checked_arguments()
 def load(path: str | Path) -> Solution | Result:
     """Return what a file holds, checked to be as it was left: a run, or any study.
 

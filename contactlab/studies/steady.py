@@ -12,7 +12,7 @@ import numpy as np
 import pandas
 import xarray
 
-from contactlab.checks import accepts_units
+from contactlab.checks import checked_arguments
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -195,7 +195,7 @@ def tree_of(converged: Converged) -> xarray.DataTree:
     return tree
 
 
-@accepts_units(contact_step="s", tolerance="1")
+@checked_arguments(contact_step="s", tolerance="1")
 def steady(
     motor: Motor | Setup,
     law: ContactLaw | None = None,

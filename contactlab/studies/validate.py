@@ -13,6 +13,7 @@ import numpy as np
 import pandas
 import xarray
 
+from contactlab.checks import checked_arguments
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.inference.cross_validation import (
@@ -327,6 +328,7 @@ def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
             }
 
 
+@checked_arguments()
 def validate(
     setups: Setup | ContactLaw | Sequence[Setup | ContactLaw] | Mapping[str, Setup | ContactLaw] = (),
     *,

@@ -62,15 +62,30 @@ def test_configuration_is_shown_and_nothing_run(command: Command) -> None:
         ("contactlab law/normal=hertz_p", "law/normal=hertz_point"),
         ("contactlab law=composed law.normal.s", "law.normal.stiffness="),
         ("contactlab -m experiment=c", "experiment=case_a"),
+        ("contactlab stead", "steady"),
+        ("contactlab help stead", "steady"),
+        ("contactlab steady law=h", "law=hertz_penalty"),
+        ("contactlab characterise law=newton,h", "law=newton,hertz_penalty"),
+        ("contactlab fit balls.csv law.st", "law.stiffness="),
+        ("contactlab fit balls.csv law=newton law.r", "law.restitution="),
+        ("contactlab compare ref", "refine="),
+        ("contactlab compare refine=", "refine=true refine=false"),
+        ("contactlab compare law=newton,poisson refine=false output=here law.r", "law.restitution="),
+        ("contactlab laws iw", "iwan"),
+        ("contactlab animate a", ""),
+        ("contactlab nonsense po", ""),
+        ("contactlab steady 'contact.clearance=1 um' law=h", "law=hertz_penalty"),
+        ("contactlab resonator=modal resonator.file=", "resonator.file=./modes.csv"),
     ],
 )
 def test_tab_completes_options_and_keys(
     command: Command, monkeypatch: pytest.MonkeyPatch, line: str, completion: str
 ) -> None:
+    Path("modes.csv").touch()
     monkeypatch.setenv("COMP_LINE", line)
-    status, out, _ = command("-sc", "query=bash")
+    status, out, err = command("-sc", "query=bash")
     assert status == 0
-    assert out.strip() == completion
+    assert (out.strip(), err) == (completion, "")
 
 
 # What it leaves behind

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import pi, sqrt
 from typing import Annotated, final
 
-from contactlab.checks import accepts_units
+from contactlab.checks import checked_arguments
 from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.declaration import Coefficient
@@ -86,9 +86,12 @@ class Jkr(NormalForce):
         return 0.0, -BREAK * depth_unit
 
 
-@accepts_units(radius="m", effective_modulus="Pa", work_of_adhesion="J m-2", equilibrium_distance="m")
+@checked_arguments()
 def tabor_number(
-    radius: float, effective_modulus: float, work_of_adhesion: float, equilibrium_distance: float
+    radius: Annotated[float, positive("R", "m", "relative radius")],
+    effective_modulus: Annotated[float, positive("E*", "Pa", "effective modulus")],
+    work_of_adhesion: Annotated[float, positive("w", "J m-2", "work of adhesion")],
+    equilibrium_distance: Annotated[float, positive("z_0", "m", "equilibrium distance of the surfaces")],
 ) -> float:
     """Return Tabor's number, the height of an adhesive neck over the range of the surfaces' forces [1].
 

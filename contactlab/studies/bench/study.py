@@ -1,7 +1,7 @@
 """The study `bench`: contact questions with exact answers, put to laws."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
@@ -9,12 +9,13 @@ import numpy as np
 import pandas
 import xarray
 
-from contactlab.config import build
+from contactlab.checks import checked_arguments
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.studies.bench.questions import CREATED, errors_of, questions
 from contactlab.studies.bench.responses import responses_of
 from contactlab.studies.law_study import LawStudy
+from contactlab.studies.measurements import by_label
 from contactlab.studies.study import Part, Progress, Result, Setups, Task
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
@@ -73,6 +74,7 @@ def _answered(law: ContactLaw) -> Part:
     return Part(xarray.DataTree(xarray.Dataset({name: ("case", x) for name, x in columns.items()})))
 
 
+@checked_arguments()
 def bench(
     laws: ContactLaw | Sequence[ContactLaw],
     *,
@@ -93,9 +95,7 @@ def bench(
 
     Raises:
         LawError: a law contradicts itself, or its own code raised an exception, which is the cause.
+        ConfigurationError: there is no law.
         OSError: the folder cannot be written to.
     """
-    listed = [laws] if isinstance(laws, ContactLaw) else list(laws)
-    labels = map(str, range(len(listed))) if len(listed) > 1 else [""]
-    setups = {label: replace(build(), law=law) for label, law in zip(labels, listed, strict=True)}
-    return Bench(**options)(setups, output=output, progress=progress)
+    return Bench(**options)(by_label(laws), output=output, progress=progress)

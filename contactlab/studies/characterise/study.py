@@ -9,6 +9,7 @@ import numpy as np
 import pandas
 import xarray
 
+from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -174,6 +175,7 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
         yield "without drive the tip does not press on the rotor: nothing holds it."
 
 
+@checked_arguments()
 def characterise(
     motors: Motor | Setup | Sequence[Motor | Setup],
     law: ContactLaw | None = None,

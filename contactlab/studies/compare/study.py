@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Final
 import pandas
 import xarray
 
+from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
@@ -289,6 +290,7 @@ def _brought_to(datum: Datum, setup: Setup) -> Setup:
     return build(nested(flat(setup.configuration) | {f"law.{free.name}": value}))
 
 
+@checked_arguments()
 def compare(
     sources: Source | Setup | Motor | Sequence[Source | Setup],
     law: ContactLaw | Sequence[ContactLaw] | None = None,

@@ -20,6 +20,7 @@ import yaml
 from numpy.typing import NDArray
 from xarray.indexes import PandasMultiIndex
 
+from contactlab.checks import checked_arguments
 from contactlab.config import validate
 from contactlab.config.faults import failure_of
 from contactlab.config.nesting import flat, nested
@@ -76,6 +77,7 @@ class Run(Outcome):
     job: Job = field(default_factory=Job)
 
 
+@checked_arguments()
 def collect(
     directory: str | Path,
     output: str | Path | None = None,

@@ -26,7 +26,7 @@ import pandas
 import xarray
 import yaml
 
-from contactlab.checks import check_kind
+from contactlab.checks import check_kind, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import compose, options_of, overridden
 from contactlab.config.faults import failure_of
@@ -352,6 +352,7 @@ def runs_of(study: Sweep, progress: Progress) -> Progress:
     return lambda done, _: progress(min(done * chunk, total), total)
 
 
+@checked_arguments()
 def sweep(
     over: Over,
     base: Base = (),
@@ -504,8 +505,6 @@ class ScriptComposer:
     options = staticmethod(options_of)
 
     def __init__(self, base: Sequence[str] | Configuration | Setup, study: Study | None = None) -> None:
-        if isinstance(base, str):
-            raise TypeError(f"base is {base!r}; it must be a list of overrides or a mapping.")
         base = base.source if isinstance(base, Setup) else base
         self._base: Configuration = base if isinstance(base, Mapping) else compose(base)
         self._study = {"study": {"name": study.name, **study.options, **ONE_PROCESS}} if study else {}
