@@ -46,6 +46,7 @@ from contactlab.engine.kinematics import (
     contact_of,
     free_accelerations,
     free_response,
+    modal_force,
     tip_motion,
 )
 from contactlab.engine.memory import (
@@ -242,8 +243,7 @@ def _move(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
     _, _, _, n_u, n_th, t_u, t_th = frame
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
-        change = (n_u * mode.row_u + n_th * mode.row_th) * p_n
-        change += (t_u * mode.row_u + t_th * mode.row_th + mode.row_r) * p_t
+        change = modal_force(mode, n_u * p_n + t_u * p_t, n_th * p_n + t_th * p_t, p_t)
         mode.v[START] += change
         mode.free_v += change
 
@@ -359,7 +359,7 @@ def settle(run: Run) -> Contact:
     shift = frame[0] / _matrix_of(run, frame)[0]
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
-        change = shift * (n_u * mode.row_u + n_th * mode.row_th)
+        change = modal_force(mode, shift * n_u, shift * n_th, 0.0)
         mode.q[START] -= change
         mode.free_q -= change
     # The displacement has turned the directions.

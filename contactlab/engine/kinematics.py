@@ -127,8 +127,8 @@ def _add_steady(plant: Plant, j: int, place: int, q: float, v: float, sign: floa
 
 @part_kernel
 def modal_force(mode: Any, u: float, th: float, rotor: float) -> float:
-    """Return what generalised forces along u and th and the rotor's row do to a coordinate."""
-    return float(mode.row_u * u + mode.row_th * th + mode.row_r * rotor)
+    """Return what generalised forces along u and th and the rotor's row do to a coordinate that is free."""
+    return float(mode.row_u * u + mode.row_th * th + mode.row_r * rotor) if mode.led == 0 else 0.0
 
 
 @inner_kernel

@@ -204,14 +204,15 @@ def persisting_rates(stiffness: Array, damping: Array) -> Array:
 def pace_of(plant: Plant, contact_step: float, stepped: bool) -> tuple[float, int]:
     """Return the window of the stall watchdog [s], and the number of steps in contact that it allows.
 
-    Of a compliant law it is a period of the fastest tone or the slowest mode, whichever is faster, and at
-    most that of an event every second step. Of a rigid law that is stepped in time it is that of an event
-    every fifth step, and at most five periods.
+    Of a compliant law it is a period of the fastest tone, the waveform or the slowest mode, whichever is
+    fastest, and at most that of an event every second step. Of a rigid law that is stepped in time it is that
+    of an event every fifth step, and at most five periods.
     """
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
-    fastest = plant["tones"]["omega"][loud].max(initial=0.0)
+    turns = 2.0 * pi / plant["wave"]["period"] if plant["wave"]["period"] > 0.0 else 0.0
+    fastest = plant["tones"]["omega"][loud].max(initial=turns)
     rate = float(max(fastest, slowest if slowest < np.inf else 0.0))
     period = 2.0 * pi / rate if rate > 0.0 else np.inf
     steps, periods = (5.0, 5.0) if stepped else (2.0, 1.0)
@@ -227,10 +228,15 @@ def fastest_rate(plant: Plant) -> float:
 
 @kernel
 def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> tuple[float, float, float]:
-    """Return D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`."""
+    """Return D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`.
+
+    A led coordinate yields to no force, so that what its mass would be has no say.
+    """
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
+        if mode.led != 0:
+            continue
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
         nn += normal * normal
