@@ -515,6 +515,9 @@ CLOCK = 64.0 * np.finfo(np.float64).eps
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
 
+FAR = 1e3
+"""Friction that a stick would need over its bound [1], beyond which a shorter step is not asked."""
+
 YIELDED = 1e-30
 """Slip velocity [m/s] that no force leaves to a prescribed one, whose body is as heavy as can be."""
 
@@ -600,8 +603,9 @@ def _solve(
         # unless nothing of it could be seen.
         overlong = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
         # A prescribed slip reverses where a piece of its path ends, and friction may have a kink there.
-        overlong = overlong or (run.plant.wave.led != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
-        if (error > 1.0 or overlong) and (level < finest or error == np.inf):
+        overlong = overlong or (run.plant.wave.led_slip != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
+        refined = (error > 1.0 or overlong) and (level < finest or error == np.inf)
+        if refined and not _denied_by_far(run):
             state.rejected_steps += 1
             level += 2 if error > 500.0 or overlong else 1
             if error < np.inf:
@@ -618,6 +622,22 @@ def _solve(
     else:
         state.ending = UNSOLVED
     return level, error, known[0]
+
+
+@inner_kernel
+def _denied_by_far(run: Run) -> bool:
+    """Return whether a stick would need a friction far beyond its bound, at every node.
+
+    It would have to hold what is too heavy, in steps of any length; a short one leaves the round-off of its
+    slip over its length.
+    """
+    state = run.state
+    if state.mode != STICK or state.law.friction_kind != SET_VALUED or largest(state.bound.node) == 0.0:
+        return False
+    for i in range(NODES):
+        if not abs(state.friction.node[i] - state.bias.node[i]) > FAR * state.bound.node[i]:
+            return False
+    return True
 
 
 @part_kernel
@@ -701,7 +721,7 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
     """
     state, plant = run.state, run.plant
     h = step_length(run.propagator, run.propagator.rule.contact_level)
-    if plant.wave.led != 0 and state.law.compliant != 0:
+    if plant.wave.led_gap != 0 and state.law.compliant != 0:
         depth, approach = plant.wave.depth, plant.wave.approach
         normal, least, most, _, _ = law.force(-depth, -approach, 0.0, state.impact_speed, law.parameters)
         return float(max(load, abs(normal), abs(least), abs(most)) * h)

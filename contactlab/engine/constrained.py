@@ -46,6 +46,7 @@ from contactlab.engine.kinematics import (
     contact_of,
     free_accelerations,
     free_response,
+    modal_force,
     tip_motion,
 )
 from contactlab.engine.memory import (
@@ -129,7 +130,7 @@ def _step_constrained(run: Run, law: Law) -> int:
     step.kind, state.accepted_length = COLLOCATED, 0.0
     state.length = step_length(run.propagator, state.level)
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led == 0
+    begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led_slip == 0
     if begins and rate < 0.0:
         if _impact(run, law, rate, slip):
             return _at_once(run, RELEASE)
@@ -168,7 +169,7 @@ def _momentum(run: Run, law: Law, normal: float) -> float:
     state = run.state
     d_nn, d_nt, d_tt = _matrix_of(run, contact_at(run.plant, START))
     scale = impulse_scale(run, law, state.impact_speed, normal, d_nn)
-    if run.plant.wave.led != 0:
+    if run.plant.wave.led_slip != 0:
         return scale
     magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     return float(scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified))
@@ -242,8 +243,7 @@ def _move(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
     _, _, _, n_u, n_th, t_u, t_th = frame
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
-        change = (n_u * mode.row_u + n_th * mode.row_th) * p_n
-        change += (t_u * mode.row_u + t_th * mode.row_th + mode.row_r) * p_t
+        change = modal_force(mode, n_u * p_n + t_u * p_t, n_th * p_n + t_th * p_t, p_t)
         mode.v[START] += change
         mode.free_v += change
 
@@ -359,14 +359,14 @@ def settle(run: Run) -> Contact:
     shift = frame[0] / _matrix_of(run, frame)[0]
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
-        change = shift * (n_u * mode.row_u + n_th * mode.row_th)
+        change = modal_force(mode, shift * n_u, shift * n_th, 0.0)
         mode.q[START] -= change
         mode.free_q -= change
     # The displacement has turned the directions.
     frame = contact_at(run.plant, START)
     d_nn, d_nt, d_tt = _matrix_of(run, frame)
     p_n, p_t = -frame[1] / d_nn, 0.0
-    if run.state.mode == STICK and run.plant.wave.led == 0:
+    if run.state.mode == STICK and run.plant.wave.led_slip == 0:
         p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
     _move(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)

@@ -584,6 +584,11 @@ def prepared(
     check_numbers(law, duration, interval, contact_step, tolerance)
     parameters, row, bound, errors = take_in(law)
     plant = plant_of(motor)
+    if isinstance(law, MultiplierLaw) and plant["wave"]["led_gap"]:
+        raise ValueError(
+            f"{law.name} is rigid, and every mode that moves the tip towards the rotor is prescribed; a "
+            "rigid contact needs one that a force moves. Take a compliant law, or leave that mode free."
+        )
     stepped = is_stepped(law, contact_step)
     rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
     if rate > most:

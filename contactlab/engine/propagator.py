@@ -130,7 +130,7 @@ class Workspace:
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
         doublings = floor(log2(resolving_step(resolved_rate(plant), duration) / contact_step))
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
-        names = ["stiffness", "damping", "row_u", "row_th", "row_r"]
+        names = ["stiffness", "damping", "row_u", "row_th", "row_r", "led"]
         modes = [plant.modes[name].tobytes() for name in names]
         waves = bool(plant.wave["electrodes"])
         key = (*modes, plant.tones["omega"].tobytes(), longest, doublings, waves)
@@ -204,6 +204,9 @@ def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
         response.answer_q[i, m], response.answer_v[i, m] = q, v
+        if mode.led != 0:
+            # Whatever force acts, it is where its path is.
+            continue
         tip_q[0, i, m] += u * u * q
         tip_q[1, i, m] += u * th * q
         tip_q[2, i, m] += th * th * q

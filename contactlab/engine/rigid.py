@@ -24,7 +24,14 @@ import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.friction import push_node
-from contactlab.engine.kinematics import add_constant, checked, contact_at, free_response, rates_in_frame
+from contactlab.engine.kinematics import (
+    add_constant,
+    checked,
+    contact_at,
+    free_response,
+    modal_force,
+    rates_in_frame,
+)
 from contactlab.engine.memory import SLIP_ROUND_OFF, recall_start
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
@@ -135,7 +142,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
         shift = gap / delassus(plant, n_u, n_th, step.t_u[0], step.t_th[0])[0]
         for j in range(plant.mode_count):
             mode = plant.modes[j]
-            mode.q[LAST] -= shift * (n_u * mode.row_u + n_th * mode.row_th)
+            mode.q[LAST] -= modal_force(mode, shift * n_u, shift * n_th, 0.0)
     _turn_frame(run, LAST)
     return _impulses(run, law, level, gap_rate, slip)
 
@@ -160,6 +167,8 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
     nn, nt, tt = 0.0, 0.0, 0.0
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
+        if mode.led != 0:
+            continue
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
         mobility = run.propagator.responses[level, j].hold[LAST, 1] / state.length

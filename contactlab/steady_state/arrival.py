@@ -45,6 +45,12 @@ TEST_RUN: Final = 0.125
 DEVIATION: Final = 0.2
 """Largest deviation of a test run from the linearised map, over the distance covered."""
 
+BETWEEN: Final = 16
+"""Places between a motor and an orbit at which the drift of a slow rotor is looked at."""
+
+BALANCED: Final = 1e-6
+"""Mean torque on a rotor that keeps its velocity, over the torques in it that are balanced."""
+
 ARRIVED: Final = 1e-8
 """Distance from an orbit, relative to its state, at which a motor has reached it."""
 
@@ -119,12 +125,11 @@ def settled(
             count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
-            times = ceil(min(TEST_RUN * orbit.settling_time, longest * clock.period) / orbit.map.period) or 1
+            lasts, most = TEST_RUN * orbit.settling_time, longest * clock.period
+            times = ceil(min(lasts, most) / orbit.map.period) or 1
             periods, z = times * orbit.map.periods, clock.end_of(run)
-            if _goes_to(orbit, z, times):
-                motion, done = orbit.map.run(orbit.state), round(run.state["end"] / clock.period) + periods
-                count = orbit.map.periods
-                return Steady(setup, PERIODIC, count, motion, orbit, done, clock.belt, phase=clock.phase)
+            if _drifts_to(orbit, z) if lasts > most else _goes_to(orbit, z, times):
+                return _on_orbit(clock, orbit, round(run.state["end"] / clock.period) + periods)
             run = _on(run, periods)
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
             if distance < far:
@@ -133,11 +138,12 @@ def settled(
                 orbit = None
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
             done, run = round(run.state["end"] / clock.period), _on(run, TAIL // count * count)
+            _check_balance(clock, run)
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         if done < longest:
             run = _on(run, min(2 * done, longest - done))
-    return _long_run(clock, run, longest // 2)
+    return _long_run(clock, run, orbit, longest // 2)
 
 
 def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:
@@ -186,6 +192,34 @@ def _goes_to(orbit: Orbit, z: Array, times: int) -> bool:
     return all(_as_predicted(orbit, *pair, times) for pair in zip(starts, ends, strict=True))
 
 
+def _on_orbit(clock: PeriodMap, orbit: Orbit, done: int) -> Steady:
+    """Return the motion on an orbit that was reached after some periods."""
+    motion = orbit.map.run(orbit.state)
+    if orbit.neutral.any():
+        _check_balance(clock, motion)
+    count = orbit.map.periods
+    return Steady(clock.setup, PERIODIC, count, motion, orbit, done, clock.belt, phase=clock.phase)
+
+
+def _drifts_to(orbit: Orbit, z: Array) -> bool:
+    """Return whether a rotor that is too slow to be waited for drifts from a state to an orbit.
+
+    All but its velocity is forgotten within some periods; then the distance along the slowest direction, by
+    its left eigenvector, must fall at each of some places between.
+    """
+    values, vectors = np.linalg.eig(orbit.jacobian.T)
+    others = np.sort(np.abs(np.where(orbit.neutral, 0.0, orbit.multipliers)))[:-1]
+    times = ceil(log(FORGOTTEN) / log(max(others.max(initial=0.0), FORGOTTEN)))
+    along = vectors[:, np.abs(np.abs(values) - orbit.largest).argmin()]
+    if times > MOST_WARM_UP or along.imag.any():
+        return False
+    places = np.linspace(0.0, 1.0, BETWEEN + 1)[1:, None]
+    before = orbit.map.ends(orbit.state + places * (z - orbit.state), times)
+    after = orbit.map.ends(before, times)
+    here, there = (before - orbit.state) @ along.real, (after - orbit.state) @ along.real
+    return bool(np.all((np.abs(there) < np.abs(here)) & (here * there > 0.0)))
+
+
 def _as_predicted(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
     """Return whether a deviation from an orbit evolves by the linearised map."""
     deviation = before - orbit.state
@@ -194,9 +228,14 @@ def _as_predicted(orbit: Orbit, before: Array, after: Array, times: int) -> bool
     return bool(missed <= DEVIATION * np.linalg.norm(predicted - deviation))
 
 
-def _long_run(clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
-    """Take the means of a motion that comes to no orbit, and say what kind it is."""
+def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: int) -> Steady:
+    """Take the means of a motion that comes to no orbit, and say what kind it is.
+
+    A rotor that still drifts to an orbit is taken to come to it.
+    """
     done = round(run.state["end"] / clock.period)
+    if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
+        return _on_orbit(clock, orbit, done)
     late = _on(run, periods)
     for variable, name, values in zip(late.law.lasting, late.lasting, _remembered(late).T, strict=True):
         if _grows(values) or _drifts(values):
@@ -216,12 +255,34 @@ def _long_run(clock: PeriodMap, run: Trajectory, periods: int) -> Steady:
             "rad/s. Run it longer, by `longest`; a load that drives it, without damping of the rotor, may do "
             "so for ever."
         )
+    if np.ptp(velocity) <= SETTLED * np.abs(velocity).max():
+        _check_balance(clock, late)
     samples = _stroboscopic_samples(late)
     # In a contact that lasts, the steps of time stepping do not divide the period.
     count = repeats_after(samples[-TAIL:], max(run.contact_step / clock.period, REPEATS))
     # Rotor and energy follow the tip.
     kind = PERIODIC if count else kind_without_period(samples[:, 2:])
     return Steady(clock.setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
+
+
+def _check_balance(clock: PeriodMap, run: Trajectory) -> None:
+    """Refuse a motion that seems to repeat itself though a mean torque acts on its rotor.
+
+    One so heavy is seen to move in no run that can be waited for.
+    """
+    if clock.belt is not None:
+        return
+    velocity = np.diff(run.series["rotor_angle"]) / np.diff(run.time)
+    rotor, radius, rows = run.motor.rotor, run.motor.geometry.rotor_radius, run.contacts_within
+    pushed = -radius * float(run.series["friction_force"][1:].mean())
+    braked = rotor.load_torque + rotor.damping * float(velocity.mean())
+    rubbed = radius * float(np.abs(rows["friction_impulse"]).sum()) / run.duration
+    if abs(pushed - braked) > BALANCED * max(rubbed, abs(rotor.load_torque), abs(braked)):
+        raise NotSettledError(
+            f"The rotor keeps its velocity of {velocity.mean():.6g} rad/s to round-off, though a mean torque "
+            f"of {pushed - braked:.3g} N m acts on it: it settles too slowly for a steady state to be found. "
+            "Give it less inertia, or hold it by a belt."
+        )
 
 
 def _grows(values: Array) -> bool:
@@ -242,7 +303,7 @@ def _without_contact(clock: PeriodMap, run: Trajectory) -> Steady:
     clock, done = clock.at_end_of(run, clock.phase), round(run.state["end"] / clock.period)
     rotor, z = clock.setup.motor.rotor, clock.end_of(run)
     if clock.belt is None and rotor.damping > 0.0:
-        z[-1] = -np.sqrt(rotor.inertia) * rotor.load_torque / rotor.damping
+        z[-1] = -clock.rotor_scale * rotor.load_torque / rotor.damping
     elif clock.belt is None and rotor.load_torque != 0.0:
         raise NotSettledError(
             f"The tip does not touch the rotor, and nothing holds it against its load of "

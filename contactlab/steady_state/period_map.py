@@ -25,6 +25,9 @@ BELT: Final = 1e9
 """Inertia of a rotor whose velocity is prescribed [kg m2] at a radius of up to a metre; a second of 1 N m
 changes it by 1 nrad/s."""
 
+HEAVIEST: Final = 1e3
+"""Mass of the rotor on its rim, over that of the tip, with which it counts at most in a state [1]."""
+
 PROJECTIONS: Final = 2
 """Newton steps onto a closed gap; each squares the distance, over the radius."""
 
@@ -38,13 +41,15 @@ class BrokenOffError(RuntimeError):
 class PeriodMap:
     """Takes a state at a phase of the drive to the state some periods later, in flight or in contact.
 
-    The state is z = (omega_j q_j, qdot_j, w_k m_k, sqrt(J) Omega). Its mechanical parts have the unit of a
+    The state is z = (omega_j q_j, qdot_j, w_k m_k, sqrt(J') Omega). Its mechanical parts have the unit of a
     velocity in mass-orthonormal coordinates, so that half of their square is an energy; a rigid body's mode
-    has omega_j of the drive's period. m_k are the law's internal variables with weights w_k that make them
-    about as large as the motion: in flight those whose life is the run, in contact all that are not discrete.
+    has omega_j of the drive's period. J' is the rotor's inertia, at most that of `HEAVIEST` times the tip's
+    mass on its rim: beside a heavier one no step and no norm would see the resonator. m_k are the law's
+    internal variables with weights w_k that make them about as large as the motion: in flight those whose
+    life is the run, in contact all that are not discrete.
 
     What no force depends on is no part of the state: the rotor's angle, the displacement of a coordinate that
-    slides freely, and the velocity of a belt.
+    slides freely, and the velocity of a belt. Nor is what the clock says: prescribed modes.
 
     In contact the section is the manifold that the contact holds: the gap and its rate are zero under a rigid
     law, and the slip is where it sticks. Every state is projected onto it first, along the masses, so that a
@@ -88,9 +93,27 @@ class PeriodMap:
         return np.where(rates > 0.0, rates, 2.0 * np.pi / period_of(self.setup.motor.drive))
 
     @cached_property
+    def _led(self) -> NDArray[np.bool_]:
+        """Which modes the voltages prescribe, shape (mode,)."""
+        return self.setup.motor.modes.is_prescribed
+
+    @cached_property
     def _kept(self) -> NDArray[np.bool_]:
         """Which displacements are part of the state, shape (mode,)."""
-        return ~self.setup.motor.slides_freely
+        return ~self.setup.motor.slides_freely & ~self._led
+
+    @cached_property
+    def _modes_size(self) -> int:
+        """How many displacements and rates of modes are part of the state."""
+        return int(self._kept.sum() + (~self._led).sum())
+
+    @cached_property
+    def rotor_scale(self) -> float:
+        """Root of J', the rotor's velocity in the state over Omega [kg^1/2 m]."""
+        motor = self.setup.motor
+        mobility = float(np.sum(motor.rows_at_rest[1][~self._led] ** 2))
+        most = motor.geometry.rotor_radius * np.sqrt(HEAVIEST / mobility) if mobility > 0.0 else np.inf
+        return float(min(np.sqrt(motor.rotor.inertia), most))
 
     @cached_property
     def variables(self) -> tuple[InternalVariable, ...]:
@@ -150,9 +173,9 @@ class PeriodMap:
         if memory is None:
             memory = np.array([each.initial for each in self.variables])
         placed = (self.scale * modal.displacement)[self._kept]
-        parts = [placed, modal.velocity, self._weights * memory]
+        parts = [placed, modal.velocity[~self._led], self._weights * memory]
         if self.belt is None:
-            parts.append(np.array([np.sqrt(self.setup.motor.rotor.inertia) * velocity]))
+            parts.append(np.array([self.rotor_scale * velocity]))
         return np.concatenate(parts)
 
     def parts_of(self, z: Array) -> tuple[ModalState, float, Array]:
@@ -165,14 +188,17 @@ class PeriodMap:
 
     def _parts_of(self, starts: Array) -> tuple[Array, Array, Array, Array]:
         """Return those of many states, shape (start, state), projected onto the section, q and v apart."""
-        count, placed, weights = self.scale.size, int(self._kept.sum()), self._weights
-        q = np.zeros((len(starts), count))
+        count, placed, weights = self._modes_size, int(self._kept.sum()), self._weights
+        q, v = np.zeros((2, len(starts), self.scale.size))
         q[:, self._kept] = starts[:, :placed] / self.scale[self._kept]
-        v = starts[:, placed : placed + count].copy()
-        memory = starts[:, placed + count : placed + count + weights.size] / weights
+        v[:, ~self._led] = starts[:, placed:count]
+        if self._led.any():
+            for values, first in zip((q, v), self._motor.first_motion, strict=True):
+                values[:, self._led] = first[self._led]
+        memory = starts[:, count : count + weights.size] / weights
         velocities = np.full(len(starts), self.belt or 0.0)
         if self.belt is None:
-            velocities = starts[:, -1] / np.sqrt(self.setup.motor.rotor.inertia)
+            velocities = starts[:, -1] / self.rotor_scale
         if self.touches:
             rows = [self._projected(*row) for row in zip(q, v, velocities.tolist(), strict=True)]
             q, v, turned = map(np.array, zip(*rows, strict=True))
@@ -199,13 +225,15 @@ class PeriodMap:
         for _ in range(PROJECTIONS if rigid else 1):
             gap, n_u, n_th, t_u, t_th = geometry.frame(float(modes.approach @ q), float(modes.tip_slope @ q))
             normal = n_u * modes.approach + n_th * modes.tip_slope
+            moved = np.where(self._led, 0.0, normal)
             if rigid:
-                q = q - normal * (gap / (normal @ normal))
+                q = q - moved * (gap / (moved @ moved))
         turning = -geometry.rotor_radius / np.sqrt(rotor.inertia)
         rows = [np.append(normal, 0.0), np.append(t_u * modes.approach + t_th * modes.tip_slope, turning)]
         constraints = np.array(rows[0 if rigid else 1 : 2 if sticks else 1])
         rates = np.append(v, np.sqrt(rotor.inertia) * velocity)
-        rates = rates - constraints.T @ np.linalg.solve(constraints @ constraints.T, constraints @ rates)
+        moving = np.where(np.append(self._led, False), 0.0, constraints)
+        rates = rates - moving.T @ np.linalg.solve(moving @ moving.T, constraints @ rates)
         return q, rates[:-1], float(rates[-1] / np.sqrt(rotor.inertia))
 
     def mechanical(self, z: Array) -> Array:
@@ -215,13 +243,13 @@ class PeriodMap:
 
     def vibration(self, z: Array) -> Array:
         """Return the part of a state z that is the modes' motion."""
-        return z[: int(self._kept.sum()) + self.scale.size]
+        return z[: self._modes_size]
 
     def velocity_of(self, z: Array) -> float:
         """Return the rotor velocity of a state [rad/s]."""
         if self.belt is not None:
             return self.belt
-        return float(z[-1] / np.sqrt(self.setup.motor.rotor.inertia))
+        return float(z[-1] / self.rotor_scale)
 
     def run(self, z: Array, times: float = 1.0, records: int = 1) -> Trajectory:
         """Let the motor run from a state for some times the map, with some records in each of its periods.
@@ -287,9 +315,9 @@ class PeriodMap:
         ends = self._flow(*self._parts_of(starts), times)
         placed = (self.scale * ends.displacement)[:, self._kept]
         memory = ends.memory if self.contact is None else ends.memory[:, self._continuous]
-        parts = [placed, ends.velocity, self._weights * memory]
+        parts = [placed, ends.velocity[:, ~self._led], self._weights * memory]
         if self.belt is None:
-            parts.append(np.sqrt(self.setup.motor.rotor.inertia) * ends.rotor_velocity[:, None])
+            parts.append(self.rotor_scale * ends.rotor_velocity[:, None])
         return np.hstack(parts), ends.messages
 
 

@@ -1,9 +1,11 @@
 """Periodic orbits by shooting: a state that the period map leaves where it is.
 
 Newton's method on P(z) - z = 0, with the derivative of the period map by differences, which are good to
-1e-8 where the map is smooth, and Broyden's rank-one corrections between. Steps are limited to a
-trust region whose radius is adapted to the reduction achieved (Conn, Gould, Toint: Trust-Region Methods,
-2000).
+1e-8 where the map is smooth, and Broyden's rank-one corrections between. A step is judged by the next one
+that the same derivative asks for, |(1 - A)^-1 (P(z) - z)|, which is the distance to the orbit and does not
+hang on units: a slow rotor far from its orbit changes by as little in a period as one next to it. Steps are
+limited to a trust region whose radius is adapted to that reduction (Deuflhard: Newton Methods for Nonlinear
+Problems, 2011, ch. 3; Conn, Gould, Toint: Trust-Region Methods, 2000).
 """
 
 from collections.abc import Callable
@@ -26,10 +28,26 @@ ROUGH: Final = 100.0
 """Ratio of the step of a second difference, which tests whether the map is smooth."""
 
 CLOSED: Final = 1e-10
-"""|P(z) - z| over |z| at which an orbit counts as closed."""
+"""|P(z) - z| over |z| at which an orbit counts as closed, if it is `REACHED` too."""
 
-NEUTRAL: Final = 1e-6
-"""Distance of a multiplier from 1 that differences do not resolve."""
+REACHED: Final = 1e-8
+"""Distance from the orbit over |z| with which shooting is content, where round-off lets it come so near."""
+
+ROUND_OFF: Final = 2e-15
+"""Of P(z) - z, over |z|."""
+
+SLOW: Final = 1e-4
+"""Distance of a multiplier from 1 below which the rotor's row of the derivative has a step `ROUGH` times as
+long: what a slow rotor answers is less than the round-off of a short one."""
+
+NEUTRAL: Final = 1e-11
+"""Distance of a multiplier from 1 that those differences do not resolve."""
+
+RESOLVED: Final = 4.0
+"""Distance of a multiplier from 1, over `NEUTRAL`, from which on it is known to be another number."""
+
+LEARNED: Final = 10.0
+"""Change of P(z) - z over its round-off from which on a move tells of the slowest direction."""
 
 MOST_ITERATIONS: Final = 40
 
@@ -65,13 +83,22 @@ class Orbit:
     @classmethod
     def at(cls, section: PeriodMap, z: Array) -> "Orbit":
         """Take a closed orbit's derivative."""
+        if not z.size:
+            # All that moves is led.
+            return cls(section, z, np.zeros((0, 0)), 0.0)
         length, along = STEP * _size(z), np.full(z.size, z.size**-0.5)
         steps = length * np.vstack([np.eye(z.size), ROUGH * along])
         ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
         every = (ahead - behind).T / (2.0 * length)
         jacobian, coarse = every[:, :-1], every[:, -1] / ROUGH
         fine = jacobian @ along
-        roughness = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))
+        if is_slow(section, jacobian):
+            steps = ROUGH * length * np.eye(z.size)
+            ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
+            jacobian[-1] = (ahead - behind)[:, -1] / (2.0 * ROUGH * length)
+        changed = float(np.linalg.norm(coarse - fine))
+        # A map that forgets everything has no derivative, and none that changes.
+        roughness = changed / max(float(np.linalg.norm(fine)), np.finfo(float).tiny)
         return cls(section, z, jacobian, roughness)
 
     @cached_property
@@ -110,21 +137,22 @@ class Orbit:
         return float(-self.map.period / np.log(max(self.largest, np.finfo(float).tiny)))
 
     def closure(self, end: Array) -> float:
-        """Return how far the orbit is from closing, |P(z) - z| / |1 - |lambda|| over |z| [1].
+        """Return the distance of what was found from the orbit, |(1 - A)^-1 (P(z) - z)| over |z| [1].
 
-        At least what shooting is content with. `end` is P(z) of a run.
+        At least that of round-off, and what shooting is content with; `end` is P(z) of a run. Neutral
+        directions are left out.
         """
         if not (size := float(np.linalg.norm(self.state))):
-            return 0.0
-        gap = float(np.linalg.norm(end - self.state))
-        return max(gap / size, CLOSED) / max(abs(1.0 - self.largest), NEUTRAL)
+            return REACHED
+        away = float(np.linalg.norm(_newton_step(self.jacobian, end - self.state)))
+        return max(2.0 * away / size, REACHED, ROUND_OFF / _slowest(self.jacobian))
 
     def velocity(self, mean: float, closure: float) -> Estimate:
         """Return a mean rotor velocity [rad/s] with what the closure leaves of it.
 
         The rotor's part of a state whose size is mostly the resonator's may be all of that.
         """
-        size = float(np.linalg.norm(self.state)) / float(np.sqrt(self.map.setup.motor.rotor.inertia))
+        size = float(np.linalg.norm(self.state)) / self.map.rotor_scale
         return Estimate(mean, closure * max(abs(mean), size))
 
 
@@ -135,23 +163,27 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
         NoOrbitError: there is none near it.
         KeyboardInterrupt: as it comes.
     """
+    if not z.size:
+        return Orbit.at(section, z)
     image = section(z)
     left, jacobian = image - z, _forward(section, z, image)
-    fresh, radius = True, FARTHEST * _size(z)
+    fresh, radius, slowest = True, FARTHEST * _size(z), _slowest(jacobian)
     for _ in range(MOST_ITERATIONS):
-        if np.linalg.norm(left) <= CLOSED * _size(z):
-            return Orbit.at(section, z)
         move = _newton_step(jacobian, left)
-        length = float(np.linalg.norm(move))
+        length, gap = float(np.linalg.norm(move)), float(np.linalg.norm(left))
+        if gap <= CLOSED * _size(z) and length <= max(REACHED, LEARNED * ROUND_OFF / slowest) * _size(z):
+            return _resolved(Orbit.at(section, z))
         move *= min(1.0, radius / length)
         after = _gap(section, z + move)
-        share = np.linalg.norm(after) / np.linalg.norm(left)
+        share = float(np.linalg.norm(_newton_step(jacobian, after))) / length if _is_finite(after) else np.inf
         if share < 1.0:
-            jacobian = updated(jacobian, move, np.asarray(after - left + move))
+            if np.linalg.norm(move) * slowest > LEARNED * ROUND_OFF * _size(z):
+                jacobian = updated(jacobian, move, np.asarray(after - left + move))
             z, left, fresh = z + move, after, False
             radius = max(radius, 2.0 * float(np.linalg.norm(move)))
         if share > WORTH and not fresh:
             jacobian, fresh = _forward(section, z, left + z), True
+            slowest = _slowest(jacobian)
         elif share > WORTH:
             radius = 0.25 * min(radius, length)
             if radius < STEP * _size(z):
@@ -160,13 +192,28 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {remains:.1e} of the state")
 
 
+def _resolved(orbit: Orbit) -> Orbit:
+    """Return an orbit whose multipliers are one, or known not to be."""
+    away = np.abs(orbit.multipliers - 1.0)
+    if np.any((away > NEUTRAL) & (away < RESOLVED * NEUTRAL)):
+        raise NoOrbitError(f"a multiplier that differs from one by {away.min():.0e} is not resolved")
+    return orbit
+
+
+def is_slow(section: PeriodMap, jacobian: Array) -> bool:
+    """Return whether the rotor settles so slowly that its row of the derivative needs long steps."""
+    return section.belt is None and _slowest(jacobian) < SLOW
+
+
+def _slowest(jacobian: Array) -> float:
+    """Return the least singular value of 1 - dP/dz that is not neutral."""
+    values = np.linalg.svd(np.eye(len(jacobian)) - jacobian, compute_uv=False)
+    return float(values[values > NEUTRAL * values.max(initial=1.0)].min(initial=1.0))
+
+
 def _newton_step(jacobian: Array, left: Array) -> Array:
     """Return the step that closes a gap, the shortest where nothing brings a coordinate back."""
-    system = np.eye(left.size) - jacobian
-    try:
-        return np.asarray(np.linalg.solve(system, left), np.float64)
-    except np.linalg.LinAlgError:
-        return np.asarray(np.linalg.lstsq(system, left)[0], np.float64)
+    return np.asarray(np.linalg.lstsq(np.eye(left.size) - jacobian, left, NEUTRAL)[0], np.float64)
 
 
 def derivative_of(function: Callable[[Array], Array], at: Array, along: Array, step: float = STEP) -> Array:
@@ -183,7 +230,11 @@ def updated(jacobian: Array, move: Array, change: Array) -> Array:
 def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
     """Return dP/dz by forward differences from P(z), at half the price and to half the digits."""
     length = STEP * _size(z)
-    return np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
+    jacobian = np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
+    if is_slow(section, jacobian):
+        length *= ROUGH
+        jacobian[-1] = (_ends(section, z + length * np.eye(z.size)) - image)[:, -1] / length
+    return jacobian
 
 
 def _ends(section: PeriodMap, starts: Array) -> Array:
@@ -201,6 +252,10 @@ def _gap(section: PeriodMap, z: Array) -> Array:
     # A rigid law refuses a start inside the rotor.
     except (BrokenOffError, ValueError):
         return np.full(z.size, np.inf)
+
+
+def _is_finite(z: Array) -> bool:
+    return bool(np.isfinite(z).all())
 
 
 def _size(z: Array) -> float:
