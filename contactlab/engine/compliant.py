@@ -594,7 +594,7 @@ def _solve(
         # unless nothing of it could be seen.
         overlong = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
         # A prescribed slip reverses where a piece of its path ends, and friction may have a kink there.
-        overlong = overlong or (run.plant.wave.led != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
+        overlong = overlong or (run.plant.wave.led_slip != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
         if (error > 1.0 or overlong) and (level < finest or error == np.inf):
             state.rejected_steps += 1
             level += 2 if error > 500.0 or overlong else 1
@@ -695,7 +695,7 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
     """
     state, plant = run.state, run.plant
     h = step_length(run.propagator, run.propagator.rule.contact_level)
-    if plant.wave.led != 0 and state.law.compliant != 0:
+    if plant.wave.led_gap != 0 and state.law.compliant != 0:
         depth, approach = plant.wave.depth, plant.wave.approach
         normal, least, most, _, _ = law.force(-depth, -approach, 0.0, state.impact_speed, law.parameters)
         return float(max(load, abs(normal), abs(least), abs(most)) * h)

@@ -129,7 +129,7 @@ def _step_constrained(run: Run, law: Law) -> int:
     step.kind, state.accepted_length = COLLOCATED, 0.0
     state.length = step_length(run.propagator, state.level)
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
-    begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led == 0
+    begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led_slip == 0
     if begins and rate < 0.0:
         if _impact(run, law, rate, slip):
             return _at_once(run, RELEASE)
@@ -168,7 +168,7 @@ def _momentum(run: Run, law: Law, normal: float) -> float:
     state = run.state
     d_nn, d_nt, d_tt = _matrix_of(run, contact_at(run.plant, START))
     scale = impulse_scale(run, law, state.impact_speed, normal, d_nn)
-    if run.plant.wave.led != 0:
+    if run.plant.wave.led_slip != 0:
         return scale
     magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     return float(scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified))
@@ -366,7 +366,7 @@ def settle(run: Run) -> Contact:
     frame = contact_at(run.plant, START)
     d_nn, d_nt, d_tt = _matrix_of(run, frame)
     p_n, p_t = -frame[1] / d_nn, 0.0
-    if run.state.mode == STICK and run.plant.wave.led == 0:
+    if run.state.mode == STICK and run.plant.wave.led_slip == 0:
         p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
     _move(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)

@@ -177,10 +177,7 @@ def _by_electrodes(plant: Plant, j: int, order: int) -> float:
 
 @inner_kernel
 def _follow_wave(run: Run, waves: Array) -> None:
-    """Find what the waveform does to every coordinate from the step's start on.
-
-    A led coordinate is set to it, so that no step leaves an error to the next one.
-    """
+    """Find what the waveform does to every coordinate from the step's start on, where a led one joins it."""
     plant, wave = run.plant, run.plant.wave
     piece, since = _piece_at(run, waves)
     for e in range(wave.electrodes):
@@ -195,8 +192,9 @@ def _follow_wave(run: Run, waves: Array) -> None:
         for m in range(ORDERS):
             plant.forces[j, m] = _by_electrodes(plant, j, m if mode.led == 0 else m + 2)
         if mode.led != 0:
-            mode.q[START] = mode.free_q = _by_electrodes(plant, j, 0)
-            mode.v[START] = mode.free_v = _by_electrodes(plant, j, 1)
+            mode.free_q, mode.free_v = _by_electrodes(plant, j, 0), _by_electrodes(plant, j, 1)
+            mode.q[START] += mode.free_q
+            mode.v[START] += mode.free_v
 
 
 @inner_kernel
@@ -214,7 +212,7 @@ def begin(run: Run, waves: Array) -> None:
     """Split the state at the step's start into steady state and free motion.
 
     A nearly resonant pair has no steady state here: its mode is free and answers its tone from rest, as every
-    mode answers a waveform.
+    mode answers a waveform. A led coordinate is set to its path, so that no step leaves an error to the next.
     """
     plant, time = run.plant, run.state.time
     for k in range(plant.tone_count):
@@ -223,6 +221,10 @@ def begin(run: Run, waves: Array) -> None:
         tone.sine[START] = sin(tone.omega * time)
     for j in range(plant.mode_count):
         mode = plant.modes[j]
+        if mode.led != 0:
+            mode.free_q = mode.free_v = 0.0
+            mode.q[START], mode.v[START] = _add_steady(plant, j, START, 0.0, 0.0, 1.0)
+            continue
         q, v = mode.q[START], mode.v[START]
         mode.free_q, mode.free_v = _add_steady(plant, j, START, q, v, -1.0)
     if plant.wave.electrodes > 0:

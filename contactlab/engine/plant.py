@@ -22,10 +22,13 @@ from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
 from contactlab.engine.state import EVENT_LIMIT, PLACES, new_record, record
 from contactlab.motor.motor import Motor
-from contactlab.motor.waveform import MOST_DEGREE, Waveform
+from contactlab.motor.waveform import MOST_DEGREE
 
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
+
+STILL = 1e-36
+"""Mobility [1/kg] of what slides beside a prescribed motion, below which no force changes the slip."""
 
 NEARLY_RESONANT = 1e-2
 """Relative detuning below which the particular solution is not subtracted: its amplitude would swamp the gap
@@ -60,22 +63,23 @@ Plant = Any
 """A motor and where it is, a record; j runs over coordinates, k over tones.
 
 geometry [m], cosine and sine of its angle; mode_count, tone_count. modes[j]: coefficients and contact rows,
-displacement q and rate v at every place of a step; near, whether a tone is nearly resonant; led, whether the
-waveform is its displacement and no force. tones[k]: omega [rad/s], amplitudes of the steady state at the tip
-[m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force and steady-state displacement,
-the latter zero where mode and tone are `near`ly resonant. Real and imaginary parts stand apart because
-complex products are slow in compiled loops this short. wave: electrodes, their number, zero without a
-waveform; offset and period of its clock [s], the latter zero where it does not repeat itself; led, whether it
-is the displacement of any coordinate, and then depth, the deepest penetration [m], and approach, the fastest
-[m/s]; derivatives of its voltages at the step's start [V s^-m]. couplings[j, e] [N/V kg^-1/2]; forces[j, m],
-derivatives of the modal force.
+displacement q and rate v at every place of a step; near, whether a tone is nearly resonant; led, whether
+tones and waveform are its displacement and no force. tones[k]: omega [rad/s], amplitudes of the steady state
+at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force, of a led coordinate
+that of its acceleration, and of steady-state displacement, the latter zero where mode and tone are `near`ly
+resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
+wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
+where it does not repeat itself; led, whether any coordinate is; led_gap, whether they alone move the gap, and
+then depth, a bound of the penetration [m], and approach, one of its rate [m/s]; led_slip, whether no force
+changes the slip, which reverses where pieces end; derivatives of its voltages at the step's start [V s^-m].
+couplings[j, e] [N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
 """
 
 
 @cache
 def plant_record(modes: int, tones: int, electrodes: int = ELECTRODES) -> np.dtype[Any]:
     """Declare the record of a plant with room for so many coordinates, tones and electrodes."""
-    numbers = {"real": "offset period depth approach", "whole": "electrodes led"}
+    numbers = {"real": "offset period depth approach", "whole": "electrodes led led_gap led_slip"}
     wave = record(("derivatives", float, (electrodes, ORDERS)), **numbers)
     return record(
         ("geometry", GEOMETRY),
@@ -124,7 +128,8 @@ def plant_of(motor: Motor) -> Plant:
     stiffness, damping = made["stiffness"], made["damping"]
     stiffness[:-1], damping[:-1] = modes.stiffness, modes.damping
     damping[-1] = rotor.damping / rotor.inertia
-    made["constant"][:-1] = 0.0 if motor.preload is None else motor.preload
+    prescribed = modes.is_prescribed
+    made["constant"][:-1] = 0.0 if motor.preload is None else np.where(prescribed, 0.0, motor.preload)
     made["constant"][-1] = -rotor.load_torque / root
     made["row_u"][:-1], made["row_th"][:-1] = modes.approach, modes.tip_slope
     made["row_w"][:-1] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
@@ -151,23 +156,35 @@ def plant_of(motor: Motor) -> Plant:
     phasors["force_re"], phasors["force_im"] = force.real, force.imag
     phasors["steady_re"], phasors["steady_im"] = steady.real, steady.imag
     phasors["near"] = near
+    wave = plant["wave"]
+    if prescribed.any():
+        free_gap, free_slip = (row[~prescribed] for row in motor.rows_at_rest)
+        made["led"][:-1], wave["led"] = prescribed, 1
+        wave["led_gap"] = not free_gap.any()
+        still = made["row_r"][-1] ** 2 <= STILL and not free_slip.any()
+        wave["led_slip"] = still and waveform is not None and not omega.size
+        wave["depth"], wave["approach"] = _reach(motor)
     if waveform is not None:
-        wave = plant["wave"]
         wave["electrodes"], wave["offset"] = electrodes, waveform.start
         wave["period"] = waveform.period if waveform.periodic else 0.0
         plant["couplings"][: count - 1, :electrodes] = modes.coupling
-        if modes.prescribed is not None:
-            made["led"][:-1] = modes.prescribed
-            wave["led"] = 1
-            wave["depth"], wave["approach"] = _reach(motor, waveform)
     return plant
 
 
-def _reach(motor: Motor, waveform: Waveform) -> tuple[float, float]:
-    """Return how deep [m] and how fast [m/s] a prescribed motion presses, at the ends of its pieces."""
-    row = motor.rows_at_rest[0] @ motor.modes.coupling
-    depth, approach = (-(row @ waveform.voltage(waveform.pieces.x - waveform.start, d)).min() for d in (0, 1))
-    return max(float(depth) - motor.geometry.clearance, 0.0), max(float(approach), 0.0)
+def _reach(motor: Motor) -> tuple[float, float]:
+    """Return how deep [m] and how fast [m/s] a prescribed motion presses.
+
+    A waveform is looked at where its pieces end, and tones count by their amplitudes.
+    """
+    modes, drive, reach = motor.modes, motor.drive, np.zeros(2)
+    row = motor.rows_at_rest[0][modes.is_prescribed] @ modes.coupling[modes.is_prescribed]
+    for order in range(2):
+        if drive.voltages:
+            reach[order] = (np.abs(row @ drive.phasors) * drive.angular_frequency**order).sum()
+        if drive.waveform is not None:
+            ends = drive.waveform.pieces.x - drive.waveform.start
+            reach[order] -= (row @ drive.waveform.voltage(ends, order)).min()
+    return max(float(reach[0]) - motor.geometry.clearance, 0.0), max(float(reach[1]), 0.0)
 
 
 def resolved_rate(plant: Plant) -> float:

@@ -335,6 +335,8 @@ def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
     for k in range(plant.tone_count):
         in_phase, quadrature = 0.0, 0.0
         for j in range(plant.mode_count):
+            if plant.modes[j].led != 0:
+                continue
             v = plant.modes[j].v[place]
             in_phase += plant.phasors[j, k].force_re * v
             quadrature += plant.phasors[j, k].force_im * v
@@ -347,8 +349,8 @@ def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
 
 
 @inner_kernel
-def _wave_power(run: Run, place: int, s: float) -> float:
-    """Return the power of the waveform [W] at a place, a time s after the start of the step.
+def _other_power(run: Run, place: int, s: float) -> float:
+    """Return the power of the drive [W] but for tones that are forces, at time s of the step and its place.
 
     A led coordinate takes the power that it does against the contact.
     """
@@ -376,8 +378,8 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
         if motion == BY_FLOW or (motion == BY_INTERVAL and i == LAST):
             place = BETWEEN
         driving, damped, loading = _powers(run.plant, place)
-        if run.plant.wave.electrodes > 0:
-            driving += _wave_power(run, place, at)
+        if run.plant.wave.electrodes > 0 or run.plant.wave.led != 0:
+            driving += _other_power(run, place, at)
         drive += weight * driving
         damping += weight * damped
         load += weight * loading

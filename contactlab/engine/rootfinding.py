@@ -107,7 +107,7 @@ def keeps_slip(run: Run) -> bool:
     """
     state = run.state
     return bool(
-        run.plant.wave.led != 0 and state.law.compliant != 0 and state.law.friction_kind == SET_VALUED
+        run.plant.wave.led_slip != 0 and state.law.compliant != 0 and state.law.friction_kind == SET_VALUED
     )
 
 

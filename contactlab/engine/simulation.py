@@ -180,8 +180,7 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
     modes = modes_of(ready.plant)
     q, v = modes["q"][:, START], modes["v"][:, START]
     v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
-    if motor.start is not None:
-        q[:-1], v[:-1] = motor.start.displacement, motor.start.velocity
+    q[:-1], v[:-1] = motor.first_motion
     contact = contact_from(ready.plant, q, v)
     touches = state["phase"] == TOUCHING
     if not touches and (fault := overlap_at(contact[0], ready.law)):

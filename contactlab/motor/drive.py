@@ -161,11 +161,12 @@ class Drive(Immutable):
         """omega_k [rad/s], shape (tone,)."""
         return 2.0 * np.pi * self.frequency
 
-    def voltage(self, time: Array | float) -> Array:
-        """Return the voltages of the electrodes [V], shape (electrode, *time.shape)."""
+    def voltage(self, time: Array | float, order: int = 0) -> Array:
+        """Return the electrodes' voltages or a derivative [V s^-order], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
-        tones = np.asarray(np.tensordot(self.phasors, turns, axes=1).real, dtype=np.float64)
-        return tones if self.waveform is None else tones + self.waveform.voltage(time)
+        phasors = self.phasors * (1j * self.angular_frequency) ** order
+        tones = np.asarray(np.tensordot(phasors, turns, axes=1).real, dtype=np.float64)
+        return tones if self.waveform is None else tones + self.waveform.voltage(time, order)
 
     def delayed(self, time: float) -> "Drive":
         """Return the drive whose clock is ahead by a time [s]."""

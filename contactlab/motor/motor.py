@@ -110,6 +110,11 @@ class NormalModes(Immutable):
         return self.tip_displacement - self.rotor_displacement
 
     @property
+    def is_prescribed(self) -> NDArray[np.bool_]:
+        """Whether the voltages are a mode's coordinate, shape (mode,)."""
+        return np.zeros(self.stiffness.size, np.bool_) if self.prescribed is None else self.prescribed
+
+    @property
     def natural_frequency(self) -> Array:
         """Undamped natural frequencies f_j [Hz], shape (mode,)."""
         return np.sqrt(self.stiffness) / (2.0 * np.pi)
@@ -210,7 +215,8 @@ class Motor(Checked, Immutable):
             is no tone.
         preload: constant modal forces [N kg^-1/2], shape (mode,); None is none. `on_bearing` presses the
             rotor on the tip.
-        start: state at t = 0; None is at rest without displacement.
+        start: state at t = 0; None is at rest without displacement. A prescribed mode begins where its
+            voltages say.
     """
 
     modes: NormalModes
@@ -268,10 +274,24 @@ class Motor(Checked, Immutable):
 
     @property
     def force_phasors(self) -> NDArray[np.complex128]:
-        """Modal forces of the tones [N kg^-1/2], shape (mode, tone)."""
-        if not self.drive.voltages:
-            return np.zeros((self.modes.stiffness.size, 0), np.complex128)
-        return np.asarray(self.modes.coupling @ self.drive.phasors)
+        """Modal forces of the tones [N kg^-1/2], shape (mode, tone); accelerations of a prescribed mode."""
+        modes, drive = self.modes, self.drive
+        if not drive.voltages:
+            return np.zeros((modes.stiffness.size, 0), np.complex128)
+        rate = np.where(modes.is_prescribed[:, None], -(drive.angular_frequency**2), 1.0)
+        return np.asarray(rate * (modes.coupling @ drive.phasors))
+
+    @property
+    def first_motion(self) -> tuple[Array, Array]:
+        """Normal coordinates and their rates at t = 0, shape (mode,) each."""
+        modes, drive, start = self.modes, self.drive, self.start
+        motion = np.zeros((2, modes.stiffness.size))
+        if start is not None:
+            motion[:] = start.displacement, start.velocity
+        for order, values in enumerate(motion):
+            path = modes.coupling @ drive.voltage(0.0, order) if drive.voltages else 0.0
+            np.copyto(values, path, where=modes.is_prescribed)
+        return motion[0], motion[1]
 
 
 PERIODS, SAMPLES = 20, 20_000
