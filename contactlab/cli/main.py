@@ -1,7 +1,9 @@
 """The entry point: a verb, or without one a run or a sweep by Hydra."""
 
+import atexit
 import gc
 import os
+import signal
 import sys
 from importlib import import_module
 from io import TextIOWrapper
@@ -24,23 +26,25 @@ def main() -> int:
         if isinstance(stream, TextIOWrapper):
             # A terminal that cannot show a character shows its code.
             stream.reconfigure(errors="backslashreplace")
-    try:
-        with terminal.ending_at_once():
+    # What has ended has its status: a late Ctrl-C does not change it.
+    atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+    with terminal.ending_at_once():
+        try:
             status = _perform(*sys.argv[1:])
-    except SystemExit as stop:
-        status = int(stop.code or 0)
-    except RefusalError as refusal:
-        status = refuse([str(refusal)], refusal.status)
-    except KeyboardInterrupt as interrupt:
-        status = refuse([str(interrupt) or MESSAGE], INTERRUPTED)
-    except BrokenPipeError:
-        terminal.silence(sys.stdout)
-        status = INCOMPLETE
-    try:
-        sys.stdout.flush()
-    except OSError:
-        terminal.silence(sys.stdout)
-        status = status or INCOMPLETE
+        except SystemExit as stop:
+            status = int(stop.code or 0)
+        except RefusalError as refusal:
+            status = refuse([str(refusal)], refusal.status)
+        except KeyboardInterrupt as interrupt:
+            status = refuse([str(interrupt) or MESSAGE], INTERRUPTED)
+        except BrokenPipeError:
+            terminal.silence(sys.stdout)
+            status = INCOMPLETE
+        try:
+            sys.stdout.flush()
+        except OSError:
+            terminal.silence(sys.stdout)
+            status = status or INCOMPLETE
     return status
 
 

@@ -22,7 +22,7 @@ from typing import Final, NoReturn, TextIO, final
 from tqdm import tqdm
 
 from contactlab.progress import shown_by
-from contactlab.results.files import error_text
+from contactlab.results.files import error_text, remove_own
 
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses of the command: complete, incomplete or failed, refused for a fault, ended by Ctrl-C."""
@@ -97,8 +97,11 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
 
 
 def _end(_number: int, _frame: FrameType | None) -> NoReturn:
-    print(MESSAGE, file=sys.stderr, flush=True)
-    sys.stdout.flush()
+    remove_own()
+    # Who ends the command may have closed its output too.
+    with suppress(OSError, RuntimeError):
+        print(MESSAGE, file=sys.stderr, flush=True)
+        sys.stdout.flush()
     os._exit(INTERRUPTED)
 
 

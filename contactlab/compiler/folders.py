@@ -1,4 +1,4 @@
-"""The folders of the kernels' machine code: one that this machine fills, one that came with the package."""
+"""The folders of the kernels' machine code: one that this machine fills, and others that are read alone."""
 
 import os
 import shutil
@@ -31,9 +31,7 @@ def code_name() -> str:
 def code_folder() -> Path:
     """Return the folder in which this machine keeps the code of exactly these sources."""
     name = code_name()
-    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    for parent in [Path(chosen)] if chosen else [PACKAGE / "__pycache__", users / "contactlab"]:
+    for parent in _parents():
         try:
             (parent / name).mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=parent / name):
@@ -43,6 +41,22 @@ def code_folder() -> Path:
             continue
     # Nowhere to keep it: compile for this process alone.
     return Path(tempfile.mkdtemp(prefix="contactlab-"))
+
+
+def _parents() -> list[Path]:
+    """Return where code may be kept, by preference."""
+    if chosen := os.environ.get("NUMBA_CACHE_DIR"):
+        return [Path(chosen)]
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    return [PACKAGE / "__pycache__", users / "contactlab"]
+
+
+@cache
+def read_only_folder() -> Path | None:
+    """Return the first folder of the code of exactly these sources, if it cannot be added to."""
+    name, kept = code_name(), code_folder()
+    first = next((folder for parent in _parents() if (folder := parent / name).is_dir()), kept)
+    return None if first == kept else first
 
 
 def _remove_old(parent: Path, name: str) -> None:

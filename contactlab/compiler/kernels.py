@@ -17,7 +17,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar, cast, final
 
-from contactlab.compiler.folders import code_folder, shipped_folder
+from contactlab.compiler.folders import code_folder, read_only_folder, shipped_folder
 from contactlab.foreign import is_own
 
 Function = TypeVar("Function", bound=Callable[..., object])
@@ -112,8 +112,11 @@ def fleeting_kernel(function: Function, **options: Any) -> Function:
 
 def generated_kernel(name: str, source: str) -> Any:
     """Make a kernel from a source that imports this package's kernels, and keep both beside their code."""
-    path = code_folder() / "generated" / f"{name}_{sha256(source.encode()).hexdigest()[:16]}.py"
-    if not path.is_file():
+    file_name = f"generated/{name}_{sha256(source.encode()).hexdigest()[:16]}.py"
+    path = (read_only_folder() or code_folder()) / file_name
+    if not _holds(path, source):
+        path = code_folder() / file_name
+    if not _holds(path, source):
         path.parent.mkdir(exist_ok=True)
         with tempfile.NamedTemporaryFile("w", dir=path.parent, delete=False) as file:
             file.write(source)
@@ -126,6 +129,14 @@ def generated_kernel(name: str, source: str) -> Any:
     made = fleeting_kernel(vars(module)[name])
     _keep_in(code_folder(), made)
     return made
+
+
+def _holds(path: Path, source: str) -> bool:
+    """Return whether a file holds a source, whole."""
+    try:
+        return path.read_text() == source
+    except (OSError, UnicodeDecodeError):
+        return False
 
 
 def remade(kernel: Any) -> Any:
@@ -145,8 +156,39 @@ def _keep_in(folder: Path, kernel: Any) -> None:
         kernel.enable_caching()
     finally:
         settings.CACHE_DIR = before
-    if shipped_folder():
-        from contactlab.compiler.shipped import Shipped
+    others: list[Any] = []
+    if read_only_folder() or shipped_folder():
+        from contactlab.compiler.shipped import ReadOnly, Shipped
 
-        # That of the compiler's version that the code was made with.
-        kernel._cache = Shipped(kernel._cache, kernel.py_func)
+        kinds = (ReadOnly, read_only_folder()), (Shipped, shipped_folder())
+        others = [kind(kernel.py_func) for kind, there in kinds if there]
+    kernel._cache = _Kept(kernel._cache, others)
+
+
+@final
+class _Kept:
+    """A kernel's code that this machine keeps, before others of the compiler's caches, which are read alone.
+
+    Any other attribute is that of the first. A file of it that cannot be read, such as one that was cut as it
+    was written, is made anew.
+    """
+
+    def __init__(self, first: Any, others: list[Any]) -> None:
+        self._first, self._others = first, others
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Return the code for a signature, None where there is none."""
+        for each in (self._first, *self._others):
+            try:
+                found = each.load_overload(signature, target)
+            # What a cut file leads to depends on where it is cut.
+            except Exception:
+                found = None
+                if each is self._first:
+                    each.flush()
+            if found is not None:
+                return found
+        return None
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._first, name)

@@ -1,8 +1,9 @@
-"""Machine code that came with the package, for any processor of its kind: how it is packed and read.
+"""Machine code that is read alone: of a folder without write permission, and that came with the package.
 
 The compiler keeps a kernel's code in a folder named after the path of its module and of this machine's
-processor. Here both are left out, so that code made in one place is found in another. The compiler's classes
-that do it are not documented, and used only in the very version that made the code.
+processor. In code that came with the package, for any processor of its kind, both are left out, so that what
+was made in one place is found in another. The compiler's classes that do it are not documented, and code is
+found only in the very version that made it.
 """
 
 from collections.abc import Iterator
@@ -12,7 +13,7 @@ from typing import Any, Final, NamedTuple, final
 import numba
 from numba.core import caching
 
-from contactlab.compiler.folders import code_name, of_version, shipped_folder
+from contactlab.compiler.folders import code_name, of_version, read_only_folder, shipped_folder
 
 PROCESSOR: Final = {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""}
 """What tells the compiler to use only what every processor of a kind can do."""
@@ -46,31 +47,40 @@ class _Locator(caching._SourceFileBackedLocatorMixin, caching._CacheLocator):
     def from_function(cls, function: Any, file: str) -> "_Locator":
         return cls(function, file)
 
+    def ensure_cache_path(self) -> None:
+        """Make no folder: nothing is added to it."""
+
     def get_cache_path(self) -> str:
         return f"{shipped_folder()}/{Path(self._py_file).parent.name}"
+
+
+class _ReadOnlyLocator(_Locator):
+    """Finds code by the compiler's own names."""
+
+    def get_cache_path(self) -> str:
+        return f"{read_only_folder()}/{self.get_suitable_cache_subpath(self._py_file)}"  # type: ignore[no-untyped-call]
 
 
 class _Files(caching.CompileResultCacheImpl):
     _locator_classes = [_Locator]  # noqa: RUF012 - the base class declares it
 
 
+class _ReadOnlyFiles(caching.CompileResultCacheImpl):
+    _locator_classes = [_ReadOnlyLocator]  # noqa: RUF012 - the base class declares it
+
+
+@final
+class ReadOnly(caching.FunctionCache):
+    """A kernel's code in a folder that cannot be added to."""
+
+    _impl_class = _ReadOnlyFiles
+
+
 @final
 class Shipped(caching.FunctionCache):
-    """A kernel's code that came with the package, behind that which this machine keeps."""
+    """A kernel's code that came with the package."""
 
     _impl_class = _Files
-
-    def __init__(self, kept: caching.FunctionCache, function: Any) -> None:
-        super().__init__(function)  # type: ignore[no-untyped-call]
-        self._kept = kept
-
-    def load_overload(self, signature: Any, target: Any) -> Any:
-        """Return the code for a signature, None where neither has it."""
-        return self._kept.load_overload(signature, target) or super().load_overload(signature, target)  # type: ignore[no-untyped-call]
-
-    def save_overload(self, signature: Any, made: Any) -> None:
-        """Keep code on this machine."""
-        self._kept.save_overload(signature, made)
 
     def _index_key(self, signature: Any, codegen: Any) -> Any:
         target = _Target(codegen.magic_tuple()[0])

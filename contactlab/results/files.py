@@ -10,6 +10,8 @@ import os
 import platform
 import re
 import secrets
+import signal
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -17,6 +19,7 @@ from functools import cache
 from hashlib import file_digest, sha256
 from pathlib import Path
 from stat import S_ISREG
+from types import FrameType
 from typing import Final
 
 DATASET: Final = "run.nc"
@@ -34,13 +37,50 @@ _WITHOUT_LINKS: Final = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
 """How a file system tells that a file cannot have two names."""
 
 
+_ENDING: Final = ("SIGTERM", "SIGHUP", "SIGXCPU")
+"""Signals that end a process at once where nobody handles them, as of a cluster whose time is up."""
+
+_writing: Final[set[Path]] = set()
+"""Temporary files of this process."""
+
+
+def remove_own() -> None:
+    """Remove the temporary files that this process writes, as before it ends at once."""
+    for partial in tuple(_writing):
+        with suppress(OSError):
+            partial.unlink(missing_ok=True)
+
+
+def _end(number: int, _: FrameType | None) -> None:
+    remove_own()
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)
+
+
+@contextmanager
+def _ended_by_signals() -> Iterator[None]:
+    """Let signals that would end the process at once remove its temporary files before."""
+    numbers = []
+    if os.name == "posix" and threading.current_thread() is threading.main_thread():
+        every = (getattr(signal, name) for name in _ENDING)
+        numbers = [number for number in every if signal.getsignal(number) is signal.SIG_DFL]
+    for number in numbers:
+        signal.signal(number, _end)
+    try:
+        yield
+    finally:
+        for number in numbers:
+            signal.signal(number, signal.SIG_DFL)
+
+
 @contextmanager
 def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
     """Let the body write a file under a temporary name that becomes `path` only when it is whole.
 
     The temporary file lies beside `path`, is synchronised with the disk and then takes the name;
-    whatever stops this before, a keyboard interrupt too, removes it, and what a process that was killed
-    has left is removed by the next. A file that stood at `path` stays until the new one takes its place.
+    whatever stops this before, a keyboard interrupt or a signal that ends the process too, removes it, and
+    what a process that was killed has left is removed by the next. A file that stood at `path` stays until
+    the new one takes its place.
 
     Args:
         path: the final name, in a folder that exists.
@@ -62,8 +102,10 @@ def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
     remove_left(path.parent)
     token = f"{_machine()}-{os.getpid()}-{secrets.token_hex(4)}"
     partial = path.with_name(f".{path.name}.{token}.partial")
+    _writing.add(partial)
     try:
-        yield partial
+        with _ended_by_signals():
+            yield partial
         _synchronise(partial)
         (_link if fresh else Path.replace)(partial, path)
     except OSError as fault:
@@ -77,6 +119,7 @@ def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
         ) from fault
     finally:
         partial.unlink(missing_ok=True)
+        _writing.discard(partial)
     # The file is whole by now; a file system that cannot synchronise a folder is no reason to fail.
     with suppress(OSError):
         _synchronise(path.parent)

@@ -10,6 +10,7 @@ import errno
 import json
 import shutil
 import socket
+import sys
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -271,6 +272,9 @@ def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
     try:
         with Client(address, set_as_default=False) as client:
             code = code_digest(), covered_sources()
+            if not client.scheduler_info()["workers"]:
+                text = f"The Dask scheduler {address} has no worker; the tasks wait for one."
+                print(f"contactlab: {text} Start it: dask worker {address}", file=sys.stderr, flush=True)
             futures = [client.submit(_done_by_worker, task, *code, pure=False) for task in tasks]
             for future in as_completed(futures, loop=client.loop):
                 yield future.result()

@@ -1,6 +1,8 @@
 """Ctrl-C comes out where a run can stand it."""
 
 import signal
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -92,3 +94,29 @@ def test_threads_other_than_the_main_one_leave_ctrl_c_alone() -> None:
     thread.start()
     thread.join()
     assert seen == [signal.getsignal(signal.SIGINT)]
+
+
+AGAIN = """
+import atexit, os, signal, sys
+from contactlab.cli import main
+atexit.register(os.kill, os.getpid(), signal.SIGINT)
+def interrupted(*line):
+    raise KeyboardInterrupt("Interrupted.")
+main._perform = interrupted
+refuse = main.refuse
+def slowly(*arguments):
+    if {meanwhile}:
+        os.kill(os.getpid(), signal.SIGINT)
+    return refuse(*arguments)
+main.refuse = slowly
+sys.exit(main.main())
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to send.")
+@pytest.mark.parametrize("meanwhile", [True, False], ids=["as it ends", "once it has ended"])
+def test_a_second_ctrl_c_has_the_status_of_the_first(meanwhile: bool) -> None:
+    line = [sys.executable, "-c", AGAIN.format(meanwhile=meanwhile)]
+    done = subprocess.run(line, capture_output=True, text=True, check=False)
+    assert done.returncode == 130, done.stderr
+    assert "Traceback" not in done.stderr

@@ -190,3 +190,61 @@ def test_without_units_a_run_has_the_same_bits(tmp_path: Path) -> None:
         with xarray.open_dataset(folder / "run.nc") as dataset:
             runs.append(dataset.load())
     assert runs[0].equals(runs[1])
+
+
+IMPACT = """
+import contactlab as cl
+from contactlab.compiler.notice import telling
+with telling() as made:
+    found = cl.impact(cl.Newton(restitution=0.8), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.0])
+print(len(made.functions), float(found.velocity_after[0, 0]))
+"""
+
+READ_ONLY = """
+import os, tempfile
+from pathlib import Path
+# Root may write everywhere.
+whole = tempfile.TemporaryFile
+def refused(*arguments, dir=None, **named):
+    if str(dir).startswith({folder!r}):
+        raise PermissionError(13, "read-only", str(dir))
+    return whole(*arguments, dir=dir, **named)
+tempfile.TemporaryFile = refused
+"""
+
+
+def asked(folder: Path, first: str = "") -> list[str]:
+    """Return the number of functions that a process compiles for an impact, and its outcome."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder), "TMPDIR": str(folder.parent)}
+    line = [sys.executable, "-c", first + IMPACT]
+    return subprocess.run(line, capture_output=True, text=True, check=True, env=environment).stdout.split()
+
+
+@pytest.fixture(scope="module")
+def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the code of an impact."""
+    folder = tmp_path_factory.mktemp("filled") / "code"
+    count, after = asked(folder)
+    assert int(count) > 0
+    assert float(after) == 0.8
+    return folder
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_code_that_cannot_be_added_to_is_used(filled: Path) -> None:
+    before = {path: path.stat().st_mtime_ns for path in filled.rglob("*")}
+    assert asked(filled, READ_ONLY.format(folder=str(filled))) == ["0", "0.8"]
+    assert {path: path.stat().st_mtime_ns for path in filled.rglob("*")} == before
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_files_that_were_cut_are_made_anew(filled: Path, tmp_path: Path) -> None:
+    files = [path for path in filled.rglob("*") if path.suffix in (".py", ".nbi", ".nbc")]
+    assert {path.suffix for path in files} == {".py", ".nbi", ".nbc"}
+    for path in files:
+        whole = path.read_bytes()
+        path.write_bytes(whole[: len(whole) // 2])
+    count, after = asked(filled)
+    assert int(count) > 0
+    assert float(after) == 0.8
+    assert asked(filled) == ["0", "0.8"]

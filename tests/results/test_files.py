@@ -2,6 +2,7 @@
 
 import errno
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -164,3 +165,23 @@ def test_a_fresh_file_takes_the_place_of_no_other(tmp_path: Path) -> None:
         begin("second")
     assert path.read_text() == "first"
     assert list(tmp_path.iterdir()) == [path]
+
+
+WRITES = """
+import os, signal, sys, time
+from pathlib import Path
+from contactlab.results.files import whole_file
+with whole_file(Path(sys.argv[1])) as partial:
+    partial.write_text("half")
+    os.kill(os.getpid(), int(sys.argv[2]))
+    time.sleep(60.0)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to send.")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_a_process_that_a_signal_ends_leaves_no_half_file(number: signal.Signals, tmp_path: Path) -> None:
+    line = [sys.executable, "-c", WRITES, str(tmp_path / "run.nc"), str(int(number))]
+    done = subprocess.run(line, capture_output=True, text=True, check=False, timeout=60.0)
+    assert done.returncode == -number
+    assert not [*tmp_path.iterdir()]

@@ -13,7 +13,7 @@ import pytest
 from support.sweeps import begun
 
 import contactlab as cl
-from contactlab.studies.runner import TASKS, run
+from contactlab.studies.runner import TASKS, _by_dask, run
 from contactlab.studies.sweep.dataset import DATASET
 from contactlab.studies.sweep.study import continued
 
@@ -105,3 +105,11 @@ def test_a_sweep_on_a_scheduler_leaves_the_same_bytes(
         sweep = begun(tmp_path / name, finished=1)
         continued(replace(sweep, scheduler=scheduler), tmp_path / name)
     assert (tmp_path / "here" / DATASET).read_bytes() == (tmp_path / "there" / DATASET).read_bytes()
+
+
+def test_a_scheduler_without_a_worker_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    for workers in (0, 1):
+        options = {"processes": False, "dashboard_address": None}
+        with distributed.LocalCluster(n_workers=workers, **options) as cluster:
+            assert not [*_by_dask(cluster.scheduler_address, [])]
+        assert (capsys.readouterr().err != "") == (workers == 0)
