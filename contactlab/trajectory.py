@@ -93,6 +93,8 @@ class Trajectory:
         part: of the first contact, where that began before the run, what lies in it: variables of a contact
             by name.
         earlier_loss: what a contact before the run had stored, and the run lost while apart [J].
+        instant_forces: normal force and friction [N] at the instants of `contactlab.engine.simulate`, as
+            limits from the left and from the right, shape (instant, limit, force); NaN beyond the run.
     """
 
     motor: Motor
@@ -111,6 +113,7 @@ class Trajectory:
     state: Mapping[str, Any] = field(default_factory=dict)
     part: dict[str, float] = field(default_factory=dict)
     earlier_loss: float = 0.0
+    instant_forces: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
 
     @property
     def contacts_within(self) -> dict[str, Array]:
