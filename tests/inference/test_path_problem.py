@@ -9,6 +9,7 @@ from support.command_line import cases
 
 import contactlab as cl
 from contactlab.config import ConfigurationError
+from contactlab.inference import path_problem as path_module
 from contactlab.inference.fit import candidates_of
 from contactlab.inference.law_numbers import free_numbers
 from contactlab.inference.least_squares import best_fit
@@ -264,3 +265,18 @@ def test_the_evidence_of_a_linear_law_is_the_gaussian_integral(tmp_path: Path) -
     for key, value, deviation in zip(LINEAR, mean, np.sqrt(np.diag(covariance)), strict=True):
         assert result.numbers[key].value == pytest.approx(value, abs=0.3 * deviation)
         assert result.numbers[key].error == pytest.approx(deviation, rel=0.3)
+
+
+def test_a_path_that_is_interrupted_is_no_path_without_a_prediction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where Ctrl-C reaches the run itself, the search and the sampling end with it."""
+    law = cl.Composed(friction=cl.Coulomb(FRICTION))
+    assert predicted_by(law, loop_of(2e-3)) is not None
+
+    def stop(time: float) -> None:
+        if time > 0.0:
+            raise KeyboardInterrupt
+
+    whole = path_module.simulate
+    monkeypatch.setattr(path_module, "simulate", lambda *args, **named: whole(*args, **named, progress=stop))
+    with pytest.raises(KeyboardInterrupt):
+        predicted_by(law, loop_of(2e-3))
