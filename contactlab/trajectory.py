@@ -95,6 +95,8 @@ class Trajectory:
         earlier_loss: what a contact before the run had stored, and the run lost while apart [J].
         impulse_error: sum since t = 0 of the errors of all steps in contact, by which they were accepted
             [N s], without what the motion makes of them; NaN in time stepping, which has no estimate.
+        instant_forces: normal force and friction [N] at the instants of `contactlab.engine.simulate`, as
+            limits from the left and from the right, shape (instant, limit, force); NaN beyond the run.
     """
 
     motor: Motor
@@ -114,6 +116,7 @@ class Trajectory:
     part: dict[str, float] = field(default_factory=dict)
     earlier_loss: float = 0.0
     impulse_error: float = float("nan")
+    instant_forces: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
 
     @property
     def rotor_velocity_error(self) -> float:

@@ -98,12 +98,13 @@ def penetrations(law: PenaltyLaw, forces: Array) -> Array:
         with errors():
             return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
 
-    result = np.empty_like(forces)
-    for i, force in enumerate(forces):
+    distinct, places = np.unique(forces, return_inverse=True)
+    result = np.empty_like(distinct)
+    for i, force in enumerate(distinct):
         if not missing(DEEPEST, force) > 0.0:
             raise ValueError(
                 f"No penetration up to {DEEPEST} m has the normal force {force:.6g} N at rest under "
                 f"{law.name}; it must be less."
             )
         result[i] = scipy.optimize.brentq(missing, 0.0, DEEPEST, (force,), xtol=1e-20, rtol=1e-14)
-    return result
+    return result[places]

@@ -37,6 +37,7 @@ from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
     HEAD,
     NAMES,
+    NO_INSTANTS,
     NO_OUTPUTS,
     OPEN,
     PRESSED,
@@ -404,9 +405,10 @@ class Prepared(NamedTuple):
             run.step["memory_lasts"][k] = variable.life == "run"
         return run
 
-    def records(self, count: int, run: Run) -> Records:
-        """Return room for so many records of a run, and for its contacts."""
-        return Records.of(count, run.step["contacts"].size, len(self.law.internal_variables), self.read)
+    def records(self, count: int, run: Run, instants: Array = NO_INSTANTS) -> Records:
+        """Return room for so many records of a run, for its contacts and for its forces at instants."""
+        contacts, variables = run.step["contacts"].size, len(self.law.internal_variables)
+        return Records.of(count, contacts, variables, self.read, instants)
 
     def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
         """Compile the loop for a run or for impacts, or load its code."""

@@ -109,6 +109,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
     if state.piece_end - start == s:
         now = min(state.piece_end, state.end)
     _write_records(run, law, records, s, now, refined)
+    _write_forces(run, records, s, now)
     drive, damping, friction, contact, load, p_n, p_t = added
     total = state.total
     total.drive_work += drive
@@ -155,6 +156,26 @@ def _write_records(run: Run, law: Law, records: Records, s: float, now: float, r
             _write_record(run, law, records, at, terms)
         last = at
         index += 1
+
+
+@part_kernel
+def _write_forces(run: Run, records: Records, s: float, now: float) -> None:
+    """Write the forces at the instants in a step up to its time s, at the time now.
+
+    The force polynomial of a step is that of one mode and one sign of the slip. So it is the limit from the
+    left at its end, and from the right at its start.
+    """
+    state, start, index = run.state, run.state.time, records.passed[0]
+    while start < now and index < records.instants.size and records.instants[index] <= now:
+        due, normal, friction = records.instants[index], 0.0, 0.0
+        if run.step.kind != FLIGHT:
+            x = max(min(due - start, s), 0.0) / state.length
+            normal, friction = value_at(state.normal, x), value_at(state.friction, x)
+        for limit in range(0 if due > start else 1, 2 if due < now else 1):
+            records.forces[index, limit, 0], records.forces[index, limit, 1] = normal, friction
+        index += 1
+        if due < now:
+            records.passed[0] = index
 
 
 @inner_kernel

@@ -28,6 +28,7 @@ from contactlab.engine.state import (
     BEFORE,
     BYTES,
     COUNTS,
+    NO_INSTANTS,
     PRESSED,
     RUNNING,
     START,
@@ -62,6 +63,7 @@ def simulate(
     start: State | None = None,
     memory: Array | None = None,
     contact: State | None = None,
+    instants: Array = NO_INSTANTS,
 ) -> Trajectory:
     """Simulate a motor from its start, by default at rest; the drive is switched on at t = 0.
 
@@ -87,6 +89,8 @@ def simulate(
             `law.lasting`; None takes their initial ones. A run that goes on has those of its state.
         contact: state of a run under the same law whose contact goes on at t = 0, or whose last contact is
             not forgotten yet; the motion is the motor's. The memory then has all internal variables.
+        instants: times since t = 0 [s], increasing, shape (instant,), at which the trajectory has the forces
+            themselves, beside their means over the record intervals.
 
     Raises:
         ValueError: an argument out of range, an undamped mode that a tone meets, tip and rotor that
@@ -113,7 +117,7 @@ def simulate(
     motions = np.stack([q, v])[None]
     # The records at 0, interval, 2 interval, ... and at the end.
     intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
-    records = ready.records(intervals + 1, run)
+    records = ready.records(intervals + 1, run, instants)
     ready.prepare_loop(run)
 
     if progress is not None:
@@ -173,6 +177,7 @@ def simulate(
         part=part,
         earlier_loss=float(state["earlier_loss"]),
         impulse_error=np.nan if state["law"]["stepped"] else float(state["impulse_error"]),
+        instant_forces=records.forces,
     )
 
 

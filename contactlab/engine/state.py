@@ -424,6 +424,9 @@ Read = tuple[Array, NDArray[np.complex128]]
 
 NO_OUTPUTS: Final[Read] = np.zeros((0, 0)), np.zeros((0, 2, 0), np.complex128)
 
+NO_INSTANTS: Final = np.zeros(0)
+"""Instants of a run whose forces are recorded as means alone."""
+
 
 @final
 class Records(NamedTuple):
@@ -431,6 +434,10 @@ class Records(NamedTuple):
 
     outputs, shape (record, output, 2), are what `rows`, shape (output, mode), read of displacements and of
     velocities at the records, and of the tones by `phasors`, shape (output, 2, tone).
+
+    `forces` are normal force and friction [N] at the `instants`, increasing times [s], as limits from the
+    left and from the right, shape (instant, limit, force); NaN where no step lies on that side. `passed[0]`
+    is the number of instants that lie behind the run.
     """
 
     series: Any
@@ -439,9 +446,21 @@ class Records(NamedTuple):
     outputs: Array
     rows: Array
     phasors: NDArray[np.complex128]
+    instants: Array
+    forces: Array
+    passed: NDArray[np.int64]
 
     @classmethod
-    def of(cls, records: int, contacts: int, variables: int, read: Read = NO_OUTPUTS) -> "Records":
+    def of(
+        cls,
+        records: int,
+        contacts: int,
+        variables: int,
+        read: Read = NO_OUTPUTS,
+        instants: Array = NO_INSTANTS,
+    ) -> "Records":
         """Return room for so many of each."""
         traces, ends = np.zeros((records, variables)), np.zeros((contacts, variables))
-        return cls(np.zeros(records, SAMPLE), traces, ends, np.zeros((records, len(read[0]), 2)), *read)
+        outputs, forces = np.zeros((records, len(read[0]), 2)), np.full((instants.size, 2, 2), np.nan)
+        series, passed = np.zeros(records, SAMPLE), np.zeros(1, np.int64)
+        return cls(series, traces, ends, outputs, *read, instants, forces, passed)

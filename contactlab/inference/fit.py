@@ -42,7 +42,7 @@ from contactlab.inference.law_numbers import Free, corrections_in, free_numbers,
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.motor_problem import points_problem, series_problem
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
-from contactlab.inference.path_problem import path_problem
+from contactlab.inference.path_problem import DEGREE, path_problem
 from contactlab.inference.problem import Problem
 from contactlab.inference.repeats import MARGIN, not_stated
 from contactlab.inference.synthetic import truth_in
@@ -133,6 +133,7 @@ def candidates_of(
     own: Collection[str] = (),
     discrepancy: Discrepancy = "off",
     degrees_of_freedom: float | None = inf,
+    degree: int = DEGREE,
     name: str = "",
     digest: str = "",
 ) -> list[Candidate]:
@@ -146,6 +147,7 @@ def candidates_of(
         own: keys of numbers that each of several measurements has of its own.
         discrepancy: whether the laws may be wrong.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
+        degree: of the spline through the samples of a path.
         name: of the data.
         digest: of their file.
 
@@ -175,7 +177,7 @@ def candidates_of(
     for (place, setup), may_err in product(setups.items(), cases):
         keys = every[place]
         try:
-            problem = _problem_of(sets, setup, keys, corrections, own, degrees_of_freedom, may_err)
+            problem = _problem_of(sets, setup, keys, corrections, own, degrees_of_freedom, degree, may_err)
         except ConfigurationError as error:
             faults += error.faults
             continue
@@ -221,6 +223,7 @@ def _problem_of(
     corrections: tuple[FreeParameter, ...],
     own: Collection[str],
     degrees_of_freedom: float | None,
+    degree: int,
     discrepancy: bool,
 ) -> Problem:
     """Return the problem of one law."""
@@ -234,7 +237,9 @@ def _problem_of(
     for (label, data), alone in zip(sets.items(), of_laws, strict=True):
         chosen = [item for item in keys if item.field or not alone]
         of_data = corrections if isinstance(data, MeasuredImpacts) else ()
-        parts[label] = _problem(data, setup, chosen, of_data, degrees_of_freedom, discrepancy=discrepancy)
+        parts[label] = _problem(
+            data, setup, chosen, of_data, degrees_of_freedom, degree, discrepancy=discrepancy
+        )
     problem = parts[""] if [*parts] == [""] else JointProblem(parts, own)
     if not problem.free:
         raise ConfigurationError(f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH.")
@@ -247,6 +252,7 @@ def _problem(
     keys: Sequence[FreeParameter],
     corrections: tuple[FreeParameter, ...],
     degrees_of_freedom: float | None,
+    degree: int,
     *,
     discrepancy: bool,
 ) -> Problem:
@@ -256,9 +262,8 @@ def _problem(
         unknown = discrepancy or data.covariance is None
         return ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
     if isinstance(data, MeasuredSeries) and data.path:
-        return path_problem(
-            data, setup.law, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
-        )
+        noise: dict[str, Any] = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
+        return path_problem(data, setup.law, keys, **noise, degree=degree)
     if "resonator" not in setup.configuration:
         raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
     if isinstance(data, MeasuredSeries):

@@ -28,6 +28,9 @@ HEAVY: Final = 1e18
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
 
+CLOSED: Final = 1e-15
+"""Share of a gap that round-off leaves of it [1]; a rigid contact must not overlap."""
+
 FOREVER: Final = 1e9
 """Time for which a load point rests [s]: longer than any run."""
 
@@ -169,16 +172,14 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
         prescribed=np.array([gap, True]),
     )
     displacement, velocity = (modes.coupling @ path.voltage(0.0, order) for order in (0, 1))
+    geometry, plate = ContactGeometry(FLAT, FLAT, 0.0), _belt(PRESCRIBED_ROOT**2)
     if not gap:
-        # A load is no displacement. It presses from the start on: the least approach is a contact.
-        displacement[0], velocity[0] = 0.0, np.finfo(float).tiny
-    plate = _belt(PRESCRIBED_ROOT**2)
+        # A load is no displacement. It presses from the start on: the gap that the way has opened is closed
+        # but for round-off, and the least approach is a contact.
+        opened = geometry.frame(0.0, float(modes.tip_slope[1] * displacement[1]))[0]
+        displacement[0], velocity[0] = (1.0 - CLOSED) * opened, np.finfo(float).tiny
     return Motor(
-        modes,
-        Drive(waveform=path),
-        ContactGeometry(FLAT, FLAT, 0.0),
-        plate,
-        start=ModalState(displacement, velocity, touching),
+        modes, Drive(waveform=path), geometry, plate, start=ModalState(displacement, velocity, touching)
     )
 
 

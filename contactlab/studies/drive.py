@@ -20,6 +20,7 @@ from contactlab.studies.law_study import LawStudy, groups_of
 from contactlab.studies.measurements import read_file
 from contactlab.studies.study import Part, Setups, Task, option
 from contactlab.studies.tables import table_of_quantities
+from contactlab.trajectory import Ending
 from contactlab.variables import Variable
 
 
@@ -123,4 +124,6 @@ def _driven(setup: Setup, path: MeasuredSeries, times: Mapping[str, Any]) -> Par
         run = drive(setup.law, path.time, **path.path, **times)
     except (ValueError, LawError) as error:
         raise ConfigurationError(f"law={setup.law.name}: {error}") from error
+    if run.ending is Ending.INTERRUPTED:
+        raise KeyboardInterrupt(run.message)
     return Part(run.tree)

@@ -31,6 +31,7 @@ from contactlab.inference.fit import (
 )
 from contactlab.inference.held_out import HeldOut, folds_of
 from contactlab.inference.nested_sampling import POINTS, available
+from contactlab.inference.path_problem import DEGREE
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
@@ -78,6 +79,7 @@ class Fit(Study):
     held_out: Annotated[
         HeldOut, option("what is predicted by fits to the rest: off, files, or cycles of loops")
     ] = "off"
+    degree: Annotated[int, option("of the spline through the samples of a path: 1, 3, 5 or 7")] = DEGREE
     points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
@@ -165,6 +167,7 @@ class Fit(Study):
             own=self.own or (),
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
+            degree=self.degree,
             name=", ".join(Path(x).name for x in self._sources if isinstance(x, str | Path)),
             digest=" ".join(
                 digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")
@@ -196,7 +199,7 @@ class Fit(Study):
         free = [str(item) for item in candidate.problem.free]
         data = [item.values.tobytes() for item in candidate.problem.data.values()]
         code = (version("dynesty"), *code_in(yaml.safe_load(candidate.origin["configuration"])))
-        parts = (candidate.label, *candidate.origin.items(), *free, *code, *data, self.held_out)
+        parts = (candidate.label, *candidate.origin.items(), *free, *code, *data, self.held_out, self.degree)
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:

@@ -1,16 +1,17 @@
 """One path of tables: a pandas frame as text, CSV, LaTeX and HTML, with units and errors.
 
-A cell is a text, a number or an `Estimate`. `frame.attrs["units"]` has the units of columns in the words of
-the CF conventions and `frame.attrs["caption"]` a sentence; `frame.attrs["reference"]` marks a table of long
-texts, which stands at the end of the page; `frame.attrs["digits"]` is what is uncertain beside the errors: no
-number is shown with more digits. All may be missing.
+A cell is a text, a number, an `Estimate` or an `AtMost`. In a row with a unit all of them but whole numbers
+are in that unit, and are written in the same one with a prefix. `frame.attrs["units"]` has the units of
+columns in the words of the CF conventions and `frame.attrs["caption"]` a sentence; `frame.attrs["reference"]`
+marks a table of long texts, which stands at the end of the page; `frame.attrs["digits"]` is what is uncertain
+beside the errors: no number is shown with more digits. All may be missing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from html import escape
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, final
 
 import numpy as np
 
@@ -31,8 +32,24 @@ WITHOUT_PREFIX: Final = ("rad/s", "1", "1/m", "V A")
 DIGITS: Final = 5
 """Digits of a number without an error."""
 
+ROUND_OFF: Final = 1e-12
+"""Relative error of a number that is its round-off, and is not shown."""
+
 MOST_COLUMNS: Final = 12
 """Columns of a table on a page, beyond which every row is a block of its own."""
+
+
+@final
+class AtMost(NamedTuple):
+    """A bound of a quantity, in its unit."""
+
+    bound: float
+
+    @classmethod
+    def of_text(cls, text: str) -> AtMost | str:
+        """Return the bound of a text "<= 0.01", or the text if it is something else."""
+        relation, _, number = text.partition(" ")
+        return cls(float(number)) if relation == "<=" else text
 
 
 def table(rows: Any, *, units: Mapping[str, str] | None = None, caption: str = "") -> pandas.DataFrame:
@@ -69,13 +86,15 @@ def shown(cell: object, plus_minus: str = "+-", digits: int | None = None) -> st
         case Estimate(_, error) if np.isinf(error):
             return "no limit"
         case Estimate(value, error) if np.isfinite(cell).all() and error > 0.0:
-            carried = digits is None or error > 10.0 ** (1 - digits) * abs(value)
+            carried = error > (ROUND_OFF if digits is None else 10.0 ** (1 - digits)) * abs(value)
             return cell.text(plus_minus) if carried else shown(float(value), plus_minus, digits)
         case Estimate(value, _):
             return shown(float(value), plus_minus, digits)
         case float() | np.floating():
             text = f"{float(f'{cell:.{digits or DIGITS}g}'):.{MOST_DIGITS if digits else DIGITS}g}"
             return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else text
+        case AtMost(bound):
+            return f"<= {bound:g}"
         case None:
             return ""
     return str(cell)
@@ -101,15 +120,26 @@ def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pand
 def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
     """Return a row with the prefix of its unit that suits its largest number or error."""
     unit, scale = from_cf(row[UNIT]), 1.0
-    numbers = [np.abs(cell) for cell in row.values() if isinstance(cell, Estimate)]
-    sizes = [float(size) for each in numbers for size in each if np.isfinite(size)]
-    if unit not in WITHOUT_PREFIX and max(sizes, default=0.0) > 0.0:
-        unit, scale = prefixed_unit(max(sizes), unit)
-    cells = {
-        name: Estimate(cell.value / scale, cell.error / scale) if isinstance(cell, Estimate) else cell
-        for name, cell in row.items()
-    }
+    sizes = [
+        abs(x) for cell in row.values() if isinstance(cell, Estimate | float) for x in np.atleast_1d(cell)
+    ]
+    largest = max((float(x) for x in sizes if np.isfinite(x)), default=0.0)
+    if unit not in WITHOUT_PREFIX and largest > 0.0:
+        unit, scale = prefixed_unit(largest, unit)
+    cells = {name: _scaled(cell, scale) for name, cell in row.items()}
     return cells | {UNIT: "" if unit == "1" else unit.replace("\u00b5", "u")}
+
+
+def _scaled(cell: object, scale: float) -> object:
+    """Return a cell whose numbers are divided by a scale."""
+    match cell:
+        case Estimate(value, error):
+            return Estimate(value / scale, error / scale)
+        case AtMost(bound):
+            return AtMost(bound / scale)
+        case float():
+            return cell / scale
+    return cell
 
 
 def as_text(frame: pandas.DataFrame) -> str:
@@ -125,7 +155,10 @@ def as_csv(frame: pandas.DataFrame) -> str:
     columns: dict[str, list[Any]] = {}
     for name, head in zip(frame, heads(frame), strict=True):
         cells = [*frame[name]]
-        columns[head] = [cell.value if isinstance(cell, Estimate) else cell for cell in cells]
+        columns[head] = [
+            cell.value if isinstance(cell, Estimate) else shown(cell) if isinstance(cell, AtMost) else cell
+            for cell in cells
+        ]
         errors = [cell.error if isinstance(cell, Estimate) else np.nan for cell in cells]
         if any(isinstance(cell, Estimate) for cell in cells):
             columns[f"error of {head}"] = errors

@@ -32,7 +32,7 @@ from contactlab.inference.repeats import not_stated
 from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, REPORTED, VERDICTS, brief
 from contactlab.studies.compare.pairs import WITHOUT_EFFECT
 from contactlab.studies.compare.scorecard import listed
-from contactlab.studies.tables import UNIT, table
+from contactlab.studies.tables import UNIT, AtMost, table
 
 TRANSIENT: Final = ("final_rotor_velocity", "peak_force", "stick_share", "friction_share")
 """Metrics of transients whose differences are reported."""
@@ -342,7 +342,13 @@ def tables(data: xarray.Dataset) -> dict[str, pandas.DataFrame]:
         "motion": [key for key in keys if not judges[key]],
     }
     every |= {name: _scorecard(data, name, some) for name, some in parts.items()}
-    names = {"metric": "metric", "symbol": "symbol", "meaning": "meaning", "must be": "threshold"}
+    names = {
+        "metric": "metric",
+        "symbol": "symbol",
+        "meaning": "meaning",
+        UNIT: "units",
+        "must be": "threshold",
+    }
     names |= {"reason": "reason", "beyond it": "conclusion", "source": "metric_source"}
     columns = {head: data[name].values for head, name in names.items()}
     every["metrics"] = table(columns, caption="Definitions of the metrics")
@@ -359,7 +365,7 @@ def _scorecard(data: xarray.Dataset, name: str, keys: list[str]) -> pandas.DataF
             continue
         row: dict[str, Any] = {"metric": brief(str(here["meaning"].item())), UNIT: str(here["units"].item())}
         if judged:
-            row["must be"] = str(here["threshold"].item())
+            row["must be"] = AtMost.of_text(str(here["threshold"].item()))
         for law in map(str, data["law"].values):
             cell = here.sel(law=law)
             row[law] = Estimate(float(cell["value"]), float(cell["numerical_error"]))
