@@ -61,6 +61,9 @@ class Tangential(Remembering):
     """SET_VALUED; ELASTOPLASTIC, where |F| is held inside the bound; or RATE_DEPENDENT, without a bound."""
     convergence_order: ClassVar[float] = 1.0
     """Order at which the error falls with the contact step of a rigid law, the tolerance of a compliant."""
+    keeps_tolerance: ClassVar[bool] = True
+    """Whether errors are within a hundred times the tolerance, and what a run states of them; else the run
+    says that they are not."""
     exact_stick: ClassVar[bool] = True
     """Whether contact that sticks has no slip at all; else it creeps or chatters."""
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})

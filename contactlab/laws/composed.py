@@ -52,6 +52,7 @@ class Composed(PenaltyLaw):
     friction_offset = _of("friction", "friction_offset")
     coupled = _of("friction", "coupled")
     exact_stick = _of("friction", "exact_stick")
+    keeps_tolerance = _of("friction", "keeps_tolerance")
     friction_force = _of("friction", "state")
     allows_tension = _of("normal", "allows_tension")
     limits = _of("normal", "limits")

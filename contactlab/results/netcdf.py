@@ -375,6 +375,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "impulse_error": float(trajectory.impulse_error),
         "rotor_velocity_error": float(trajectory.rotor_velocity_error),
+        "keeps_tolerance": int(law.keeps_tolerance),
         "ending": Ending(trajectory.ending).name.lower(),
         "message": trajectory.message,
         "complete": int(trajectory.complete),

@@ -141,7 +141,9 @@ def _error_of_steps(attributes: Mapping[Any, Any]) -> str:
     if np.isnan(impulse):
         return "not estimated; of time stepping, halve solver.contact_step to see it"
     rotor = "" if "prescribed" in attributes else f", {velocity:.2g} rad/s of the rotor"
-    return f"{impulse:.2g} N s in all{rotor}, before the motion amplifies it"
+    kept = attributes.get("keeps_tolerance", 1)
+    more = "before the motion amplifies it" if kept else "and more: the law does not keep its tolerance"
+    return f"{impulse:.2g} N s in all{rotor}, {more}"
 
 
 def _peak(contacts: Mapping[str, np.ndarray]) -> str:

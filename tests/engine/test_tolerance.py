@@ -14,6 +14,7 @@ from contactlab.arrays import Array
 from contactlab.laws.base import Part
 from contactlab.laws.registry import PARTS
 from contactlab.motor.motor import Motor
+from contactlab.results.netcdf import to_datatree
 from contactlab.testing.plants import block, completed, first, run
 from contactlab.trajectory import Trajectory
 
@@ -36,7 +37,10 @@ FREE, PRESSED = {}, {"rotor_mass": 0.05, "preload": 5.0, "bearing_damping": 300.
 
 @cache
 def combinations() -> tuple[cl.Composed, ...]:
-    """Every normal force with every damping that it takes and every friction, viscous friction beside it."""
+    """Every normal force with every damping that it takes and every friction, viscous friction beside it.
+
+    Left out is what says of itself that it does not keep the tolerance.
+    """
     return tuple(_combinations())
 
 
@@ -44,9 +48,11 @@ def _combinations() -> Iterator[cl.Composed]:
     for names in product(*PARTS.values()):
         parts: list[Part] = [PARTS[family][name]() for family, name in zip(PARTS, names, strict=True)]
         try:
-            yield cl.Composed(*parts, viscous_friction=SIGMA)  # type: ignore[arg-type]
+            law = cl.Composed(*parts, viscous_friction=SIGMA)  # type: ignore[arg-type]
         except ValueError:
             continue
+        if law.keeps_tolerance:
+            yield law
 
 
 @cache
@@ -124,6 +130,12 @@ def test_a_block_that_skips_over_a_belt_keeps_the_slip_of_the_closed_form(
     expected = speed * left - braked
     assert first(completed(made), "duration") == pytest.approx(pi / turn, rel=1e-9)
     assert abs(made.series["slip_velocity"][-1] - expected) < 10.0 * tolerance * speed
+
+
+@pytest.mark.parametrize(("friction", "kept"), [(cl.Microslip(), 0), (cl.Dahl(), 1)])
+def test_a_run_says_whether_its_law_keeps_the_tolerance(friction: cl.Friction, kept: int) -> None:
+    made = to_datatree(run(default_motor(), cl.Composed(friction=friction), 3e-4))
+    assert made.attrs["keeps_tolerance"] == kept
 
 
 def test_time_stepping_states_no_error_and_a_rigid_limit_does() -> None:

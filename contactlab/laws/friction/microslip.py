@@ -65,8 +65,9 @@ class Microslip(Friction):
     validity = "contacts of spheres; elsewhere the rings have another share of N"
     friction_kind = RATE_DEPENDENT
     exact_stick = False
-    # Rings begin to slide within a step, each with an error of its own.
+    # Rings begin, slide and end within a step, and each error lasts for the rest of the contact.
     convergence_order = 0.8
+    keeps_tolerance = False
     guards = 1
     violations = MappingProxyType(
         {
