@@ -22,11 +22,11 @@ from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, Normal
 from contactlab.motor.patched_beam import Steel
 from contactlab.motor.waveform import Waveform
 
-HEAVY: Final = 1e18
-"""Mass of a belt that nothing brakes [kg]."""
-
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
+
+HEAVY: Final = PRESCRIBED_ROOT**2
+"""Mass of a belt that nothing brakes [kg]."""
 
 FOREVER: Final = 1e9
 """Time for which a load point rests [s]: longer than any run."""
