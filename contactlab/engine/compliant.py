@@ -94,6 +94,9 @@ BOUND_ROUND_OFF = 1e-9
 HIGHEST_SHARE = 0.1
 """Error of a polynomial at the step's start over its highest coefficient, where no value is known [1]."""
 
+AT_SLIP_BEFORE, AT_REST = 1, 2
+"""Ways to begin an iteration, with a slip and what keeps it; zero is with the forces of the last step."""
+
 NODE_PRODUCT = 126.0
 """Reciprocal product of the Radau nodes, (2 n - 1)!/(n! (n - 1)!) of n = 5 [1]."""
 
@@ -102,6 +105,10 @@ KINK = 1e3
 
 LEAST_DAMPED = 0.1
 """Answer of a damping to the normal force in a step [1] below which the law's answers in turn contract."""
+
+MOST_ELASTIC = 20.0
+"""Answer of a spring to the normal force in a step, k h^2 D_nn/2 [1], from which on the law's answers in turn
+diverge: the squared matrix A of the Radau rule has the spectral radius 0.0253."""
 
 BEFORE = NODES + 1
 """Column of the system that keeps the normal forces before a Newton step."""
@@ -199,17 +206,21 @@ def _iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiff
     """Iterate the forces of a step in the ways that may contract; returns the number of sweeps, 0 for none.
 
     A damping that relaxes the normal force within the step takes Newton steps, and one that hardly does takes
-    them where the law's answers in turn do not contract. Friction that is steep in the slip, by a `stiffness`
-    above one, is solved with the slip held at zero first, and else where that from its law does not contract.
+    them where the law's answers in turn do not contract; a spring that makes them diverge has none. Friction
+    that is steep in the slip, by a `stiffness` above one, begins with the slip before the step, and from rest
+    where that does not contract; other friction does so where its law's answers do not.
     """
     lean, sweeps = _lean(run, known, stiffness), 0
-    damped = _damped_share(run, level, known, lean)
-    ways = 2 if run.state.law.friction_kind == RATE_DEPENDENT else 1
+    elastic, damped = _normal_shares(run, level, known, lean)
+    if elastic > max(MOST_ELASTIC, damped):
+        return 0
+    damped = damped if damped > elastic else 0.0
+    ways = AT_REST + 1 if run.state.law.friction_kind == RATE_DEPENDENT else 1
     for stiff in range(1 if damped > 1.0 else 0, 2 if damped > LEAST_DAMPED else 1):
-        for fixed in range(1 if stiffness > 1.0 else 0, ways):
+        for way in range(AT_SLIP_BEFORE if stiffness > 1.0 else 0, ways):
             if sweeps == 0:
                 _first_forces(run, law, stretch)
-                sweeps = _collocate(run, law, level, fixed == 1, known, lean, stiff == 1)
+                sweeps = _collocate(run, law, level, way, known, lean, stiff == 1)
     return sweeps
 
 
@@ -313,17 +324,17 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
 
 
 @inner_kernel
-def _damped_share(run: Run, level: int, known: Known, lean: float) -> float:
-    """Return by how much the damping of the normal force answers it in the step [1], zero below its spring.
+def _normal_shares(run: Run, level: int, known: Known, lean: float) -> tuple[float, float]:
+    """Return by how much spring and damping of the normal force answer it in the step [1].
 
-    Above one the force relaxes within the step. A step that does not resolve an elastic swing must not be
-    solved: its error is not seen.
+    Where a damping has more than its spring, and more than one, the force relaxes within the step. A step
+    that does not resolve an elastic swing must not be solved: its error is not seen.
     """
     elastic, damped = 0.0, 0.0
     for m in range(NODES):
         elastic += _answered(run, level, known[5], 0.0, lean, LAST, m)
         damped += _answered(run, level, 0.0, known[6], lean, LAST, m)
-    return damped if damped > elastic else 0.0
+    return elastic, damped
 
 
 @inner_kernel
@@ -388,40 +399,40 @@ def _sweep_normal(
 
 
 @inner_kernel
-def _collocate(
-    run: Run, law: Law, level: int, at_zero_slip: bool, known: Known, lean: float, stiff: bool
-) -> int:
+def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: float, stiff: bool) -> int:
     """Iterate the nodal forces of a step; returns the number of sweeps, 0 where it does not contract.
 
-    Rate-dependent friction may begin `at_zero_slip`: once the friction that holds it there is found Newton's
-    method converges from the steep part of the law, where from the level part it would alternate. A normal
-    force that is `stiff` takes Newton steps too.
+    Rate-dependent friction may begin AT_SLIP_BEFORE, with what keeps the slip before the step: where friction
+    is steep, a force tells nothing of its slip. Or AT_REST, from where Newton's method converges on the steep
+    part of the law, where from the level part it would alternate. A normal force that is `stiff` takes Newton
+    steps too.
     """
     state, step, rule = run.state, run.step, run.propagator.rule
     kind, sticks = state.law.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
-    least_slip, before = HELD_SLIP if at_zero_slip else LEAST_SLIP, 0.0
+    least_slip, before = HELD_SLIP if way > 0 else LEAST_SLIP, 0.0
+    kept = contact_at(run.plant, START)[2] if way == AT_SLIP_BEFORE else 0.0
     for sweep in range(1, MOST_ITERATIONS + 1):
         # Eq. 3.4: the law's answers to the motion that the nodal forces cause; then friction by eq. 3.7 or
         # 3.9, and the internal variables by eq. 5.2.
         change, most = _sweep_normal(run, law, level, known, lean, stiff)
-        holds = at_zero_slip or (sticks and not follows)
+        holds = way > 0 or (sticks and not follows)
         coupled = 0.0
         if holds or follows:
-            corrected, coupled = correct_friction(run, law, level, holds, least_slip)
+            corrected, coupled = correct_friction(run, law, level, holds, kept, least_slip)
             change = max(change, corrected)
         flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
         if not np.isfinite(change):
             return 0
+        if way > 0 and (way == AT_SLIP_BEFORE or agree(state, change, most, flowed)):
+            # The friction that holds the slip is the start of Newton's method on the law's own.
+            way, before = 0, 0.0
+            continue
         moved = max(flowed, change / most if most > 0.0 else 0.0)
         # What is held at zero drifts by whatever a sweep leaves of it: there the next one must be done.
         share = 1.0 if holds else _share_left(moved, before)
         before = min(moved, 1.0)
         if not agree(state, share * change, most, share * flowed):
-            continue
-        # The friction that holds the slip at zero is the start of Newton's method on the law's own.
-        if at_zero_slip:
-            at_zero_slip = False
             continue
         if kind != SET_VALUED and not follows:
             follow_bound(run, law, float(state.sign))

@@ -38,8 +38,14 @@ FIRST: Final = cast(int, np.int64(0))
 NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
 
+FELT = 1e-3
+"""Relative difference of a variable that tells whether friction depends on it, far above round-off."""
+
 LEAST_SLIP, LEAST_INTERNAL = 1e-4, 1e-9
 """Scales of these differences near zero: slip [m/s] and stretch [m]."""
+
+DIGITS = 64.0 * np.finfo(np.float64).eps
+"""Round-off of a sum over its largest term [1]."""
 
 HELD_SLIP = 1e-9
 """Slip scale of the finite difference where steep friction keeps the slip near zero [m/s]."""
@@ -95,6 +101,17 @@ def friction_and_steepness(
 
 
 @inner_kernel
+def slip_digits(run: Run, i: int) -> float:
+    """Return what of the slip at node i is round-off [m/s]: it is a difference of what moves there freely.
+
+    Forces that hold a slip far below that motion cancel it, so that they are as large.
+    """
+    step = run.step
+    moved = abs(step.t_u[i] * step.u_rate[i]) + abs(step.t_th[i] * step.th_rate[i]) + abs(step.rotor[i])
+    return float(DIGITS * moved)
+
+
+@inner_kernel
 def missed_rate(run: Run, law: Law, normal: float, unfelt: bool) -> float:
     """Return what the polynomial of a coupled variable misses of its rate at the step's start, over the step.
 
@@ -111,14 +128,16 @@ def missed_rate(run: Run, law: Law, normal: float, unfelt: bool) -> float:
         # At the edge of the contact the law has no rate yet.
         return 0.0
     friction, first, _, _ = friction_at(law, (gap, rate, slip), end, normal)
-    law.row[HEAD] += NUDGE * (abs(state.memory[0]) + LEAST_INTERNAL)
+    law.row[HEAD] += FELT * (abs(state.memory[0]) + LEAST_INTERNAL)
     if not unfelt and (normal == 0.0 or friction_at(law, (gap, rate, slip), end, normal)[0] != friction):
         return 0.0
+    law.row[HEAD] = state.memory[0]
+    digits = abs(friction_at(law, (gap, rate, slip + slip_digits(run, 0)), end, normal)[1] - first)
     size = max(abs(state.memory[0]), abs(state.length * first))
     for i in range(NODES):
         size = max(size, abs(step.memory[i, 0]))
     # The slip's round-off alone may be as much.
-    missed = state.length * (abs(state.internal_rate.coefficient[0] - first) - SLIP_ROUND_OFF)
+    missed = state.length * (abs(state.internal_rate.coefficient[0] - first) - SLIP_ROUND_OFF - digits)
     return float(missed / size if missed > 0.0 else 0.0)
 
 
@@ -166,18 +185,22 @@ def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float
 
 
 @inner_kernel
-def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) -> tuple[float, float]:
+def correct_friction(
+    run: Run, law: Law, level: int, holds: bool, kept: float, least: float
+) -> tuple[float, float]:
     """Take one Newton step of friction and internal variable.
 
-    Friction that `holds` alone changes, so that the slip vanishes at all nodes. Of the others the derivatives
-    of f and g are differences, over a slip of at least about `least` [m/s].
+    Friction that `holds` alone changes, so that the slip is `kept` [m/s] at all nodes. Of the others the
+    derivatives of f and g are differences, over a slip of at least about `least` [m/s].
 
     Returns:
-        Largest correction of the friction [N], and of the variable [1], relative to its size, beyond what
-        round-off of the slip does to it. Without a normal force friction tells nothing of its variable.
+        Largest correction of the friction [N], or difference of it from the law's where that is more: steep
+        friction is met by a slip that is far from its own. And that of the variable [1], relative to its
+        size; both beyond what round-off of the slip does to them. Without a normal force friction tells
+        nothing of its variable.
     """
     state, step = run.state, run.step
-    size, noise, flowed = abs(state.memory[0]), 0.0, 0.0
+    size, noise, flowed, most = abs(state.memory[0]), 0.0, 0.0, 0.0
     h, system, derivative = state.length, step.system, run.propagator.rule.derivative
     right = NODES if holds else 2 * NODES
     for i in range(NODES):
@@ -185,7 +208,7 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
             # Eq. 3.7: friction that ends the slip at every node.
             for m in range(NODES):
                 system[i, m] = mobility(run, level, i, m)
-            system[i, right] = -step.slip[i]
+            system[i, right] = kept - step.slip[i]
             continue
         # Eq. 3.9: the law's friction and the rate of its variable, both at once.
         f, g, f_v, f_z, g_v, g_z = _derivatives(run, law, i, least)
@@ -198,9 +221,10 @@ def correct_friction(run: Run, law: Law, level: int, holds: bool, least: float) 
             system[NODES + i, m] = -h * g_v * s
             system[NODES + i, NODES + m] = derivative[i, m] - h * g_z * same
         system[i, right] = f - state.friction.node[i]
+        felt = (abs(f_v) + h * abs(g_v * f_z)) * slip_digits(run, i)
+        most = max(most, abs(system[i, right]) - felt)
         system[NODES + i, right] = h * (g - _internal_rate(run, i))
     solve_linear(system, right)
-    most = 0.0
     for i in range(NODES):
         change = system[i, right]
         state.friction.node[i] += change

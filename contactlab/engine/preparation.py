@@ -103,10 +103,11 @@ def default_contact_step(motor: Motor, law: ContactLaw, duration: float) -> floa
     """Return the step in contact [s] of a law on a motor; None of a rigid law, which is solved in its limit.
 
     Of a compliant law, whose error does not depend on it, it is the law's `default_contact_step`, or longer
-    for slow motors, see `for_slow`.
+    for slow motors, see `for_slow`, and for runs of which it would be no part that moves the clock.
     """
     if isinstance(law, PenaltyLaw):
-        return for_slow(law.default_contact_step, CONTACT_TURN, motor, duration)
+        shortest = max(law.default_contact_step, SMALLEST_STEP * duration)
+        return for_slow(shortest, CONTACT_TURN, motor, duration)
     return None
 
 

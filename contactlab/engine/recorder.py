@@ -63,6 +63,9 @@ IDLE_LIMIT = 1000
 IDLE_EVENTS = 100
 """Events in the window from which on such steps are those of chattering, and not of a law that stalls."""
 
+PIECE_STEPS = 20
+"""Steps that a piece of a waveform may take beside those of a window: its first and its last are short."""
+
 CRAWL = 1e-9
 """Step over the longest one in contact that counts as none: at this pace no run reaches its end."""
 
@@ -526,6 +529,8 @@ def _watch(run: Run, s: float) -> None:
         usual = min(step, state.watchdog.longest_quiet)
     state.watchdog.idle_steps = state.watchdog.idle_steps + 1 if s <= CRAWL * usual else 0
     steps = state.contact_steps + state.rejected_steps
+    if state.time == state.piece_end:
+        state.watchdog.steps_before = min(steps, state.watchdog.steps_before + PIECE_STEPS)
     if state.watchdog.idle_steps > IDLE_LIMIT:
         state.ending = CHATTERED if state.watchdog.events > IDLE_EVENTS else STALLED
     elif state.time - state.watchdog.start > _window(state, step):

@@ -22,14 +22,14 @@ from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, Normal
 from contactlab.motor.patched_beam import Steel
 from contactlab.motor.waveform import Waveform
 
-HEAVY: Final = 1e18
-"""Mass of a belt that nothing brakes [kg]."""
-
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
 
 CLOSED: Final = 1e-15
 """Share of a gap that round-off leaves of it [1]; a rigid contact must not overlap."""
+
+HEAVY: Final = PRESCRIBED_ROOT**2
+"""Mass of a belt that nothing brakes [kg]."""
 
 FOREVER: Final = 1e9
 """Time for which a load point rests [s]: longer than any run."""
@@ -172,7 +172,7 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
         prescribed=np.array([gap, True]),
     )
     displacement, velocity = (modes.coupling @ path.voltage(0.0, order) for order in (0, 1))
-    geometry, plate = ContactGeometry(FLAT, FLAT, 0.0), _belt(PRESCRIBED_ROOT**2)
+    geometry, plate = ContactGeometry(FLAT, FLAT, 0.0), _belt()
     if not gap:
         # A load is no displacement. It presses from the start on: the gap that the way has opened is closed
         # but for round-off, and the least approach is a contact.

@@ -9,6 +9,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.polynomial import Chebyshev, Polynomial
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PPoly
+from scipy.optimize import brentq
 
 import contactlab as cl
 from contactlab.arrays import Array
@@ -208,3 +209,47 @@ def test_a_waveform_that_begins_before_zero_is_read_from_its_own_beginning() -> 
     shifted = cl.Waveform.sampled(time + 1e-3, force, 7).delayed(1e-3)
     made, expected = (displacement(forced(each), 8e-4)[1] for each in (early, shifted))
     np.testing.assert_allclose(made, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+
+
+MICRO = 1e-6
+
+
+@pytest.mark.parametrize(("samples", "duration"), [(64, 1e-2), (512, 3e-3)])
+def test_a_motor_runs_on_a_waveform_of_many_samples_a_period(samples: int, duration: float) -> None:
+    """A tip that is led on an ellipse, above a slider: no net impulse of friction at its no-load speed.
+
+    Of a linear contact the slider moves with the tip at the angle phi at which half of the impulse of the
+    normal force, over +-acos(c/A), is within +-phi. The ripple of so light a slider is 6e-5 of it.
+    """
+    frequency, normal, along, clearance = 4e4, 1.0 * MICRO, 2.0 * MICRO, 0.3 * MICRO
+    omega, stiffness, radius, root = 2.0 * pi * frequency, 5e6, 0.025, 1e10
+    touch = np.arccos(clearance / normal)
+
+    def impulse(phi: float) -> float:
+        return float(normal * np.sin(phi) - clearance * phi)
+
+    phi = brentq(lambda each: impulse(each) - 0.5 * impulse(touch), 0.0, touch)
+    speed = along * omega * np.cos(phi)
+    angle = 2.0 * pi * np.arange(samples) / samples
+    volts = np.stack([-normal * np.cos(angle), along * np.sin(angle)])
+    waveform = cl.Waveform.sampled(angle / omega, volts, 7, 1.0 / frequency)
+    modes = cl.NormalModes(
+        stiffness=np.zeros(2),
+        damping=np.zeros(2),
+        coupling=np.diag([-root, root]),
+        tip_displacement=np.array([1.0 / root, 0.0]),
+        tip_slope=np.array([0.0, -1.0 / (radius * root)]),
+        prescribed=np.array([True, True]),
+    )
+    motor = cl.Motor(
+        modes,
+        cl.Drive(waveform=waveform),
+        cl.ContactGeometry(radius, radius, clearance),
+        cl.Rotor(inertia=1e-3 * radius**2, initial_velocity=speed / radius),
+        start=cl.ModalState(np.array([root * normal, 0.0]), np.array([0.0, root * along * omega])),
+    )
+    law = cl.Composed(cl.Linear(stiffness), cl.Undamped(), cl.Coulomb(0.2))
+    run = simulate(motor, law, duration=duration, record_interval=1e-5)
+    assert run.complete, run.message
+    assert speed == pytest.approx(0.457177, abs=5e-7)
+    assert run.series["rotor_velocity"] * radius == pytest.approx(speed, rel=1e-4)
