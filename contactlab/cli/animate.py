@@ -97,7 +97,8 @@ def _number(text: str, unit: str, name: str, least: float, most: float) -> float
     except UnitError as error:
         raise RefusalError(f"{name} is '{text}', {error}; it must be a number in {unit}.") from error
     if not least * (1.0 - 1e-9) <= number <= most * (1.0 + 1e-9):
-        raise RefusalError(f"{name} is {text}; it must be at least {least:g} and at most {most:g} {unit}.")
+        end = f"at most {most:g} {unit}".removesuffix(" 1")
+        raise RefusalError(f"{name} is {text}; it must be at least {least:g} and {end}.")
     return number
 
 

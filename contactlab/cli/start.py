@@ -10,22 +10,26 @@ import re
 import sys
 import warnings
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from itertools import pairwise
+from pathlib import Path
+from shutil import rmtree
 from string import Template
 from typing import Annotated, Any, Final, Literal, final
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.object_type import ObjectType
+from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
 from contactlab.checks import Checked
 from contactlab.cli.arguments import for_hydra
 from contactlab.cli.completion import print_candidates, queried_shell
-from contactlab.cli.terminal import COMPLETE, RefusalError, refuse
+from contactlab.cli.terminal import COMPLETE, RefusalError, refuse, unwritable
 from contactlab.config.composition import (
     COMMAND,
     EXPERIMENT,
@@ -106,6 +110,9 @@ def of_command(config: DictConfig) -> tuple[Study, Sweep]:
     return study, sweep
 
 
+_begun: Final[list[bool]] = []
+"""Jobs of this process that have begun: Hydra has written the copies of their configuration."""
+
 MOST_CHARACTERS: Final = 120
 """Length of a folder's name; file systems take 255, and netCDF wants some for its own."""
 
@@ -124,6 +131,7 @@ def main(arguments: list[str]) -> int:
     # So Hydra raises what it would print and end on.
     os.environ["HYDRA_FULL_ERROR"] = "1"
     sys.argv[1:] = lines = for_hydra(arguments)
+    _begun.clear()
     try:
         refuse_lines(line for line in arguments if not line.startswith("-"))
         refuse_expansions(_folders(lines))
@@ -138,8 +146,23 @@ def main(arguments: list[str]) -> int:
         raise
     # Jobs catch their own: this is from Hydra, whose exceptions have many kinds.
     except Exception as error:
+        if isinstance(error, OSError) and HydraConfig.initialized():
+            raise unwritable(_left_clean(), error) from error
         return refuse(faults_of(error, sys.argv[1:]))
     return COMPLETE
+
+
+def _left_clean() -> Path:
+    """Return the folder of the run, without the copies of its configuration if Hydra was writing them."""
+    about = HydraConfig.get()
+    if about.mode == RunMode.MULTIRUN:
+        return Path(about.sweep.dir)
+    folder = Path(about.run.dir)
+    if not _begun and about.output_subdir:
+        rmtree(folder / about.output_subdir, ignore_errors=True)
+        with suppress(OSError):
+            folder.rmdir()
+    return folder
 
 
 def _folders(lines: list[str]) -> Iterator[str]:
@@ -191,6 +214,7 @@ def task(settings: DictConfig) -> int:
     """Perform one job and return its exit status; launchers import it from here."""
     from contactlab.cli.app import run
 
+    _begun.append(True)
     return run(settings)
 
 

@@ -23,15 +23,17 @@ from yaml import YAMLError
 
 from contactlab.config.faults import ConfigurationError, one_line, raise_faults, unknown_key
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
-from contactlab.config.nesting import flat, quoted
+from contactlab.config.nesting import flat, nested, quoted
 from contactlab.config.options import (
     conf_directory,
     content,
+    fault_of_option,
     group_selected_by,
     groups,
     help_on_keys,
     known_keys,
 )
+from contactlab.quantity import describe
 from contactlab.results.yaml_text import check_expansion
 from contactlab.suggestion import suggestion
 
@@ -89,8 +91,9 @@ def completed(configuration: Mapping[str, Any], config_dir: str | Path | None = 
     """Return a configuration with the defaults of what is absent, its groups chosen by name.
 
     Raises:
-        ConfigurationError: an option does not exist.
+        ConfigurationError: an option does not exist, or a key occurs twice.
     """
+    configuration = _by_group(configuration)
     options: dict[str, str] = {}
     for group, value in configuration.items():
         if group == "law" or group in GROUPS:
@@ -107,6 +110,29 @@ def completed(configuration: Mapping[str, Any], config_dir: str | Path | None = 
     values = {group: value for group, value in configuration.items() if group != EXPERIMENT}
     lines = tuple(f"{group}={option}" for group, option in options.items())
     return _merged(compose(lines, config_dir), values)
+
+
+def _by_group(configuration: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a configuration by groups, whose keys may also be written whole: {"contact.clearance": 1e-6}.
+
+    A text in place of a group with keys is the value of the key that selects its option.
+    """
+    values: dict[str, Any] = {}
+    for key, value in configuration.items():
+        for name, below in flat({str(key).replace("/", "."): value}).items():
+            if name in values:
+                raise ConfigurationError(f"{name} occurs twice; it must occur once. Leave one out.")
+            values[name] = below
+    for group in [name for name in values if any(key.startswith(f"{name}.") for key in values)]:
+        section = LAW if group.partition(".")[0] == "law" else GROUPS.get(group)
+        option = values.pop(group)
+        if section is None or not section.selector:
+            raise ConfigurationError(
+                f"{group} is {describe(option)} and has keys; it must be a group of keys."
+            )
+        labels = {name: label for label, name in section.labelled.items()}
+        values[f"{group}.{section.selector}"] = labels.get(option, option)
+    return nested(values)
 
 
 def _options_in(group: str, section: Section, value: object) -> dict[str, str]:
@@ -299,11 +325,11 @@ def refuse_expansions(folders: Iterable[str]) -> None:
     for path in (path for folder in folders for path in sorted(Path(folder).rglob("*.yaml"))):
         try:
             check_expansion(path.read_text(encoding="utf-8"))
+        # What is no text, no YAML, or cannot be read, Hydra refuses if it is chosen.
+        except (OSError, UnicodeDecodeError, YAMLError):
+            continue
         except ValueError as error:
             faults.append(f"'{path}' is no configuration: {one_line(error)}")
-        # What is no YAML, or cannot be read, Hydra refuses if it is chosen.
-        except (OSError, YAMLError):
-            continue
     raise_faults(faults)
 
 
@@ -333,8 +359,11 @@ def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
     path = key.replace("/", ".")
     group = path.rpartition(".")[0].replace(".", "/")
     chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
+    option = next(chosen, "")
+    if option and (fault := fault_of_option(group, option)):
+        return fault
     hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
-    return unknown_key(path, next(chosen, "the default"), [*known_keys(), *hydras])
+    return unknown_key(path, option or "the default", [*known_keys(), *hydras])
 
 
 def options_of(group: str) -> list[str]:

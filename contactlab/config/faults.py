@@ -68,6 +68,9 @@ def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
     group = key.rpartition(".")[0].replace(".", "/")
     if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
         return f"{key} does not belong to {kind}; it must be absent with this choice of {group}."
-    siblings = [name for name in known if name.rpartition(".")[0] == key.rpartition(".")[0]]
-    expected = ", ".join(siblings or ("law", *GROUPS))
+    *path, _ = key.split(".")
+    depth = len(path) + 1
+    # Keys and groups beside it.
+    siblings = [".".join(parts[:depth]) for name in known if (parts := name.split("."))[: len(path)] == path]
+    expected = ", ".join(dict.fromkeys(siblings or ("law", *GROUPS)))
     return f"{key} is not a known key. {suggestion(key, known, f'It must be one of {expected}.')}"

@@ -66,6 +66,17 @@ def content(group: str, option: str) -> dict[str, Any]:
     return {"defaults": [*entries, "_self_"], **values} if entries else values
 
 
+def fault_of_option(group: str, option: str) -> str:
+    """Return why the keys of an option cannot be read, as those of a broken law; empty for a sound one."""
+    try:
+        _sections.get(group, LAW).options[option]
+    except KeyError:
+        return ""
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
 def full_keys(
     keys: Mapping[str, DeclaredField | Section], before: str = "", *, selected: bool = True
 ) -> Iterator[tuple[str, DeclaredField]]:

@@ -9,6 +9,7 @@ A package of one's own adds a metric of runs, a function declared by `metric`, b
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Container
 from contextlib import suppress
 from dataclasses import dataclass
@@ -138,7 +139,9 @@ def add_others() -> None:
     """Import the metrics of other packages; one that cannot be imported is left out with a warning."""
     for point in entry_points(group=GROUP):
         try:
-            point.load()
+            # A module that is being imported registers its metrics itself.
+            if point.module not in sys.modules:
+                point.load()
         # A module of another package may fail in any way.
         except Exception as error:
             text = f"The metric {point.name} cannot be imported: {type(error).__name__}: {error}"

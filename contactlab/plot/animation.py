@@ -31,7 +31,10 @@ PIXELS: Final = (800, 640)
 """Width and height; multiples of 16, which every video codec takes."""
 
 LONGEST: Final = 0.12
-"""Length of the arrow at the peak force, in parts of the film's size."""
+"""Largest length of the arrow at the peak force, in parts of the film's size."""
+
+MARGIN: Final = 0.01
+"""Distance that arrows keep from the edge of the scene, in parts of the film's size."""
 
 COLOUR: Final = ("#707070", COLOURS["slip"], COLOURS["stick"])
 """Of the contact modes free, slip and stick."""
@@ -61,7 +64,7 @@ class Animation:
     """Draws the frames of a film that lasts some time [s]."""
 
     def __init__(self, film: Film, film_time: float) -> None:
-        self.film = film
+        self.film, self.longest = film, longest_arrow(film)
         with rc_context(_STYLE):
             self.figure = Figure(figsize=(PIXELS[0] / _DPI, PIXELS[1] / _DPI), dpi=_DPI)
             # matplotlib gives its functions no types.
@@ -195,7 +198,7 @@ class Animation:
         self.marks.set_linewidth([2.6, *[1.0] * 4])
         self.tip.set_xy(end + _tip_outline(film, number))
         self.tip.set_facecolor(colour)
-        scale = LONGEST * size / film.peak
+        scale = self.longest * size / film.peak
         force = scale * film.force_on_rotor(number)
         _point(self.arrow, end, force, 0.011 * size)
         self.arrow.set_facecolor(colour)
@@ -215,6 +218,19 @@ class Animation:
         )
         lines = [f"{name} {_steady(values, number):>9} {units:<5}" for name, values, units in rows]
         self.numbers.set_text("\n".join(lines))
+
+
+def longest_arrow(film: Film) -> float:
+    """Return the length of the arrow at the peak force that keeps all arrows in the scene, at most `LONGEST`.
+
+    It is in parts of the film's size. The tip of a pressed motor stands deep in the rotor.
+    """
+    feet = film.tip_end(film.tangential, film.gap) / film.size
+    forces = np.stack([film.force_on_rotor(frame) for frame in range(film.time.size)]) / film.peak
+    edges = np.array([[-_HALF_WIDTH, _BOTTOM], [_HALF_WIDTH, _BOTTOM + _HEIGHT]])
+    room = np.where(forces < 0.0, edges[0] + MARGIN - feet, edges[1] - MARGIN - feet)
+    acts = np.abs(forces) > 0.0
+    return max(0.0, float(np.nanmin(room[acts] / forces[acts], initial=LONGEST)))
 
 
 def _steady(values: Array, number: int) -> str:

@@ -41,6 +41,9 @@ def refused(name: str) -> tuple[str, ...]:
     return (f"law={name}", "hydra.run.dir=refused", "hydra.sweep.dir=refused")
 
 
+WITH_KEY = (next(f"law={name}" for name in BROKEN if name.startswith("law_")), "law.height=1")
+
+
 @pytest.fixture(scope="module")
 def elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Elsewhere:
     return installed(tmp_path_factory)
@@ -52,7 +55,18 @@ def results(elsewhere: Elsewhere) -> Results:
     broken = [
         refused(name) for name in (*BROKEN, *CONTRADICTIONS) if name.isidentifier() and name not in OWN[0]
     ]
-    lines = [LISTED, *map(completing, COMPLETIONS), *broken, FAULTY, FAULTY_PARTS, TWICE, RUN, PARTS, OWN]
+    lines = [
+        LISTED,
+        *map(completing, COMPLETIONS),
+        *broken,
+        WITH_KEY,
+        FAULTY,
+        FAULTY_PARTS,
+        TWICE,
+        RUN,
+        PARTS,
+        OWN,
+    ]
     return dict(zip(lines, elsewhere.commands(lines), strict=True))
 
 
@@ -114,6 +128,12 @@ def test_a_broken_law_is_refused_with_its_reason(results: Results, name: str) ->
     assert status == 2
     assert "law.name" in err
     assert BROKEN[name][1] in err
+
+
+def test_a_key_of_a_broken_law_is_refused_with_the_reason_of_the_law(results: Results) -> None:
+    status, _, err = results[WITH_KEY]
+    assert status == 2
+    assert BROKEN[WITH_KEY[0].removeprefix("law=")][1] in err
 
 
 def test_broken_parts_and_ambiguous_names_are_refused(results: Results) -> None:

@@ -91,7 +91,8 @@ CALLS: dict[str, dict[str, Any]] = {
 
 NO_NUMBER_OR_OBJECT: list[Any] = [
     *(None, True, 5, -1.0, np.nan, 1j, "newton", "10 mol", b"x", object(), cl.Newton, cl.Newton()),
-    *([], [None], (1, 2), {}, {"a": object()}, {1: 2}, np.zeros(1), np.zeros((2, 2, 2)), np.array(["x"]), SETUP.motor),
+    *([], [None], (1, 2), {}, {"a": object()}, {1: 2}, SETUP.motor),
+    *(np.zeros(1), np.zeros((2, 2, 2)), np.array(["x"])),
 ]  # fmt: skip
 """Values of every kind: each is a bad one of most arguments."""
 

@@ -14,6 +14,13 @@ from support.command_line import cases
 from contactlab.compiler import folders, kernels as compiled
 from contactlab.compiler.notice import telling
 
+
+def test_the_former_name_of_the_module_of_kernels_tells_the_new_one() -> None:
+    with pytest.warns(FutureWarning, match=r"contactlab\.compiler\.kernels"):
+        from contactlab.compiled import kernel
+    assert kernel is compiled.kernel
+
+
 PROBE = "from contactlab.compiler.folders import code_folder; print(code_folder())"
 
 

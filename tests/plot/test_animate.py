@@ -70,6 +70,21 @@ def test_the_arrow_is_proportional_to_the_force() -> None:
     assert np.max(scales) == pytest.approx(LONGEST * shown.size / shown.peak)
 
 
+@pytest.mark.parametrize("depth", [0.0, 1.0, 2.0])
+def test_every_arrow_ends_in_the_scene(depth: float) -> None:
+    """The tip of a motor that is pressed together stands in the rotor, as deep as the vibration reaches."""
+    shown = film()
+    deepest = depth * 0.05 * shown.size / shown.magnification
+    drawing = Animation(dataclasses.replace(shown, gap=shown.gap - deepest), 10.0)
+    assert drawing.arrow.axes is not None
+    (left, right), (low, high) = drawing.arrow.axes.get_xlim(), drawing.arrow.axes.get_ylim()
+    for number in range(len(drawing)):
+        drawing.frame(number)
+        x, y = drawing.arrow.get_xy().T
+        assert left < x.min() <= x.max() < right
+        assert low < y.min() <= y.max() < high
+
+
 def test_the_force_on_the_rotor_pushes_it_away_from_the_tip_and_against_the_force_on_the_tip() -> None:
     shown = dataclasses.replace(
         film(1), tangential=np.zeros(1), normal=np.array([2.0]), friction=np.array([0.5])

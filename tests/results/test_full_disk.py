@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from support.command_line import Command, left_behind
 from support.sweeps import begun, left_run
 
 from contactlab import compare
@@ -46,6 +47,17 @@ def test_a_collection_that_finds_no_space_leaves_the_one_before(tmp_path: Path) 
         assert files(tmp_path) == there
         assert (tmp_path / "sweep.nc").read_bytes() == before
     collect(tmp_path, series=["gap"])
+
+
+@pytest.mark.parametrize("size", [100, 1000, 4000])
+def test_a_run_whose_configuration_finds_no_space_leaves_nothing(command: Command, size: int) -> None:
+    line = ("law=newton", "solver.duration=20 us", "record.picture=false", "hydra.run.dir=here")
+    with full(size):
+        status, out, err = command(*line)
+    assert (status, out) == (1, "")
+    assert "here" in err
+    assert left_behind() == []
+    assert command(*line)[0] == 0
 
 
 def test_a_sweep_that_finds_no_space_keeps_its_tasks(tmp_path: Path) -> None:

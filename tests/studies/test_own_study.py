@@ -114,6 +114,14 @@ def test_its_metric_is_one_of_every_sweep_and_faulty_ones_are_left_out(
     assert "Traceback" not in messages
 
 
+def test_its_metric_is_imported_first_without_a_warning(elsewhere: Elsewhere) -> None:
+    code = "import contact_rate, contactlab.metrics as m; assert 'contact_rate' in m.METRICS"
+    status, _, err = elsewhere.python("-c", code)
+    assert status == 0, err
+    assert "broken" in err
+    assert "contact_rate" not in err
+
+
 @pytest.mark.long
 def test_workers_leave_the_same_bytes(elsewhere: Elsewhere, whole: Path) -> None:
     assert elsewhere.command("gain", *SHORT, "points=6", "workers=2", "output=spread")[0] == 0
