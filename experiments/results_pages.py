@@ -46,9 +46,9 @@ RESULT = re.compile(
 """A number with a unit, a share or a count of some."""
 
 LISTED = "experiments/numbers.yaml"
-"""Numbers of the pages that no claim states: of a cited source, set where a study is configured, or of no script."""
+"""Numbers of the pages that no claim states, by their origin."""
 
-AGE = re.compile(r"\n+<!-- age of the results -->.*", re.DOTALL)
+AGE = re.compile(r"\n+<!-- age of the results -->.*?<!-- end of the age -->", re.DOTALL)
 OTHER = {
     CHECKED: "Made by an earlier code; a short form has the same digits under the present one:",
     OLDER: "Made by an earlier code, and not checked:",
@@ -133,14 +133,14 @@ def age_of(used: Iterable[tuple[str, str]]) -> str:
         for state, text in OTHER.items()
         if here[state]
     ]
-    return "\n<!-- age of the results -->\n\n" + "\n\n".join(lines) + "\n" if lines else ""
+    if not lines:
+        return ""
+    return "\n\n".join(("\n<!-- age of the results -->", *lines, "<!-- end of the age -->\n"))
 
 
 def relist(pages: Iterable[Page]) -> None:
     """Write the list of numbers anew: new ones are unwatched, and those that stand there no more are left out."""
-    header = "".join(
-        f"{line}\n" for line in (ROOT / LISTED).read_text(encoding="utf-8").splitlines() if line[:1] == "#"
-    )
+    lines = (ROOT / LISTED).read_text(encoding="utf-8").splitlines(keepends=True)
     content: dict[str, dict[str, list[str]]] = {}
     for page in pages:
         here = page.numbers()
