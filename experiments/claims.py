@@ -16,34 +16,31 @@ from typing import Any, Final, Self
 
 import motor_findings
 import yaml
+from dependencies import ROOT
 from results_store import read
 from scipy.stats import fisher_exact
 
 from contactlab.inference.paired import binomial_interval
 
 FILES: Final = ("motor", "experiments", "measurements")
-PAGES: Final = (
-    "README.md",
-    "paper/paper.md",
-    *(
-        f"docs/{name}.md"
-        for name in (
-            "index",
-            "steady",
-            "paper",
-            "howto/compare",
-            "when_laws_matter",
-            "published_motor",
-            "measurements",
-            "accuracy",
-        )
-    ),
+GENERATED: Final = (
+    "docs/claims.md",
+    "docs/judged_motors.md",
+    "docs/law_table.md",
+    "docs/laws.md",
+    "docs/laws/",
+    "docs/plausibility.md",
+    "docs/random_runs.md",
+    "docs/simulators.md",
 )
+"""Pages whose numbers other scripts write, from runs or declarations of their own."""
 
-INPUTS: Final = re.compile(
-    r"95\s%|within\s20\s%\sof\sthe\sdistance|at\s(?:most|least)\s\d+\s%|1\s%\sof|700\srad/s|to\s(?:some\s)?3\smm/s"
+PAGES: Final = tuple(
+    name
+    for path in (ROOT / "README.md", ROOT / "paper" / "paper.md", *sorted((ROOT / "docs").rglob("*.md")))
+    if not (name := path.relative_to(ROOT).as_posix()).startswith((*GENERATED, "docs/build/"))
 )
-"""Numbers with the unit of a result that are none: levels, bounds, and errors of what was read."""
+"""Pages that state no result without a claim."""
 
 USED: Final[set[tuple[str, str]]] = set()
 """Files and sections that were read."""

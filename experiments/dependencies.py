@@ -95,7 +95,7 @@ def rows_of(node: ast.stmt) -> range:
 def assigned(node: ast.Assign | ast.AnnAssign) -> set[str]:
     """Return the names that a statement assigns to."""
     targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-    return {each.id for one in targets for each in ast.walk(one) if isinstance(each, ast.Name)}
+    return {each.id for target in targets for each in ast.walk(target) if isinstance(each, ast.Name)}
 
 
 def imports_of(tree: ast.Module) -> dict[str, tuple[str, str]]:

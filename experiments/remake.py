@@ -81,9 +81,9 @@ def made(
     target = folder / f"{'_'.join(key)}.json"
     place = places.get()
     try:
-        words = [sys.executable, __file__, "--one", *key, str(target), str(sources.get(key[1], ""))]
+        command = [sys.executable, __file__, "--one", *key, str(target), str(sources.get(key[1], ""))]
         done = subprocess.run(
-            [*words, *["--short"] * short],
+            [*command, *["--short"] * short],
             capture_output=True,
             text=True,
             check=False,

@@ -1,18 +1,20 @@
 """Write the numbers of the pages from docs/results: sentences with a result, tables, and docs/claims.md.
 
-    python experiments/results_pages.py [--check]
+    python experiments/results_pages.py [--check | --list]
 
 A sentence of `claims.CLAIMS` stands on its page as its template, with the numbers of the store and in the
 form that its predicate decides; a table stands between `<!-- table NAME -->` and `<!-- end of the table -->`.
-A page whose results are not of the present code says so at its end. Without an option the pages are written
-anew. `--check` says what differs. The exit status is 1 where something does, where a result stands on a page
-without a claim, where a section was changed by hand, and where its short form has other digits under the
-present code. remake.py makes sections.
+A page whose results are not of the present code says so at its end. Every other number with a unit is listed
+in numbers.yaml with its origin. Without an option the pages are written anew. `--check` says what differs;
+`--list` puts new numbers into the list as unwatched, where a review sees them. The exit status is 1 where
+something differs, where a number stands on a page without a claim and unlisted, where a section was changed
+by hand, and where its short form has other digits under the present code. remake.py makes sections.
 """
 
 import argparse
 import re
 import sys
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from difflib import unified_diff
 from functools import cache
@@ -21,6 +23,7 @@ from string import Formatter
 from textwrap import fill
 
 import claims
+import yaml
 from claims import CLAIMS, TABLES, Claim
 from dependencies import ROOT
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
@@ -29,11 +32,23 @@ LIST = "docs/claims.md"
 
 TABLE = re.compile(r"(<!-- table ([\w ]+) -->\n\n)(.*?)(\n\n<!-- end of the table -->)", re.DOTALL)
 CODE = re.compile(r"^```.*?^```|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)
-INPUT = re.compile(r"<!-- inputs -->.*?<!-- end of the inputs -->", re.DOTALL)
-RESULT = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s*(?:%|rad/s|mm/s|mN\s+m|mW\b)")
-"""A number with a unit of speed, torque or power, or a share."""
+UNIT = (
+    r"%|rad/s|[mkM]?Hz|[munp]?s|[mun]?N(?:/m|\s+m\b|\s+s\b)?|[kMG]?Pa|[mukn]?m(?:/s)?|[mu]?[WAJ]|k?V|[mk]?g|rpm"
+    r"|deg(?:rees?)?|errors?|times"
+)
+RESULT = re.compile(
+    rf"(?<![\w.])[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s+(?:(?:{UNIT})(?![\w/-])|of\s+(?:\d|all|the|them)[\d,]*)"
+    r"|\d%|Q\s+(?:=|of)\s+\d[\d.]*"
+    r"|\b(?:half|two\s+thirds|three\s+quarters|a\s+third|a\s+quarter|one\s+in\s+\w+)"
+    r"\s+of\s+(?:all|the\s+(?:motors|laws)|them)\b"
+    r"|\bevery\s+(?:second|third)\s+(?:motor|law)"
+)
+"""A number with a unit, a share or a count of some."""
 
-AGE = re.compile(r"\n+<!-- age of the results -->.*", re.DOTALL)
+LISTED = "experiments/numbers.yaml"
+"""Numbers of the pages that no claim states, by their origin."""
+
+AGE = re.compile(r"\n+<!-- age of the results -->.*?<!-- end of the age -->", re.DOTALL)
 OTHER = {
     CHECKED: "Made by an earlier code; a short form has the same digits under the present one:",
     OLDER: "Made by an earlier code, and not checked:",
@@ -80,14 +95,27 @@ class Page:
         own = AGE.sub("", self.text).rstrip("\n")
         self.text = f"{own}\n{age_of(claims.USED)}" if own else ""
 
-    def bare(self) -> Iterator[str]:
-        """Yield the results that no claim and no table states."""
-        text = INPUT.sub("", TABLE.sub("", self.text))
+    def numbers(self) -> Counter[str]:
+        """Count the numbers that no claim and no table states."""
+        text = AGE.sub("", TABLE.sub("", self.text))
         for claim in of_page(self.name):
             for sentence in claim.templates:
                 text = pattern(sentence).sub("", text)
-        text = claims.INPUTS.sub("", CODE.sub("", text))
-        yield from (f"{self.name}: '{each[0]}' has no claim" for each in RESULT.finditer(text))
+        return Counter(" ".join(each[0].split()) for each in RESULT.finditer(CODE.sub("", text)))
+
+    def bare(self) -> Iterator[str]:
+        """Yield the numbers that are not listed either, and those that are and stand there no more."""
+        here = self.numbers()
+        known = Counter(each for own in listed_numbers().get(self.name, {}).values() for each in own)
+        yield from (f"{self.name}: '{each}' has no claim" for each in (here - known).elements())
+        yield from (f"{self.name}: '{each}' stands there no more" for each in (known - here).elements())
+
+
+@cache
+def listed_numbers() -> dict[str, dict[str, list[str]]]:
+    """Return the numbers without a claim by page and origin."""
+    content: dict[str, dict[str, list[str]]] = yaml.safe_load((ROOT / LISTED).read_text(encoding="utf-8"))
+    return content
 
 
 @cache
@@ -105,7 +133,26 @@ def age_of(used: Iterable[tuple[str, str]]) -> str:
         for state, text in OTHER.items()
         if here[state]
     ]
-    return "\n<!-- age of the results -->\n\n" + "\n\n".join(lines) + "\n" if lines else ""
+    if not lines:
+        return ""
+    return "\n\n".join(("\n<!-- age of the results -->", *lines, "<!-- end of the age -->\n"))
+
+
+def relist(pages: Iterable[Page]) -> None:
+    """Write the list of numbers anew: new ones are unwatched, and those that stand there no more are left out."""
+    lines = (ROOT / LISTED).read_text(encoding="utf-8").splitlines(keepends=True)
+    content: dict[str, dict[str, list[str]]] = {}
+    for page in pages:
+        here = page.numbers()
+        for origin, known in {**listed_numbers().get(page.name, {}), "": []}.items():
+            kept = sorted((here & Counter(known)).elements() if origin else here.elements())
+            here -= Counter(kept)
+            if kept:
+                content.setdefault(page.name, {}).setdefault(origin or "unwatched", []).extend(kept)
+    text = yaml.safe_dump(content, width=110, sort_keys=False, default_flow_style=None)
+    (ROOT / LISTED).write_text(
+        "".join(line for line in lines if line.startswith("#")) + text, encoding="utf-8"
+    )
 
 
 def of_page(name: str) -> list[Claim]:
@@ -151,7 +198,7 @@ def in_place(old: str, new: str, column: int) -> str:
 def listed() -> str:
     """Return the page of all claims, and of the code that made their numbers."""
     lines = [OPENING]
-    for page in claims.PAGES:
+    for page in dict.fromkeys(claim.page for claim in CLAIMS):
         lines.append(f"## {page}\n")
         for claim in of_page(page):
             lines.append(f"* **{claim.verdict}**: {rendered(claim)}\n  ({claim.population})")
@@ -174,9 +221,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write or check the pages and return the exit status."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--check", action="store_true", help="write nothing, and say what differs")
+    parser.add_argument("--list", action="store_true", help=f"write {LISTED} anew")
     chosen = parser.parse_args(arguments)
     pages = [Page(name) for name in claims.PAGES]
-    faults = [fault for page in pages for fault in (*page.fill(), *page.bare())]
+    faults = [fault for page in pages for fault in page.fill()]
+    if chosen.list:
+        relist(pages)
+        listed_numbers.cache_clear()
+    faults += [fault for page in pages for fault in page.bare()]
     pages.append(Page(LIST))
     pages[-1].text = listed() if not faults else pages[-1].old
     by_hand = [f"{file}: {name} was changed by hand." for (file, name), x in states().items() if x == EDITED]
