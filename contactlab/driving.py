@@ -87,7 +87,8 @@ def drive(
         time: of the samples [s], increasing, shape (sample,).
         gap: of a compliant law [m].
         normal: normal force [N], positive, in place of the gap. Of a compliant law it is that of the gaps at
-            which the law has these forces at rest; damping, or memory, along the normal is refused.
+            which the law has these forces at rest: damping is refused where they vary, and memory along the
+            normal.
         slip: displacement along the surface [m]; its rate is the slip velocity.
         degree: of the spline through the samples: 1 joins them by lines, so that velocities jump; 3, 5 or 7
             is smooth, with an error of the fourth, sixth or eighth order in the time between samples.
@@ -155,9 +156,13 @@ def driven_by(
     if normal is not None and not (first > 0.0).all():
         raise ValueError(f"normal is {first.min()} N at its least; it must be positive.")
     if isinstance(law, PenaltyLaw) and normal is not None:
-        if isinstance(law, Composed) and (law.damping.name != "none" or law.normal.internal_variables):
+        varies = bool(np.ptp(first) > 0.0)
+        if isinstance(law, Composed) and (
+            (varies and law.damping.name != "none") or law.normal.internal_variables
+        ):
             raise ValueError(
-                f"The normal force of {law.name} does not follow from its gap alone; give it a path of gap."
+                f"The normal force of {law.name} does not follow from its gap alone; give it a path of gap"
+                f"{'' if law.normal.internal_variables else ', or a constant normal force'}."
             )
         first = -penetrations(law, first)
     rows = np.stack([first, _samples("slip", slip, time)])

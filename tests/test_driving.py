@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from support.command_line import cases
 
 import contactlab as cl
-from contactlab.laws.registry import origins
+from contactlab.laws.registry import origins, own
 from contactlab.measured.series import MeasuredSeries
 from contactlab.studies.drive import Driven
 from contactlab.testing.plants import Evaluator
@@ -262,7 +262,7 @@ def test_a_rigid_law_under_a_prescribed_load(law: cl.ContactLaw) -> None:
     ("law", "path", "key"),
     [
         (HERTZ, {}, "gap"),
-        (cl.Composed(damping=cl.HuntCrossley()), {"normal": 1.0}, "gap"),
+        (cl.Composed(damping=cl.HuntCrossley()), {"normal": 1.0 + TIME}, "gap"),
         (cl.Composed(normal=cl.Prony()), {"normal": 1.0}, "gap"),
         (HERTZ, {"gap": -1e-6, "normal": 1.0}, "normal"),
         (cl.LagrangeStick(), {"gap": -1e-6}, "normal"),
@@ -274,6 +274,14 @@ def test_a_rigid_law_under_a_prescribed_load(law: cl.ContactLaw) -> None:
 def test_a_path_of_another_kind_is_refused(law: cl.ContactLaw, path: dict[str, float], key: str) -> None:
     with pytest.raises(ValueError, match=key):
         cl.drive(law, TIME, **path)
+
+
+@pytest.mark.parametrize("name", cases(own("damping"), {"tsuji", "hunt_crossley"}))
+def test_a_constant_load_has_a_gap_under_a_law_with_damping(name: str) -> None:
+    law = cl.build(["law=composed", f"law/damping={name}"]).law
+    run = cl.drive(law, TIME, normal=5.0, slip=1e-3 * np.sin(TURN * TIME))
+    np.testing.assert_allclose(run["normal_force"][1:], 5.0, rtol=1e-12)
+    assert abs(float(run["contact_loss"][-1])) < 1e-15 * float(run["friction_loss"][-1])
 
 
 def test_a_compliant_law_has_the_normal_force_that_is_prescribed() -> None:

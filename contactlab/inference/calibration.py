@@ -63,6 +63,9 @@ SINGULAR: Final = 1e-5
 LOOKS: Final = 32
 """Points from the best of which a search begins, if one from the law's own values fails."""
 
+SYMBOLS: Final = {"mass": [("m", "kg")], "radius": [("R", "m"), ("R'", "m"), ("R''", "m")]}
+"""Symbols and units of the numbers that an argument is: a damping has its restitution at one mass."""
+
 Required = float | str | tuple[float | str, float | str] | list[Any]
 """Value and speed of a quantity, "0.8 @ 0.5 m/s" or (0.8, 0.5), or a list of such."""
 
@@ -325,7 +328,7 @@ def identify(
 ) -> Identification:
     """Set the numbers of a law by measured or handbook quantities; `contactlab.normal_impact` is the reverse.
 
-    Materials, radius and angle of friction set what a law declares by symbol and unit as E*, R, K, mu:
+    Mass, materials, radius and angle of friction set what a law declares by symbol and unit:
 
         1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2,   K = 4/3 E* sqrt(R),   mu = tan(angle)
 
@@ -363,7 +366,7 @@ def identify(
     required = {"restitution": restitution, "contact_time": contact_time}
     required |= {"peak_force": peak_force, "penetration": penetration}
     data = tuple(datum for name, x in required.items() if x is not None for datum in Datum.each(name, x))
-    known = _known(law, materials, radius, friction_angle)
+    known = _known(law, mass, materials, radius, friction_angle)
     if not (data or known):
         raise ValueError("Nothing is known; there must be a quantity of an impact, materials or an angle.")
     for name, (value, _) in known.items():
@@ -392,7 +395,11 @@ def _names(data: Sequence[Datum], chosen: NDArray[np.bool_]) -> str:
 
 
 def _known(
-    law: ContactLaw, materials: Materials | None, radius: float | None, friction_angle: float | None
+    law: ContactLaw,
+    mass: float | None,
+    materials: Materials | None,
+    radius: float | None,
+    friction_angle: float | None,
 ) -> dict[str, tuple[float, str]]:
     """Return the numbers of a law that follow without an impact [SI], each with what it comes from.
 
@@ -400,15 +407,18 @@ def _known(
         TypeError, ValueError: what is known is faulty, or sets no number of the law.
     """
     derived: dict[tuple[str, str], tuple[float, str]] = {}
-    for name, value, most in (("radius", radius, inf), ("friction_angle", friction_angle, pi / 2.0)):
+    for name, value, most in (
+        ("mass", mass, inf),
+        ("radius", radius, inf),
+        ("friction_angle", friction_angle, pi / 2.0),
+    ):
         if value is not None:
             check_kind(name, value, float)
             if not 0.0 < value < most:
                 raise ValueError(f"{name} is {value}; it must be greater than 0 and less than {most:g}.")
+            derived |= dict.fromkeys(SYMBOLS.get(name, ()), (value, name))
     if friction_angle is not None:
         derived["mu", "1"] = tan(friction_angle), "friction_angle"
-    if radius is not None:
-        derived |= dict.fromkeys([("R", "m"), ("R'", "m"), ("R''", "m")], (radius, "radius"))
     if materials is not None:
         modulus = effective_modulus(materials)
         derived["E*", "Pa"] = modulus, "materials"

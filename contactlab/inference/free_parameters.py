@@ -128,15 +128,29 @@ def to_cube(free: Sequence[FreeParameter], values: Sequence[float] | Array) -> A
     return np.array([item.to_unit(float(value)) for item, value in zip(free, values, strict=True)])
 
 
-def _numbers(law: Declared, before: str = "") -> Iterator[tuple[str, tuple[float, Parameter]]]:
-    """Yield name, value and declaration of every real number."""
+def fields_of(law: Declared, before: str = "") -> Iterator[str]:
+    """Yield the name of every real number of a law and its parts, whether it has a value or None."""
     owner: Any = type(law)
     for name, field in declared_fields(owner).items():
         value = getattr(law, name)
         if isinstance(value, Declared):
-            yield from _numbers(value, f"{before}{name}.")
-        elif field.parameter is not None and value is not None and field.is_number and int not in field.kinds:
-            yield f"{before}{name}", (float(value), field.parameter)
+            yield from fields_of(value, f"{before}{name}.")
+        elif field.parameter is not None and field.is_number and int not in field.kinds:
+            yield f"{before}{name}"
+
+
+def _numbers(law: Declared) -> Iterator[tuple[str, tuple[float, Parameter]]]:
+    """Yield name, value and declaration of every real number that has a value."""
+    for name in fields_of(law):
+        *parts, last = name.split(".")
+        owner: Any = law
+        for part in parts:
+            owner = getattr(owner, part)
+        kind: Any = type(owner)
+        value, declared = getattr(owner, last), declared_fields(kind)[last].parameter
+        if value is not None:
+            assert declared is not None
+            yield name, (float(value), declared)
 
 
 def _declared_range(name: str, value: float, declared: Parameter) -> FreeParameter:

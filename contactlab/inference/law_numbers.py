@@ -11,7 +11,13 @@ from contactlab import laws
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.nesting import flat
 from contactlab.config.schema import FRICTION, declared_in
-from contactlab.inference.free_parameters import FreeParameter, chosen_range, free_parameters, label_of
+from contactlab.inference.free_parameters import (
+    FreeParameter,
+    chosen_range,
+    fields_of,
+    free_parameters,
+    label_of,
+)
 from contactlab.inference.impact_problem import LawPredictor, Ranges
 from contactlab.laws import Composed, ContactLaw, MultiplierLaw, registry
 from contactlab.laws.declaration import SHARED
@@ -97,8 +103,9 @@ def free_numbers(
         declared = declared_in(setup.configuration)
         every |= declared
         own = {key_of(item.name): item for item in free_parameters(setup.law)}
+        fields = {key_of(name): name for name in fields_of(setup.law)}
         chosen = [
-            _freed(key, ends, declared[key], own[key].name if key in own else "")
+            _freed(key, ends, declared[key], fields.get(key, ""))
             for key, ends in ranges.items()
             if key in declared
         ]

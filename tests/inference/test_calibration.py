@@ -202,6 +202,16 @@ def test_the_law_of_tsuji_has_the_damping_of_a_linear_oscillator() -> None:
     assert_allclose(over.restitution, e, rtol=1e-8)
 
 
+def test_a_dashpot_of_one_mass_has_the_mass_of_the_impacts() -> None:
+    """It has the restitution at its own mass, so that the restitution is the number itself."""
+    law = cl.Composed(damping=cl.Tsuji())
+    result = cl.identify(law, mass="1 g", restitution="0.82 @ 0.5 m/s")
+    assert result.law.damping.effective_mass == 1e-3
+    assert result.law.damping.restitution == pytest.approx(0.82, abs=1e-9)
+    assert result.parameters.loc["damping.effective_mass", "from"] == "mass"
+    assert "damping.effective_mass" not in result.free
+
+
 def test_hunt_and_crossley_have_the_loss_of_the_speed_at_which_it_was_measured() -> None:
     """(1 + e) D = ln((1 + D)/(1 - e D)) with D = a v, so that at another speed v_0 it is a v_0."""
 
@@ -240,7 +250,11 @@ COMPLIANT: list[cl.ContactLaw] = [
     cl.HertzPenalty(),
     cl.Archard(),
     *(cl.Composed(part()) for part in PARTS["normal"].values()),  # type: ignore[arg-type]
-    *(cl.Composed(damping=d()) for name, d in PARTS["damping"].items() if name != "linear"),  # type: ignore[arg-type]
+    *(
+        cl.Composed(damping=cl.Tsuji(effective_mass=MASS) if name == "tsuji" else d())  # type: ignore[arg-type]
+        for name, d in PARTS["damping"].items()
+        if name != "linear"
+    ),
 ]
 """Every compliant normal direction of the package; the linear dashpot has its closed form."""
 

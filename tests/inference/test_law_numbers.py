@@ -108,3 +108,10 @@ def test_a_range_that_is_stated_twice_is_refused(command: Command) -> None:
         status, _, error = command("validate", "none.csv", word, "law.restitution=0..1")
         assert status == 2
         assert "law.restitution" in error
+
+
+def test_a_number_of_a_law_that_has_no_value_yet_is_one_of_the_law() -> None:
+    """Viscous friction is none by default, and may be free in a fit of a loop nevertheless."""
+    key = "law.viscous_friction"
+    (item,) = free_numbers({"": cl.build(["law=composed"])}, {key: (0.0, 40.0)})[""]
+    assert item.field == "viscous_friction"
