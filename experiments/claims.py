@@ -575,6 +575,20 @@ def known_worlds() -> str:
     return markdown(head, rows)
 
 
+def known_factors() -> str:
+    """Return how often the naming of what turns an order is wrong in worlds of known truth."""
+    rows = [
+        (world, *(f"{100 * rates[name]:.0f} %" for name in ("wrong", "right") for rates in each.values()))
+        for world, each in results("motor")["known factors"].items()
+    ]
+    looks = [f"of {look}" for look in (16, 32, 64)]
+    head = (
+        "the outcome is decided by",
+        *(f"{what}, {look}" for what in ("wrong", "right") for look in looks),
+    )
+    return markdown(head, rows)
+
+
 def experiments() -> str:
     """Return the findings of the experiments beyond the paper, and whether their claims hold."""
     own = results("experiments")
@@ -641,4 +655,5 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "groups": groups,
     "populations": populations,
     "known worlds": known_worlds,
+    "known factors": known_factors,
 }

@@ -1,8 +1,8 @@
 """Numbers on the motor that README, steady.md, paper.md and the page on comparison state.
 
 Settled velocities under laws on two bases, over phase and damping; the paired comparison of the default
-motor in populations, three of which the usual draws seldom contain; and how often the rule of pairs is wrong
-in worlds of known truth. They are made by remake.py.
+motor in populations, three of which the usual draws seldom contain; and how often the rule of pairs, and the
+naming of what turns an order, are wrong in worlds of known truth. They are made by remake.py.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -16,11 +16,15 @@ from joblib import Parallel, delayed
 import contactlab as cl
 from contactlab.inference.paired import (
     AGREED,
+    GREATER,
     INCONCLUSIVE,
+    LESS,
+    NO_ROLE,
     OUTCOMES,
     VARIES,
     VERDICTS,
     bins_of,
+    factor_shares,
     looks_up_to,
     orders,
 )
@@ -28,7 +32,7 @@ from contactlab.inference.repeats import MARGIN
 from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import do_draw, observed
+from contactlab.studies.compare.draws import START, Factor, do_draw, drawn, observed
 from contactlab.studies.compare.laws import grid_of
 from contactlab.studies.compare.pairs import Design, with_pairs
 
@@ -101,6 +105,31 @@ WORLDS: Final = {
     "greater in 40 %, less in 30 %, equal in 20 %": (0.4, 0.3, 0.2, 0.1),
 }
 """Probabilities of the outcomes of every pair of laws."""
+
+FACTORS: Final = (
+    *(Factor(f"factor {n}", "uniform", 0.0, 1.0) for n in range(7)),
+    Factor(START, "uniform", 0.0, 1.0),
+)
+"""Seven numbers and the start, of 0 to 1 each."""
+
+DECIDED: Final[dict[str, tuple[Callable[[Any], Any], set[int]]]] = {
+    "one, at its median": (lambda u: u[:, 0] < 0.5, {0}),
+    "one, at its quarter": (lambda u: u[:, 0] < 0.25, {0}),
+    "one, at its tenth": (lambda u: u[:, 0] < 0.1, {0}),
+    "the sense of the start": (lambda u: u[:, 7] < 0.5, {7}),
+    "two, by exclusive or of their halves": (lambda u: (u[:, 0] < 0.5) ^ (u[:, 1] < 0.5), {0, 1}),
+    "one and the start, by exclusive or": (lambda u: (u[:, 0] < 0.5) ^ (u[:, 7] < 0.5), {0, 7}),
+    "the product of two": (lambda u: u[:, 0] * u[:, 1] < 0.25, {0, 1}),
+    "the sum of two": (lambda u: u[:, 0] + u[:, 1] < 1.0, {0, 1}),
+    "nothing that is drawn": (
+        lambda u: np.random.default_rng(int(1e9 * u[0, 0])).random(len(u)) < 0.5,
+        set(),
+    ),
+}
+"""What decides the outcome of a pair in a motor, and the factors that have a say in it."""
+
+DESIGNS: Final = 100
+"""Designs of draws, of different seeds, in each of which factors are named."""
 
 
 def settled(overrides: list[str], names: tuple[str, ...] = ("rotor_velocity",)) -> dict[str, Any]:
@@ -300,6 +329,23 @@ def known_worlds() -> dict[str, Any]:
     return {name: {str(n): rates(truth, n) for n in (1, 10)} for name, truth in WORLDS.items()}
 
 
+def known_factors(designs: int = DESIGNS) -> dict[str, Any]:
+    """Return how often a factor without a say is named, and those that have one alone, over the looks."""
+    result: dict[str, Any] = {}
+    for world, (decides, say) in DECIDED.items():
+        result[world] = {}
+        for look in looks_up_to(64):
+            wrong = right = 0
+            for seed in range(designs):
+                draws = drawn(FACTORS, look, seed)
+                role = factor_shares(np.where(decides(draws), GREATER, LESS), draws).role
+                named = {*np.flatnonzero(role != NO_ROLE).tolist()}
+                wrong += not named <= say
+                right += bool(say) and named == say
+            result[world][str(look)] = {"wrong": wrong / designs, "right": right / designs}
+    return result
+
+
 def once(names: Iterable[str], overrides: list[str], quantities: tuple[str, ...]) -> dict[str, Any]:
     """Return the settled motor under laws at one step."""
     values = {name: observed(cl.build([*overrides, *LAWS[name]]), quantities)[1] for name in names}
@@ -325,5 +371,6 @@ SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], Callable[[], dict[
     ROD: (with_rod, lambda: once(("stick", "newton", "hertz"), WITH_ROD, BOTH)),
     "populations": (populations, first_draws),
     "known worlds": (known_worlds, lambda: {name: rates(truth, 1, 20) for name, truth in WORLDS.items()}),
+    "known factors": (known_factors, lambda: known_factors(10)),
 }
 """What makes a section, and its short form."""

@@ -140,8 +140,8 @@ def hertz_duration_ratio(run: Run) -> float:
 
 @metric(
     "f_99",
-    "frequency below which 99 % of the spectral energy of the recorded normal force lies; near half the "
-    "record rate, the records do not resolve the force",
+    "frequency below which 99 % of the spectral energy of the recorded normal force less its mean lies; near "
+    "half the record rate, the records do not resolve the force",
     "Hz",
     source="occupied bandwidth, Recommendation ITU-R SM.328",
 )
@@ -150,8 +150,11 @@ def force_bandwidth(run: Run) -> float:
     # The last record lies at the end of the run and its interval may be shorter.
     if abs(lengths[-1] - lengths[0]) > 1e-6 * lengths[0]:
         force, lengths = force[:-1], lengths[:-1]
-    needed(force.size > 0 and np.ptp(lengths) <= 1e-6 * lengths[0] and force.any())
-    energy = np.abs(np.fft.rfft(force)) ** 2
+    needed(force.size > 0 and np.ptp(lengths) <= 1e-6 * lengths[0])
+    # A force that is constant but for round-off has no band.
+    needed(np.ptp(force) > 1e-9 * np.max(np.abs(force)))
+    # The mean of a pressed contact has nearly all of the energy, and no frequency.
+    energy = np.abs(np.fft.rfft(force - force.mean())) ** 2
     # Every line but those at zero and at the Nyquist frequency stands for two.
     energy[1 : (force.size + 1) // 2] *= 2.0
     grown = np.cumsum(energy)

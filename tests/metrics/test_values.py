@@ -229,9 +229,17 @@ SHORT_GAP = {"gap": np.abs(TIME - TIME[FIRST] - 0.5 / INTERVALS), "normal_force"
         ({"changes": {"load_work": 2.0 * TIME}}, "efficiency", 0.2, None),
         # A load that drives has no efficiency.
         ({"changes": {"load_work": -2.0 * TIME}}, "efficiency", nan, None),
-        # The bandwidth of a sine is its frequency; 1 + 2 k of 128 equal shares of a peak lie up to line k.
+        # The bandwidth of a sine is its frequency; 2 k of 127 equal shares of a peak lie up to line k.
         ({"changes": {"normal_force": np.cos(2.0 * np.pi * 16.0 * TIME)}}, "force_bandwidth", 16.0, None),
         ({"changes": {"normal_force": single_peak()}}, "force_bandwidth", 63.0, None),
+        # A mean, as that of a preload, has no frequency, and a force that is constant no bandwidth.
+        (
+            {"changes": {"normal_force": 9.0 + np.cos(2.0 * np.pi * 16.0 * TIME)}},
+            "force_bandwidth",
+            16.0,
+            None,
+        ),
+        ({"changes": {"normal_force": all_of(5.0)}}, "force_bandwidth", nan, None),
     ],
 )
 def test_a_change_has_its_answer_and_fails_no_other_line(
