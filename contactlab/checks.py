@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial, wraps
 from inspect import Parameter as Parameters, signature
-from math import inf, isnan, prod
+from math import ceil, inf, isnan, prod
 from numbers import Integral, Real
 from pathlib import Path
 from types import NoneType
@@ -19,14 +19,20 @@ from contactlab.quantity import in_si
 SMALLEST_STEP = 1e-12
 """Contact step over duration; below it, time no longer advances reliably in double precision."""
 
+ON_GRID = 1e-6
+"""Part of a record interval that is round-off."""
+
 FEW_RECORDS = 10_000
 """Records for which nobody asks the system how much memory there is."""
 
 MOST_RECORDS = 10_000_000
-"""Records of one run."""
+"""Records of one run after that of its start."""
 
 RECORD_SIZE = 380.0
 """Memory that a record takes until its run is in a file [bytes], measured with 1e7 of them."""
+
+NUMBER_SIZE = 24.0
+"""Memory that a number beside the usual ones takes in a record until then [bytes]."""
 
 MOST_MEMORY = MOST_RECORDS * RECORD_SIZE
 """Memory of the numbers of a run or of a file [bytes]."""
@@ -217,21 +223,26 @@ def check_shape(name: str, values: Any, shape: tuple[int, ...], meaning: str, ki
         raise ValueError(f"{name} has {odd} among its numbers; all must be finite.")
 
 
-def check_records(duration: float, interval: float, name: str) -> None:
+def check_records(duration: float, interval: float, name: str, numbers: int = 0, parts: int = 1) -> None:
     """Refuse more records than a run may have, or than there is memory for, by a ValueError.
+
+    What passes here is a file that `check_declared` lets pass.
 
     Args:
         duration, interval: of the run and its records [s].
         name: of the interval.
+        numbers: of a record beside the usual ones.
+        parts: of the run, each of which has a last record of its own.
     """
-    count = duration / interval
+    count = ceil(duration / interval - ON_GRID) + parts - 1
     if count <= FEW_RECORDS:
         return
-    most = min(float(MOST_RECORDS), available_memory() / RECORD_SIZE)
+    size = RECORD_SIZE + NUMBER_SIZE * numbers
+    most = min(float(MOST_RECORDS), min(MOST_MEMORY, available_memory()) / size)
     if count > most:
         raise ValueError(
-            f"{name} is {interval:.6g} s; a duration of {duration:.6g} s makes {count:.4g} records of it, "
-            f"{size_of(count * RECORD_SIZE)}, and {most:.4g} are the most, {size_of(most * RECORD_SIZE)}: it "
+            f"{name} is {interval:.6g} s; a duration of {duration:.6g} s makes {count:.8g} records of it, "
+            f"{size_of(count * size)}, and {most:.8g} are the most, {size_of(most * size)}: it "
             f"must be at least {duration / most:.3g} s. Records do not change the motion."
         )
 
@@ -241,8 +252,8 @@ def check_size(name: str, size: float, count: float = 0.0) -> None:
     most = min(MOST_MEMORY, available_memory())
     if size > most:
         raise ValueError(f"{name} takes {size_of(size)}; {size_of(most)} are the most.")
-    if count > MOST_RECORDS:
-        raise ValueError(f"{name} has {count:.4g} rows; {MOST_RECORDS:.0e} are the most.")
+    if count > MOST_RECORDS + 1:
+        raise ValueError(f"{name} has {count:.8g} rows; {MOST_RECORDS + 1} are the most.")
 
 
 def available_memory() -> float:

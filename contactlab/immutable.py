@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from types import NoneType
-from typing import TYPE_CHECKING, Any, Final, Literal, NoReturn, TypeVar, final
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, NoReturn, TypeVar, final
 
 if TYPE_CHECKING:
     import numpy as np
@@ -52,7 +52,20 @@ def frozen(value: Any) -> Any:
 
 
 class Immutable:
-    """Base class of frozen dataclasses whose copies from a file or another process are immutable too."""
+    """Base class of frozen dataclasses, `eq=False`, with arrays, whose copies are immutable too.
+
+    Two of one class are equal where all fields are, arrays by their numbers and shapes.
+    """
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(_same(getattr(self, name), getattr(other, name)) for name in self.__dataclass_fields__)
+
+    # Arrays have none.
+    __hash__ = None  # type: ignore[assignment]
+
+    __dataclass_fields__: ClassVar[dict[str, Any]]
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         for name, value in state.items():
@@ -69,3 +82,18 @@ class Immutable:
             elif isinstance(value, Mapping):
                 rows = {key: read_only(x) if isinstance(x, np.ndarray) else x for key, x in value.items()}
                 object.__setattr__(self, name, frozen(rows))
+
+
+def _same(first: Any, other: Any) -> bool:
+    """Return whether two values of a field are equal."""
+    import numpy as np
+
+    if isinstance(first, np.ndarray):
+        return isinstance(other, np.ndarray) and first.dtype == other.dtype and np.array_equal(first, other)
+    if isinstance(first, Mapping):
+        return (
+            isinstance(other, Mapping)
+            and first.keys() == other.keys()
+            and all(_same(x, other[key]) for key, x in first.items())
+        )
+    return bool(first == other)

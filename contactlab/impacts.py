@@ -10,7 +10,6 @@ rate is negative on approach. With impulses p = (p_n, p_t) [N s] they are u+ = u
 """
 
 import json
-from functools import cache
 from typing import Any, Final, final
 
 import numpy as np
@@ -41,29 +40,37 @@ from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES, Variable
 PIECE: Final = 500
 """Impacts that are integrated between two checks for Ctrl-C."""
 
+FASTEST: Final = 299_792_458.0
+"""Speed of a body [m/s] at most: that of light."""
 
-@cache
+LADDER: Final = 1.0
+"""Longest step [s] from which each impact begins to look for its own."""
+
+
 def _body() -> tuple[Plant, Propagator]:
     """Return a free body over a plate, and its step responses, both set for each impact."""
     plant = new_record(plant_record(MODES, TONES))
     plant["mode_count"], plant["geometry"] = 2, ContactGeometry(WAY, WAY, 0.0).numbers
-    return plant, Workspace().propagator(plant, 1.0, 1.0, False)
+    return plant, Workspace().propagator(plant, LADDER, LADDER, False)
 
 
 class _Integration:
     """A law bound for impacts u_n, u_t [m/s], D_nn, D_nt, D_tt [1/kg], shape (impact, 5).
 
-    With `once` the law is checked for its first parameters alone.
+    With `once` the law is checked for its first parameters alone. The body is the scratch of one run at a
+    time.
     """
 
-    def __init__(self, law: ContactLaw, tolerance: float | None, *, once: bool = False) -> None:
+    def __init__(
+        self, law: ContactLaw, tolerance: float | None, body: tuple[Plant, Propagator], *, once: bool = False
+    ) -> None:
         check_law(law)
         rigid = isinstance(law, MultiplierLaw)
         check_tolerance(tolerance, f"{law.name} answers an impact at once" if rigid else "")
         law = law.on_rotor(WAY)
         parameters, row, bound, errors = take_in(law, once)
         tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-        self.ready = Prepared(law, 1.0, 1.0, tolerance, False, *_body(), bound, parameters, row, errors)
+        self.ready = Prepared(law, LADDER, LADDER, tolerance, False, *body, bound, parameters, row, errors)
 
     def run(self, contacts: Array, history: int = 0) -> tuple[Any, Any, Run]:
         """Return records of `OUTCOME`, as many of `MOMENT` for each as `history`, and the last run."""
@@ -71,7 +78,9 @@ class _Integration:
         outcomes, histories = np.zeros(len(contacts), OUTCOME), np.zeros((len(contacts), history), MOMENT)
         states: Any = np.zeros(2, STATE)
         states[0] = fresh_state()
-        ready.set_up(states[0], 1.0)
+        # The last impact has left that of its own.
+        ready.propagator["rule"]["longest"] = LADDER
+        ready.set_up(states[0], LADDER)
         run = ready.run_of(states[1])
         states[0]["phase"] = PRESSED
         # With room for one contact the loop ends when that is over.
@@ -205,6 +214,7 @@ class Impacts:
         self.contacts: Array = np.empty((count, 5))
         self.contacts[:, :2] = rates
         self.contacts[:, 2:] = matrices.reshape(-1, 4)[:, [0, 1, 3]]
+        self._body = _body()
 
     @property
     def energy(self) -> Array:
@@ -212,9 +222,13 @@ class Impacts:
         rate, slip, nn, nt, tt = self.contacts.T
         return np.asarray(0.5 * (tt * rate**2 - 2.0 * nt * rate * slip + nn * slip**2) / (nn * tt - nt * nt))
 
+    def outcomes(self, law: ContactLaw, tolerance: float | None = None) -> Any:
+        """Return records of `OUTCOME`; a law is checked for the first of its parameters alone."""
+        return _Integration(law, tolerance, self._body, once=True).run(self.contacts)[0]
+
     def velocities_after(self, law: ContactLaw, tolerance: float | None = None) -> Array:
         """Return gap rates and slips after the impacts [m/s], shape (impact, 2), see `velocities_after`."""
-        outcomes = _Integration(law, tolerance, once=True).run(self.contacts)[0]
+        outcomes = self.outcomes(law, tolerance)
         return np.column_stack([outcomes["normal_rate"], outcomes["slip"]])
 
     def dataset(self, law: ContactLaw, *, tolerance: float | None = None, history: int = 0) -> xarray.Dataset:
@@ -227,7 +241,7 @@ class Impacts:
                 f"A history of {history} records is requested, but {law.name} is rigid: its impact is an "
                 "impulse, which has none. Leave the history out, or take a compliant law."
             )
-        integration = _Integration(law, tolerance)
+        integration = _Integration(law, tolerance, self._body)
         outcomes, histories, _ = integration.run(self.contacts, history)
         endings = np.full(len(outcomes), Ending.COMPLETE, np.int8)
         reasons = [""] * len(outcomes)
@@ -356,7 +370,7 @@ def normal_quantities(
     for wrong in speeds[speeds <= 0.0][:1]:
         raise ValueError(f"The speed has {wrong:g} m/s among its numbers; it must be greater than 0.")
     impacts = Impacts(delassus, np.column_stack([-speeds, np.zeros_like(speeds)]))
-    outcomes = _Integration(law, tolerance, once=True).run(impacts.contacts)[0]
+    outcomes = impacts.outcomes(law, tolerance)
     parted = np.where(outcomes["released"] != 0, 1.0, np.nan)
     return {
         "restitution": parted * outcomes["normal_rate"] / speeds,
@@ -456,6 +470,11 @@ def _check(matrices: Array, rates: Array) -> None:
             raise ValueError(
                 f"Impact {i}, counted from 0, has the Delassus matrix {matrices[i].tolist()}; {fault}."
             )
+    for i, j in np.argwhere(np.abs(rates) > FASTEST)[:1]:
+        raise ValueError(
+            f"Impact {i}, counted from 0, has a velocity of {rates[i, j]:.6g} m/s before; it must be at most "
+            f"{FASTEST:.6g} m/s, that of light."
+        )
     for i in np.flatnonzero(rates[:, 0] >= 0.0)[:1]:
         raise ValueError(
             f"Impact {i}, counted from 0, has a gap rate of {rates[i, 0]:.6g} m/s before; it must be "

@@ -16,6 +16,11 @@ def tell_progress(what: str, share: float = float("nan")) -> None:
         _receivers[-1](what, share)
 
 
+def is_shown() -> bool:
+    """Return whether somebody shows progress, who would be drawn over by another bar."""
+    return bool(_receivers)
+
+
 @contextmanager
 def shown_by(report: Report) -> Iterator[None]:
     """Let a function show the progress of the body."""

@@ -44,13 +44,18 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         ('N', 9.9)
 
     Args:
-        tree: as `contactlab.results.netcdf.to_datatree` describes it.
+        tree: as `contactlab.results.netcdf.to_datatree` describes it; its arrays become read-only.
         setup: what ran, from which it can be run again or go on; None for a file that does not tell,
             as that of a motor that was made in Python.
     """
 
     tree: "xarray.DataTree"
     setup: Setup | None = None
+
+    def __post_init__(self) -> None:
+        for node in self.tree.subtree:
+            for variable in node.to_dataset(inherit=False).variables.values():
+                variable.values.flags.writeable = False
 
     def __getitem__(self, name: str) -> "xarray.DataArray":
         """Return a quantity at the root of the tree by its name.
@@ -61,7 +66,7 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         if name not in self.tree.variables:
             there = ", ".join(map(str, self.tree.variables))
             raise KeyError(f"There is no quantity {name!r}; it must be one of {there}.")
-        return self.tree.to_dataset()[name]
+        return self.tree.to_dataset()[name].copy(deep=False)
 
     def __iter__(self) -> Iterator[str]:
         return map(str, self.tree.variables)
@@ -90,7 +95,7 @@ class Solution(Mapping[str, "xarray.DataArray"]):
     @property
     def contacts(self) -> "xarray.Dataset":
         """The contacts, a row each; one that the end of the run cut has no separation velocity."""
-        return self.tree.children["contacts"].to_dataset(inherit=False)
+        return self.tree.children["contacts"].to_dataset(inherit=False).copy(deep=False)
 
     @property
     def state(self) -> dict[str, Any]:
@@ -113,8 +118,11 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         return bool(self.tree.attrs["complete"])
 
     def to_xarray(self) -> "xarray.DataTree":
-        """Return the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`."""
-        return self.tree
+        """Return the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`.
+
+        Its arrays are read-only; those of a deep copy are not.
+        """
+        return self.tree.copy(deep=False)
 
     def save(self, path: str | Path) -> None:
         """Write a netCDF-4 file, whole or not at all.

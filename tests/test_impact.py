@@ -13,7 +13,7 @@ from support.pages import DOCS, names_of
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.engine import simulate
-from contactlab.impacts import velocities_after
+from contactlab.impacts import Impacts, velocities_after
 from contactlab.laws import LAWS
 from contactlab.laws.damping import LinearDamping
 from contactlab.motor.bodies import FLAT, block
@@ -202,3 +202,23 @@ def test_a_contact_under_a_dashpot_ends_where_its_force_does(restitution: float)
     fall = cl.simulate(block(mass, height=1e-7, gap_rate=-speed), law, duration=1e-3)
     assert float(fall.contacts.duration[0]) == pytest.approx(expected, rel=1e-5)
     assert float(fall.contacts.separation_velocity[0]) == pytest.approx(restitution * speed, rel=1e-5)
+
+
+def test_no_impact_depends_on_those_before() -> None:
+    law = cl.Composed(damping=cl.HuntCrossley())
+    speeds = [0.1, 1.0]
+    before = cl.normal_impact(law, speeds, mass=1e-3)
+    for far in (1e300, 3e8, float("inf")):
+        with pytest.raises(ValueError, match="speed"):
+            cl.identify(law, restitution=(0.7, far), mass=1e-3)
+        with pytest.raises(ValueError, match=r"speed|velocity"):
+            cl.normal_impact(law, [far], mass=1e-3)
+        with pytest.raises(ValueError, match=r"velocity|finite"):
+            cl.impact(law, np.eye(2), [-1.0, far])
+    # At the bound itself forces may overflow; what comes of it stays with this call.
+    cl.normal_impact(law, [1e-300, 2.9e8], mass=1e-3)
+    assert cl.normal_impact(law, speeds, mass=1e-3).identical(before)
+    impacts = Impacts(COUPLED, [-0.3, 0.1])
+    first = impacts.velocities_after(law)
+    impacts.velocities_after(cl.Composed(cl.HertzPoint(1e300)))
+    assert_array_equal(impacts.velocities_after(law), first)

@@ -180,14 +180,14 @@ class _Kept:
         """Return the code for a signature, None where there is none."""
         for each in (self._first, *self._others):
             try:
-                found = each.load_overload(signature, target)
+                code = each.load_overload(signature, target)
             # What a cut file leads to depends on where it is cut.
             except Exception:
-                found = None
+                code = None
                 if each is self._first:
                     each.flush()
-            if found is not None:
-                return found
+            if code is not None:
+                return code
         return None
 
     def __getattr__(self, name: str) -> Any:

@@ -13,6 +13,7 @@ from numba.core import event
 from tqdm import tqdm
 
 from contactlab.compiler.folders import of_version, shipped, shipped_folder
+from contactlab.progress import is_shown, tell_progress
 
 SURE = 1.0
 """Time of a processor from which the pace is known [s]."""
@@ -49,8 +50,10 @@ class Compiled(event.Listener):
         _say(f"compiling {self._what}, once for an installation: about {self._usual:.0f} s{came}.")
         # tqdm shows nothing on a terminal that does not tell its size.
         columns, lines = get_terminal_size()
+        # Where another line tells of the progress, it tells of this too.
+        hidden = True if is_shown() else None
         self._bar = tqdm(
-            total=self._usual, bar_format=_BAR, leave=False, disable=None, ncols=columns, nrows=lines
+            total=self._usual, bar_format=_BAR, leave=False, disable=hidden, ncols=columns, nrows=lines
         )
 
     def on_end(self, made: event.Event) -> None:
@@ -61,8 +64,11 @@ class Compiled(event.Listener):
         spent = self._elapsed
         # Whoever shares the processor waits longer.
         pace = spent / max(process_time() - self._began[1], SURE)
-        self._bar.total = max(self._usual * max(pace, 1.0), spent)
-        self._bar.n = spent
+        total = max(self._usual * max(pace, 1.0), spent)
+        if is_shown():
+            tell_progress(f"compiling {self._what}, {spent:.0f} of about {total:.0f} s")
+            return
+        self._bar.total, self._bar.n = total, spent
         self._bar.set_postfix_str(self.functions[-1])
 
     def close(self) -> None:
@@ -95,4 +101,6 @@ def telling(what: str = "", usual: float = 0.0) -> Iterator[Compiled]:
 
 
 def _say(sentence: str) -> None:
-    print(f"contactlab: {sentence}", file=sys.stderr, flush=True)
+    # A line of progress that stands there is drawn again below.
+    start = "\r\x1b[K" if is_shown() and sys.stderr.isatty() else ""
+    print(f"{start}contactlab: {sentence}", file=sys.stderr, flush=True)

@@ -200,8 +200,9 @@ class Setup:
         arguments = {name: getattr(self, name) for name in names} | others
         function = simulate_until_steady if self.until == STEADY else simulate
         duration, interval = arguments.pop("duration"), arguments.pop("record_interval")
-        check_records(duration, interval, "The record interval, record_interval,")
         ends = [*(time for time, _ in self.changes if time < duration), duration]
+        name = "The record interval, record_interval,"
+        check_records(duration, interval, name, len(self.law.internal_variables), len(ends))
         motors = [self.motor, *(motor for _, motor in self.changes)]
         run, done = None, 0.0
         for motor, end in zip(motors, ends, strict=False):
@@ -273,7 +274,8 @@ def rebuild(configuration: Values) -> Setup:
     if record["interval"] is None:
         record["interval"] = default_record_interval(motor, solver["duration"])
     with as_fault():
-        check_records(solver["duration"], record["interval"], "record.interval")
+        more, parts = len(law.internal_variables), len(solver["changes"] or ()) + 1
+        check_records(solver["duration"], record["interval"], "record.interval", more, parts)
     if (preload := resolved["contact"]["preload"]) is not None:
         with as_fault(f"contact.preload is {preload:g} N. ", LawError):
             motor = at_rest(motor, law)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.engine.compliant import most_events
 from contactlab.engine.flight import MOST_HALVINGS
-from contactlab.engine.kinematics import contact_from
+from contactlab.engine.kinematics import contact_at, contact_from
 from contactlab.engine.memory import SLIP_ROUND_OFF
 from contactlab.engine.plant import modes_of, resolved_rate
 from contactlab.engine.recorder import IDLE_LIMIT
@@ -29,6 +29,9 @@ from contactlab.trajectory import LEDGER_LIMIT, SCALE, Ending, openness
 
 FARTHEST: Final = 1.0
 """Way of a tip [m] in a steady state from which on round-off, 2e-16 of it, is seen by a contact's force."""
+
+DIGITS: Final = 32.0 * float(np.finfo(np.float64).eps)
+"""Round-off of a velocity that a step's forces make, over what each of them does by itself."""
 
 STATES: Final = 9
 """States at which a law is evaluated along the step that it did not solve."""
@@ -127,9 +130,7 @@ def balanced(
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_remainder, state.most_remainder]) - start
     residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
-    # A contact at rest turns nothing over but the work of its impulses at round-off of the slip.
-    digits = SLIP_ROUND_OFF * (abs(state.total.normal_impulse) + abs(state.total.friction_impulse))
-    share = openness(max(float(residual - digits), 0.0), float(state.turnover), 0.0, start)
+    share = openness(max(float(residual) - _round_off(run), 0.0), float(state.turnover), 0.0, start)
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
@@ -149,6 +150,28 @@ def balanced(
     return Ending.UNBALANCED, (
         f"The run reached its end, but its energy ledger is open by {share:.3g} of the energy turned "
         f"over, {SCALE}; it must be at most {LEDGER_LIMIT:g}. {way_out}"
+    )
+
+
+def _round_off(run: Run) -> float:
+    """Return the round-off of the ledger [J] of a contact at rest, which turns nothing over.
+
+    It is the work of its impulses p at the round-off of the velocities: that of a slip which is located, and
+    that of D p, which cancels in each step what the load does.
+    """
+    state, modes = run.state, modes_of(run.plant)
+    _, _, _, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
+    rows = (
+        n_u * modes["row_u"] + n_th * modes["row_th"],
+        t_u * modes["row_u"] + t_th * modes["row_th"] + modes["row_r"],
+    )
+    impulses = float(state.total.normal_impulse), float(state.total.friction_impulse)
+    share = DIGITS / max(int(state.contact_steps), 1)
+    return float(
+        sum(
+            abs(p) * (SLIP_ROUND_OFF + share * abs(p) * (row @ row))
+            for p, row in zip(impulses, rows, strict=True)
+        )
     )
 
 

@@ -27,9 +27,6 @@ from contactlab.motor.waveform import MOST_DEGREE
 RESONANCE_MARGIN = 1e-9
 """Smallest |k - omega^2 + i c omega| / (k + omega^2) of a drivable mode: below, the steady state is lost."""
 
-STILL = 1e-36
-"""Mobility [1/kg] of what slides beside a prescribed motion, below which no force changes the slip."""
-
 NEARLY_RESONANT = 1e-2
 """Relative detuning below which the particular solution is not subtracted: its amplitude would swamp the gap
 in round-off."""
@@ -158,11 +155,9 @@ def plant_of(motor: Motor) -> Plant:
     phasors["near"] = near
     wave = plant["wave"]
     if prescribed.any():
-        free_gap, free_slip = (row[~prescribed] for row in motor.rows_at_rest)
         made["led"][:-1], wave["led"] = prescribed, 1
-        wave["led_gap"] = not free_gap.any()
-        still = made["row_r"][-1] ** 2 <= STILL and not free_slip.any()
-        wave["led_slip"] = still and waveform is not None and not omega.size
+        wave["led_gap"] = not motor.rows_at_rest[0][~prescribed].any()
+        wave["led_slip"] = motor.slip_is_prescribed and waveform is not None and not omega.size
         wave["depth"], wave["approach"] = _reach(motor)
     if waveform is not None:
         wave["electrodes"], wave["offset"] = electrodes, waveform.start

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import SMALLEST_STEP, check_kind, check_number, check_records, shown
+from contactlab.checks import ON_GRID, SMALLEST_STEP, check_kind, check_number, check_records, shown
 from contactlab.compiler.kernels import INTERPRETED, inner_kernel, kernel
 from contactlab.compiler.notice import telling
 from contactlab.engine.binding import (
@@ -158,7 +158,8 @@ def check_numbers(
             f"The record interval is {interval} s; it must be positive and at most the duration, "
             f"{duration} s."
         )
-    check_records(duration, interval, "The record interval, record_interval,")
+    name = "The record interval, record_interval,"
+    check_records(duration, interval, name, len(law.internal_variables))
     if step is not None and step < SMALLEST_STEP * duration:
         raise ValueError(
             f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
@@ -356,9 +357,6 @@ LOOPS: Final = {"run_compliant", "run_rigid", "evaluate_rigid"}
 DEFAULT_TOLERANCE = 1e-7
 """Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
 converges with nearly twice the order of this estimate."""
-
-ON_GRID = 1e-6
-"""Part of a record interval that is round-off."""
 
 _sound: deque[object] = deque(maxlen=64)
 """Kernels and parameters of the last laws that passed the consistency check."""

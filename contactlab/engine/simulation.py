@@ -8,13 +8,13 @@ from typing import Any, final
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.checks import ON_GRID
 from contactlab.engine.explanation import balanced
 from contactlab.engine.flight import CLEAR
 from contactlab.engine.kinematics import contact_from, contacts_from
 from contactlab.engine.plant import modes_of, root_inertia
 from contactlab.engine.preparation import (
     AT_REST,
-    ON_GRID,
     Prepared,
     check_start,
     fresh_state,

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, checked_arguments
 from contactlab.engine.preparation import check_law
-from contactlab.impacts import NORMAL, delassus_of, normal_quantities
+from contactlab.impacts import FASTEST, NORMAL, delassus_of, normal_quantities
 from contactlab.inference.free_parameters import (
     FreeParameter,
     free_parameters,
@@ -81,7 +81,7 @@ class Datum:
     Args:
         quantity: a key of `contactlab.impacts.NORMAL`.
         value: greater than 0, a restitution at most 1; SI, or a text with a unit.
-        speed: of the approach, greater than 0 [m/s], or a text with a unit.
+        speed: of the approach, greater than 0 and at most that of light [m/s], or a text with a unit.
     """
 
     PATTERN: ClassVar[re.Pattern[str]] = re.compile(rf"({'|'.join(NORMAL)})=([^=@]+)@([^=@]+)")
@@ -97,7 +97,7 @@ class Datum:
         highest = 1.0 if self.quantity == "restitution" else inf
         for name, label, unit, most in (
             ("value", self.quantity, self.unit, highest),
-            ("speed", f"speed of {self.quantity}", "m/s", inf),
+            ("speed", f"speed of {self.quantity}", "m/s", FASTEST),
         ):
             x = getattr(self, name)
             try:

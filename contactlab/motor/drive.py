@@ -96,7 +96,7 @@ def samples_of_chirp(first: float, last: float, duration: float) -> float:
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Drive(Immutable):
     """Any number of tones on each electrode, and a waveform beside them; `Drive()` has none.
 

@@ -21,12 +21,15 @@ ROUND_OFF: Final = 1e-9
 FLAT: Final = 1e15
 """Tip length and rotor radius [m] of a flat contact: a way x along it changes the gap by x^2 / FLAT."""
 
+STILL: Final = 1e-36
+"""Mobility of a rotor along its surface [1/kg] below which no force changes its velocity."""
+
 BELT: Final = 1e9
 """Mass of a belt over that of the body on it [1]: friction hardly brakes it."""
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class NormalModes(Immutable):
     """A resonator as everything after it sees it: mass-orthonormal, decoupled oscillators.
 
@@ -171,7 +174,7 @@ class Rotor(Checked):
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModalState(Immutable):
     """Normal coordinates at t = 0: q [m kg^1/2] and qd [m s^-1 kg^1/2], shape (mode,).
 
@@ -196,7 +199,7 @@ class ModalState(Immutable):
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Motor(Checked, Immutable):
     """Everything that moves; which contact law acts between tip and rotor is not part of it.
 
@@ -264,6 +267,14 @@ class Motor(Checked, Immutable):
         flat = min(self.geometry.tip_length, self.geometry.rotor_radius) >= FLAT
         normal, tangential = self.rows_at_rest
         return np.asarray((self.modes.stiffness == 0.0) & (normal == 0.0) & (flat | (tangential == 0.0)))
+
+    @property
+    def slip_is_prescribed(self) -> bool:
+        """Whether prescribed modes alone move the tip along a rotor that no force turns."""
+        prescribed, rotor = self.modes.is_prescribed, self.rotor
+        free = self.rows_at_rest[1][~prescribed]
+        still = self.geometry.rotor_radius**2 <= STILL * rotor.inertia
+        return bool(prescribed.any() and still and not free.any())
 
     @cached_property
     def rows_at_rest(self) -> tuple[Array, Array]:

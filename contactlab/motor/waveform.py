@@ -66,6 +66,15 @@ class Waveform(Immutable):
             raise ValueError("pieces.x does not increase; every piece must last longer than no time.")
         self.freeze()
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Waveform):
+            return NotImplemented
+        mine, theirs = self.pieces, other.pieces
+        same = np.array_equal(mine.c, theirs.c) and np.array_equal(mine.x, theirs.x)
+        return same and (self.periodic, self.start) == (other.periodic, other.start)
+
+    __hash__ = None
+
     def freeze(self) -> None:
         """Replace the pieces by some of their own, whose arrays are read-only."""
         c, x = read_only(self.pieces.c), read_only(self.pieces.x)

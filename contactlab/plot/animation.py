@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from contactlab.arrays import Array
-from contactlab.plot.overview import DENSE, explain_shades, shade
-from contactlab.plot.recording import Film, drawable, envelope, steps
+from contactlab.plot.overview import DENSE, draw_normal, explain_shades, shade
+from contactlab.plot.recording import Film, drawable, envelope
 from contactlab.plot.style import COLOURS
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import reached_end
@@ -141,20 +141,20 @@ class Animation:
     def _draw_traces(self) -> list[Axes]:
         """Draw normal force and rotor velocity below the scene, with the contact modes shaded."""
         run, (unit, scale) = self.film.run, self.film.run.unit
-        rows = self.figure.add_gridspec(2, 1, left=0.115, right=0.975, top=0.345, bottom=0.085, hspace=0.2)
+        rows = self.figure.add_gridspec(
+            2, 1, left=0.115, right=0.975 if run.impacts is None else 0.9, top=0.345, bottom=0.085, hspace=0.2
+        )
         force = self.figure.add_subplot(rows[0])
         velocity = self.figure.add_subplot(rows[1], sharex=force)
         edges = (run.time - run.start) / scale
-        _, means = line = steps(edges, run.series["normal_force"][1:])
-        force.plot(*line, color="black")
+        impulses = draw_normal(force, run, run.start)
         velocity.plot(*envelope(edges, drawable(run.series["rotor_velocity"])), color="black")
-        for axes in (force, velocity):
-            shade(axes, run, run.start)
+        shade(velocity, run, run.start)
+        for axes in (force, velocity, *([] if impulses is None else [impulses])):
             axes.locator_params(axis="y", nbins=4)
-        force.set_xlim(0.0, (run.end - run.start) / scale)
-        if not np.nanmax(np.abs(means), initial=0.0) > 0.0:
-            force.set_ylim(0.0, 1.0)
-        force.set_ylabel("normal\nforce (N)")
+        force.set_ylabel("normal\nforce (N)" if impulses is None else "lasting\nforce (N)")
+        if impulses is not None:
+            impulses.set_ylabel(impulses.get_ylabel().replace(" (", "\n("))
         velocity.set_ylabel("rotor\n(rad/s)")
         velocity.set_xlabel(f"time since {prefixed(run.start, 's')} ({unit})")
         force.tick_params(labelbottom=False)

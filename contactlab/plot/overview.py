@@ -63,7 +63,10 @@ def overview(run: "xarray.DataTree | Groups", path: Path) -> None:
 
 
 def draw_overview(run: "xarray.DataTree | Groups") -> Figure:
-    """Draw a run, complete or not, into the axes velocity, path, gap and force."""
+    """Draw a run, complete or not, into the axes velocity, path, gap and force.
+
+    Of a rigid law the impulses of its impacts have an axis of their own beside that of the force.
+    """
     groups = groups_of(run)
     whole = recording_of(groups)
     window = whole.between(whole.end - PERIODS * whole.period, whole.end)
@@ -71,7 +74,8 @@ def draw_overview(run: "xarray.DataTree | Groups") -> Figure:
         figure = Figure(figsize=_SIZE)
         FigureCanvasAgg(figure)
         rows = figure.add_gridspec(
-            2, 1, height_ratios=(1, 1.45), left=0.085, right=0.985, top=0.925, bottom=0.075,
+            2, 1, height_ratios=(1, 1.45), left=0.085, right=0.985 if whole.impacts is None else 0.925,
+            top=0.925, bottom=0.075,
             hspace=0.29,
         )  # fmt: skip
         top = rows[0].subgridspec(1, 2, width_ratios=(1.55, 1), wspace=0.25)
@@ -224,21 +228,52 @@ def _draw_gap(axes: Axes, window: Recording) -> None:
         explain_shades(axes, 1.03)
 
 
-def _draw_force(axes: Axes, window: Recording) -> None:
-    """Draw the normal force over the last drive periods: means over the record intervals, so steps."""
-    unit, scale = window.unit
-    edges = (window.series["time"] - window.end) / scale
-    force = window.series["normal_force"][1:]
-    shade(axes, window, window.end)
+def draw_normal(axes: Axes, run: Recording, origin: float) -> Axes | None:
+    """Draw the normal force, and return the axes of the impulses of impacts, None of a compliant law.
+
+    The force is a mean over each record interval, so that steps are drawn. An impact takes no time: its force
+    has no height, and its impulse is a stem.
+    """
+    _, scale = run.unit
+    edges = (run.series["time"] - origin) / scale
+    force = run.series["lasting_force"][1:]
+    shade(axes, run, origin)
     axes.plot(*steps(edges, force), color="black")
-    if window.start < window.end:
-        axes.set_xlim((window.start - window.end) / scale, 0.0)
-    largest = np.nanmax(drawable(force), initial=0.0)
-    axes.set_ylim(0.0, 1.08 * largest if largest > 0.0 else 1.0)
+    if run.start < run.end:
+        axes.set_xlim((run.start - origin) / scale, (run.end - origin) / scale)
+    _reach_over(axes, force)
+    if run.impacts is None:
+        return None
+    times, impulses = run.impacts
+    beside, colour = axes.twinx(), COLOURS["impact"]
+    name, size = prefixed_unit(float(np.max(impulses, initial=0.0)) or 1.0, "N s")
+    # Of those in one pixel the largest hides the others.
+    order = np.argsort(impulses)[-4 * COLUMNS :]
+    at = (times[order] - origin) / scale
+    heights = impulses[order] / size
+    beside.vlines(at, 0.0, heights, color=colour)
+    beside.plot(at, heights, linestyle="none", marker="o", markersize=2.5, color=colour)
+    _reach_over(beside, heights)
+    beside.spines["right"].set_visible(True)
+    beside.tick_params(axis="y", colors=colour)
+    beside.set_ylabel(f"impulse ({name})", color=colour)
+    return beside
+
+
+def _reach_over(axes: Axes, values: Array) -> None:
+    """Let an axis reach from zero, or from below what pulls, to over the largest of some values."""
+    known = drawable(values)
+    least, largest = np.nanmin(known, initial=0.0), np.nanmax(known, initial=0.0)
+    axes.set_ylim(1.08 * least, 1.08 * largest if largest > 0.0 else 1.0)
+
+
+def _draw_force(axes: Axes, window: Recording) -> None:
+    """Draw the normal force over the last drive periods."""
+    draw_normal(axes, window, window.end)
     if not window.contacts["start_time"].size:
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", color="0.35")
-    axes.set_xlabel(f"time relative to the end of the run ({unit})")
-    axes.set_ylabel("normal force (N)")
+    axes.set_xlabel(f"time relative to the end of the run ({window.unit[0]})")
+    axes.set_ylabel("normal force (N)" if window.impacts is None else "lasting force (N)")
 
 
 def _line(window: Recording) -> dict[str, Any]:

@@ -32,6 +32,9 @@ COLUMNS: Final = 2000
 LARGEST: Final = 1e30
 """Beyond this a diverged run is not drawn: the square of an axis range would overflow."""
 
+ROUND_OFF: Final = 1e-9
+"""Share of an impact, as a mean force, below which what is left beside it is no lasting force."""
+
 NEEDED: Final = {
     "/": (
         "time", "contact_mode", "natural_frequency", "gap", "tip_tangential_displacement", "tip_slope",
@@ -52,7 +55,8 @@ class Recording:
     """A recorded run, or a part of one.
 
     Args:
-        series: root variables over time, with a record at or before `start` and one at or after `end`.
+        series: root variables over time, with a record at or before `start` and one at or after `end`, and
+            `lasting_force`, the normal force without impacts.
         contacts: those that lie in the part, wholly or not, a row each.
         attributes: of the dataset.
         start, end: of the part [s].
@@ -100,6 +104,15 @@ class Recording:
         time = self.time
         # A single record, of a run that failed at once, is a point as well.
         return time.size == 1 or (time.size > 2 and float(time[1] - time[0]) > self.period / COARSE)
+
+    @property
+    def impacts(self) -> tuple[Array, Array] | None:
+        """Times [s] and normal impulses [N s] of the impacts of a rigid law; None of a compliant one."""
+        if "largest_impact" not in self.contacts:
+            return None
+        begins, impulses = self.contacts["start_time"], self.contacts["largest_impact"]
+        within = (begins >= self.start) & (begins <= self.end) & (impulses > 0.0)
+        return begins[within], impulses[within]
 
     @property
     def unit(self) -> tuple[str, float]:
@@ -156,10 +169,11 @@ def recording_of(run: "xarray.DataTree | Groups") -> Recording:
         ) from fault
     if not (0.0 < tip_length < np.inf and 0.0 < radius < np.inf and 0.0 <= frequency < np.inf):
         raise UnfitRunError("has a tip length, a rotor radius or a drive frequency that is not positive")
-    time = root["time"].values
+    time, contacts = root["time"].values, groups["/contacts"].values
+    series = {str(name): v.values for name, v in root.items() if tuple(v.dims) == ("time",)}
     return Recording(
-        series={str(name): v.values for name, v in root.items() if tuple(v.dims) == ("time",)},
-        contacts=groups["/contacts"].values,
+        series=series | {"lasting_force": _lasting_force(series, contacts)},
+        contacts=contacts,
         attributes=attributes,
         start=float(time[0]),
         end=float(time[-1]),
@@ -169,6 +183,23 @@ def recording_of(run: "xarray.DataTree | Groups") -> Recording:
         angle=angle,
         period=1.0 / frequency if frequency else np.inf,
     )
+
+
+def _lasting_force(series: Mapping[str, Array], contacts: Mapping[str, Array]) -> Array:
+    """Return the normal force without impacts [N], means over the record intervals.
+
+    An impact begins a contact, and a record at its time is from before it.
+    """
+    force, time = series["normal_force"], series["time"]
+    if "largest_impact" not in contacts:
+        return force
+    after = np.searchsorted(time, contacts["start_time"], side="right")
+    within = (after > 0) & (after < time.size)
+    after, impulses = after[within], contacts["largest_impact"][within]
+    sums = np.zeros_like(force)
+    np.add.at(sums, after, impulses / (time[after] - time[after - 1]))
+    left = force - sums
+    return np.where(np.abs(left) > ROUND_OFF * sums, left, 0.0)
 
 
 def contact_spans(series: Mapping[str, Array], contacts: Mapping[str, Array]) -> dict[str, Array]:

@@ -2,7 +2,9 @@
 
 from typing import Any, Final
 
-COLOURS: Final = {"slip": "#E69F00", "stick": "#0072B2", "rotor": "#D9D9D9", "fault": "#D55E00"}
+COLOURS: Final = {
+    "slip": "#E69F00", "stick": "#0072B2", "rotor": "#D9D9D9", "fault": "#D55E00", "impact": "#009E73",
+}  # fmt: skip
 """After Okabe and Ito, distinct for every kind of colour vision and as greys."""
 
 STYLE: Final[dict[str, Any]] = {

@@ -383,11 +383,11 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
 
 
 def prescribed_by(motor: Motor) -> dict[str, object]:
-    """Return the attribute of a run whose motion is prescribed: gap or normal force; empty for others."""
-    prescribed = motor.modes.prescribed
-    if prescribed is None:
+    """Return the attribute of a run whose slip is prescribed, with gap or normal force; empty for others."""
+    if not motor.slip_is_prescribed:
         return {}
-    return {"prescribed": "gap" if prescribed[motor.modes.approach != 0.0].any() else "normal force"}
+    led = motor.modes.is_prescribed[motor.modes.approach != 0.0].any()
+    return {"prescribed": "gap" if led else "normal force"}
 
 
 LIVES: Final = {"contact": "Begins anew in every contact.", "run": "Goes on from contact to contact."}

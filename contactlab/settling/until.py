@@ -5,7 +5,7 @@ from itertools import count
 from math import ceil
 from typing import Any, Final
 
-from contactlab.engine.preparation import ON_GRID
+from contactlab.checks import ON_GRID
 from contactlab.engine.simulation import simulate
 from contactlab.engine.state import State
 from contactlab.laws import ContactLaw

@@ -260,3 +260,40 @@ def test_a_run_that_is_moved_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyP
     cl.simulate(start=cl.load("away/run.nc"), duration=2e-4).save("later.nc")
     later = cl.simulate(start=cl.load("later.nc"), duration=3e-4)
     assert np.array_equal(later["rotor_velocity"][-1], whole["rotor_velocity"][-1])
+
+
+@pytest.mark.parametrize("copied", COPIES)
+def test_copies_of_a_setup_are_equal_to_it_and_others_are_not(copied: Callable[[Any], Any]) -> None:
+    tones = cl.build(["drive=two_mode"])
+    for setup in (SETUP, tones):
+        assert copied(setup) == setup
+        assert copied(setup.motor) == setup.motor
+        assert copied(setup) != setup.with_("contact.clearance=0.7 um")
+        assert copied(setup) != setup.with_("drive.voltage_1=50 V")
+    assert copied(SETUP) != tones
+    assert SETUP.motor.drive.waveform != replace(SETUP.motor.drive.waveform, start=1e-6)
+    assert SETUP != "a setup"
+
+
+def test_a_solution_cannot_be_changed(tmp_path: Path) -> None:
+    run = cl.simulate(cl.build(), duration=5e-4)
+    run.save(tmp_path / "run.nc")
+    for each in (run, cl.load(tmp_path / "run.nc")):
+        gap, units = each["gap"].values.copy(), each["gap"].attrs["units"]
+        series, contacts, tree = each["gap"], each.contacts, each.to_xarray()
+        for values in (series.values, contacts["start_time"].values, tree["gap"].values):
+            with pytest.raises(ValueError, match="read-only"):
+                values[0] = 9.0
+        with pytest.raises(ValueError, match="read-only"):
+            series[0] = 9.0
+        series.values = 2.0 * gap
+        series.attrs["units"] = "mm"
+        tree["gap"] = 2.0 * tree["gap"]
+        tree.attrs["ending"] = "stalled"
+        contacts["start_time"] = -contacts["start_time"]
+        assert np.array_equal(each["gap"].values, gap)
+        assert each["gap"].attrs["units"] == units
+        assert each.ending is cl.Ending.COMPLETE
+        assert (each.contacts["start_time"] >= 0.0).all()
+        deep = each.to_xarray().copy(deep=True)
+        deep["gap"].values[0] = 9.0

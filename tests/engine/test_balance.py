@@ -58,3 +58,12 @@ def test_a_block_at_rest_turns_nothing_over_and_is_complete(law: cl.ContactLaw) 
     run = cl.simulate(cl.block(1.0, weight=10.0, push=0.75), law, duration=1.0, record_interval=1e-3)
     assert run.complete
     assert np.abs(run["slip_velocity"]).max() < 1e-13
+
+
+@pytest.mark.parametrize("duration", [1.0, 100.0, 400.0])
+def test_a_ball_that_rests_for_minutes_is_complete(duration: float) -> None:
+    """In one step its weight takes it to hundreds of metres a second, and the contact takes that back."""
+    run = simulate(cl.ball(), cl.Newton(restitution=0.5), duration=duration, record_interval=duration)
+    assert run.complete, run.message
+    fallen = 0.5 * 9.81 * duration**2
+    assert abs(run.series["gap"][-1]) < 32.0 * np.finfo(float).eps * fallen

@@ -58,7 +58,7 @@ def velocity_of_slider(time: np.ndarray) -> np.ndarray:
     slip.terminal = True
     values, t, y, sign = np.zeros(time.size), 0.0, [0.0], 1.0
     while t < time[-1]:
-        found = solve_ivp(
+        solution = solve_ivp(
             lambda s, _, force=sign * FRICTION * STIFFNESS: [
                 force * max(A * np.cos(OMEGA * s) - CLEARANCE, 0.0) / MASS
             ],
@@ -71,10 +71,10 @@ def velocity_of_slider(time: np.ndarray) -> np.ndarray:
             atol=1e-15,
             max_step=0.005 / FREQUENCY,
         )
-        inside = (time >= t) & (time <= found.t[-1])
-        values[inside] = found.sol(time[inside])[0]
+        inside = (time >= t) & (time <= solution.t[-1])
+        values[inside] = solution.sol(time[inside])[0]
         # Past the zero by no more than the clock resolves.
-        t, y, sign = found.t[-1] + 1e-15, found.y[:, -1], -sign
+        t, y, sign = solution.t[-1] + 1e-15, solution.y[:, -1], -sign
     return values
 
 

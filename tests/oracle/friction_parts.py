@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import pairwise
-from math import asinh, copysign, cos, exp, log, log1p, pi, sin, sqrt
+from math import asin, asinh, copysign, cos, exp, log, log1p, pi, sin, sqrt
 from typing import NamedTuple
 
 
@@ -217,7 +217,9 @@ class Iwan(Friction):
 
     def __init__(self, mu: float, elements: int, whole: float) -> None:
         n = elements
-        edges = [cos(0.5 * pi * j / n) for j in range(n)] + [0.0]
+        # sin^2 of the edges is the way over x_s: from a third of a hundredth on they are a geometric series.
+        first, last = asin(sqrt(0.01 / 3.0)), 0.5 * pi
+        edges = [1.0, *(cos(first * (last / first) ** (j / (n - 1))) for j in range(n - 1)), 0.0]
         pairs = [*pairwise(edges)]
         self.limits = [whole * (1.0 - (a * a + a * b + b * b) / 3.0) for a, b in pairs]
         self.shares = [1.5 * mu / whole * (a - b) for a, b in pairs]

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,11 @@ import pytest
 import xarray
 from numba.core.errors import TypingError
 from support.command_line import cases
+from tqdm import tqdm
 
-from contactlab.compiler import folders, kernels as compiled
+from contactlab.compiler import folders, kernels as compiled, notice
 from contactlab.compiler.notice import telling
+from contactlab.progress import shown_by
 
 
 def test_the_former_name_of_the_module_of_kernels_tells_the_new_one() -> None:
@@ -202,6 +205,7 @@ def test_without_units_a_run_has_the_same_bits(tmp_path: Path) -> None:
 IMPACT = """
 import contactlab as cl
 from contactlab.compiler.notice import telling
+from contactlab.progress import shown_by
 with telling() as made:
     found = cl.impact(cl.Newton(restitution=0.8), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.0])
 print(len(made.functions), float(found.velocity_after[0, 0]))
@@ -220,7 +224,7 @@ tempfile.TemporaryFile = refused
 """
 
 
-def asked(folder: Path, first: str = "") -> list[str]:
+def outcome_of(folder: Path, first: str = "") -> list[str]:
     """Return the number of functions that a process compiles for an impact, and its outcome."""
     environment = os.environ | {"NUMBA_CACHE_DIR": str(folder), "TMPDIR": str(folder.parent)}
     line = [sys.executable, "-c", first + IMPACT]
@@ -231,7 +235,7 @@ def asked(folder: Path, first: str = "") -> list[str]:
 def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the code of an impact."""
     folder = tmp_path_factory.mktemp("filled") / "code"
-    count, after = asked(folder)
+    count, after = outcome_of(folder)
     assert int(count) > 0
     assert float(after) == 0.8
     return folder
@@ -240,7 +244,7 @@ def filled(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
 def test_code_that_cannot_be_added_to_is_used(filled: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in filled.rglob("*")}
-    assert asked(filled, READ_ONLY.format(folder=str(filled))) == ["0", "0.8"]
+    assert outcome_of(filled, READ_ONLY.format(folder=str(filled))) == ["0", "0.8"]
     assert {path: path.stat().st_mtime_ns for path in filled.rglob("*")} == before
 
 
@@ -251,7 +255,26 @@ def test_files_that_were_cut_are_made_anew(filled: Path, tmp_path: Path) -> None
     for path in files:
         whole = path.read_bytes()
         path.write_bytes(whole[: len(whole) // 2])
-    count, after = asked(filled)
+    count, after = outcome_of(filled)
     assert int(count) > 0
     assert float(after) == 0.8
-    assert asked(filled) == ["0", "0.8"]
+    assert outcome_of(filled) == ["0", "0.8"]
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_whoever_shows_progress_shows_what_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two bars on one line would be drawn over each other."""
+    bars: list[bool | None] = []
+    received: list[str] = []
+
+    def drawn(**options: Any) -> Any:
+        bars.append(options["disable"])
+        return tqdm(disable=True)
+
+    monkeypatch.setattr(notice, "tqdm", drawn)
+    for shown in (nullcontext(), shown_by(lambda what, _: received.append(what))):
+        assert not received
+        with shown, telling("a kernel", 1.0):
+            compiled.fleeting_kernel(lambda x: x + 1.0)(1.0)
+    assert received
+    assert bars == [None, True]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from support.synthetic import CONFIGURATION, CONTACT_DURATION, FREQUENCY, STICK_SHARE, synthetic_trajectory
 
+import contactlab as cl
 from contactlab.plot.overview import PERIODS
 from contactlab.plot.recording import COLUMNS, Recording, contact_spans, envelope, recording_of
 from contactlab.results.netcdf import Groups, to_groups
@@ -92,3 +93,30 @@ def test_an_envelope_draws_no_slope_across_a_step() -> None:
     short_x, short_y = envelope(x, y)
     between = (short_x > 0.5 + 1.0 / COLUMNS) | (short_x < 0.5 - 1.0 / COLUMNS)
     np.testing.assert_array_equal(short_y[between], short_x[between] > 0.5)
+
+
+@pytest.mark.parametrize("interval", [1e-6, 1e-7])
+def test_an_impact_has_an_impulse_and_no_force_at_any_record_interval(interval: float) -> None:
+    """A ball that bounces under its weight and comes to rest: stems of m v (1 + e), then the weight."""
+    ball, law = cl.ball(1e-3, height=1e-9, gravity=9.81), cl.Newton(restitution=0.5)
+    run = cl.simulate(ball, law, duration=2e-4, record_interval=interval)
+    recording = recording_of(run.to_xarray())
+    times, impulses = recording.impacts
+    speeds = np.sqrt(2.0 * 9.81 * 1e-9) * 0.5 ** np.arange(times.size)
+    np.testing.assert_allclose(impulses[:5], 1.5e-3 * speeds[:5], rtol=1e-6)
+    lasting = recording.series["lasting_force"]
+    assert lasting.max() <= 9.81e-3 * (1.0 + 1e-9)
+    assert lasting[-1] == pytest.approx(9.81e-3, rel=1e-6)
+    shown = {axes.get_ylabel(): axes for axes in run.plot().axes}
+    assert shown["lasting force (N)"].get_ylim()[1] < 0.02
+    stems = shown["impulse (nN s)"].lines[0]
+    np.testing.assert_allclose(np.sort(stems.get_ydata()), 1e9 * np.sort(impulses))
+    # All of the normal impulse is in one or the other.
+    total = impulses.sum() + (lasting[1:] * np.diff(recording.time)).sum()
+    assert total == pytest.approx(float(run.contacts["normal_impulse"].sum()), rel=1e-9)
+
+
+def test_a_compliant_law_has_no_axis_of_impulses() -> None:
+    run = cl.simulate(cl.build(), duration=5e-4)
+    assert [axes.get_ylabel() for axes in run.plot().axes][-1] == "normal force (N)"
+    assert recording_of(run.to_xarray()).impacts is None

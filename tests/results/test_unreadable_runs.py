@@ -11,7 +11,8 @@ from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab import ComparisonError, compare
+import contactlab as cl
+from contactlab import ComparisonError, checks, compare
 from contactlab.metrics import is_complete, read_run
 from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.run_state import COMPLETE, Job, State, Status, write_state
@@ -102,3 +103,23 @@ def test_files_of_ones_own_by_our_names_harm_nothing(command: Command, simulatio
     Path("sweep/mine/state.json").write_text("no json")
     result = collect("sweep")
     assert sorted(result["status"].values.ravel().tolist()) == [0, 0, Status.FAILED]
+
+
+def test_what_may_be_planned_can_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run has a record at its start, and more at changes; what a law remembers takes room."""
+    monkeypatch.setattr(checks, "FEW_RECORDS", 0)
+    monkeypatch.setattr(checks, "MOST_RECORDS", 1000)
+    monkeypatch.setattr(checks, "MOST_MEMORY", 1000 * checks.RECORD_SIZE)
+    coarse = cl.build(["record.interval=1e-4"])
+    run = cl.simulate(coarse, duration=1e-4, record_interval=1e-7)
+    run.save(tmp_path / "run.nc")
+    assert cl.load(tmp_path / "run.nc").to_xarray().identical(run.to_xarray())
+    for setup in (
+        coarse.with_("law=composed", "law/friction=iwan"),
+        coarse.with_("solver.changes=['33.33 us; rotor.load_torque=1e-3']"),
+    ):
+        with pytest.raises(ValueError, match="record_interval"):
+            cl.simulate(setup, duration=1e-4, record_interval=1e-7)
+        made = cl.simulate(setup, duration=1e-4, record_interval=3e-7)
+        made.save(tmp_path / "run.nc")
+        assert cl.load(tmp_path / "run.nc")["time"].identical(made["time"])

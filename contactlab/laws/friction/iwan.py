@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from math import copysign, cos, pi
+from math import asin, copysign, cos, pi, sqrt
 from types import MappingProxyType
 from typing import Annotated, final
 
@@ -12,6 +12,11 @@ from contactlab.laws.base import RATE_DEPENDENT, Friction
 from contactlab.laws.declaration import Coefficient
 from contactlab.laws.memory import ODD, InternalVariable, dependent
 from contactlab.parameter import Parameter, positive
+
+LEAST = Parameter("x_min/x_s", "1", "smallest amplitude of slip that is resolved", at_least=1e-6, at_most=1.0)
+
+FIRST = 1.0 / 3.0
+"""Way over x_min up to which the first element reaches: to a cycle of x_min it adds FIRST^3/2 of the loss."""
 
 ELEMENTS = Parameter("n", "1", "springs with sliders in parallel", at_least=1, at_most=100)
 
@@ -30,10 +35,17 @@ class Iwan(Friction):
 
     Under a constant N the first loading is that of Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327,
     F = mu N [1 - (1 - x/x_s)^(3/2)], and its reversals follow by Masing's rule. What sticks at x has the
-    share u = sqrt(1 - x/x_s) of the stiffness 3 mu N/(2 x_s); element j has that of u from cos(pi j/(2n))
-    to cos(pi (j-1)/(2n)), and the friction that belongs to it. So a small slip's stiffness and a large
-    one's friction are exact, and what is between goes with 1/n^2. x_s is the slip at which all slides:
-    between spheres mu d/kappa of the depth d, with kappa as in `mindlin`.
+    share u = sqrt(1 - x/x_s) of the stiffness 3 mu N/(2 x_s); an element has that of u between two edges, and
+    the friction that belongs to it. So a small slip's stiffness and a large one's friction are exact.
+    x_s is the slip at which all slides: between spheres mu d/kappa of the depth d, with kappa as in
+    `mindlin`.
+
+    A cycle of small amplitude A loses 4 sum s_j x_j max(A - x_j, 0) N for mu N x_s (A/x_s)^3/2: too little
+    by 3 (D/x_j)^2/4 as A comes to the limit of an element of width D, too much by (D/x_j)^2/6 for those that
+    slide. So each edge phi, u = cos phi, x = x_s sin^2 phi, is the same multiple of the one before, from
+    x_min/3 to x_s, and D/x_j about d = 2 ln(phi_n/phi_1)/(n - 1). From A = x_min on the loss is too small by
+    0.6 d^2 at most and too large by d^2/6 + 2 %, 4.6 and 3.3 % by default, and the force right within
+    d^2/16 of itself. A cycle smaller than x_min/6 loses nothing.
 
     To its limit an element has the way x_j - z_j to go, which never falls with j: those that slide are
     always the first ones. They stick where the slip reverses. Stiffness and limits are in proportion
@@ -54,8 +66,9 @@ class Iwan(Friction):
         }
     )
 
-    elements: Annotated[int, ELEMENTS] = 10
+    elements: Annotated[int, ELEMENTS] = 25
     full_slip: Annotated[float, positive("x_s", "m", "slip at which all elements slide")] = 4e-7
+    least_ratio: Annotated[float, LEAST] = 0.01
 
     @dependent
     def internal_variables(self) -> tuple[InternalVariable, ...]:
@@ -72,8 +85,9 @@ class Iwan(Friction):
     def coefficients(self) -> Mapping[str, Coefficient]:
         """Return mu, x_s, the limits x_j [m] and the stiffnesses over N, s_j [m-1]."""
         n, mu, whole = self.elements, self.friction_coefficient, self.full_slip
-        shares = [cos(0.5 * pi * j / n) if j < n else 0.0 for j in range(n + 1)]
-        pairs = [*pairwise(shares)]
+        first = asin(sqrt(FIRST * self.least_ratio))
+        growth = (0.5 * pi / first) ** (1.0 / max(n - 1, 1))
+        pairs = [*pairwise([1.0, *(cos(first * growth**j) for j in range(n - 1)), 0.0])]
         return {
             "friction_coefficient": mu,
             "static_ratio": 1.0,

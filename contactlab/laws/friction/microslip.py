@@ -50,7 +50,8 @@ class Microslip(Friction):
 
         F = mu N [1 - (1 - x/x_s)^(3/2)],  x_s = 3 mu N/(2 kappa k) = mu d/kappa between spheres
 
-    with an error of the order of 1/n^2, and unloading follows by Masing's rule. Without microslip it is
+    with an error of the order of 1/n^2, and unloading follows by Masing's rule. With n rings a cycle of
+    amplitude A loses as much within 2 (x_s/(n A))^2 of it, and nothing below x_s/n. Without microslip it is
     `mindlin`, with stiffness and limits in proportion to N `iwan`. A ring that slides is stretched beyond its
     limit by x_s/50 at most, with x_s of the largest patch; its force is the limit.
 
