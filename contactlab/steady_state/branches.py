@@ -9,17 +9,18 @@ import numpy as np
 import xarray
 
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.faults import unknown_key
 from contactlab.config.made_in_python import variable_numbers, with_number
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import from_cf
+from contactlab.steady_state.arrival import NotSettledError, settled
 from contactlab.steady_state.continuation import BranchPoint, MapAt, Mark, follow
-from contactlab.steady_state.period_map import PeriodMap
-from contactlab.steady_state.search import steady, steady_setup
+from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
+from contactlab.steady_state.search import LONGEST, steady, steady_setup
 from contactlab.steady_state.state import attributes_of, flags
+from contactlab.suggestion import suggestion
 
 BELT: Final = "belt"
 """The parameter that is no key: the velocity at which the rotor is held [rad/s]."""
@@ -133,8 +134,35 @@ def branch(
             f"At {parameter}={start:g} the motion of the motor is {first.kind}, and no closed orbit was "
             "found next to it; a branch begins with one. Choose another start."
         )
+    if first.orbit.neutral.any():
+        raise NoBranchError(
+            f"At {parameter}={start:g} nothing brings the motion back along {first.orbit.neutral.sum()} of "
+            "its directions, as the velocity of a rotor without friction: a branch follows single orbits. "
+            "Hold the rotor by `belt`, or give it friction or damping."
+        )
     followed = follow(at, first.orbit, start, end, step)
-    return Branch(first.setup, parameter, unit, meaning, followed.points, followed.end)
+    beyond = "" if followed.points[-1].value == end else _beyond(at, followed.points, 0.01 * abs(end - start))
+    return Branch(first.setup, parameter, unit, meaning, followed.points, followed.end + beyond)
+
+
+def _beyond(at: MapAt, points: tuple[BranchPoint, ...], ahead: float) -> str:
+    """Return what the motor comes to a little beyond a branch that ends in its range, in a sentence."""
+    last, section = points[-1], points[-1].orbit.map
+    heading = np.sign(last.value - points[-2].value) if len(points) > 1 else 0.0
+    value = float(last.value + heading * ahead)
+    if not heading:
+        return ""
+    try:
+        begins = section.phase, *section.parts_of(last.orbit.state), section.contact
+        state = settled(at(value).setup, at(value).belt, begins, LONGEST)
+        assert state is not None
+    except (NotSettledError, BrokenOffError, ValueError) as fault:
+        return f" From there the motor comes to no steady state at {value:.7g}: {fault}"
+    text = state.velocity.text() if state.belt is None else f"{state.belt:.6g}"
+    return (
+        f" From there the motor comes to another motion at {value:.7g}, which is {state.kind} and has "
+        f"{text} rad/s; begin a branch with it to follow it."
+    )
 
 
 def family(setup: Setup, parameter: str, belt: float | None = None) -> MapAt:
@@ -168,7 +196,9 @@ def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
         numbers = variable_numbers(setup).items()
         declared = {key: field.parameter for key, (_, field) in numbers if field.parameter}
     if parameter not in declared:
-        raise ConfigurationError([unknown_key(parameter, "", [BELT, *declared])])
+        names = [BELT, *declared]
+        known = suggestion(parameter, names, f"It must be one of {', '.join(names)}.")
+        raise ConfigurationError([f"{parameter} is no number that a branch follows. {known}"])
     if isinstance(flat(setup.configuration)[parameter], int):
         raise NoBranchError(
             f"{parameter} is a whole number; a branch follows one that changes continuously, such as "

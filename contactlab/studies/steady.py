@@ -30,6 +30,10 @@ ROUGH: Final = 1e-2
 """Roughness of the period map above which its multipliers are reported as rough."""
 
 
+LEAST_LEFT: Final = 1e-6
+"""Share of the way to an orbit that a page still writes [%]."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Steady(Study):
     """What does the motor do once it has settled: velocity, torque, power, stability?
@@ -115,11 +119,14 @@ class Steady(Study):
                 f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the {other} "
                 f"Floquet multiplier has the modulus {about['largest_multiplier']:.6g}."
             )
-            if "belt" not in about:
+            if "belt" in about:
+                sentences.append(f"The rotor is held at {about['belt']:.6g} rad/s.")
+            else:
                 left = 100.0 * np.exp(-about["run_duration"] / about["settling_time"])
+                lacks = f"{left:.3g} %" if left >= LEAST_LEFT else f"less than {LEAST_LEFT:g} %"
                 sentences.append(
-                    f"A run of the configured {about['run_duration']:.6g} s lacks {left:.3g} % of the way "
-                    "from its start."
+                    f"A run of the configured {about['run_duration']:.6g} s lacks {lacks} of the way from "
+                    "its start."
                 )
             if about["roughness"] > ROUGH:
                 sentences.append(

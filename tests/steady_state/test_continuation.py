@@ -73,6 +73,11 @@ def test_what_can_be_no_branch_is_refused_in_a_sentence() -> None:
     setup = cl.build()
     with pytest.raises(cl.ConfigurationError, match=r"Did you mean contact\.clearance"):
         cl.branch(setup, "contact.clearnce", 1e-6, 2e-6)
+    for motor in (setup, cl.oscillator(1.0, 1e4, gap=1e-4, force=5.0, frequency=12.0)):
+        law = None if motor is setup else cl.Newton()
+        with pytest.raises(cl.ConfigurationError, match=r"belt, .*rotor\.inertia") as fault:
+            cl.branch(motor, "law", 1.0, 2.0, law=law)
+        assert "piezoceramic," not in str(fault.value)
     with pytest.raises(cl.ConfigurationError, match=r"contact\.clearance is 0\.1 m"):
         cl.branch(setup, "contact.clearance", 1e-6, 0.1)
     with pytest.raises(ValueError, match="two ends that differ"):

@@ -63,12 +63,12 @@ def test_a_run_does_not_hang_on_the_mass_of_what_is_led() -> None:
 
 @pytest.mark.parametrize("root", [1e10, 1e-3])
 def test_a_slider_on_a_led_tip_settles_at_the_velocity_at_which_it_is_not_pushed(root: float) -> None:
-    found = cl.steady(led(root, FLAT, 1e-3), LAW)
-    assert found.kind == "periodic"
-    velocity, error = (FLAT * number for number in found.velocity)
+    result = cl.steady(led(root, FLAT, 1e-3), LAW)
+    assert result.kind == "periodic"
+    velocity, error = (FLAT * number for number in result.velocity)
     assert error < 1e-6
     # It swings a little in a period.
-    ripple = FLAT * float(np.ptp(found["rotor_velocity"].values))
+    ripple = FLAT * float(np.ptp(result["rotor_velocity"].values))
     assert abs(velocity - FASTEST) <= error + ripple
 
 
@@ -79,8 +79,8 @@ def test_the_friction_on_a_plate_that_moves_is_that_of_each_sense_of_the_slip(ve
     period = 1.0 / FREQUENCY
     run = cl.simulate(plate, LAW, duration=2.0 * period, record_interval=period / 50)
     assert -run["friction_force"].values[51:].mean() == pytest.approx(right, abs=1e-8)
-    held = cl.steady(plate, LAW, belt=velocity / FLAT)
-    force, error = (number / FLAT for number in held.torque)
+    on_belt = cl.steady(plate, LAW, belt=velocity / FLAT)
+    force, error = (number / FLAT for number in on_belt.torque)
     assert abs(force - right) <= error < 1e-7
 
 

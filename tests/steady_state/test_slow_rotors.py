@@ -1,4 +1,4 @@
-"""Rotors that settle slowly: a steady state is where their torque is zero, or there is none to be found."""
+"""Rotors that settle slowly: a steady state is where their torque is zero, or there is none to compute."""
 
 import warnings
 from typing import Any
@@ -21,21 +21,21 @@ NEWTON = -3.0489617667
 def test_a_rotor_without_friction_turns_as_load_and_damping_balance(law: str, damping: float) -> None:
     rotor = f"rotor.damping={damping}", "rotor.initial_velocity=1"
     for load in (0.0, damping):
-        found = cl.steady(cl.build([f"law={law}", FREE, *rotor, f"rotor.load_torque={load}"]))
-        assert abs(found.velocity.value + load / damping) <= found.velocity.error < 1e-5
-        assert not found.details.orbit.neutral.any()
+        result = cl.steady(cl.build([f"law={law}", FREE, *rotor, f"rotor.load_torque={load}"]))
+        assert abs(result.velocity.value + load / damping) <= result.velocity.error < 1e-5
+        assert not result.details.orbit.neutral.any()
 
 
 @pytest.mark.parametrize("start", [0, 1])
 def test_a_heavy_rotor_turns_as_fast_as_a_light_one(start: int) -> None:
-    found = cl.steady(cl.build(["law=newton", "rotor.inertia=144", f"rotor.initial_velocity={start}"]))
-    assert abs(found.velocity.value - NEWTON) <= found.velocity.error < 1e-4
+    result = cl.steady(cl.build(["law=newton", "rotor.inertia=144", f"rotor.initial_velocity={start}"]))
+    assert abs(result.velocity.value - NEWTON) <= result.velocity.error < 1e-4
 
 
 def test_a_rotor_that_hardly_rubs_turns_where_its_torque_is_zero() -> None:
     rubs = ["law=hertz_penalty", "contact.friction_coefficient=1e-6"]
-    found = cl.steady(cl.build(rubs))
-    velocity, error = found.velocity
+    result = cl.steady(cl.build(rubs))
+    velocity, error = result.velocity
     assert error < 1e-5
     setup = cl.build(rubs)
     slower, faster = (cl.steady(setup, belt=velocity + s * 1e-4).torque for s in (1.0, -1.0))
@@ -63,9 +63,9 @@ def test_what_round_off_does_not_tell_from_a_neutral_direction_is_refused(load: 
 
 def test_a_rotor_that_nothing_brakes_keeps_its_velocity_and_has_no_branch() -> None:
     setup = cl.build(["law=newton", FREE, "rotor.initial_velocity=1"])
-    found = cl.steady(setup)
-    assert found.velocity.value == pytest.approx(1.0, rel=1e-12)
-    assert found.details.orbit.neutral.sum() == 1
+    result = cl.steady(setup)
+    assert result.velocity.value == pytest.approx(1.0, rel=1e-12)
+    assert result.details.orbit.neutral.sum() == 1
     with pytest.raises(NoBranchError, match="belt"):
         cl.branch(setup, "contact.clearance", 1e-6, 1.1e-6)
 

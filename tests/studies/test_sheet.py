@@ -47,6 +47,26 @@ def test_the_free_rotor_turns_where_the_curve_is_zero_but_for_its_ripple(law: st
     assert apart < 0.005 * data["no_load_velocity"]
 
 
+def test_the_root_of_a_bent_curve_lies_within_its_error() -> None:
+    def point(velocity: float) -> Point:
+        numbers = {"velocity": (velocity, 0.0), "torque": (1.0 - velocity**8, 0.0)}
+        return Point(velocity, "periodic", {key: cl.Estimate(*pair) for key, pair in numbers.items()})
+
+    # The line from 0.9 to 2 crosses zero at 0.9025.
+    value, error = root(map(point, (0.0, 0.9, 2.0)))
+    assert abs(value - 1.0) <= error
+
+
+def test_a_sheet_tells_the_root_of_its_curve_from_the_free_rotors_velocity() -> None:
+    result = cl.characterise(cl.build(["law=hertz_penalty"]))
+    root_of, free = (result.numbers[name] for name in ("curve_root", "no_load_velocity"))
+    assert abs(root_of.value - free.value) > root_of.error + free.error
+    assert any(f"{root_of.value:.6g}" in sentence for sentence in result.findings)
+    # A heavy rotor has no ripple.
+    heavy = cl.steady(cl.build(["law=hertz_penalty", "rotor.inertia=48"])).velocity
+    assert abs(abs(heavy.value) - root_of.value) <= root_of.error + heavy.error
+
+
 def test_a_rotor_under_the_load_of_a_point_turns_as_fast_as_the_belt_of_that_point() -> None:
     data = sheet_of("law=hertz_penalty")
     best = the(data, "power")

@@ -123,16 +123,23 @@ def greatest(points: Iterable[Point], name: str) -> Point | None:
 def root(points: Iterable[Point]) -> Estimate:
     """Return the greatest velocity at which the torque falls through zero [rad/s], by linear interpolation.
 
-    Its error is the distance from the nearer point, and the error of the torque over the slope.
+    Its error is that of the torque over the slope, and that of the interpolation: the distance from the
+    nearer point, or what the slopes of the intervals beside would make of it, where that is more. The root
+    lies between the two points.
     """
     known = [point for point in points if point.belt is not None and np.isfinite(point.value("torque"))]
-    for below, above in reversed([*pairwise(known)]):
-        v, w = below.value("velocity"), above.value("velocity")
-        (m, m_error), (n, n_error) = below["torque"], above["torque"]
-        if m > 0.0 >= n:
-            value = v + (w - v) * m / (m - n)
-            spread = max(m_error, n_error) * (w - v) / (m - n)
-            return Estimate(value, min(value - v, w - value) + spread)
+    speeds, torques = (np.array([point.value(name) for point in known]) for name in ("velocity", "torque"))
+    slopes = -np.diff(torques) / np.diff(speeds)
+    for i in reversed(range(slopes.size)):
+        if torques[i] > 0.0 >= torques[i + 1]:
+            value = float(speeds[i] + torques[i] / slopes[i])
+            near = i if value - speeds[i] <= speeds[i + 1] - value else i + 1
+            beside = slopes[max(i - 1, 0) : i + 2]
+            others = speeds[near] + torques[near] / beside[beside > 0.0]
+            missed = max(abs(value - speeds[near]), np.abs(others - value).max())
+            within = max(value - speeds[i], speeds[i + 1] - value)
+            spread = max(known[i]["torque"].error, known[i + 1]["torque"].error) / slopes[i]
+            return Estimate(value, float(min(missed, within) + spread))
     return UNKNOWN
 
 
@@ -165,7 +172,7 @@ POINT: Final = {name: Variable(name, ("point",), *rest) for name, *rest in (
 
 MOTOR: Final = {name: Variable(name, (), *rest) for name, *rest in (
     ("no_load_velocity", "rad s-1", "Omega_0", "velocity of the free rotor in the motor's sense"),
-    ("curve_root", "rad s-1", "", "velocity at which the speed-torque curve is zero, a check"),
+    ("curve_root", "rad s-1", "", "velocity at which a rotor without ripple has no torque, a check"),
     ("stall_torque", "N m", "M_0", "load that holds the rotor at rest"),
     ("holding_torque", "N m", "M_h", "load that moves the rotor when the drive is off"),
     ("start_time", "s", "t_90", "from the start to 90 % of the no-load velocity"),

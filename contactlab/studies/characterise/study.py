@@ -159,7 +159,14 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
         yield f"the motion is {kind} at {where} rad/s; numbers are means over a long run there."
     apart = abs(float(law["no_load_velocity"] - law["curve_root"]))
     free = law.isel(point=int(np.flatnonzero(law["role"].values == "no load")[0]))
-    known = float(free["velocity_ripple"] + law["no_load_velocity_error"] + law["curve_root_error"])
+    errors = float(law["no_load_velocity_error"] + law["curve_root_error"])
+    known = float(free["velocity_ripple"]) + errors
+    if errors < apart <= known:
+        yield (
+            f"the speed-torque curve is zero at {float(law['curve_root']):.6g} rad/s, {apart:.2g} rad/s from "
+            f"the free rotor's velocity: that one swings by {float(free['velocity_ripple']):.2g} rad/s in a "
+            "period, and the rotor of the curve is held."
+        )
     if apart > known:
         yield (
             f"the free rotor's velocity and the root of the curve differ by {apart:.2g} rad/s, more than "
