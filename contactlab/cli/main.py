@@ -25,7 +25,7 @@ def main() -> int:
             # A terminal that cannot show a character shows its code.
             stream.reconfigure(errors="backslashreplace")
     try:
-        with terminal.ending_at_once():
+        with terminal.ending_stuck(), terminal.ending_at_once():
             status = _perform(*sys.argv[1:])
     except SystemExit as stop:
         status = int(stop.code or 0)
