@@ -302,7 +302,7 @@ def is_kind(value: object, kind: Any) -> bool:
         fits = isinstance(value, tuple) and len(value) == len(arguments)
         return fits and all(map(is_kind, cast("tuple[Any, ...]", value), arguments))
     if origin is Mapping:
-        return isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+        return isinstance(value, Mapping) and all(is_kind(key, arguments[0]) for key in value)
     if origin is Callable:
         return callable(value)
     if kind in (float, int):

@@ -30,13 +30,13 @@ def queried_shell(arguments: list[str]) -> str:
 
 
 def print_candidates(shell: str) -> None:
-    """Print what may complete the last word of the line: nothing where that cannot be told."""
-    found: list[str] = []
+    """Print what may complete the last word of the line: nothing where that fails."""
+    matches: list[str] = []
     # Whatever it raises would be written into the prompt.
     with suppress(Exception):
         line = CompletionPlugin.strip_python_or_app_name(os.environ["COMP_LINE"])
-        found = candidates(line)
-    print(_BETWEEN.get(shell, " ").join(found))
+        matches = candidates(line)
+    print(_BETWEEN.get(shell, " ").join(matches))
 
 
 def candidates(line: str) -> list[str]:
@@ -45,28 +45,28 @@ def candidates(line: str) -> list[str]:
     Args:
         line: of a command, without the name of the program.
     """
-    words = line.split()
-    word = "" if not line or line[-1].isspace() else words.pop()
+    arguments = line.split()
+    word = "" if not line or line[-1].isspace() else arguments.pop()
     verbs = sorted({*VERBS, *studies(), "help"} - {SIMULATE})
-    if not words:
-        return _beginning(verbs, word) + _of_configuration(COMMAND, words, word)
-    if words == ["help"]:
+    if not arguments:
+        return _beginning(verbs, word) + _of_configuration(COMMAND, arguments, word)
+    if arguments == ["help"]:
         return _beginning(verbs, word)
-    if words[0] in VERBS:
-        return _beginning(_names(words[0]), word)
-    if words[0] not in studies():
-        return [] if words[0].isidentifier() else _of_configuration(COMMAND, words, word)
-    options = declared_fields(study_class(words[0]))
+    if arguments[0] in VERBS:
+        return _beginning(_names(arguments[0]), word)
+    if arguments[0] not in studies():
+        return [] if arguments[0].isidentifier() else _of_configuration(COMMAND, arguments, word)
+    options = declared_fields(study_class(arguments[0]))
     key, sign, _ = word.partition("=")
     if sign and key in options:
         return _beginning((f"{key}={value}" for value in _values(options[key])), word)
     named = _beginning((f"{name}=" for name in (*options, "output")), word)
-    others = [each for each in words[1:] if each.partition("=")[0] not in (*options, "output")]
+    others = [each for each in arguments[1:] if each.partition("=")[0] not in (*options, "output")]
     return named + _of_configuration(RUN, others, word)
 
 
-def _beginning(words: Iterable[str], start: str) -> list[str]:
-    return [word for word in words if word.startswith(start)]
+def _beginning(candidates: Iterable[str], start: str) -> list[str]:
+    return [each for each in candidates if each.startswith(start)]
 
 
 def _names(verb: str) -> Iterator[str]:
@@ -88,19 +88,19 @@ def _values(field: DeclaredField) -> Iterator[str]:
         yield from (each for each in get_args(kind) if isinstance(each, str))
 
 
-def _of_configuration(name: str, words: Iterable[str], word: str) -> list[str]:
+def _of_configuration(name: str, arguments: Iterable[str], word: str) -> list[str]:
     """Return the groups, options, keys and values that Hydra completes a word to.
 
     Of several values, law=newton,h, the last one is completed, and those before count as the first.
     """
     key, sign, value = word.partition("=")
     before, comma, last = value.rpartition(",")
-    chosen = [each.split(",")[0] for each in words if "=" in each and not {*"'\"[({"} & {*each}]
+    chosen = [each.split(",")[0] for each in arguments if "=" in each and not {*"'\"[({"} & {*each}]
     with started() as application:
         plugin = DefaultCompletionPlugin(application.config_loader)
         line = " ".join([*for_hydra(chosen), f"{key}{sign}{last}"])
-        found: list[str] = plugin._query(name, line)
-    if found == [word] and sign:
+        matches: list[str] = plugin._query(name, line)
+    if matches == [word] and sign:
         # A text without a default: a file.
         return [f"{word}{file}" for file in plugin.complete_files("./")]
-    return [f"{key}={before}{comma}{each.partition('=')[2]}" for each in found] if comma else found
+    return [f"{key}={before}{comma}{each.partition('=')[2]}" for each in matches] if comma else matches

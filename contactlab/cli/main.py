@@ -28,7 +28,7 @@ def main() -> int:
             stream.reconfigure(errors="backslashreplace")
     # What has ended has its status: a late Ctrl-C does not change it.
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
-    with terminal.ending_at_once():
+    with terminal.ending_stuck(), terminal.ending_at_once():
         try:
             status = _perform(*sys.argv[1:])
         except SystemExit as stop:

@@ -131,7 +131,9 @@ def main(arguments: list[str]) -> int:
     # So Hydra raises what it would print and end on.
     os.environ["HYDRA_FULL_ERROR"] = "1"
     sys.argv[1:] = lines = for_hydra(arguments)
+    # Of an earlier command of this process.
     _begun.clear()
+    HydraConfig.instance().cfg = None
     try:
         refuse_lines(line for line in arguments if not line.startswith("-"))
         refuse_expansions(_folders(lines))

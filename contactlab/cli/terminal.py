@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from functools import partial
 from math import inf, isfinite
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 from types import FrameType
 from typing import Final, NoReturn, TextIO, final
 
@@ -26,6 +26,9 @@ from contactlab.results.files import error_text, remove_own
 
 COMPLETE, INCOMPLETE, REFUSED, INTERRUPTED = 0, 1, 2, 130
 """Exit statuses of the command: complete, incomplete or failed, refused for a fault, ended by Ctrl-C."""
+
+STUCK: Final = 1.0
+"""Time after a second Ctrl-C in which a handler runs where the process is not stuck in compiled code [s]."""
 
 MESSAGE: Final = "Interrupted before the end; no result was written."
 
@@ -89,11 +92,52 @@ def _handled(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]
     if not main or before is None or before is signal.SIG_IGN:
         yield
         return
-    signal.signal(signal.SIGINT, handler)
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        _unhandled.clear()
+        handler(number, frame)
+
+    signal.signal(signal.SIGINT, handle)
     try:
         yield
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+_unhandled: Final[list[int]] = []
+"""Ctrl-C that came since a handler ran last: none runs while compiled code does not return."""
+
+
+@contextmanager
+def ending_stuck() -> Iterator[None]:
+    """Let a second Ctrl-C end the process where compiled code does not return, as of a law without an end.
+
+    Handlers run between two steps of the interpreter; a thread reads what the system writes of a signal.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    source, sink = os.pipe()
+    os.set_blocking(sink, False)
+    before = signal.set_wakeup_fd(sink, warn_on_full_buffer=False)
+
+    def watch() -> None:
+        while byte := os.read(source, 1):
+            if byte[0] == signal.SIGINT:
+                _unhandled.append(1)
+                sleep(STUCK if len(_unhandled) > 1 else 0.0)
+                if len(_unhandled) > 1:
+                    _end(signal.SIGINT, None)
+        os.close(source)
+
+    _unhandled.clear()
+    watching = threading.Thread(target=watch, daemon=True)
+    watching.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(sink)
 
 
 def _end(_number: int, _frame: FrameType | None) -> NoReturn:

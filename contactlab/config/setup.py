@@ -254,7 +254,7 @@ def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | N
     Args:
         configuration: overrides as on the command line, ["law=newton", "drive.phase=0"], or a mapping of
             groups, each the name of an option or a mapping of keys, with numbers in SI or texts with units:
-            {"law": "newton", "contact": {"clearance": "0.5 um"}}. What is absent has its default.
+            {"law": "newton", "contact.clearance": "0.5 um"}, or nested. What is absent has its default.
         config_dir: folder with further options of groups, `config_dir/experiment/mine.yaml`, as --config-dir
             of the command.
 

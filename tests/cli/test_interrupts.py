@@ -4,6 +4,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 
 import pytest
 
@@ -120,3 +121,38 @@ def test_a_second_ctrl_c_has_the_status_of_the_first(meanwhile: bool) -> None:
     done = subprocess.run(line, capture_output=True, text=True, check=False)
     assert done.returncode == 130, done.stderr
     assert "Traceback" not in done.stderr
+
+
+ENDLESS = """
+import time
+from contactlab.cli import terminal
+from contactlab.compiler.kernels import kernel
+
+@kernel
+def endless(x):
+    while x > 0.0:
+        x += 1.0
+    return x
+
+with terminal.ending_stuck(), terminal.ending_at_once():
+    endless(-1.0)
+    print("begun", flush=True)
+    endless(1.0)
+"""
+
+
+def test_a_second_ctrl_c_ends_a_process_whose_compiled_code_does_not_return() -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-c", ENDLESS], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    try:
+        assert process.stdout is not None
+        assert process.stdout.readline() == b"begun\n"
+        for _ in range(2):
+            time.sleep(0.5)
+            process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=60)
+    finally:
+        process.kill()
+    assert process.returncode == terminal.INTERRUPTED
+    assert err.strip()
