@@ -128,6 +128,20 @@ def rows_of(experiment: str) -> list[dict[str, Any]]:
     return rows
 
 
+PRINTED_RATIOS: Final = {"placement 1": 2.67, "placement 2": 1.71}
+"""Ratios of the second to the first frequency as printed in the last column of Table 1."""
+
+
+def frequency_ratio(placement: str) -> float:
+    """Return the ratio of the second to the first frequency of a placement."""
+    first, second = (
+        float(row["computed"])
+        for row in rows_of("table1_placement")
+        if row["placement"] == placement and row["quantity"].endswith("[Hz]")
+    )
+    return second / first
+
+
 def hastened() -> list[float]:
     """Return settled speeds of the default motor over those of figure 8 after 5 ms, by law."""
     early = {row["law"]: row["1 um, 5 ms"] for row in rows_of("fig8_rotor_velocity")}
@@ -310,6 +324,20 @@ def share(quantity: str) -> tuple[float, float]:
     return float(low), float(high)
 
 
+def clear_share(quantity: str) -> tuple[float, float]:
+    """Return the 95 % interval of the probability that D > 1; what is not clear counts as either."""
+    here = matters(quantity)
+    low, _ = binomial_interval(here["clearly above"], here["motors"])
+    _, high = binomial_interval(here["motors"] - here["clearly below"], here["motors"])
+    return float(low), float(high)
+
+
+def counted(rate: float, trials: int) -> Number:
+    """Return a rate with the half of its 95 % interval over independent trials."""
+    low, high = binomial_interval(round(rate * trials), trials)
+    return Number(rate, 0.5 * float(high - low))
+
+
 def separating() -> list[dict[str, Any]]:
     """Return the groups over which D differs."""
     return [row for row in mattering() if row["p"] is not None and row["p"] < 0.05]
@@ -349,12 +377,16 @@ class Claim:
         """Whether the claim holds."""
         if not self.holds:
             return "stated"
-        return {True: "holds", False: "does not hold", None: "inconclusive"}[evaluated(self.holds)]
+        return {True: "holds", False: "does not hold", None: "is inconclusive"}[evaluated(self.holds)]
 
     @property
     def template(self) -> str:
-        """The sentence that the page states."""
-        return {"does not hold": self.otherwise, "inconclusive": self.open}.get(self.verdict, self.sentence)
+        """The sentence that the page states; a KeyError where none is written for an open predicate."""
+        if self.verdict == "is inconclusive" and not self.open:
+            raise KeyError(self.sentence)
+        return {"does not hold": self.otherwise, "is inconclusive": self.open}.get(
+            self.verdict, self.sentence
+        )
 
 
 CLAIMS: Final = tuple(

@@ -118,10 +118,9 @@ class DrivePhaseMap(SettledMap):
         sentence = (
             f"Where the motor turns ({int(moves.sum())} cells), rigid stick and Hertz agree within 10 % in "
             f"{100.0 * (apart < 0.1).mean():.0f} %, differ more than twofold in {100.0 * twofold.mean():.0f} "
-            f"%, and turn in opposite directions in {100.0 * opposite:.0f} %. The maps are alike, of "
-            f"{size_hertz:.2f} (Hertz) and {size_stick:.2f} rad/s (rigid), but turned by {shift / np.pi:.2f} "
-            "pi: a rigid impact gives its impulse at the touch-down, a compliant contact later, when the tip "
-            "moves sideways otherwise. They agree where the map is flat."
+            f"%, and turn in opposite directions in {100.0 * opposite:.0f} %. The first harmonics of "
+            f"the maps over the phase have amplitudes of {size_hertz:.2f} (Hertz) and {size_stick:.2f} rad/s "
+            f"(rigid) and lie {shift / np.pi:.2f} pi apart."
         )
         return sentence, bool((apart < 0.1).any() and twofold.any())
 

@@ -86,10 +86,9 @@ class FrictionSweep(SettledMap):
         time = data.settling_time.sel(law="hertz_penalty").values
         exponent = float(np.polyfit(np.log(mu), np.log(time), 1)[0])
         sentence = (
-            f"Between coefficients of {mu[0]:.2g} and {mu[-1]:.2g} the settled speed goes, in rad/s, {text}: "
-            "it is not friction that makes a settled motor fast. What friction buys is time: with Hertz "
-            f"contact the motor settles in {1e3 * time[0]:.3g} ms at the lowest and {1e3 * time[-1]:.3g} ms "
-            f"at the highest coefficient, as the coefficient to the power {exponent:.2g}."
+            f"Between coefficients of {mu[0]:.2g} and {mu[-1]:.2g} the settled speed goes, in rad/s, {text}. "
+            f"With a Hertz contact the motor settles in {1e3 * time[0]:.3g} ms at the lowest and "
+            f"{1e3 * time[-1]:.3g} ms at the highest coefficient, as this to the power {exponent:.2g}."
         )
         return sentence, bool(velocity.sel(law="hertz_penalty")[0] > velocity.sel(law="hertz_penalty")[-1])
 

@@ -139,7 +139,7 @@ def age_of(used: Iterable[tuple[str, str]]) -> str:
 
 
 def relist(pages: Iterable[Page]) -> None:
-    """Write the list of numbers anew: new ones are unwatched, and those that stand there no more are left out."""
+    """Write the list of numbers anew: new ones as unwatched, without those that stand there no more."""
     lines = (ROOT / LISTED).read_text(encoding="utf-8").splitlines(keepends=True)
     content: dict[str, dict[str, list[str]]] = {}
     for page in pages:
@@ -201,8 +201,8 @@ def listed() -> str:
     for page in dict.fromkeys(claim.page for claim in CLAIMS):
         lines.append(f"## {page}\n")
         for claim in of_page(page):
-            lines.append(f"* **{claim.verdict}**: {rendered(claim)}\n  ({claim.population})")
-            lines += [f"  `{claim.holds}`"] if claim.holds else []
+            lines.append(f"* {rendered(claim)}\n  ({claim.population})")
+            lines += [f"  Predicate, which {claim.verdict}: `{claim.holds}`"] if claim.holds else []
         lines.append("")
     lines += ["## The code that made the numbers\n", "| results | section | code |", "|---|---|---|"]
     for (file, name), state in states().items():

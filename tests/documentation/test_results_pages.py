@@ -1,5 +1,6 @@
 """Pages state the numbers of docs/results, and say so where these are not of the present code."""
 
+import re
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from pathlib import Path
@@ -227,3 +228,15 @@ def test_a_number_that_is_gone_leaves_the_list() -> None:
     page = Page(STEADY)
     page.text = page.text.replace("3.2 mm", "thicker")
     assert [*page.bare()] == [f"{STEADY}: '3.2 mm' stands there no more"]
+
+
+OPEN = re.compile(r"\b(?:less|fastest|slowest|clear_share)\(")
+"""Functions of predicates that errors leave open."""
+
+
+@pytest.mark.parametrize(
+    "claim", [claim for claim in claims.CLAIMS if OPEN.search(claim.holds)], ids=lambda claim: claim.page
+)
+def test_a_predicate_that_can_be_open_has_a_sentence_for_it(claim: claims.Claim) -> None:
+    assert claim.open
+    assert claim.otherwise
