@@ -37,6 +37,7 @@ from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import FreeParameter, label_of
 from contactlab.inference.held_out import HeldOut, folds_of, held_out_misfits, residuals_of
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
+from contactlab.inference.influence import without_influence
 from contactlab.inference.joint_problem import JointProblem
 from contactlab.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
 from contactlab.inference.least_squares import Optimum, best_fit
@@ -178,6 +179,7 @@ def candidates_of(
         keys = every[place]
         try:
             problem = _problem_of(sets, setup, keys, corrections, own, degrees_of_freedom, degree, may_err)
+            problem, idle = _with_influence(problem, keys)
         except ConfigurationError as error:
             faults += error.faults
             continue
@@ -191,7 +193,10 @@ def candidates_of(
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
         truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}
-        result.append(Candidate(label, problem, truth, origin, numbers_of(setup, keys, [*free, *known])))
+        stated = numbers_of(setup, [item for item in keys if item.name not in idle], [*free, *known])
+        if idle:
+            stated += f" Not free, since they have no influence on these data: {', '.join(idle)}."
+        result.append(Candidate(label, problem, truth, origin, stated))
     if faults:
         raise ConfigurationError(list(dict.fromkeys(faults)))
     return result
@@ -244,6 +249,25 @@ def _problem_of(
     if not problem.free:
         raise ConfigurationError(f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH.")
     return problem
+
+
+def _with_influence(problem: Problem, keys: Sequence[FreeParameter]) -> tuple[Problem, list[str]]:
+    """Return the problem without the numbers that have no influence on its data, and their keys.
+
+    Raises:
+        ConfigurationError: no number has influence, and nothing else is free.
+    """
+    reduced = without_influence(problem)
+    ends = {item.name.removeprefix(f"{label}.") for item in reduced.parameters for label in _labels(problem)}
+    idle = [item.name for item in keys if item.name not in ends]
+    if not reduced.free:
+        raise ConfigurationError(f"{', '.join(idle)} has no influence on these data; free another number.")
+    return reduced, idle
+
+
+def _labels(problem: Problem) -> list[str]:
+    """Return the labels of the data sets of a problem, "" of a single one."""
+    return [*problem.parts] if isinstance(problem, JointProblem) else [""]
 
 
 def _problem(

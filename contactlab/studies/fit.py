@@ -41,7 +41,7 @@ from contactlab.results.files import digest_of_file
 from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
 from contactlab.studies.run_state import code_in
 from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
-from contactlab.studies.tables import UNIT, table
+from contactlab.studies.tables import UNIT, table, with_unit
 
 OrFree = float | Literal["free"] | None
 """A number of the noise, or that it is free."""
@@ -221,10 +221,15 @@ class Fit(Study):
         return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return which laws do not fit, the comparison of the laws, then what limits each fit."""
+        """Return which laws do not fit, their comparison, then of each fit its numbers and what limits it."""
         result = compared(data.children)
         for label, fit in data.children.items():
             before = f"{label}: " if len(data.children) > 1 else ""
+            estimates = [
+                f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
+                for row in _rows(fit)
+            ]
+            result.append(f"{before}{'; '.join(estimates)}.")
             result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
         return result
 
@@ -269,11 +274,20 @@ class Fit(Study):
         figures = {}
         for label, fit in data.children.items():
             end, sets = _ending(data, label), sets_in(fit)
-            figures[f"corner{end}"] = draw_corner(fit)
+            drawn = {f"Posterior of {label}, by pairs of its numbers": (f"corner{end}", draw_corner(fit))}
             for each in sets:
-                figures[f"predictions{end}{each and f'_{each}'}"] = draw_predictions(fit, each)
+                of = f" of {each}" if each else ""
+                picture = draw_predictions(fit, each)
+                drawn[f"Data{of} and predictions of {label}"] = (
+                    f"predictions{end}{each and f'_{each}'}",
+                    picture,
+                )
             if "residuals" in fit.children and len(sets) > 1:
-                figures[f"residuals{end}"] = draw_residuals(fit)
+                residuals = f"residuals{end}", draw_residuals(fit)
+                drawn[f"Residuals of {label} over their errors"] = residuals
+            for caption, (name, figure) in drawn.items():
+                figure.set_label(caption)
+                figures[name] = figure
         return figures
 
 

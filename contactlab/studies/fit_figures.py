@@ -6,12 +6,14 @@ import numpy as np
 import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from contactlab.arrays import Array
 from contactlab.inference.fit import ENDS, misfits
 from contactlab.parameter import from_cf
 from contactlab.plot.style import COLOURS
 from contactlab.studies.figures import drawing
+from contactlab.studies.tables import unit_for
 
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24
@@ -25,14 +27,12 @@ _TRUTH: Final[Any] = {"color": COLOURS["fault"], "linewidth": 0.9}
 
 def draw_corner(fit: xarray.DataTree) -> Figure:
     """Draw the posterior of each parameter, and of each pair: 50 % and 90 % regions, the truth in red."""
-    summary, samples = fit["summary"].to_dataset(), fit["weighted_samples"].to_dataset()
+    samples = fit["weighted_samples"].to_dataset()
     weights, columns = np.exp(samples["log_weight"].values), samples["value"].values.T
-    truth = summary["truth"].values
-    heads = [
-        str(name).replace(".", ".\n").replace("_", " ") + ("" if unit == "1" else f"\n({from_cf(str(unit))})")
-        for name, unit in zip(summary["parameter"].values, summary["units"].values, strict=True)
-    ]
-    low, high = summary["low"].values, summary["high"].values
+    summary = fit["summary"].to_dataset()
+    heads, scales = _heads(summary)
+    columns = columns / scales[:, None]
+    low, high, truth = (summary[name].values / scales for name in ("low", "high", "truth"))
     width = np.where(high > low, high - low, np.where(high != 0.0, np.abs(high), 1.0))
     spans = [*zip((low - 0.6 * width).tolist(), (high + 0.6 * width).tolist(), strict=True)]
     count = min(len(heads), MOST)
@@ -59,11 +59,25 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
         bottom, left = i == count - 1, j == 0 and i > 0
         axes.tick_params(labelbottom=bottom, labelleft=left)
         for axis, head, labelled in ((axes.xaxis, heads[j], bottom), (axes.yaxis, heads[i], left)):
-            axis.get_offset_text().set_visible(labelled)
+            # A tick is a number that is read as it stands.
+            if isinstance(formatter := axis.get_major_formatter(), ScalarFormatter):
+                formatter.set_useOffset(False)
+                formatter.set_scientific(False)
             if labelled:
                 axis.set_label_text(head, fontsize=6)
     figure.align_labels()
     return figure
+
+
+def _heads(summary: xarray.Dataset) -> tuple[list[str], Array]:
+    """Return names of numbers with handy units, and the sizes of these in SI."""
+    heads, scales = list[str](), list[float]()
+    largest = np.maximum(np.abs(summary["low"].values), np.abs(summary["high"].values))
+    for name, size, units in zip(summary["parameter"].values, largest, summary["units"].values, strict=True):
+        unit, scale = unit_for(float(size), str(units))
+        heads.append(str(name).replace(".", ".\n").replace("_", " ") + (f"\n({unit})" if unit else ""))
+        scales.append(scale)
+    return heads, np.array(scales)
 
 
 def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:

@@ -119,15 +119,20 @@ def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pand
 
 def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
     """Return a row with the prefix of its unit that suits its largest number or error."""
-    unit, scale = from_cf(row[UNIT]), 1.0
     sizes = [
         abs(x) for cell in row.values() if isinstance(cell, Estimate | float) for x in np.atleast_1d(cell)
     ]
     largest = max((float(x) for x in sizes if np.isfinite(x)), default=0.0)
+    unit, scale = unit_for(largest, row[UNIT])
+    return {name: _scaled(cell, scale) for name, cell in row.items()} | {UNIT: unit}
+
+
+def unit_for(largest: float, units: str) -> tuple[str, float]:
+    """Return the unit in which a number is handy, empty for none, and its size in SI."""
+    unit, scale = from_cf(units), 1.0
     if unit not in WITHOUT_PREFIX and largest > 0.0:
         unit, scale = prefixed_unit(largest, unit)
-    cells = {name: _scaled(cell, scale) for name, cell in row.items()}
-    return cells | {UNIT: "" if unit == "1" else unit.replace("\u00b5", "u")}
+    return "" if unit == "1" else unit.replace("\u00b5", "u"), scale
 
 
 def _scaled(cell: object, scale: float) -> object:
@@ -140,6 +145,16 @@ def _scaled(cell: object, scale: float) -> object:
         case float():
             return cell / scale
     return cell
+
+
+def with_unit(number: Estimate, units: str) -> str:
+    """Return a number with its error and a unit of a handy size.
+
+    >>> with_unit(Estimate(2.007e10, 1.7e8), "N m-1.5"), with_unit(Estimate(0.82, 0.01), "1")
+    ('2.007e+04 +- 1.7e+02 MN/m^1.5', '0.820 +- 0.01')
+    """
+    row = _prefixed({UNIT: units, "number": number})
+    return f"{shown(row['number'])} {row[UNIT]}".rstrip()
 
 
 def as_text(frame: pandas.DataFrame) -> str:

@@ -209,7 +209,19 @@ class Validate(Study):
         }
         if TRACKS in data.children:
             figures[TRACKS] = draw_tracks(data.children[TRACKS].to_dataset(inherit=False))
+        for name, figure in figures.items():
+            figure.set_label(CAPTIONS[name])
         return figures
+
+
+CAPTIONS: Final = {
+    "prediction_error": "Errors of the laws on impacts to which they were not fitted",
+    "paired_differences": "Differences of the errors of laws on the same impacts",
+    "residuals": "Residuals of the predicted velocities",
+    "impacts": "Errors over the impacts",
+    TRACKS: "Tracks, their flights and impacts",
+}
+"""Captions of the figures by name."""
 
 
 def _cross_validated(*arguments: Any) -> Part:

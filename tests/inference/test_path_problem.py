@@ -1,5 +1,6 @@
 """Claims on forces measured on a prescribed path: the law that made them in another program is found."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -280,3 +281,19 @@ def test_a_path_that_is_interrupted_is_no_path_without_a_prediction(monkeypatch:
     monkeypatch.setattr(path_module, "simulate", lambda *args, **named: whole(*args, **named, progress=stop))
     with pytest.raises(KeyboardInterrupt):
         predicted_by(law, loop_of(2e-3))
+
+
+def test_a_number_without_influence_is_not_free_and_that_is_stated() -> None:
+    """Under a given load a stiffness moves the gap alone; with Mindlin's friction it is also the spring's."""
+    free = {"law.normal.stiffness": (1e9, 1e11), "contact.friction_coefficient": (0.1, 0.5)}
+    data = loop_of(2e-6)
+    for friction, idle in (("coulomb", ["law.normal.stiffness"]), ("mindlin", [])):
+        setup = cl.build(["law=composed", f"law/friction={friction}"])
+        (candidate,) = candidates_of(data, {"": setup}, free)
+        names = {item.name for item in candidate.problem.parameters}
+        assert names == {*free} - {*idle}
+        assert all(f" {key}." in candidate.numbers for key in idle)
+    stiffness = {"law.normal.stiffness": (1e9, 1e11)}
+    measured = replace(data, errors=dict.fromkeys(FORCES, 0.1 + 0.0 * CYCLE))
+    with pytest.raises(ConfigurationError, match="stiffness"):
+        candidates_of(measured, {"": cl.build(["law=composed"])}, stiffness)
