@@ -64,11 +64,11 @@ class Compare(Study):
 
     Laws are chosen by law=A,B; other listed values, drive.phase=-1,0,1, are operating points. The motors are
     compared once they have settled, in pairs: a draw of all that is uncertain serves every law. Drawn are
-    friction, contact stiffness, clearance, damping, frequency, phase and amplitude of the voltages, and the
-    start; KEY=LOW..HIGH, KEY=log(LOW..HIGH), KEY=MEAN+-DEVIATION and KEY=+-SHARE state these or others. Draws
-    continue until the order of each pair in this population is known, or `samples` are spent. Recorded runs
-    of one motor with one drive, DIR..., folders of runs, their run.nc, or folders of such folders, are
-    compared from their start on, by the scorecard.
+    friction, contact stiffness, clearance or preload, damping, frequency, phase and amplitude of the
+    voltages, and the start; KEY=LOW..HIGH, KEY=log(LOW..HIGH), KEY=MEAN+-DEVIATION and KEY=+-SHARE state
+    these or others. Draws continue until the order of each pair in this population is known, or `samples`
+    are spent. Recorded runs of one motor with one drive, DIR..., folders of runs, their run.nc, or folders
+    of such folders, are compared from their start on, by the scorecard.
     """
 
     name: ClassVar[str] = "compare"
