@@ -128,12 +128,16 @@ def missed_rate(run: Run, law: Law, normal: float, unfelt: bool) -> float:
         # At the edge of the contact the law has no rate yet.
         return 0.0
     friction, first, _, _ = friction_at(law, (gap, rate, slip), end, normal)
-    law.row[HEAD] += FELT * (abs(state.memory[0]) + LEAST_INTERNAL)
+    # Away from zero: a slider beyond its cone stays there, and a mirrored step has the mirrored numbers.
+    z = state.memory[0]
+    way = -1.0 if state.law.parity != EVEN and (z < 0.0 or (z == 0.0 and slip < 0.0)) else 1.0
+    law.row[HEAD] += way * FELT * (abs(z) + LEAST_INTERNAL)
     if not unfelt and (normal == 0.0 or friction_at(law, (gap, rate, slip), end, normal)[0] != friction):
         return 0.0
-    law.row[HEAD] = state.memory[0]
-    digits = abs(friction_at(law, (gap, rate, slip + slip_digits(run, 0)), end, normal)[1] - first)
-    size = max(abs(state.memory[0]), abs(state.length * first))
+    law.row[HEAD] = z
+    rounded = slip + (1.0 if slip >= 0.0 else -1.0) * slip_digits(run, 0)
+    digits = abs(friction_at(law, (gap, rate, rounded), end, normal)[1] - first)
+    size = max(abs(z), abs(state.length * first))
     for i in range(NODES):
         size = max(size, abs(step.memory[i, 0]))
     # The slip's round-off alone may be as much.
@@ -309,7 +313,7 @@ def _missed_stretch(
     friction, flow, _, _ = friction_at(law, at, end, normal)
     if coupled:
         z = law.row[HEAD]
-        dz = NUDGE * (abs(z) + LEAST_INTERNAL)
+        dz = (NUDGE if at[2] >= 0.0 or run.state.law.parity == EVEN else -NUDGE) * (abs(z) + LEAST_INTERNAL)
         law.row[HEAD] = z + dz
         forgetting = max((flow - friction_at(law, at, end, normal)[1]) / dz, 0.0)
         missed = flow - value_at(run.state.internal_rate, x)
