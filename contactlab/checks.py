@@ -117,7 +117,9 @@ def _argument(
     if isinstance(value, list | tuple) and np.ndarray in [get_origin(kind) for kind in kinds]:
         value = as_array(name, value)
     if not any(is_kind(value, kind) for kind in kinds):
-        raise TypeError(_other_kind(name, value, kinds))
+        # Another text than those admitted is of their kind.
+        text = isinstance(value, str) and any(get_origin(kind) is Literal for kind in kinds)
+        raise (ValueError if text else TypeError)(_other_kind(name, value, kinds))
     if isinstance(value, float | int) and isnan(value):
         raise ValueError(f"{name} is {value}; it must be a number.")
     if isinstance(value, float | int) and number and not number.admits(value):

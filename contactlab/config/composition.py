@@ -119,13 +119,17 @@ def _by_group(configuration: Mapping[str, Any]) -> dict[str, Any]:
     """
     values: dict[str, Any] = {}
     for key, value in configuration.items():
-        for name, below in flat({str(key).replace("/", "."): value}).items():
+        whole = {str(key).replace("/", "."): value}
+        # A group without keys is one all the same.
+        for name, below in (flat(whole) or whole).items():
             if name in values:
                 raise ConfigurationError(f"{name} occurs twice; it must occur once. Leave one out.")
             values[name] = below
     for group in [name for name in values if any(key.startswith(f"{name}.") for key in values)]:
         section = LAW if group.partition(".")[0] == "law" else GROUPS.get(group)
         option = values.pop(group)
+        if option == {}:
+            continue
         if section is None or not section.selector:
             raise ConfigurationError(
                 f"{group} is {describe(option)} and has keys; it must be a group of keys."
