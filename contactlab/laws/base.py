@@ -257,6 +257,8 @@ class NormalForce(Declared, Remembering):
     """Whether it may pull."""
     convergence_order: ClassVar[float] = 1.0
     """As of a law: less where the force jumps, which coarse tolerances do not see."""
+    smooth_stiffness: ClassVar[bool] = True
+    """Whether dN/dd has no kink at a depth at which no step ends."""
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """As of a law."""
 

@@ -284,7 +284,7 @@ def test_a_solution_cannot_be_changed(tmp_path: Path) -> None:
         for values in (series.values, contacts["start_time"].values, tree["gap"].values):
             with pytest.raises(ValueError, match="read-only"):
                 values[0] = 9.0
-        with pytest.raises(ValueError, match="read-only|view"):
+        with pytest.raises(ValueError, match=r"read-only|view"):
             series[0] = 9.0
         series.values = 2.0 * gap
         series.attrs["units"] = "mm"

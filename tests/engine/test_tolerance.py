@@ -132,9 +132,19 @@ def test_a_block_that_skips_over_a_belt_keeps_the_slip_of_the_closed_form(
     assert abs(made.series["slip_velocity"][-1] - expected) < 10.0 * tolerance * speed
 
 
-@pytest.mark.parametrize(("friction", "kept"), [(cl.Microslip(), 0), (cl.Dahl(), 1)])
-def test_a_run_says_whether_its_law_keeps_the_tolerance(friction: cl.Friction, kept: int) -> None:
-    made = to_datatree(run(default_motor(), cl.Composed(friction=friction), 3e-4))
+@pytest.mark.parametrize(
+    ("normal", "friction", "kept"),
+    [
+        (cl.HertzPoint(), cl.Microslip(), 0),
+        (cl.HertzPoint(), cl.Mindlin(), 1),
+        (cl.Lining(), cl.Mindlin(), 0),
+        (cl.Lining(), cl.Dahl(), 1),
+    ],
+)
+def test_a_run_says_whether_its_law_keeps_the_tolerance(
+    normal: cl.NormalForce, friction: cl.Friction, kept: int
+) -> None:
+    made = to_datatree(run(default_motor(), cl.Composed(normal, friction=friction), 3e-4))
     assert made.attrs["keeps_tolerance"] == kept
 
 
