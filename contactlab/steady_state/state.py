@@ -118,13 +118,21 @@ class Steady:
             ValueError: the series has values at its records alone, which say nothing of its mean.
         """
         if name in CUMULATIVE:
-            return self.mean(np.diff(self.motion.series[name]) / np.diff(self.motion.time))
+            mean, error = self.mean(self._rates(name))
+            if self.orbit is not None and name != "rotor_angle":
+                # The energy flows of an orbit balance: each has the error of what flows in.
+                error = max(error, self.closure * abs(float(self._rates("drive_work").mean())))
+            return Estimate(mean, error)
         if name in OF_INTERVALS:
             return self.mean(self.motion.series[name][1:])
         raise ValueError(
             f"{name} has no mean here; it must be one of {', '.join((*OF_INTERVALS, *CUMULATIVE))}. Take the "
             "mean of another from `curves`."
         )
+
+    def _rates(self, name: str) -> Array:
+        """Return the rates of what adds up over the record intervals."""
+        return np.diff(self.motion.series[name]) / np.diff(self.motion.time)
 
     @property
     def velocity(self) -> Estimate:

@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from contactlab.estimate import Estimate
 from contactlab.parameter import from_cf
-from contactlab.plot.overview import explain_shades, shade
+from contactlab.plot.overview import draw_normal, explain_shades, shade
 from contactlab.plot.recording import recording_of, steps
 from contactlab.plot.style import COLOURS
 from contactlab.results.summary import prefixed_unit
@@ -64,14 +64,21 @@ def draw_steady(tree: xarray.DataTree) -> Figure:
     _widen(below["gap"], gap / gap_scale)
     below["gap"].axhline(0.0, color="0.35", linewidth=0.6)
     below["gap"].set_ylabel(f"gap ({gap_unit})")
-    for name, colour in (("normal", "black"), ("friction", COLOURS["fault"])):
-        force = series[f"{name}_force"][1:]
-        below["force"].plot(*steps(time, force), color=colour, label=name)
-    below["force"].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1)
-    below["force"].set_ylabel("force on the tip (N)")
+    if draw_normal(below["force"], run, 0.0) is None:
+        below["force"].set_ylabel("force on the tip (N)")
+        friction = steps(time, series["friction_force"][1:])
+        below["force"].plot(*friction, color=COLOURS["fault"])
+        below["force"].autoscale(axis="y")
+        below["force"].legend(
+            below["force"].lines, ("normal", "friction"),
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1,
+        )  # fmt: skip
+    else:
+        below["force"].set_ylabel("lasting normal\nforce (N)")
     below["force"].set_xlabel(f"time ({unit}), from phase {about['phase']:.3g} of the drive's period on")
-    for axes in below.values():
-        shade(axes, run, 0.0)
+    for name, axes in below.items():
+        if name != "force":
+            shade(axes, run, 0.0)
         axes.set_xlim(time[0], time[-1])
         axes.tick_params(labelbottom=axes is below["force"])
     explain_shades(below["velocity"], 1.03)
