@@ -120,7 +120,7 @@ class Steady:
         if name in CUMULATIVE:
             mean, error = self.mean(self._rates(name))
             if self.orbit is not None and name != "rotor_angle" and mean != 0.0:
-                # The energy flows of an orbit balance: each has the error of what flows in, if it flows at all.
+                # Energy flows of an orbit balance: each has the error of what flows in, if it flows.
                 error = max(error, self.closure * abs(float(self._rates("drive_work").mean())))
             return Estimate(mean, error)
         if name in OF_INTERVALS:
