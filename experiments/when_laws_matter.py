@@ -99,7 +99,7 @@ SEED, LEVEL = 0, 0.05
 
 def drawn(count: int) -> list[dict[str, float]]:
     """Return motors by the names of `RANGES`."""
-    uniform = qmc.Sobol(len(RANGES), seed=SEED).random(count)
+    uniform = qmc.LatinHypercube(len(RANGES), rng=SEED).random(count)
     columns = []
     for at, (low, high, logarithmic) in zip(uniform.T, RANGES.values(), strict=True):
         columns.append(low * (high / low) ** at if logarithmic else low + (high - low) * at)
@@ -108,7 +108,7 @@ def drawn(count: int) -> list[dict[str, float]]:
 
 def around(motor: Mapping[str, float]) -> list[dict[str, float]]:
     """Return the neighbours of a motor."""
-    shares = 2.0 * qmc.Sobol(len(KNOWN), seed=SEED).random(NEIGHBOURS) - 1.0
+    shares = 2.0 * qmc.LatinHypercube(len(KNOWN), rng=SEED).random(NEIGHBOURS) - 1.0
     values = {**motor, "restitution": RESTITUTION.value}
     return [
         values
