@@ -37,6 +37,8 @@ _READABLE: Final = {
     _ARRAY.format(r"\w+"): "NDArray",
     r"[~\w.]*_Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]": "ArrayLike",
     r"<class '(\w+)'>": r"\1",
+    # Of a declared number its range stands in the docstring.
+    r"~?(?:typing\.)?Annotated\[(\w+), .*?\)\]": r"\1",
 }
 """What annotations are expanded to, and how the code writes them."""
 _LONG: Final = re.compile(r"=( ?)(\d{5,}\.\d+|\d\.\d{6,}e[-+]\d+)")
