@@ -57,9 +57,6 @@ _NAMES = {
 }
 """What values of a kind are called, or of all kinds of one origin."""
 
-_BY_NAME = {"ContactLaw": "contactlab.law({!r})"}
-"""How an object of a class is made of its name, for whom passes that."""
-
 
 def checked_arguments(**units: str) -> Callable[[Function], Function]:
     """Return a decorator of a function that checks every argument against its annotation.
@@ -321,9 +318,6 @@ def is_kind(value: object, kind: Any) -> bool:
 
 def _other_kind(name: str, value: object, kinds: tuple[Any, ...]) -> str:
     way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
-    if isinstance(value, str):
-        ways = [_BY_NAME[kind.__name__] for kind in kinds if getattr(kind, "__name__", "") in _BY_NAME]
-        way_out = "".join(f" Make it: {way.format(value)}." for way in ways)
     expected = " or ".join(dict.fromkeys(map(_called, kinds)))
     return f"{name} is {shown(value)}; it must be {expected}.{way_out}"
 
