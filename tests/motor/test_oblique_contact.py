@@ -5,7 +5,6 @@ from math import cos, sin
 
 import numpy as np
 import pytest
-from engine.test_against_oracle import MOTORS, OBLIQUE
 from support.motors import default_motor
 
 import contactlab as cl
@@ -13,7 +12,7 @@ from contactlab.engine.plant import delassus, plant_of
 from contactlab.metrics import INVARIANTS, assess
 from contactlab.plot.recording import recording_of
 
-ANGLE = MOTORS[OBLIQUE]["angle"]
+ANGLE = 0.5
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, -1.2])
@@ -58,7 +57,10 @@ def test_a_preload_on_a_rotor_that_the_tip_passes_by_is_refused() -> None:
 
 
 def test_left_and_right_exchange_with_the_angle() -> None:
-    motor, law = default_motor(**MOTORS[OBLIQUE]), cl.law("hertz_penalty", stiffness=5e9)
+    motor, law = (
+        default_motor(angle=ANGLE, friction_coefficient=0.4, phase=0.2),
+        cl.law("hertz_penalty", stiffness=5e9),
+    )
     mirrored = replace(
         motor,
         modes=replace(motor.modes, tip_slope=-motor.modes.tip_slope),

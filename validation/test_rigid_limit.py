@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from engine.test_against_oracle import DURATION, LOADED, MOTORS, OBLIQUE, STRONG, friction_of
+from test_against_oracle import DURATION, LOADED, MOTORS, OBLIQUE, STRONG, friction_of
 from oracle.composed import JudgedRun
 from oracle.rigid import Impact, RigidJudge, Rough, newton as newtons, plastic_ageing, process
 from support.command_line import cases

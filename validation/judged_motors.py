@@ -1,8 +1,8 @@
 """Random motors over every law and part against an independent integrator.
 
-    python tests/tools/judged_motors.py [--motors N] [--first N] [--csv FILE] [--page docs/judged_motors.md]
+    python validation/judged_motors.py [--motors N] [--first N] [--csv FILE] [--page docs/judged_motors.md]
 
-The integrator is that of the tests (`tests/oracle`): forces, frictions and impacts written again from their
+The integrator is independent (`validation/oracle`): forces, frictions and impacts written again from their
 publications in plain Python, flights by a matrix exponential, contacts by SciPy's DOP853 with every switch an
 event. What the CSV file already has of the integrator, which does not depend on the engine, is not run again.
 The page has the worst figure of every law.
@@ -15,10 +15,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 
 import pandas as pd
-from support.judged_motors import (
+from random_motors import (
     DEFAULT,
     DURATION,
     FINE,
@@ -119,7 +119,7 @@ def page(table: pd.DataFrame, command: str) -> str:
             f"<!-- Made by {command}. Do not edit. -->",
             "",
             f"{len(table)} random motors, each with a random law, {1e3 * DURATION:g} ms from rest, "
-            "solved by the engine and by an integrator that shares no code with it (`tests/oracle`). Of "
+            "solved by the engine and by an integrator that shares no code with it (`validation/oracle`). Of "
             "four motors of a law, one is plain, one has its rotor on a bearing, pressed on the tip, one "
             "changes while it runs (voltage, load, damping, preload; once or twice), and one has both; under "
             "johnson, whose slow rebounds lose nothing, none has a bearing. "
@@ -170,7 +170,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     table = measured(range(options.first, options.first + options.motors), options.csv)
     if options.page:
-        command = f"python tests/tools/judged_motors.py --first {options.first} --motors {options.motors}"
+        command = f"python validation/judged_motors.py --first {options.first} --motors {options.motors}"
         options.page.write_text(page(table, command), encoding="utf-8")
     return 0
 

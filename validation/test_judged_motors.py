@@ -1,13 +1,13 @@
-"""Random motors over every law and part end where the independent integrator of `tests/oracle` ends.
+"""Random motors over every law and part end where the independent integrator of `validation/oracle` ends.
 
-`python tests/tools/judged_motors.py` does the same for 245 of them; docs/judged_motors.md has its figures.
+`python validation/judged_motors.py` does the same for 245 of them; docs/judged_motors.md has its figures.
 The bounds here are four times and more above the worst figures there.
 """
 
 import numpy as np
 import pytest
 from support.command_line import cases
-from support.judged_motors import (
+from random_motors import (
     BOTH,
     DEFAULT,
     KINDS,

@@ -1,4 +1,4 @@
-"""Fixtures that several test modules share."""
+"""How all tests run, and fixtures that several modules share."""
 
 import logging
 import os
@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from contactlab.cli import main as cli
 
 # Somebody else's project; it runs in its own environment, by tests/laws/test_other_packages.py.
-collect_ignore = ["example_law", "example_study"]
+collect_ignore = ["tests/example_law", "tests/example_study"]
 
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)

@@ -1,6 +1,6 @@
 """Random motors through the command's own configuration, judged from their results alone.
 
-    python tests/tools/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
+    python validation/random_runs.py [--motors N] [--workers N] [--seed N] [--first N] [--csv FILE]
                                       [--page docs/random_runs.md]
 
 Every configuration is far wider than a workshop's (`random_configuration`). A run that does not end as
@@ -281,7 +281,7 @@ def page(outcomes: pd.DataFrame, command: str) -> str:
             "",
             f"{len(outcomes)} random configurations of the command, numbers {outcomes['number'].min()} to "
             f"{outcomes['number'].max()}, of {1e3 * DURATION[0]:g} to {1e3 * DURATION[1]:g} ms each, judged "
-            "from their results alone (`tests/tools/random_runs.py`). Complete runs that break an "
+            "from their results alone (`validation/random_runs.py`). Complete runs that break an "
             f"invariant: {faults}. [plausibility.md](plausibility.md) has the meaning of the invariants and "
             "the reason for their bounds. Beside them:",
             "",
@@ -399,7 +399,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     outcomes = outcomes_in(options.csv, numbers, options.seed, options.workers)
     show(outcomes, options.seed)
     if options.page:
-        script = "python tests/tools/random_runs.py"
+        script = "python validation/random_runs.py"
         command = f"{script} --first {options.first} --motors {options.motors} --seed {options.seed}"
         options.page.write_text(page(outcomes, command), encoding="utf-8")
     return int(any(broken(outcome) for outcome in outcomes.to_dict("records")))

@@ -1,6 +1,6 @@
 """Break the physics on purpose, one place at a time, and see the tests turn red each time.
 
-    python tests/tools/mutation_check.py [--only WORD] [--list] [--workers N] [--output DIR]
+    python validation/mutation_check.py [--only WORD] [--list] [--workers N] [--output DIR]
 
 Every error of `mutations.yaml` is put into a copy of the project; the tests that should notice it first
 are run there, and where they stay green the whole suite. The unchanged copy must be green under the same
@@ -24,7 +24,7 @@ import pandas as pd
 import yaml
 from tqdm import tqdm
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 
 
 @dataclass(frozen=True)
@@ -57,14 +57,14 @@ class Mutation:
         if (count := len(re.findall(pattern, source))) != 1:
             raise ValueError(
                 f"'{self.name}': its text stands {count} times in {self.file}; it must stand once. "
-                "Bring tests/tools/mutations.yaml up to date."
+                "Bring validation/mutations.yaml up to date."
             )
         path.write_text(re.sub(pattern, lambda _: self.new, source), encoding="utf-8")
 
 
 MUTATIONS = tuple(
-    Mutation(name, file, m["old"], m["new"], tuple(f"tests/{t}.py" for t in m["tests"].split()))
-    for file, errors in yaml.safe_load((ROOT / "tests/tools/mutations.yaml").read_text()).items()
+    Mutation(name, file, m["old"], m["new"], tuple(f"{t}.py" for t in m["tests"].split()))
+    for file, errors in yaml.safe_load((ROOT / "validation/mutations.yaml").read_text()).items()
     for name, m in errors.items()
 )
 
@@ -118,7 +118,7 @@ def try_out(mutation: Mutation | None, tests: Sequence[str]) -> Outcome:
         green, by = run_tests(project, tests)
         if green and mutation:
             # Its own tests fail on every error: they hold the list to the sources.
-            green, by = run_tests(project, ("tests", "--ignore=tests/testing/test_mutation_check.py"))
+            green, by = run_tests(project, ("tests", "validation", "--ignore=validation/test_mutation_check.py"))
     seconds = round(perf_counter() - started)
     return Outcome(mutation.name if mutation else "", not green, "" if green else by, seconds)
 

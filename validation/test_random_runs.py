@@ -1,6 +1,6 @@
 """Random configurations of the command end as they must, and what they leave keeps every invariant.
 
-`python tests/tools/random_runs.py` does the same for thousands; docs/random_runs.md has its figures.
+`python validation/random_runs.py` does the same for thousands; docs/random_runs.md has its figures.
 """
 
 import shlex

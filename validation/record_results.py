@@ -46,7 +46,7 @@ Item = dict[str, Any]
 TOLERANCE = 1e-9
 """Deviation over the scale of a quantity up to which two results are equal."""
 
-DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+DATA = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 SCALED_TOGETHER = (
     r"\w+_(?:energy|work|loss)|energy_residual|least_remainder|most_remainder",
