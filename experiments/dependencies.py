@@ -1,16 +1,18 @@
 """Code that a result depends on: the definitions that ran while it was made, and those that they name.
 
 A definition is a constant, function, class body or method of a module of contactlab or of experiments/. What
-ran is recorded. Compiled kernels cannot be watched: those that a definition names count, and with them all
-that kernels, constants and class bodies name in turn. A function or method that did not run does not count,
-as it has decided nothing. Nor do the tables in which every law stands.
+ran is recorded, and which kernels of laws were bound to the engine. Other compiled kernels cannot be watched:
+those that a definition names count, and with them all that kernels, constants and class bodies name in turn.
+A function or method that did not run does not count, as it has decided nothing. Nor do the kernels of a class
+that were not bound, the tables in which every law stands, and texts of exceptions. The digest of a definition
+does not depend on the module in which it stands.
 """
 
 import ast
 import re
 import sys
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from hashlib import sha256
 from io import StringIO
@@ -30,22 +32,38 @@ TABLES: Final = {"contactlab.laws.registry:LAWS", "contactlab.laws.registry:PART
 OWN: Final = {"dependencies", "remake", "results_store", "sections"}
 """Modules that make and keep results, and decide no number."""
 
-KERNEL: Final = re.compile(r"(?:\w+_)?kernel\b")
+DECORATOR: Final = re.compile(r"(?:\w+_)?kernel\b")
 """Decorators of kernels."""
 
-FUNCTION: Final = 0x1
+BINDING: Final = "_Part.call"
+"""What runs where a kernel of a law is bound to the engine."""
+
+USING: Final = {"Kernel.compiled", "Kernel.__call__"}
+"""What runs where a kernel is used from Python."""
+
+CO_FUNCTION: Final = 0x1
 """Flag of the code of a function; that of a module or of a class body lacks it."""
+
+IMPORT: Final = ast.Import | ast.ImportFrom
 
 REST: Final = ""
 """Name of the statements of a module that define nothing."""
 
 
+FUNCTION, KERNEL, CLASS, OTHER = "function", "kernel", "class", "other"
+"""Kinds of definitions."""
+
+
 class Definition(NamedTuple):
-    """A definition: its code, the chains of names in it, and whether it counts where it is named."""
+    """A definition: its code, the chains of names in it, and its kind."""
 
     text: str
     names: tuple[tuple[str, ...], ...]
-    counts: bool
+    kind: str
+
+    def needs(self, other: "Definition") -> bool:
+        """Return whether a definition that is named here counts."""
+        return other.kind != FUNCTION and (self.kind, other.kind) != (CLASS, KERNEL)
 
 
 class Module(NamedTuple):
@@ -56,7 +74,7 @@ class Module(NamedTuple):
 
 
 def code_of(source: str) -> list[str]:
-    """Return the lines of a module without comments and docstrings, in which no number lies."""
+    """Return the lines of a module without what is no code: comments, docstrings, texts of exceptions."""
     lines = source.splitlines()
     for token in generate_tokens(StringIO(source).readline):
         if token.type == COMMENT:
@@ -65,9 +83,21 @@ def code_of(source: str) -> list[str]:
     for node in ast.walk(ast.parse(source)):
         match node:
             case ast.Expr(value=ast.Constant(value=str())):
-                assert node.end_lineno is not None
-                lines[node.lineno - 1 : node.end_lineno] = [""] * (node.end_lineno - node.lineno + 1)
+                left = ""
+            case ast.Raise(exc=ast.Call(func=kind, args=texts, keywords=[])) if all(map(is_text, texts)):
+                left = f"{lines[node.lineno - 1][: node.col_offset]}raise {ast.unparse(kind)}"
+            case _:
+                continue
+        first, *rest = rows_of(node)
+        lines[first] = left
+        for row in rest:
+            lines[row] = ""
     return [line.rstrip() for line in lines]
+
+
+def is_text(node: ast.expr) -> bool:
+    """Return whether an expression is a literal text."""
+    return isinstance(node, ast.JoinedStr) or (isinstance(node, ast.Constant) and isinstance(node.value, str))
 
 
 def names_in(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ...]]:
@@ -82,8 +112,8 @@ def names_in(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ...]]:
 
 
 def is_kernel(node: ast.FunctionDef) -> bool:
-    """Return whether a function is compiled; as a method it is part of the body of its class."""
-    return any(KERNEL.match(ast.unparse(each)) for each in node.decorator_list)
+    """Return whether a function is compiled."""
+    return any(DECORATOR.match(ast.unparse(each)) for each in node.decorator_list)
 
 
 def rows_of(node: ast.stmt) -> range:
@@ -118,30 +148,32 @@ def parsed(path: Path) -> Module:
     lines, tree = code_of(source), ast.parse(source)
     definitions: dict[str, Definition] = {}
 
-    def put(name: str, nodes: list[ast.stmt], counts: bool, without: Iterable[ast.stmt] = ()) -> None:
-        hidden = {row for node in without for row in rows_of(node)}
+    def put(name: str, nodes: list[ast.stmt], kind: str, without: Iterable[ast.stmt] = ()) -> None:
+        imports = [each for node in nodes for each in ast.walk(node) if isinstance(each, IMPORT)]
+        hidden = {row for node in (*without, *imports) for row in rows_of(node)}
         rows = (row for node in nodes for row in rows_of(node) if row not in hidden)
         text = "\n".join(lines[row] for row in rows if lines[row])
         parts = [part for node in nodes for part in ast.iter_child_nodes(node) if part not in {*without}]
-        old = definitions.get(name, Definition("", (), counts))
+        old = definitions.get(name, Definition("", (), kind))
         names = {*old.names, *names_in(parts)}
-        definitions[name] = Definition(f"{old.text}{text}\n", tuple(sorted(names)), counts)
+        definitions[name] = Definition(f"{old.text}{text}\n", tuple(sorted(names)), kind)
+
+    def put_function(name: str, node: ast.FunctionDef) -> None:
+        put(name, [node], KERNEL if is_kernel(node) else FUNCTION)
 
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
-            put(node.name, [node], is_kernel(node))
+            put_function(node.name, node)
         elif isinstance(node, ast.ClassDef):
-            methods = [
-                each for each in node.body if isinstance(each, ast.FunctionDef) and not is_kernel(each)
-            ]
-            put(node.name, [node], True, methods)
+            methods = [each for each in node.body if isinstance(each, ast.FunctionDef)]
+            put(node.name, [node], CLASS, methods)
             for method in methods:
-                put(f"{node.name}.{method.name}", [method], False)
+                put_function(f"{node.name}.{method.name}", method)
         elif isinstance(node, ast.Assign | ast.AnnAssign):
             for name in assigned(node):
-                put(name, [node], True)
-        elif not isinstance(node, ast.Import | ast.ImportFrom):
-            put(REST, [node], True)
+                put(name, [node], OTHER)
+        elif not isinstance(node, IMPORT):
+            put(REST, [node], OTHER)
     return Module(definitions, imports_of(tree))
 
 
@@ -154,6 +186,26 @@ def file_of(module: str, root: Path = ROOT) -> Path | None:
     return next((path for path in files if path.is_file()), None)
 
 
+@cache
+def modules(root: Path) -> tuple[str, ...]:
+    """Return the names of all modules of contactlab and of experiments/."""
+    files = [*(root / "contactlab").rglob("*.py"), *(root / "experiments").glob("*.py")]
+    return tuple(filter(None, (module_of(str(file), root) for file in files)))
+
+
+@cache
+def present(module: str, root: Path = ROOT) -> str:
+    """Return the name of a module; of one that is gone, that of the only one with the longest end of it."""
+    if file_of(module, root) is None:
+        parts = module.split(".")
+        for first in range(len(parts)):
+            end = ".".join(("", *parts[first:]))
+            if found := [name for name in modules(root) if f".{name}".endswith(end)]:
+                return found[0] if len(found) == 1 else module
+    return module
+
+
+@cache
 def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
     """Return the definition "MODULE:NAME" that a chain of names in a module begins with, if it is ours."""
     path = file_of(module, root)
@@ -161,7 +213,8 @@ def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
         return None
     own, (head, *tail) = parsed(path), chain
     if head in own.definitions:
-        return f"{module}:{head}"
+        member = own.definitions.get(".".join(chain[:2]))
+        return f"{module}:{'.'.join(chain[:2]) if member and member.kind == KERNEL else head}"
     if head not in own.imports:
         return target_of(f"{module}.{head}", tuple(tail), root)
     source, name = own.imports[head]
@@ -177,11 +230,12 @@ def reached(ran: Iterable[str], root: Path = ROOT) -> set[str]:
     waiting = [*ran]
     while waiting:
         here = waiting.pop()
-        module, _, name = here.partition(":")
-        path = file_of(module, root)
-        if here in counted or here in TABLES or path is None:
+        if here in counted or here in TABLES:
             continue
         counted.add(here)
+        module, _, name = here.partition(":")
+        if (path := file_of(module, root)) is None:
+            continue
         own = parsed(path)
         if name != REST:
             waiting.append(f"{module}:{REST}")
@@ -194,9 +248,18 @@ def reached(ran: Iterable[str], root: Path = ROOT) -> set[str]:
             if target is not None:
                 there, _, what = target.partition(":")
                 file = file_of(there, root)
-                if file is not None and parsed(file).definitions[what].counts:
+                if file is not None and definition.needs(parsed(file).definitions[what]):
                     waiting.append(target)
     return counted
+
+
+def imported(definition: Definition, imports: Mapping[str, tuple[str, str]], root: Path) -> str:
+    """Return what a definition has by imports: names of ours, of others with their modules."""
+    sources = {head: imports[head] for head, *_ in definition.names if head in imports}
+    return " ".join(
+        f"{head}={'' if file_of(source, root) else source}.{name}"
+        for head, (source, name) in sorted(sources.items())
+    )
 
 
 def digests(ran: Iterable[str], files: Iterable[str], root: Path = ROOT) -> dict[str, str]:
@@ -212,10 +275,11 @@ def digests(ran: Iterable[str], files: Iterable[str], root: Path = ROOT) -> dict
         module, _, name = each.partition(":")
         path = file_of(module, root)
         definition = None if path is None else parsed(path).definitions.get(name)
-        if definition is not None:
-            texts.setdefault(module, []).append(f"{name}\0{definition.text}\0")
+        if path is not None and definition is not None:
+            imports = imported(definition, parsed(path).imports, root)
+            texts.setdefault(module, []).append(f"{name}\0{definition.text}\0{imports}\0")
     content = {module: "".join(own) for module, own in texts.items()}
-    content |= {name: keys_of(root / name) for name in files}
+    content |= {name: f"{name}\0{keys_of(root / name)}" for name in files}
     return {name: sha256(text.encode()).hexdigest()[:16] for name, text in content.items()}
 
 
@@ -263,10 +327,23 @@ class Recorder:
         code = frame.f_code
         ours = cls._ours.get(code)
         if ours is None:
-            ours = cls._ours[code] = code.co_flags & FUNCTION != 0 and module_of(code.co_filename) is not None
-        if ours:
-            named = code.co_varnames[:1] == ("self",) and code.co_argcount
-            cls._codes.add((code, type(frame.f_locals.get("self")) if named else None))
+            ours = code.co_flags & CO_FUNCTION != 0 and module_of(code.co_filename) is not None
+            cls._ours[code] = ours
+        if ours and code.co_varnames[:1] == ("self",) and code.co_argcount:
+            own = frame.f_locals["self"]
+            cls._codes.add((code, type(own)))
+            if code.co_qualname in USING:
+                cls._used(own)
+            elif code.co_qualname == BINDING:
+                cls._used(getattr(own.owner, frame.f_locals["kernel"]))
+        elif ours:
+            cls._codes.add((code, None))
+
+    @classmethod
+    def _used(cls, kernel: Any) -> None:
+        code = getattr(getattr(kernel, "py_func", kernel), "__code__", None)
+        if code is not None and module_of(code.co_filename) is not None:
+            cls._codes.add((code, None))
 
     @classmethod
     def _audited(cls, event: str, arguments: tuple[Any, ...]) -> None:
@@ -295,12 +372,12 @@ class Recorder:
 
 
 @cache
-def module_of(file: str) -> str | None:
+def module_of(file: str, root: Path = ROOT) -> str | None:
     """Return the module of a file of contactlab or of experiments/ that may decide a number; else None."""
     path = Path(file)
-    if path.is_relative_to(ROOT / "experiments"):
+    if path.is_relative_to(root / "experiments"):
         return None if path.stem in OWN else path.stem
-    if not path.is_relative_to(ROOT / "contactlab"):
+    if not path.is_relative_to(root / "contactlab") or "__pycache__" in path.parts:
         return None
-    parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = path.relative_to(root).with_suffix("").parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)

@@ -17,7 +17,7 @@ from math import isclose
 from pathlib import Path
 from typing import Any, Final
 
-from dependencies import ROOT, digests, reached
+from dependencies import ROOT, digests, present, reached
 
 FOLDER: Final = ROOT / "docs" / "results"
 
@@ -57,10 +57,12 @@ def by_module(names: Iterable[str]) -> dict[str, str]:
     return {module: " ".join(own) for module, own in result.items()}
 
 
-def names_of(stored: Mapping[str, str]) -> list[str]:
-    """Return definitions "MODULE:NAME" from their stored form."""
+def names_of(stored: Mapping[str, str], root: Path = ROOT) -> list[str]:
+    """Return definitions "MODULE:NAME" from their stored form, of modules by their present names."""
     return [
-        f"{module}:{'' if name == '.' else name}" for module, own in stored.items() for name in own.split()
+        f"{present(module, root)}:{'' if name == '.' else name}"
+        for module, own in stored.items()
+        for name in own.split()
     ]
 
 
@@ -89,13 +91,14 @@ def _code_of(names: tuple[str, ...], files: tuple[str, ...], root: Path) -> dict
 
 def code_of(section: Mapping[str, Any], root: Path = ROOT) -> dict[str, str]:
     """Return the digests of the present code of what made a section, by module."""
-    return _code_of(tuple(names_of(section["ran"])), tuple(section["files"]), root)
+    return _code_of(tuple(names_of(section["ran"], root)), tuple(section["files"]), root)
 
 
 def changed(section: Mapping[str, Any], root: Path = ROOT) -> set[str]:
     """Return the modules and configurations that have changed since a section was made."""
-    present, made = code_of(section, root), section["code"]
-    return {name for name in present.keys() | made.keys() if present.get(name) != made.get(name)}
+    now, made = code_of(section, root), section["code"]
+    pairs = ((now, made), (made, now))
+    return {name for own, other in pairs for name in own if own[name] not in other.values()}
 
 
 def seal_of(content: object) -> str:
@@ -111,8 +114,8 @@ def state_of(section: Mapping[str, Any], root: Path = ROOT) -> str:
         return EDITED
     if not changed(section, root):
         return PRESENT
-    present = seal_of(code_of(section, root))
-    return next((state for state in (CHECKED, DIFFERENT) if section.get(state) == present), OLDER)
+    now = seal_of(code_of(section, root))
+    return next((state for state in (CHECKED, DIFFERENT) if section.get(state) == now), OLDER)
 
 
 def same(a: Any, b: Any) -> bool:
@@ -134,7 +137,7 @@ def covers(section: Mapping[str, Any], root: Path = ROOT) -> bool:
     """Return whether the short form of a section reaches all that has changed of what decided its results."""
     there = changed(section, root)
     whole, short = (
-        {each for each in reached(names_of(ran), root) if each.partition(":")[0] in there}
+        {each for each in reached(names_of(ran, root), root) if each.partition(":")[0] in there}
         for ran in (section["ran"], section["short"]["ran"])
     )
     return short >= whole

@@ -1,6 +1,8 @@
 """Pages state the numbers of docs/results, and say so where these are not of the present code."""
 
 import re
+import shutil
+import sys
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from pathlib import Path
@@ -13,9 +15,13 @@ import remake
 import results_pages
 import results_store
 from claims import Number
-from dependencies import ROOT, digests
+from dependencies import ROOT, Recorder, digests
+from motor_findings import DAMPED, PHASE, ROD
 from results_pages import Page
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, by_module, sealed, state_of
+
+import contactlab as cl
+from contactlab.engine.binding import functions_of
 
 STEADY = "docs/steady.md"
 DAMPING = claims.DAMPING
@@ -56,13 +62,20 @@ def edited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
         assert old in source
         changed = tmp_path / Path(file).name
         changed.write_text(source.replace(old, new, 1), encoding="utf-8")
+        mutant = original.__wrapped__(changed)
         monkeypatch.setattr(
-            dependencies, "parsed", lambda path: original(changed if path == ROOT / file else path)
+            dependencies, "parsed", lambda path: mutant if path == ROOT / file else original(path)
         )
-        results_store._code_of.cache_clear()
+        forget()
 
     yield edit
+    forget()
+
+
+def forget() -> None:
+    """Forget what is known of the sources."""
     results_store._code_of.cache_clear()
+    dependencies.target_of.cache_clear()
 
 
 def section(*ran: str) -> dict[str, Any]:
@@ -77,24 +90,23 @@ def test_the_pages_are_those_of_the_results(capsys: pytest.CaptureFixture[str]) 
     assert results_pages.main(["--check"]) == 0, capsys.readouterr().out
 
 
-HERTZ = "contactlab.laws.hertz_penalty:HertzPenalty"
-IMPACT, LAWS = "contactlab/laws/impact", "contactlab/laws"
+LAWS, IMPACT = "contactlab/laws", "contactlab/laws/impact"
 MUTANTS: dict[str, tuple[str, str, str, str, str]] = {
     "newton": (f"{IMPACT}/newton.py", "approach + restitution * ", "approach + 1.001 * restitution * ",
-               "contactlab.laws.impact.newton:Newton", "contactlab.laws.impact.process:Poisson"),
+               "newton", "poisson"),
     "poisson": (f"{IMPACT}/process.py", "else (1.0 + e) * p_n", "else (1.001 + e) * p_n",
-                "contactlab.laws.impact.process:Poisson", "contactlab.laws.impact.newton:Newton"),
-    "lagrange_slip": (f"{LAWS}/lagrange.py", "return 0.0, 0.0", "return 0.001, 0.0",
-                      "contactlab.laws.lagrange:LagrangeSlip", HERTZ),
+                "poisson", "newton"),
+    "lagrange_slip": (f"{LAWS}/lagrange.py", "return slip_impulse(approach, s, ",
+                      "return slip_impulse(1.001 * approach, s, ", "lagrange_slip", "newton"),
     "lagrange_stick": (f"{LAWS}/lagrange.py", "<= friction_coeff", "<= 1.001 * friction_coeff",
-                       "contactlab.laws.lagrange:LagrangeStick", HERTZ),
+                       "lagrange_stick", "lagrange_slip"),
     "hertz": (f"{LAWS}/normal/elastic.py", "force = stiff", "force = 1.001 * stiff",
-              HERTZ, "contactlab.laws.impact.process:Poisson"),
+              "hertz_penalty", "composed normal=linear"),
     "flores": (f"{LAWS}/damping.py", "factor = loss_number / ", "factor = 1.001 * loss_number / ",
-               "contactlab.laws.damping:Flores", "contactlab.laws.impact.newton:Newton"),
+               "composed damping=flores", "composed damping=tsuji"),
     "mindlin": (f"{LAWS}/friction/mindlin.py", "0.5 * tangential", "0.501 * tangential",
-                "contactlab.laws.friction.mindlin:Mindlin", "contactlab.laws.impact.newton:Newton"),
-    "angle": ("contactlab/motor/geometry.py", "cos(self.angle), sin", "cos(1.001 * self.angle), sin",
+                "composed friction=mindlin", "composed friction=coulomb"),
+    "angle": ("contactlab/motor/geometry.py", "cos(self.angle), sin", "cos(self.angle + 0.001), sin",
               "contactlab.motor.geometry:ContactGeometry.numbers", "contactlab.motor.drive:Drive"),
     "bearing": ("contactlab/motor/bearing.py", "-bearing.preload / root", "-1.001 * bearing.preload / root",
                 "contactlab.motor.bearing:on_bearing", "contactlab.motor.motor:Motor"),
@@ -108,16 +120,110 @@ MUTANTS: dict[str, tuple[str, str, str, str, str]] = {
                 "return 1.001 * float(run.contacts(\"normal_impulse\").mean())",
                 "contactlab.metrics.response:mean_impulse", "contactlab.metrics.response:rotor_velocity"),
 }  # fmt: skip
-"""File, text, mutant of 1e-3, a definition that reaches it, and one that does not."""
+"""File, text, mutant of 1e-3, a law or a definition that reaches it, and one that does not."""
+
+SLIPS = {
+    *("fig7_constrained_trajectories", "fig8_rotor_velocity", "fig9_normal_force", "impact_step_study"),
+    "default motor",
+}
+STICKS = {"fig8_rotor_velocity", "fig10_sticking", "impact_step_study"}
+OF_NEWTON = {PHASE, DAMPED, ROD, "default motor", "populations", "impact_mass"}
+OF_HERTZ = {*SLIPS, *OF_NEWTON, "basis_convergence", "first run"}
+USED: dict[str, set[str]] = {
+    "newton": OF_NEWTON,
+    "poisson": {PHASE},
+    "lagrange_slip": {*SLIPS, "fig10_sticking", "table2_friction_signs"},
+    # Newton's impact is the plastic one, to another rebound.
+    "lagrange_stick": {*STICKS, *OF_NEWTON},
+    "hertz": OF_HERTZ,
+    "mindlin": {PHASE, DAMPED, "default motor"},
+    # Whatever touches a rotor.
+    "angle": {*OF_HERTZ, "fig10_sticking", "table2_friction_signs"},
+    "start time": {"fig8_rotor_velocity"},
+}
+"""Sections that use what a mutant changes, of `JUDGED`."""
+
+JUDGED = USED["angle"] | {
+    *("table1_placement", "fig3_mode_curvature", "fig4_trajectories", "identify_table1", "optimum_placement"),
+    *("modes", "known worlds", "known factors"),
+}
+
+
+def ran(name: str, monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return a definition, or what runs where a law is bound."""
+    if ":" in name:
+        return [name]
+    monkeypatch.setattr(Recorder, "_codes", set())
+    law, *parts = name.split()
+    before = sys.gettrace()
+    sys.settrace(Recorder._called)
+    try:
+        functions_of(cl.law(law, **dict(part.split("=") for part in parts)))
+    finally:
+        sys.settrace(before)
+    return Recorder.ran()
 
 
 @pytest.mark.parametrize("mutant", MUTANTS)
-def test_a_mutant_turns_what_reaches_it_and_nothing_else(mutant: str, edited: Edit) -> None:
+def test_a_mutant_turns_what_reaches_it_and_nothing_else(
+    mutant: str, edited: Edit, monkeypatch: pytest.MonkeyPatch
+) -> None:
     file, old, new, user, other = MUTANTS[mutant]
-    used, unused = section(user), section(other)
+    used, unused = section(*ran(user, monkeypatch)), section(*ran(other, monkeypatch))
     edited(file, old, new)
     assert state_of(used) == OLDER
     assert state_of(unused) == PRESENT
+
+
+def test_mutants_turn_the_sections_that_use_them_and_no_other(edited: Edit) -> None:
+    stored = {
+        name: each
+        for file in claims.FILES
+        for name, each in results_store.read(file)["sections"].items()
+        if name in JUDGED
+    }
+    before = {name: results_store.code_of(each) for name, each in stored.items()}
+    turned: dict[str, set[str]] = {}
+    for mutant, (file, old, new, *_) in MUTANTS.items():
+        edited(file, old, new)
+        turned[mutant] = {
+            name for name, each in stored.items() if results_store.code_of(each) != before[name]
+        }
+    assert turned == {mutant: USED.get(mutant, set()) for mutant in MUTANTS}
+
+
+def test_a_kernel_that_python_evaluates_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Recorder, "_codes", set())
+    before = sys.gettrace()
+    sys.settrace(Recorder._called)
+    try:
+        cl.HertzPoint(1e10).evaluate("elastic", depth=1e-6)
+    finally:
+        sys.settrace(before)
+    assert "contactlab.laws.normal.elastic:hertz_elastic" in Recorder.ran()
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Path:
+    """Return a copy of the sources."""
+    for folder in ("contactlab", "experiments"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+def test_a_module_that_moves_turns_nothing_until_it_changes(copied: Path) -> None:
+    used = section("contactlab.laws.lagrange:LagrangeSlip.impact", "contactlab.laws.lagrange:LagrangeSlip")
+    own = copied / "contactlab" / "paper" / "lagrange.py"
+    own.parent.mkdir()
+    (copied / "contactlab" / "laws" / "lagrange.py").rename(own)
+    for path in copied.rglob("*.py"):
+        source = path.read_text(encoding="utf-8")
+        path.write_text(source.replace("contactlab.laws.lagrange ", "contactlab.paper.lagrange "), "utf-8")
+    assert state_of(used, copied) == PRESENT
+    own.write_text(own.read_text(encoding="utf-8").replace("mu * d_nt", "1.001 * mu * d_nt"), "utf-8")
+    dependencies.parsed.cache_clear()
+    forget()
+    assert state_of(used, copied) == OLDER
 
 
 def test_a_comment_and_a_docstring_turn_nothing(edited: Edit) -> None:
@@ -126,8 +232,25 @@ def test_a_comment_and_a_docstring_turn_nothing(edited: Edit) -> None:
     assert state_of(used) == PRESENT
 
 
+def test_what_an_exception_says_turns_nothing(edited: Edit) -> None:
+    used = section("contactlab.checks:check_records")
+    edited("contactlab/checks.py", "Records do not", 'Records"\n            f"of {interval} s do not')
+    assert state_of(used) == PRESENT
+    edited("contactlab/checks.py", "raise ValueError(\n            f", "raise TypeError(\n            f")
+    assert state_of(used) == OLDER
+
+
+def test_another_import_is_another_code(edited: Edit) -> None:
+    used = section("contactlab.motor.geometry:ContactGeometry.numbers")
+    edited("contactlab/motor/geometry.py", "from math import cos", "from cmath import cos")
+    assert state_of(used) == OLDER
+
+
 def test_a_short_form_checks_what_it_reaches_alone(edited: Edit) -> None:
-    newton, poisson = "contactlab.laws.impact.newton:Newton", "contactlab.laws.impact.process:Poisson"
+    newton, poisson = (
+        "contactlab.laws.impact.newton:newton_impulse",
+        "contactlab.laws.impact.process:Poisson.impact",
+    )
     both, of_poisson = section(newton, poisson), section(poisson, newton)
     edited(*MUTANTS["poisson"][:3])
     assert state_of(both) == state_of(of_poisson) == OLDER
@@ -142,7 +265,7 @@ def test_what_a_short_form_says_is_noted(
     digits: float, state: str, edited: Edit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(results_store, "FOLDER", tmp_path)
-    used = section("contactlab.laws.impact.process:Poisson")
+    used = section("contactlab.laws.impact.process:Poisson.impact")
     results_store.write("motor", {"sections": {"some": used}})
     edited(*MUTANTS["poisson"][:3])
     assert remake.note(("motor", "some"), {"results": {"v": digits}}) == state
@@ -168,7 +291,7 @@ def test_a_page_says_whose_results_are_not_of_the_present_code(
 ) -> None:
     content = deepcopy(results_store.read("motor"))
     name, file = claims.PHASE, "contactlab/laws/impact/process.py"
-    content["sections"][name] |= section("contactlab.laws.impact.process:Poisson") | {
+    content["sections"][name] |= section("contactlab.laws.impact.process:Poisson.impact") | {
         "results": content["sections"][name]["results"]
     }
     content["sections"][name] = sealed(content["sections"][name])
