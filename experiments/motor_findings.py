@@ -346,7 +346,8 @@ def known_factors(designs: int = DESIGNS) -> dict[str, Any]:
                 named = {*np.flatnonzero(role != NO_ROLE).tolist()}
                 wrong += not named <= say
                 right += bool(say) and named == say
-            result[world][str(look)] = {"wrong": wrong / designs, "right": right / designs}
+            rates = {"wrong": wrong / designs, "right": right / designs}
+            result[world][str(look)] = {"designs": designs, **rates}
     return result
 
 

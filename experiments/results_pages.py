@@ -24,7 +24,7 @@ from textwrap import fill
 
 import claims
 import yaml
-from claims import CLAIMS, TABLES, Claim
+from claims import STATEMENTS, TABLES, Statement
 from dependencies import ROOT
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
 
@@ -61,10 +61,11 @@ OPENING = """\
 
 <!-- Made by experiments/results_pages.py. Do not edit. -->
 
-Every sentence that states a result on the pages below, with the population that it is about, the predicate
-that chose it, and whether that holds. A predicate is inconclusive where two numbers are nearer to each other
-than their errors. Numbers without a predicate are stated as they are. The values are those of
-`docs/results/`, the predicates are evaluated by `experiments/results_pages.py`.
+Every sentence that states a result on the pages below, with the population that it is about and the predicate
+that chose it. A predicate is true, false, or open: where the intervals of two numbers have a value in common,
+where a share of so many motors may lie on either side of a bound, where repetitions differ. What was measured
+or follows in closed form, and claims nothing, has no predicate. The values are those of `docs/results/`, the
+predicates are evaluated by `experiments/results_pages.py`.
 """
 
 
@@ -155,9 +156,9 @@ def relist(pages: Iterable[Page]) -> None:
     )
 
 
-def of_page(name: str) -> list[Claim]:
-    """Return the claims of a page."""
-    return [claim for claim in CLAIMS if claim.page == name]
+def of_page(name: str) -> list[Statement]:
+    """Return the statements of a page."""
+    return [each for each in STATEMENTS if each.page == name]
 
 
 def pattern(template: str) -> re.Pattern[str]:
@@ -166,11 +167,12 @@ def pattern(template: str) -> re.Pattern[str]:
     for literal, field, _, _ in Formatter().parse(template):
         parts.append(re.sub(r"(?:\\?\s)+", r"\\s+", re.escape(literal)))
         if field is not None:
-            parts.append(r"\S+?")
+            # A number with its error, or the name of a factor.
+            parts.append(r"\S+?(?:\s+\S+?){0,4}?")
     return re.compile("".join(parts) + r"(?!\d)")
 
 
-def rendered(claim: Claim) -> str:
+def rendered(claim: Statement) -> str:
     """Return the sentence of a claim that holds, with its numbers."""
 
     class Evaluated(Formatter):
@@ -198,11 +200,9 @@ def in_place(old: str, new: str, column: int) -> str:
 def listed() -> str:
     """Return the page of all claims, and of the code that made their numbers."""
     lines = [OPENING]
-    for page in dict.fromkeys(claim.page for claim in CLAIMS):
+    for page in dict.fromkeys(each.page for each in STATEMENTS):
         lines.append(f"## {page}\n")
-        for claim in of_page(page):
-            lines.append(f"* {rendered(claim)}\n  ({claim.population})")
-            lines += [f"  Predicate, which {claim.verdict}: `{claim.holds}`"] if claim.holds else []
+        lines += [f"* {rendered(x)}\n  ({x.population})\n  {x.reason}" for x in of_page(page)]
         lines.append("")
     lines += ["## The code that made the numbers\n", "| results | section | code |", "|---|---|---|"]
     for (file, name), state in states().items():
