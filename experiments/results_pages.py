@@ -87,9 +87,8 @@ class Page:
                 places.setdefault(each.start(), each)
             if len(places) == 1:
                 (place,) = places.values()
-                new = in_place(
-                    place[0], rendered(claim), place.start() - self.text.rfind("\n", 0, place.start())
-                )
+                line = self.text[self.text.rfind("\n", 0, place.start()) + 1 : place.start()]
+                new = in_place(place[0], rendered(claim), line)
                 self.text = self.text[: place.start()] + new + self.text[place.end() :]
             else:
                 yield f"{self.name}: {len(places) or 'none'} of: {claim.sentence}"
@@ -182,8 +181,13 @@ def rendered(claim: Statement) -> str:
     return Evaluated().format(claim.template)
 
 
-def in_place(old: str, new: str, column: int) -> str:
-    """Return a new sentence with the line breaks of the old one, or with new ones where they do not fit."""
+def in_place(old: str, new: str, line: str) -> str:
+    """Return a new sentence with the line breaks of the old one, or with new ones where they do not fit.
+
+    Args:
+        old, new: sentences.
+        line: what stands before the old one on its line.
+    """
     tokens, breaks = new.split(), re.findall(r"\s+", old)
     if len(tokens) == len(old.split()):
         kept = "".join(a + b for a, b in zip_longest(tokens, breaks, fillvalue=""))
@@ -192,8 +196,16 @@ def in_place(old: str, new: str, column: int) -> str:
             return kept
     # A number stays with its unit.
     whole = re.sub(r"(\d) (?=%|rad/s|mm/s|m[NW] )", "\\1\N{NO-BREAK SPACE}", new)
-    indent = " " * (column - 1)
-    text = fill(whole, 120, initial_indent=indent, break_long_words=False, break_on_hyphens=False)
+    listed_or_not = re.match(r"\s*(?:[*-]\s+)?", line)
+    indent = " " * (len(listed_or_not[0]) if listed_or_not else 0)
+    text = fill(
+        whole,
+        120,
+        initial_indent=" " * len(line),
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     return text.replace("\N{NO-BREAK SPACE}", " ").lstrip()
 
 

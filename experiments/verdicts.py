@@ -73,7 +73,7 @@ class Number:
     __radd__, __rmul__ = __add__, __mul__
 
     def __format__(self, spec: str) -> str:
-        return format(self.value, spec) if isfinite(self.value) else "none"
+        return str(self) if not spec else format(self.value, spec) if isfinite(self.value) else "none"
 
     def __str__(self) -> str:
         """Return the number with the digits that its error leaves, and the error where it shows in four."""
