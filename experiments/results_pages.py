@@ -160,14 +160,19 @@ def of_page(name: str) -> list[Statement]:
     return [each for each in STATEMENTS if each.page == name]
 
 
+WORD = r"\S+?"
+FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,4}}?"
+"""A number, and one with its error or the name of a factor."""
+
+
 def pattern(template: str) -> re.Pattern[str]:
     """Return what a template matches, whatever its numbers and its line breaks."""
-    parts = []
+    parts: list[str] = []
     for literal, field, _, _ in Formatter().parse(template):
         parts.append(re.sub(r"(?:\\?\s)+", r"\\s+", re.escape(literal)))
         if field is not None:
-            # A number with its error, or the name of a factor.
-            parts.append(r"\S+?(?:\s+\S+?){0,4}?")
+            # Where a sentence begins with a number, what stands before it is not its own.
+            parts.append(FEW_WORDS if "".join(parts) else WORD)
     return re.compile("".join(parts) + r"(?!\d)")
 
 
