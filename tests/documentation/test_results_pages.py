@@ -1,6 +1,5 @@
 """Pages state the numbers of docs/results, and say so where these are not of the present code."""
 
-import re
 from collections.abc import Callable, Iterator
 from copy import deepcopy
 from pathlib import Path
@@ -12,7 +11,6 @@ import pytest
 import remake
 import results_pages
 import results_store
-from claims import Number
 from dependencies import ROOT, digests
 from results_pages import Page
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, by_module, sealed, state_of
@@ -202,9 +200,6 @@ def test_what_errors_blur_is_inconclusive(stored: Callable[[str, dict[str, Any]]
     page = Page(STEADY)
     assert [*page.fill()] == []
     assert "is open within the errors" in " ".join(page.text.split())
-    assert claims.less(Number(1.0, 0.2), Number(1.1)) is None
-    assert claims.every((True, None)) is None
-    assert claims.every((False, None)) is False
 
 
 BARE = (
@@ -228,15 +223,3 @@ def test_a_number_that_is_gone_leaves_the_list() -> None:
     page = Page(STEADY)
     page.text = page.text.replace("3.2 mm", "thicker")
     assert [*page.bare()] == [f"{STEADY}: '3.2 mm' stands there no more"]
-
-
-OPEN = re.compile(r"\b(?:less|fastest|slowest|clear_share)\(")
-"""Functions of predicates that errors leave open."""
-
-
-@pytest.mark.parametrize(
-    "claim", [claim for claim in claims.CLAIMS if OPEN.search(claim.holds)], ids=lambda claim: claim.page
-)
-def test_a_predicate_that_can_be_open_has_a_sentence_for_it(claim: claims.Claim) -> None:
-    assert claim.open
-    assert claim.otherwise
