@@ -60,11 +60,11 @@ td, th { padding: 0.15rem 0.6rem; text-align: right; white-space: nowrap; border
 <h1>The paper, reproduced and extended</h1>
 <p>Andersen, Blanke and Helbo (2001), <i>Two Mode Resonator and Contact Model for Standing Wave
 Piezomotor</i>. {{ sections | selectattr("holds") | list | length }} of {{ sections | length }} findings
-hold.</p>
+agree with their claim.</p>
 {% for section in sections %}
 <section id="{{ section.name }}"><h2>{{ section.title }}</h2><p class="says">{{ section.says }}</p>
 <img alt="{{ section.title }}" src="data:image/png;base64,{{ section.picture }}">
-<p><b>{{ "Holds" if section.holds else "Does not hold" }}.</b> {{ section.finding }}</p>
+<p>{{ section.finding }} <b>This {{ "agrees with" if section.holds else "contradicts" }} the claim.</b></p>
 <details><summary>Numbers</summary><div class="table">{{ section.table | safe }}</div></details>
 <p><code>python experiments/{{ section.name }}.py</code></p></section>
 {% endfor %}
@@ -113,7 +113,7 @@ def main(arguments: Sequence[str]) -> int:
         result = perform(name, folder / name, workers=processors())
         results.append((result, folder / name))
         holds = results[-1][0].data.attrs["holds"]
-        tqdm.write(f"{name}: {'holds' if holds else 'DOES NOT HOLD'}")
+        tqdm.write(f"{name}: the finding {'agrees with' if holds else 'CONTRADICTS'} the claim.")
     if not named:
         (folder / "index.html").write_text(page(results), encoding="utf-8")
         print(f"Written to {folder / 'index.html'}")

@@ -113,7 +113,7 @@ class BasisConvergence(Experiment):
             f"and {float(most.second_frequency):.0f}. At the converged frequency the motor with four shapes "
             f"peaks at {float(four.peak_normal_force):.2f} in place of {float(end.peak_normal_force):.2f} N "
             f"and turns at {float(four.rotor_velocity):.3f} in place of {float(end.rotor_velocity):.3f} "
-            "rad/s: the printed frequencies are those of the truncated basis.",
+            "rad/s.",
             falls,
         )
 

@@ -1,26 +1,30 @@
 """Sentences and tables of the pages that state a result; the sentences stand in claims.yaml.
 
-A claim has a population, a predicate and what the page says if it holds, if not, and if it is inconclusive.
-A predicate is an expression over the files of results with the functions of this module. It is true, false,
-or None where errors leave it open. `{expression:format}` in a sentence is a number. A claim without a
-predicate states numbers. `results_pages.py` writes the sentence that holds on its page.
+A claim has a population, a predicate and what the page says if it holds, if it does not, and if that is open.
+A predicate is an expression over the files of results with the functions of this module and of verdicts.py.
+It is true, false, or None where the uncertainty of the numbers leaves it open. `{expression:format}` in a
+sentence is a number. What was measured or follows in closed form, and claims nothing, is stated without a
+predicate. `results_pages.py` writes the sentence that holds on its page.
 """
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, partial
-from math import floor, log10
+from math import atanh, ceil, inf, isfinite, sqrt, tanh
 from pathlib import Path
-from typing import Any, Final, Self
+from typing import Any, Final
 
 import motor_findings
+import verdicts
 import yaml
 from dependencies import ROOT
 from results_store import read
-from scipy.stats import fisher_exact
+from scipy.stats import chi2, fisher_exact, norm
+from verdicts import NONE, Number, every, exact, greatest, least, less, number, share, some, within
 
-from contactlab.inference.paired import binomial_interval
+from contactlab.engine.preparation import DEFAULT_TOLERANCE
+from contactlab.inference.paired import ALONE, INCONCLUSIVE, ROLES, VARIES, VERDICTS, power
 
 FILES: Final = ("motor", "experiments", "measurements")
 GENERATED: Final = (
@@ -44,29 +48,6 @@ PAGES: Final = tuple(
 
 USED: Final[set[tuple[str, str]]] = set()
 """Files and sections that were read."""
-
-
-class Number(float):
-    """A number of the store with its error."""
-
-    error: float
-
-    def __new__(cls, value: float, error: float = 0.0) -> Self:
-        """Return a number with an error."""
-        number = super().__new__(cls, value)
-        number.error = error
-        return number
-
-    def __abs__(self) -> "Number":
-        return Number(float(self) if self > 0.0 else -float(self), self.error)
-
-    def __str__(self) -> str:
-        """Return the number with the digits that its error leaves, and the error where it shows in four."""
-        if self.error < 5e-5:
-            return f"{float(self):.4f}"
-        digits = max(-floor(log10(self.error)), 0)
-        error = f"{self.error:.{digits}f}" if digits < 3 else f"{self.error:.0e}".replace("e-0", "e-")
-        return f"{float(self):.{digits}f} +- {error}"
 
 
 class Sections(dict[str, Any]):
@@ -94,32 +75,46 @@ def value(key: str, file: str = "motor") -> Any:
     for part in way:
         here = here[int(part)] if isinstance(here, list) else here[part]
     stored = here[int(name)] if isinstance(here, list) else here.get(name)
-    if not isinstance(stored, float):
-        return stored
-    return Number(stored, here.get(f"{name}_error", 0.0) if isinstance(here, dict) else 0.0)
+    if stored is None:
+        return NONE
+    return with_error(stored, here.get(f"{name}_error") if isinstance(here, dict) else None)
 
 
-def less(a: float, b: float) -> bool | None:
-    """Return whether a number is less than another; None where they are nearer than their errors."""
-    blur = sum(getattr(each, "error", 0.0) for each in (a, b))
-    return None if abs(float(b) - float(a)) < blur else a < b
+def with_error(stored: Any, error: float | None = None) -> Any:
+    """Return what is stored; a float with its error."""
+    return Number.of(stored, error) if isinstance(stored, float) else NONE if stored is None else stored
 
 
-def every(verdicts: Iterable[bool | None]) -> bool | None:
-    """Return whether all verdicts are true; None if some are open and none is false."""
-    known = [*verdicts]
-    return False if False in known else None if None in known else True
+def interval(own: Mapping[str, float] | None, name: str) -> Number:
+    """Return a number with the ends `low` and `high` that stand beside it; `NONE` if it is not recorded."""
+    return Number(own[name], own["low"], own["high"]) if own else NONE
 
 
-def velocity(section: str, law: str) -> Any:
-    """Return the settled velocity under a law [rad/s]; None where there is none."""
-    return value(f"{section}/{law}/rotor_velocity")
+def velocity(section: str, law: str) -> Number:
+    """Return the settled velocity under a law [rad/s]; `NONE` where there is none."""
+    settled: Number = value(f"{section}/{law}/rotor_velocity")
+    return settled
 
 
-def settling_times() -> list[float]:
+def settling_times() -> list[Number]:
     """Return the times in which the default motor settles by e under the laws that come to an orbit [s]."""
     times = (value(f"default motor/{basis}/{law}/settling_time") for basis in BASES for law in PICTURED)
-    return [float(time) for time in times if time is not None]
+    return [time for time in times if isfinite(time.value)]
+
+
+ORBITS: Final = {
+    "quasi-periodic": True,
+    "chaotic": True,
+    "aperiodic": True,
+    "periodic": False,
+    "standing": False,
+}
+"""Whether a kind of motion comes to no orbit; of other kinds, as one that seems to close, that is open."""
+
+
+def of_no_orbit(basis: str, law: str) -> bool | None:
+    """Return whether the default motor comes to no orbit under a law."""
+    return ORBITS.get(value(f"default motor/{basis}/{law}/kind"))
 
 
 def rows_of(experiment: str) -> list[dict[str, Any]]:
@@ -128,59 +123,142 @@ def rows_of(experiment: str) -> list[dict[str, Any]]:
     return rows
 
 
+def at(experiment: str, row: int, column: str) -> Any:
+    """Return a number of a row of an experiment's table."""
+    return with_error(rows_of(experiment)[row][column])
+
+
+HALF_UNITS: Final = {"[Hz]": 5.0, "[N V-1]": 0.5e-3, "f_2/f_1": 0.005}
+"""Half a unit of the last digit that Table 1 prints, by the unit."""
+
 PRINTED_RATIOS: Final = {"placement 1": 2.67, "placement 2": 1.71}
 """Ratios of the second to the first frequency as printed in the last column of Table 1."""
 
 
-def frequency_ratio(placement: str) -> float:
-    """Return the ratio of the second to the first frequency of a placement."""
+def first_misses() -> list[Number]:
+    """Return differences from the couplings and frequencies of Table 1 [half units of its last digit]."""
+    rows = rows_of("table1_placement")
+    units = [next(unit for unit in HALF_UNITS if row["quantity"].endswith(unit)) for row in rows]
+    each = zip(rows, units, strict=True)
+    return [abs(Number.of(row["computed"]) - row["printed"]) / HALF_UNITS[unit] for row, unit in each]
+
+
+def frequency_ratio(placement: str, which: str = "computed", error: float | None = None) -> Number:
+    """Return the ratio of the second to the first frequency of a placement, computed or of those printed."""
     first, second = (
-        float(row["computed"])
+        Number.of(row[which], error)
         for row in rows_of("table1_placement")
         if row["placement"] == placement and row["quantity"].endswith("[Hz]")
     )
     return second / first
 
 
-def hastened() -> list[float]:
+def ratio_miss(placement: str) -> Number:
+    """Return the difference from the ratio of frequencies in Table 1 [half units of its last digit]."""
+    return abs(frequency_ratio(placement) - PRINTED_RATIOS[placement]) / HALF_UNITS["f_2/f_1"]
+
+
+def printed_allow(placement: str) -> Number:
+    """Return the ratio of the printed frequencies, whose rounding leaves an interval."""
+    return frequency_ratio(placement, "printed", HALF_UNITS["[Hz]"])
+
+
+def followed(misses: Iterable[Number]) -> int:
+    """Return how many numbers follow within their rounding."""
+    return [less(miss, 1.0) for miss in misses].count(True)
+
+
+RUN: Final = 100.0 * DEFAULT_TOLERANCE
+"""Relative error of a run, which the tests hold to a hundred tolerances."""
+
+
+def transient(row: int, clearance: int) -> Number:
+    """Return the speed after 5 ms at a clearance [um], of a row of figure 8 [rad/s]."""
+    stored = rows_of("fig8_rotor_velocity")[row][f"{clearance} um, 5 ms"]
+    return NONE if stored is None else abs(Number.of(stored, RUN * abs(stored)))
+
+
+def transient_rows() -> list[int]:
+    """Return the rows of figure 8 that are transients, each of a law."""
+    return [n for n, row in enumerate(rows_of("fig8_rotor_velocity")) if row["1 um, 5 ms"] is not None]
+
+
+def hastened() -> list[Number]:
     """Return settled speeds of the default motor over those of figure 8 after 5 ms, by law."""
-    early = {row["law"]: row["1 um, 5 ms"] for row in rows_of("fig8_rotor_velocity")}
+    early = {rows_of("fig8_rotor_velocity")[n]["law"]: transient(n, 1) for n in transient_rows()}
     names = {"slip": "lagrange_slip", "stick": "lagrange_stick", "hertz": "hertz_penalty"}
-    return [float(velocity("default motor/four shapes", x) / early[name]) for x, name in names.items()]
+    return [abs(velocity("default motor/four shapes", x)) / early[name] for x, name in names.items()]
 
 
-def steps_of_peak(column: str) -> list[float]:
-    """Return peaks or impulses of figure 9 at a step, at a quarter of it, and under a Hertz contact."""
-    return [float(row[column]) for row in rows_of("fig9_normal_force")]
+def over_steps(column: str) -> Number:
+    """Return a number of figure 9 at a quarter of the step over that at the step."""
+    fine: Number = at("fig9_normal_force", 1, column)
+    return fine / at("fig9_normal_force", 0, column)
 
 
-def ratio(basis: str, mode: int) -> float:
+def chatter(row: int) -> Number:
+    """Return the slip in the longest chatter of figure 10 [m/s]; one change of sign more or less is open."""
+    slip, changes = (rows_of("fig10_sticking")[row][x] for x in ("slip in it, rms [m/s]", "changes of sign"))
+    return NONE if slip is None else Number.of(slip, slip / max(changes, 1))
+
+
+def changes_of_sign(row: int) -> Number:
+    """Return the changes of sign in the longest chatter of figure 10, of which the ends are open."""
+    return Number.of(rows_of("fig10_sticking")[row]["changes of sign"], 1.0)
+
+
+RANDOM: Final = 20
+"""Random motors of the experiment on steady states, each under every law."""
+
+
+def agreeing() -> Number:
+    """Return the share of random motors in which a long run and shooting agree under every law.
+
+    Only the disagreements of each law are recorded: they lie in as many motors at most, and in as few as one
+    motor may have under all laws.
+    """
+    rows = rows_of("steady_states")
+    apart = sum(row["settle"] - row["run agrees"] for row in rows)
+    fewest, most = max(RANDOM - apart, 0), max(RANDOM - ceil(apart / len(rows)), 0)
+    return Number(fewest / RANDOM, share(fewest, RANDOM).low, share(most, RANDOM).high)
+
+
+def ratio(basis: str, mode: int) -> Number:
     """Return a damping ratio of the default motor [1]."""
-    return float(value(f"modes/{basis}/damping_ratio/{mode}"))
+    return number(value(f"modes/{basis}/damping_ratio/{mode}"))
+
+
+def quality(basis: str, mode: int) -> Number:
+    """Return the quality factor of a mode of the default motor [1]."""
+    return 0.5 / ratio(basis, mode)
+
+
+def frequency(section: str, mode: int) -> Number:
+    """Return a natural frequency [Hz]."""
+    return number(value(f"{section}/natural_frequency/{mode}"))
 
 
 def speeds(section: str, laws: Iterable[str]) -> dict[str, Number]:
     """Return settled speeds by law [rad/s], without laws that have none."""
-    return {law: abs(v) for law in laws if (v := velocity(section, law)) is not None}
+    return {law: abs(v) for law in laws if isfinite((v := velocity(section, law)).value)}
 
 
 def apart(section: str, laws: Iterable[str]) -> Number:
     """Return the range of speeds over their mean [1]."""
-    least, *others, most = sorted(speeds(section, laws).values())
-    mean = (least + sum(others) + most) / (2 + len(others))
-    return Number((most - least) / mean, (most.error + least.error) / mean)
+    there = [*speeds(section, laws).values()]
+    return (greatest(there) - least(there)) * len(there) / sum(there, exact(0.0)) if there else NONE
 
 
 def fastest(section: str, law: str, laws: Iterable[str]) -> bool | None:
     """Return whether a law has the greatest speed of some laws."""
     here = speeds(section, laws)
-    return every(less(speed, here[law]) for name, speed in here.items() if name != law)
+    return every(less(speed, here.get(law, NONE)) for name, speed in here.items() if name != law)
 
 
 def slowest(section: str, law: str, laws: Iterable[str]) -> bool | None:
     """Return whether a law has the least speed of some laws."""
     here = speeds(section, laws)
-    return every(less(here[law], speed) for name, speed in here.items() if name != law)
+    return every(less(here.get(law, NONE), speed) for name, speed in here.items() if name != law)
 
 
 NAMES: Final = {
@@ -221,8 +299,8 @@ CARRIERS: Final = {
 CHANGED: Final = ("friction coefficient", "start")
 """What its repetitions change."""
 
-READ: Final = 3.0
-"""To how much its speeds were read [mm/s]."""
+READ: Final = Number.of(3.0, 1.0)
+"""To how much its speeds were read [mm/s]: to some 3."""
 
 
 DEFAULT, STIFFNESS, *OUTSIDE = motor_findings.POPULATIONS
@@ -235,6 +313,39 @@ def pair(population: str, name: str, law: str = "hertz") -> Any:
     return value(f"populations/{population}/{law}/{name}")
 
 
+def no_order(population: str, law: str = "hertz") -> bool | None:
+    """Return whether no outcome is that of most motors of a population; None where draws leave it open."""
+    verdict = pair(population, "order", law)
+    return None if verdict == VERDICTS[INCONCLUSIVE] else verdict == VERDICTS[VARIES]
+
+
+def nominal(law: str = "hertz") -> Number:
+    """Return by how much `lagrange_stick` is faster as configured [1]; its error is that of the basis."""
+    own, other = (pair(DEFAULT, f"relative/{name}", law) for name in ("nominal", "other"))
+    return Number.of(own.value, abs(own.value - other.value)) if isfinite(other.value) else NONE
+
+
+SEEN: Final = 0.95
+"""Share of the motors with one outcome, of which pages say how often it is seen."""
+
+
+def seen(samples: int, laws: int, quantities: int = 1) -> Number:
+    """Return the probability that an order of 95 of 100 motors is stated after so many draws."""
+    return exact(power(samples, laws * (laws - 1) * quantities, SEEN))
+
+
+def alone(population: str, law: str) -> list[str]:
+    """Return the factors whose share in the outcome exceeds chance and leads the second one's."""
+    roles = pair(population, "roles", law)
+    return [] if roles is NONE else [name for name, role in roles.items() if role == ROLES[ALONE]]
+
+
+def turns(factor: str, population: str, law: str) -> bool | None:
+    """Return whether a factor turns the outcome; None where the draws name none."""
+    named = alone(population, law)
+    return any(factor in name for name in named) if named else None
+
+
 def turned(population: str, law: str) -> float:
     """Return the p-value of as many faster among faster and slower motors as by default."""
     counts = [
@@ -243,9 +354,47 @@ def turned(population: str, law: str) -> float:
     return float(fisher_exact(counts).pvalue)
 
 
+ALIKE: Final = 0.25
+"""Difference of two shares from which on populations are not alike."""
+
+
+def faster(population: str, law: str) -> Number:
+    """Return the share of faster motors among faster and slower ones."""
+    greater, smaller = (pair(population, f"outcomes/{kind}", law) for kind in ("greater", "less"))
+    return share(greater, greater + smaller)
+
+
+def other_motors(population: str, law: str) -> bool | None:
+    """Return whether a population is faster in another share of its motors than the one by default.
+
+    It is by Fisher's exact test at 5 % in all populations; it is not where the intervals of both shares lie
+    within `ALIKE` of each other.
+    """
+    if turned(population, law) < 0.05 / len(OUTSIDE):
+        return True
+    return False if within(faster(population, law) - faster(DEFAULT, law), -ALIKE, ALIKE) else None
+
+
 def least_like(law: str) -> str:
     """Return the population outside of the draws that is least like them."""
     return min(OUTSIDE, key=lambda population: turned(population, law))
+
+
+def named_wrongly() -> list[Number]:
+    """Return the shares of designs that name a factor without a say, in worlds of known truth."""
+    worlds = results("motor")["known factors"].values()
+    return [of_designs(rates, "wrong") for each in worlds for rates in each.values()]
+
+
+def named_rightly(world: str, draws: int) -> Number:
+    """Return the share of designs that name the factors which have a say in a world, and no other."""
+    return of_designs(results("motor")["known factors"][world][str(draws)], "right")
+
+
+def of_designs(rates: Mapping[str, float], name: str) -> Number:
+    """Return a rate over the designs of worlds of known truth; `NONE` if their number is not recorded."""
+    designs = int(rates.get("designs", 0))
+    return share(round(designs * rates[name]), designs) if designs else NONE
 
 
 def ellipses(key: str) -> Any:
@@ -253,50 +402,146 @@ def ellipses(key: str) -> Any:
     return value(f"ellipses/{key}", "measurements")
 
 
-def spheres(law: str, name: str = "all") -> Any:
-    """Return a misfit of a law against the spheres [errors of digitisation]."""
-    return value(f"spheres/laws/{law}/{name}", "measurements")
+def part_of_ellipses(key: str) -> Any:
+    """Return a part of the results on laws against the ellipses; None if it is not recorded."""
+    part = ellipses(key)
+    return None if part is NONE else part
 
 
-def predicted(case: str, law: str) -> float:
-    """Return the held-out error of a law with some numbers of the geometry free [1]."""
-    return float(ellipses(f"geometry/{case}/laws/{law}/error"))
+def predicted(law: str, case: str = "") -> Number:
+    """Return the held-out error of a law [1], also with some numbers of the geometry free."""
+    return interval(part_of_ellipses(f"geometry/{case}/laws/{law}" if case else f"laws/{law}"), "error")
 
 
-def gain(case: str) -> Any:
-    """Return what `mindlin` gains over Poisson's law, with the half of its interval [1]."""
-    key = f"geometry/{case}/mindlin before poisson"
-    return Number(ellipses(f"{key}/gain"), 0.5 * (ellipses(f"{key}/high") - ellipses(f"{key}/low")))
+def predicting(*kinds: str, case: str = "") -> list[Number]:
+    """Return the held-out errors of all laws of some kinds [1]."""
+    laws = part_of_ellipses(f"geometry/{case}/laws" if case else "laws")
+    return [predicted(law, case) for law, own in laws.items() if own["kind"] in kinds]
 
 
-def geometry(case: str, name: str) -> float:
+def before(pair: str, case: str = "") -> Number:
+    """Return by how much the first law of a pair, "A before B", predicts better [1], by paired impacts."""
+    return interval(part_of_ellipses(f"geometry/{case}/{pair}" if case else pair), "gain")
+
+
+def distinct(better: str, worse: str) -> bool | None:
+    """Return whether the best law of a group predicts better than another, after Holm's correction."""
+    first, second = (ellipses(f"laws/{law}/group") for law in (better, worse))
+    return None if first == second else first < second
+
+
+def geometry(case: str, name: str) -> Number:
     """Return a number of the geometry that is fitted with Poisson's law."""
-    return float(ellipses(f"geometry/{case}/laws/poisson/parameters/data.{name}"))
+    return number(ellipses(f"geometry/{case}/laws/poisson/parameters/data.{name}"))
+
+
+def at_slip(eighth: int) -> Number:
+    """Return the median ratio of the gap rates in an eighth of the impacts by slip [1].
+
+    Its interval at 95 % is that of a median from the quartiles (McGill, Tukey and Larsen 1978, Am. Stat. 32,
+    12): 1.96 x 1.25 / 1.35 times their distance over the root of the number of impacts.
+    """
+    bins = part_of_ellipses("over slip")
+    own, impacts = bins[eighth], ellipses("impacts") / len(bins)
+    return Number.of(own["ratio"], 1.82 * (own["high"] - own["low"]) / sqrt(impacts))
+
+
+def of_neighbours() -> Number:
+    """Return the correlation of the errors of successive impacts [1], with its interval if it is none."""
+    stored: Number = ellipses("correlation of neighbours")
+    return Number.of(stored.value, 1.96 / sqrt(ellipses("impacts")))
+
+
+def half_width(block: int) -> Number:
+    """Return the half-width of an interval by blocks of impacts [1], with the error of so many blocks."""
+    stored: Number = ellipses(f"half-width/{block}")
+    return Number.of(stored.value, 1.96 * stored.value / sqrt(2.0 * ellipses("impacts") / block))
+
+
+DIGITISED, CURVE = 24, 8
+"""Digitised numbers of the spheres, and values of a curve that is free at each incidence."""
+
+
+def spheres(law: str, name: str = "all") -> Number:
+    """Return a number of a law against the spheres.
+
+    A misfit, in errors of digitisation, is moved by these errors of the data: each by at most the root of
+    their number in the mean square.
+    """
+    stored: Number = value(f"spheres/laws/{law}/{name}", "measurements")
+    return stored if name in ("lowest", "at") else Number.of(stored.value, 1.96 / sqrt(DIGITISED))
+
+
+def scattered() -> Number:
+    """Return the scatter of the spheres' figures about any curve, by chi-square [errors of digitisation]."""
+    freedom = DIGITISED - CURVE
+    squares = DIGITISED * spheres("any curve").value ** 2
+    low, high = (sqrt(squares / chi2.ppf(level, freedom)) for level in (0.975, 0.025))
+    return Number(sqrt(squares / freedom), low, high)
+
+
+def against_spheres() -> dict[str, Mapping[str, Any]]:
+    """Return what is recorded of each law against the spheres, without bounds and references."""
+    laws = results("measurements")["spheres"]["laws"]
+    return {law: own for law, own in laws.items() if own["kind"] not in ("bound", "reference")}
+
+
+def sticking() -> list[Number]:
+    """Return the misfits of laws with a restitution whose tangential one stays at 5/7 and more."""
+    return [
+        spheres(law)
+        for law, own in against_spheres().items()
+        if own["lowest"] >= 5.0 / 7.0 - 1e-9 and "no restitution" not in own["free"]
+    ]
+
+
+def next_to(law: str) -> str:
+    """Return the other law with the least misfit against the spheres."""
+    others = {name: own["all"] for name, own in against_spheres().items() if name != law}
+    return min(others, key=others.__getitem__)
 
 
 def carried(law: str, name: str, inertia: int = 0) -> Any:
     """Return a number of the published motor under a law [mm/s], the second time with more inertia."""
-    return [row for row in rows_of("published_motor") if row["law"] == law][inertia][name]
+    return with_error([row for row in rows_of("published_motor") if row["law"] == law][inertia][name])
 
 
-def published(name: str) -> float:
+def published(name: str) -> Number:
     """Return a number of the published motor that is of no law."""
-    return float(value(f"published_motor/numbers/{name}", "experiments"))
+    return number(value(f"published_motor/numbers/{name}", "experiments"))
 
 
-def spread(law: str, by: str) -> float:
+def spread(law: str, *by: str) -> Number:
     """Return the largest difference of the published motor's repeated speeds [mm/s]."""
-    return max(float(carried(law, f"largest difference, {by} [mm/s]", n)) for n in (0, 1))
+    return greatest(carried(law, f"largest difference, {each} [mm/s]", n) for each in by for n in (0, 1))
 
 
-def misfit(law: str, end: str) -> float:
-    """Return the least ('from') or the largest ('to') misfit of the calibration over repetitions [mm/s]."""
-    return float(carried(law, f"calibration misfit {end} [mm/s]"))
+def misfit(law: str) -> Number:
+    """Return the misfit of the calibration [mm/s]; its interval is that of the repetitions."""
+    ends = [carried(law, f"calibration misfit {end} [mm/s]") for end in ("from", "to")]
+    return Number(0.5 * (ends[0].value + ends[1].value), *(end.value for end in ends))
 
 
-def is_function(law: str) -> bool:
-    """Return whether the published motor's speeds are a function of its numbers, to what they were read."""
-    return max(spread(law, by) for by in CHANGED) <= READ
+def moved(law: str, which: str) -> list[int]:
+    """Return the least or most loads that the published motor moves in a repetition, by inertia."""
+    return [carried(law, f"{which} loads moved", n) for n in (0, 1)]
+
+
+LOADS: Final = 8
+"""Loads of the published motor."""
+
+
+def moves_all(law: str) -> bool | None:
+    """Return whether the published motor moves all loads under a law; None if in some repetitions."""
+    return some(
+        True if fewest == LOADS else False if most < LOADS else None
+        for fewest, most in zip(moved(law, "least"), moved(law, "most"), strict=True)
+    )
+
+
+def is_function(law: str) -> bool | None:
+    """Return whether repetitions of the published motor agree to what its speeds were read."""
+    return less(spread(law, *CHANGED), READ)
 
 
 def mattering() -> list[dict[str, Any]]:
@@ -318,81 +563,131 @@ def of(quantity: str) -> str:
     return f"{matters(quantity)['D > 1']}/{matters(quantity)['motors']}"
 
 
-def share(quantity: str) -> tuple[float, float]:
-    """Return the 95 % interval of the probability that D > 1."""
-    low, high = binomial_interval(matters(quantity)["D > 1"], matters(quantity)["motors"])
-    return float(low), float(high)
-
-
-def clear_share(quantity: str) -> tuple[float, float]:
-    """Return the 95 % interval of the probability that D > 1; what is not clear counts as either."""
+def clear_share(quantity: str) -> Number:
+    """Return the share of motors with D > 1 and its 95 % interval; what is not clear counts as either."""
     here = matters(quantity)
-    low, _ = binomial_interval(here["clearly above"], here["motors"])
-    _, high = binomial_interval(here["motors"] - here["clearly below"], here["motors"])
-    return float(low), float(high)
+    fewest, most = here["clearly above"], here["motors"] - here["clearly below"]
+    counts = [share(times, here["motors"]) for times in (here["D > 1"], fewest, most)]
+    return Number(counts[0].value, counts[1].low, counts[2].high)
 
 
-def counted(rate: float, trials: int) -> Number:
-    """Return a rate with the half of its 95 % interval over independent trials."""
-    low, high = binomial_interval(round(rate * trials), trials)
-    return Number(rate, 0.5 * float(high - low))
+def in_most(quantity: str) -> bool | None:
+    """Return whether the law matters to a quantity in more than half of such motors."""
+    return less(0.5, clear_share(quantity))
 
 
-def separating() -> list[dict[str, Any]]:
-    """Return the groups over which D differs."""
-    return [row for row in mattering() if row["p"] is not None and row["p"] < 0.05]
+TOLD: Final = 0.5
+"""Rank correlation below which a group tells little of D."""
+
+
+def tested_groups() -> list[dict[str, Any]]:
+    """Return the groups of which the correlation with D is tested."""
+    return [row for row in mattering() if row["p"] is not None]
+
+
+def separates(row: Mapping[str, Any]) -> bool | None:
+    """Return whether D goes with a group: by the corrected p-value at 5 %.
+
+    It does not where the interval of the rank correlation lies below `TOLD` (Fisher's transformation).
+    """
+    if row["p"] < 0.05:
+        return True
+    correlation = min(abs(row["rank correlation"]), 1.0 - 1e-9)
+    return False if tanh(atanh(correlation) + 1.96 * blur(row["motors"])) < TOLD else None
+
+
+def blur(motors: int) -> float:
+    """Return the standard deviation of Fisher's transform of a rank correlation."""
+    return 1.03 / sqrt(motors - 3) if motors > 3 else inf
+
+
+def shown_by_half() -> Number:
+    """Return the rank correlation that the motors show with a probability of one half, corrected."""
+    rows = tested_groups()
+    return exact(tanh(norm.isf(0.025 / len(rows)) * blur(min(row["motors"] for row in rows))))
 
 
 def evaluated(expression: str) -> Any:
-    """Return the value of an expression over the store."""
-    return eval(expression, globals())
+    """Return the value of an expression over the store, with the names of this module and of verdicts.py."""
+    return eval(expression, {**vars(verdicts), **globals()})
 
 
 @dataclass(frozen=True)
-class Claim:
-    """A sentence of a page, chosen by a predicate.
+class Statement:
+    """A sentence of a page on what was measured or follows in closed form.
 
     Args:
         page: where it stands.
-        population: what the predicate is about.
-        sentence: what the page says if the predicate holds.
-        holds: the predicate, an expression; empty for numbers that are stated as they are.
-        otherwise, open: the sentence if the predicate does not hold, and if it is inconclusive.
+        population: what it is about.
+        sentence: what the page says.
     """
 
     page: str
     population: str
     sentence: str
-    holds: str = ""
-    otherwise: str = ""
-    open: str = ""
 
     @property
     def templates(self) -> list[str]:
         """Every sentence that may stand on the page, the longest first."""
-        return sorted(filter(None, (self.sentence, self.otherwise, self.open)), key=len, reverse=True)
+        return [self.sentence]
+
+    @property
+    def template(self) -> str:
+        """The sentence that the page states."""
+        return self.sentence
+
+    @property
+    def reason(self) -> str:
+        """Why the page states it."""
+        return "Stated as it was measured or follows in closed form."
+
+
+HOLDS, DOES_NOT_HOLD, OPEN = "holds", "does not hold", "open"
+"""Verdicts on a claim."""
+
+
+@dataclass(frozen=True)
+class Claim(Statement):
+    """A sentence of a page, chosen by a predicate.
+
+    Args:
+        holds: the predicate, an expression; `sentence` is what the page says if it holds.
+        otherwise, open: the sentence if it does not hold, and if that is open.
+    """
+
+    holds: str
+    otherwise: str
+    open: str
+
+    @property
+    def templates(self) -> list[str]:
+        """Every sentence that may stand on the page, the longest first."""
+        return sorted({self.sentence, self.otherwise, self.open}, key=len, reverse=True)
 
     @property
     def verdict(self) -> str:
         """Whether the claim holds."""
-        if not self.holds:
-            return "stated"
-        return {True: "holds", False: "does not hold", None: "is inconclusive"}[evaluated(self.holds)]
+        return {True: HOLDS, False: DOES_NOT_HOLD, None: OPEN}[evaluated(self.holds)]
 
     @property
     def template(self) -> str:
-        """The sentence that the page states; a KeyError where none is written for an open predicate."""
-        if self.verdict == "is inconclusive" and not self.open:
-            raise KeyError(self.sentence)
-        return {"does not hold": self.otherwise, "is inconclusive": self.open}.get(
-            self.verdict, self.sentence
-        )
+        """The sentence that the page states."""
+        return {HOLDS: self.sentence, DOES_NOT_HOLD: self.otherwise, OPEN: self.open}[self.verdict]
+
+    @property
+    def reason(self) -> str:
+        """Why the page states it."""
+        return {
+            HOLDS: f"Stated as this is true: `{self.holds}`",
+            DOES_NOT_HOLD: f"Stated as this is false: `{self.holds}`",
+            OPEN: f"Stated as the results leave open whether this is true: `{self.holds}`",
+        }[self.verdict]
 
 
-CLAIMS: Final = tuple(
-    Claim(**claim)
-    for claim in yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
-)
+_WRITTEN: Final = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
+
+CLAIMS: Final = tuple(Claim(**claim) for claim in _WRITTEN["claims"])
+STATEMENTS: Final = (*CLAIMS, *(Statement(**each) for each in _WRITTEN["measured"]))
 
 
 def markdown(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -406,10 +701,10 @@ def front_page() -> str:
     """Return what the example of README prints."""
     bases = {"ritz": "four shapes", "finite_element": "converged"}
     lines = [
-        f"{basis:15} {law:15} {float(number):8.4f} +- {number.error:.1g} rad/s"
+        f"{basis:15} {law:15} {settled:8.4f} +- {settled.error:.1g} rad/s"
         for basis, section in bases.items()
         for law in ("lagrange_stick", "newton", "hertz_penalty")
-        for number in [
+        for settled in [
             velocity(f"default motor/{section}", law.removeprefix("lagrange_").removesuffix("_penalty"))
         ]
     ]
@@ -433,9 +728,8 @@ def by_phase() -> str:
     phases = results("motor")[PHASE]
 
     def cell(phase: str, law: str) -> str:
-        return (
-            f"{velocity(f'{PHASE}/{phase}', law)}, {1e3 * value(f'{PHASE}/{phase}/{law}/stall_torque'):.3f}"
-        )
+        torque = value(f"{PHASE}/{phase}/{law}/stall_torque")
+        return f"{velocity(f'{PHASE}/{phase}', law)}, {1e3 * torque:.3f}"
 
     head = ("law", *(phase if phase == "configured" else f"phase {float(phase):g}" for phase in phases))
     laws = ("stick", "newton", "poisson", "hertz", "mindlin")
@@ -451,7 +745,7 @@ def by_damping() -> str:
         yield ", ".join(
             f"{ratio:.2g}" if ratio < 0.1 else f"{ratio:.3f}" for ratio in value(f"{section}/damping_ratio")
         )
-        yield from (velocity(section, law) or "none" for law in FOUR)
+        yield from (velocity(section, law) for law in FOUR)
 
     head = ("damping", "ratios", *(NAMES[law].removeprefix("composed, ") for law in FOUR))
     return markdown(head, map(row, (PAPER, *LOWER)))
@@ -480,7 +774,7 @@ def free_geometry() -> str:
 
     def row(case: str) -> Iterator[object]:
         yield case
-        yield from (f"{predicted(case, law):.4f}" for law in (SPRING, "poisson", "newton"))
+        yield from (f"{predicted(law, case):.4f}" for law in (SPRING, "poisson", "newton"))
         own = ellipses(f"geometry/{case}/mindlin before poisson")
         yield f"{own['gain']:.4f} ({own['low']:.4f} to {own['high']:.4f})"
         yield f"{own['p']:.1g}"
@@ -537,7 +831,7 @@ def carrying() -> str:
             first, second = (carried(law, f"largest difference, {by} [mm/s]", n) for n in (0, 1))
             yield f"{first:.0f} ({second:.0f})"
         yield f"{loads(law, 0)} ({loads(law, 1)})"
-        yield f"{misfit(law, 'to'):.0f}" if is_function(law) else "none"
+        yield f"{misfit(law).high:.0f}" if is_function(law) else "none"
 
     own = [f"{published(f'published model, {part}'):.0f}" for part in ("calibration", "test")]
     model = ("the authors' model, not calibrated", "0", "0", "8", f"{own[0]} (payload), {own[1]} (force)")
@@ -555,9 +849,9 @@ def when_laws_matter() -> str:
     """Return in how many motors the law matters, by quantity."""
 
     def row(own: Mapping[str, Any]) -> Iterator[object]:
-        low, high = share(own["quantity"])
+        near = share(own["D > 1"], own["motors"])
         yield from (own["quantity"].replace("_", " "), own["motors"])
-        yield f"{own['D > 1']} ({100 * low:.0f} to {100 * high:.0f} %)"
+        yield f"{own['D > 1']} ({100 * near.low:.0f} to {100 * near.high:.0f} %)"
         yield from (own["clearly above"], own["clearly below"])
         yield f"{own['median']:.2g} ({own['10 %']:.2g} to {own['90 %']:.2g})"
 
@@ -570,9 +864,7 @@ def groups() -> str:
     """Return the groups over which D differs, or for each quantity the one that tells most."""
     rows = []
     for quantity in dict.fromkeys(row["quantity"] for row in mattering()):
-        own = sorted(
-            (x for x in mattering() if x["quantity"] == quantity and x["p"] is not None), key=lambda x: x["p"]
-        )
+        own = sorted((x for x in tested_groups() if x["quantity"] == quantity), key=lambda x: x["p"])
         for row in [x for x in own if x["p"] < 0.05] or own[:1]:
             halves = (str(int(row[f"{half} half"])) for half in ("lower", "upper"))
             numbers = f"{row['rank correlation']:+.2f}", f"{row['p']:.2g}"
@@ -626,7 +918,7 @@ def experiments() -> str:
     own = results("experiments")
     those = {x: own[x] for x in own if x not in OF_THE_PAPER.values()}
     rows = ((f"`{x}`", "yes" if each["holds"] else "no", each["finding"]) for x, each in those.items())
-    return markdown(("script", "holds", "finding"), rows)
+    return markdown(("script", "agrees with its claim", "finding"), rows)
 
 
 def finding(experiment: str) -> str:
@@ -664,6 +956,8 @@ def first_table() -> str:
         digits = ".0f" if unit == "[Hz]" else ".4f"
         cell = f"{row['computed']:{digits}} ({row['printed']:{'.0f' if unit == '[Hz]' else '.3f'}})"
         cells.setdefault(row["placement"], {})[f"{name} {unit}".replace(" V-1", "/V")] = cell
+    for placement, own in cells.items():
+        own["f_2/f_1"] = f"{frequency_ratio(placement):.4f} ({PRINTED_RATIOS[placement]:.2f})"
     head = ("", *next(iter(cells.values())))
     rows = ((placement, *row.values()) for placement, row in cells.items())
     return markdown(head, rows)

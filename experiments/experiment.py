@@ -101,8 +101,9 @@ class Experiment(Study):
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the claim and the finding."""
-        verdict = "Holds" if data.attrs["holds"] else "DOES NOT HOLD"
-        return [f"Claim: {data.attrs['says']}", f"{verdict}: {data.attrs['finding']}"]
+        verdict = "agrees with" if data.attrs["holds"] else "CONTRADICTS"
+        said = f"Claim: {data.attrs['says']}", f"Finding: {data.attrs['finding']}"
+        return [*said, f"The finding {verdict} the claim."]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the table."""

@@ -123,8 +123,8 @@ class Fig10Sticking(Experiment):
         return (
             f"The slip-only law changes the sign of the slip {changes} times in {1e6 * length:.0f} us, "
             f"by {1e3 * coarse:.2g} and {1e3 * fine:.2g} mm/s at steps of {1e6 * COARSE:g} and "
-            f"{1e6 * FINE:g} us: a chatter at the step, which is how it says stick. The law with stick "
-            f"holds {stuck:.0e} m/s for {1e6 * sticks:.0f} us.",
+            f"{1e6 * FINE:g} us: a chatter at the step. Under the law with stick "
+            f"the slip is {stuck:.0e} m/s for {1e6 * sticks:.0f} us.",
             changes > 20 and stuck < 1e-6 and fine < 0.8 * coarse,
         )
 

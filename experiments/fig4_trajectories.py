@@ -100,8 +100,8 @@ class Fig4Trajectories(Experiment):
         return (
             f"With placement 2 the eight is {wider[1]:.2f} times as wide at the second natural "
             f"frequency and {higher[1]:.2f} times as high at the first. Away from the first resonance "
-            f"placement 2 keeps {100 / higher[1]:.0f} % of its height and placement 1 only "
-            f"{100 / higher[0]:.0f} %; its width hardly cares ({wider[0]:.2f}).",
+            f"placement 2 has {100 / higher[1]:.0f} % of its height there and placement 1 "
+            f"{100 / higher[0]:.0f} %, and {100 * wider[0]:.0f} % of its width.",
             bool(wider[1] > 1.0 and higher[1] > 1.0 and higher[0] > 2.0 * higher[1]),
         )
 

@@ -130,7 +130,7 @@ class IdentifyTable1(Experiment):
         share = vector.values**2
         pair = data.input.values[np.argsort(share)[-2:]]
         sentence = (
-            f"All ten numbers are met within {worst:.2f} half units. Each of the eight inputs follows, "
+            f"The ten couplings and frequencies are met within {worst:.2f} half units. Of the eight inputs "
             f"the least sure is the {data.input.values[loosest]} to "
             f"{100.0 * float(data.relative_uncertainty[loosest]):.1f} %; {pair[1]} and {pair[0]} are "
             "known less together than each alone. Friction, drive frequency, tip radius, rotor damping "

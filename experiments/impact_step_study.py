@@ -90,8 +90,8 @@ class ImpactStepStudy(Experiment):
         drift = float(np.abs(data.normal_impulse[:, -1] / data.normal_impulse[:, -2] - 1.0).max())
         sentence = (
             f"The peak force of the rigid laws goes with the step to the power {slip:.3f} (slip) and "
-            f"{stick:.3f} (stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. All impulses "
-            f"converge; the last refinement changes them by {100.0 * drift:.2g} % at most."
+            f"{stick:.3f} (stick), that of Hertz to {hertz:.4f}: it is {peak:.2f} N. The last "
+            f"refinement changes the impulses by {100.0 * drift:.2g} % at most."
         )
         grows = abs(slip + 1.0) < 0.02 and abs(stick + 1.0) < 0.02
         return sentence, grows and abs(hertz) < 1e-3 and drift < 1e-3

@@ -16,6 +16,7 @@ from oblique_spheres import ObliqueSpheres, misfit_rows
 from scipy.optimize import minimize
 
 import contactlab as cl
+from contactlab.arrays import Array
 from contactlab.inference.bootstrap import mean_intervals
 from contactlab.inference.cross_validation import laws_in
 from contactlab.measured.files import read_impacts
@@ -91,8 +92,21 @@ def over_slip(data: xarray.Dataset) -> list[dict[str, float]]:
     return [{name: float(x) for name, x in zip(names, row, strict=True)} for row in rows]
 
 
-def at_ratios(path: Path) -> dict[str, float]:
-    """Return the least mean error of a Hertz contact with some frictions, on one impact of `EVERY`."""
+def less_by(errors: Array, others: Array) -> dict[str, float]:
+    """Return by how much the mean of errors is less than that of others of the same impacts, at 95 %."""
+    made = mean_intervals((others - errors)[:, None], 0)
+    return {
+        "gain": float(made.mean[0]),
+        "low": float(made.interval[0, 0]),
+        "high": float(made.interval[0, 1]),
+    }
+
+
+def at_ratios(path: Path) -> dict[str, Any]:
+    """Return the least mean error of a Hertz contact with some frictions, on one impact of `EVERY`.
+
+    With each comes by how much it is less than with Coulomb's cone.
+    """
     impacts = read_impacts(path)
     some = impacts.part(np.arange(0, len(impacts), EVERY))
     frictions: dict[str, Callable[[float], cl.Friction]] = {"coulomb": cl.Coulomb}
@@ -100,15 +114,19 @@ def at_ratios(path: Path) -> dict[str, float]:
         frictions[f"mindlin {ratio:g}"] = partial(cl.Mindlin, stiffness_ratio=ratio)
         frictions[f"microslip {ratio:g}"] = partial(cl.Microslip, stiffness_ratio=ratio)
 
-    def least(friction: Callable[[float], cl.Friction]) -> float:
-        def error(x: np.ndarray) -> float:
+    def least(friction: Callable[[float], cl.Friction]) -> Array:
+        def errors(x: Array) -> Array:
             law = cl.Composed(cl.HertzPoint(), cl.Flores(x[0]), friction(x[1]))
-            return float(some.errors(some.before.velocities_after(law, 1e-4)).mean())
+            return some.errors(some.before.velocities_after(law, 1e-4))
 
         options = {"xatol": 1e-3, "fatol": 1e-5, "maxfev": 50}
-        return float(minimize(error, (0.55, 0.18), method="Nelder-Mead", options=options).fun)
+        start = (0.55, 0.18)
+        return errors(minimize(lambda x: errors(x).mean(), start, method="Nelder-Mead", options=options).x)
 
-    return {name: least(friction) for name, friction in frictions.items()}
+    errors = {name: least(friction) for name, friction in frictions.items()}
+    means = {name: float(each.mean()) for name, each in errors.items()}
+    cone = errors.pop("coulomb")
+    return means | {f"{name} before coulomb": less_by(each, cone) for name, each in errors.items()}
 
 
 def of_ellipses(path: Path, folder: Path) -> dict[str, Any]:
@@ -124,7 +142,9 @@ def of_ellipses(path: Path, folder: Path) -> dict[str, Any]:
     alone = laws["difference_interval"].sel(other=laws["law"].values).values[upper]
     errors = data["error"].sel(law="poisson").values
     blocks = {str(n): np.arange(errors.size) // n for n in BLOCKS}
-    geometry = {}
+    newton, brach = (data["error"].sel(law=law).values for law in ("newton", "brach"))
+    # Laws are sorted by their error.
+    best, geometry = laws["error"].values[0], {}
     for name, free in GEOMETRIES.items():
         fitted = cl.validate(
             LAWS, data=path, output=folder / name.replace(" ", "_"), free=free
@@ -132,7 +152,13 @@ def of_ellipses(path: Path, folder: Path) -> dict[str, Any]:
         pair = fitted[["difference", "difference_interval", "p_value"]].sel(law="poisson", other=SPRING)
         low, high = map(float, pair["difference_interval"].values)
         gain = {"gain": float(pair["difference"]), "low": low, "high": high, "p": float(pair["p_value"])}
-        geometry[name] = {"laws": of_laws(fitted), "mindlin before poisson": gain}
+        rigid, other = (fitted["error"].sel(law=law).values for law in ("poisson", "newton"))
+        geometry[name] = {
+            "laws": of_laws(fitted),
+            "mindlin before poisson": gain,
+            "poisson before newton": less_by(rigid, other),
+            "poisson before all as measured": less_by(rigid, best),
+        }
     return {
         "impacts": data.sizes["impact"],
         "left out": int(data.attrs["left_out"]),
@@ -140,6 +166,7 @@ def of_ellipses(path: Path, folder: Path) -> dict[str, Any]:
         "approach": {"least": -float(gap_rate.max()), "greatest": -float(gap_rate.min())},
         "largest incidence": float(np.degrees(np.arctan2(np.abs(slip), -gap_rate)).max()),
         "laws": of_laws(data),
+        "brach before newton": less_by(brach, newton),
         "over slip": over_slip(data),
         "pairs": {
             "all": p_values.size,

@@ -21,6 +21,7 @@ from contactlab.inference.paired import (
     LESS,
     NO_ROLE,
     OUTCOMES,
+    ROLES,
     VARIES,
     VERDICTS,
     bins_of,
@@ -128,7 +129,7 @@ DECIDED: Final[dict[str, tuple[Callable[[Any], Any], set[int]]]] = {
 }
 """What decides the outcome of a pair in a motor, and the factors that have a say in it."""
 
-DESIGNS: Final = 100
+DESIGNS: Final = 1000
 """Designs of draws, of different seeds, in each of which factors are named."""
 
 
@@ -223,9 +224,10 @@ def with_time(overrides: list[str]) -> dict[str, Any]:
 
 
 def first_run() -> dict[str, Any]:
-    """Return the rotor velocity at the end of the default run, and its time."""
+    """Return the rotor velocity at the end of the default run, its error, and its time."""
     run = cl.simulate(cl.build())
-    return {"time": float(run["time"][-1]), "rotor_velocity": float(run["rotor_velocity"][-1])}
+    velocity, error = float(run["rotor_velocity"][-1]), float(run.attrs["rotor_velocity_error"])
+    return {"time": float(run["time"][-1]), "rotor_velocity": velocity, "rotor_velocity_error": error}
 
 
 def driven_modes() -> dict[str, Any]:
@@ -302,9 +304,10 @@ def comparison(motors: Motors) -> dict[str, Any]:
 
 def pair(here: xarray.Dataset, factor: str) -> dict[str, Any]:
     """Return the outcomes of a pair, in all motors and by quarters of a factor that is named in part."""
-    outcome = here["outcome"].values
+    outcome, roles = here["outcome"].values, here["factor_role"].values
+    names = [str(name) for name in here["factor"].values]
     most = int(here["factor_share"].fillna(0.0).values.argmax())
-    values = here["drawn"].values[:, [factor in str(name) for name in here["factor"].values]][:, 0]
+    values = here["drawn"].values[:, [factor in name for name in names]][:, 0]
     bins = bins_of(values)
     ends = {name: float(here[f"relative_{name}"]) for name in ("nominal", "other")}
     ends |= {name: float(here[f"relative_difference{name}"]) for name in ("_low", "", "_high")}
@@ -313,9 +316,10 @@ def pair(here: xarray.Dataset, factor: str) -> dict[str, Any]:
         "outcomes": {name: int((outcome == kind).sum()) for kind, name in enumerate(OUTCOMES)},
         "order": VERDICTS[int(here["order"])],
         "relative": ends,
-        "factor": str(here["factor"].values[most]),
+        "factor": names[most],
         "share": float(here["factor_share"][most]),
         "by chance": float(here["chance_share"]),
+        "roles": {name: ROLES[role] for name, role in zip(names, roles, strict=True) if role != NO_ROLE},
         "quarters": [
             {"up to": float(values[bins == n].max())}
             | {name: int((outcome[bins == n] == kind).sum()) for kind, name in enumerate(OUTCOMES)}
@@ -342,7 +346,8 @@ def known_factors(designs: int = DESIGNS) -> dict[str, Any]:
                 named = {*np.flatnonzero(role != NO_ROLE).tolist()}
                 wrong += not named <= say
                 right += bool(say) and named == say
-            result[world][str(look)] = {"wrong": wrong / designs, "right": right / designs}
+            rates = {"wrong": wrong / designs, "right": right / designs}
+            result[world][str(look)] = {"designs": designs, **rates}
     return result
 
 

@@ -123,12 +123,14 @@ class OptimumPlacement(Experiment):
         """The placement that is recommended and what it costs."""
         point = best(data)
         first, second, third = (float(point.curve_coupling.sel(shape=i)) for i in (1, 2, 3))
-        least = float(np.abs(data.curve_coupling.sel(shape=3)).min())
+        along = np.abs(data.curve_coupling)
+        least = along.isel(point=int(along.sel(shape=3).argmin()))
         sentence = (
-            f"A ratio of two is within reach: patches from {1e3 * float(point.curve[0]):.2f} to "
+            f"Patches from {1e3 * float(point.curve[0]):.2f} to "
             f"{1e3 * float(point.curve[1]):.2f} mm have f2/f1 = {float(point.curve_ratio):.4f} with "
-            f"couplings of {first:.4f}, {second:.4f} and {third:.4f} N/V. |Gamma_31| can be made as small as "
-            f"{least:.1e} N/V along the curve, but there the couplings that drive the motor shrink as well."
+            f"couplings of {first:.4f}, {second:.4f} and {third:.4f} N/V. Along the curve |Gamma_31| is "
+            f"{float(least.sel(shape=3)):.1e} N/V at least, where |Gamma_11| and |Gamma_21| are "
+            f"{float(least.sel(shape=1)):.4f} and {float(least.sel(shape=2)):.4f} N/V."
         )
         return sentence, abs(float(point.curve_ratio) - 2.0) < 1e-3
 

@@ -24,7 +24,7 @@ from textwrap import fill
 
 import claims
 import yaml
-from claims import CLAIMS, TABLES, Claim
+from claims import STATEMENTS, TABLES, Statement
 from dependencies import ROOT
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
 
@@ -61,10 +61,11 @@ OPENING = """\
 
 <!-- Made by experiments/results_pages.py. Do not edit. -->
 
-Every sentence that states a result on the pages below, with the population that it is about, the predicate
-that chose it, and whether that holds. A predicate is inconclusive where two numbers are nearer to each other
-than their errors. Numbers without a predicate are stated as they are. The values are those of
-`docs/results/`, the predicates are evaluated by `experiments/results_pages.py`.
+Every sentence that states a result on the pages below, with the population that it is about and the predicate
+that chose it. A predicate is true, false, or open: where the intervals of two numbers have a value in common,
+where a share of so many motors may lie on either side of a bound, where repetitions differ. What was measured
+or follows in closed form, and claims nothing, has no predicate. The values are those of `docs/results/`, the
+predicates are evaluated by `experiments/results_pages.py`.
 """
 
 
@@ -86,9 +87,8 @@ class Page:
                 places.setdefault(each.start(), each)
             if len(places) == 1:
                 (place,) = places.values()
-                new = in_place(
-                    place[0], rendered(claim), place.start() - self.text.rfind("\n", 0, place.start())
-                )
+                line = self.text[self.text.rfind("\n", 0, place.start()) + 1 : place.start()]
+                new = in_place(place[0], rendered(claim), line)
                 self.text = self.text[: place.start()] + new + self.text[place.end() :]
             else:
                 yield f"{self.name}: {len(places) or 'none'} of: {claim.sentence}"
@@ -155,22 +155,28 @@ def relist(pages: Iterable[Page]) -> None:
     )
 
 
-def of_page(name: str) -> list[Claim]:
-    """Return the claims of a page."""
-    return [claim for claim in CLAIMS if claim.page == name]
+def of_page(name: str) -> list[Statement]:
+    """Return the statements of a page."""
+    return [each for each in STATEMENTS if each.page == name]
+
+
+WORD = r"\S+?"
+FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,4}}?"
+"""A number, and one with its error or the name of a factor."""
 
 
 def pattern(template: str) -> re.Pattern[str]:
     """Return what a template matches, whatever its numbers and its line breaks."""
-    parts = []
+    parts: list[str] = []
     for literal, field, _, _ in Formatter().parse(template):
         parts.append(re.sub(r"(?:\\?\s)+", r"\\s+", re.escape(literal)))
         if field is not None:
-            parts.append(r"\S+?")
+            # Where a sentence begins with a number, what stands before it is not its own.
+            parts.append(FEW_WORDS if "".join(parts) else WORD)
     return re.compile("".join(parts) + r"(?!\d)")
 
 
-def rendered(claim: Claim) -> str:
+def rendered(claim: Statement) -> str:
     """Return the sentence of a claim that holds, with its numbers."""
 
     class Evaluated(Formatter):
@@ -180,8 +186,13 @@ def rendered(claim: Claim) -> str:
     return Evaluated().format(claim.template)
 
 
-def in_place(old: str, new: str, column: int) -> str:
-    """Return a new sentence with the line breaks of the old one, or with new ones where they do not fit."""
+def in_place(old: str, new: str, line: str) -> str:
+    """Return a new sentence with the line breaks of the old one, or with new ones where they do not fit.
+
+    Args:
+        old, new: sentences.
+        line: what stands before the old one on its line.
+    """
     tokens, breaks = new.split(), re.findall(r"\s+", old)
     if len(tokens) == len(old.split()):
         kept = "".join(a + b for a, b in zip_longest(tokens, breaks, fillvalue=""))
@@ -190,19 +201,25 @@ def in_place(old: str, new: str, column: int) -> str:
             return kept
     # A number stays with its unit.
     whole = re.sub(r"(\d) (?=%|rad/s|mm/s|m[NW] )", "\\1\N{NO-BREAK SPACE}", new)
-    indent = " " * (column - 1)
-    text = fill(whole, 120, initial_indent=indent, break_long_words=False, break_on_hyphens=False)
+    listed_or_not = re.match(r"\s*(?:[*-]\s+)?", line)
+    indent = " " * (len(listed_or_not[0]) if listed_or_not else 0)
+    text = fill(
+        whole,
+        120,
+        initial_indent=" " * len(line),
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     return text.replace("\N{NO-BREAK SPACE}", " ").lstrip()
 
 
 def listed() -> str:
     """Return the page of all claims, and of the code that made their numbers."""
     lines = [OPENING]
-    for page in dict.fromkeys(claim.page for claim in CLAIMS):
+    for page in dict.fromkeys(each.page for each in STATEMENTS):
         lines.append(f"## {page}\n")
-        for claim in of_page(page):
-            lines.append(f"* {rendered(claim)}\n  ({claim.population})")
-            lines += [f"  Predicate, which {claim.verdict}: `{claim.holds}`"] if claim.holds else []
+        lines += [f"* {rendered(x)}\n  ({x.population})\n  {x.reason}" for x in of_page(page)]
         lines.append("")
     lines += ["## The code that made the numbers\n", "| results | section | code |", "|---|---|---|"]
     for (file, name), state in states().items():

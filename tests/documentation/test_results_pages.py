@@ -1,6 +1,5 @@
 """Pages state the numbers of docs/results, and say so where these are not of the present code."""
 
-import re
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -14,7 +13,6 @@ import pytest
 import remake
 import results_pages
 import results_store
-from claims import Number
 from dependencies import ROOT, Recorder, digests
 from motor_findings import DAMPED, PHASE, ROD
 from results_pages import Page
@@ -325,9 +323,6 @@ def test_what_errors_blur_is_inconclusive(stored: Callable[[str, dict[str, Any]]
     page = Page(STEADY)
     assert [*page.fill()] == []
     assert "is open within the errors" in " ".join(page.text.split())
-    assert claims.less(Number(1.0, 0.2), Number(1.1)) is None
-    assert claims.every((True, None)) is None
-    assert claims.every((False, None)) is False
 
 
 BARE = (
@@ -351,15 +346,3 @@ def test_a_number_that_is_gone_leaves_the_list() -> None:
     page = Page(STEADY)
     page.text = page.text.replace("3.2 mm", "thicker")
     assert [*page.bare()] == [f"{STEADY}: '3.2 mm' stands there no more"]
-
-
-OPEN = re.compile(r"\b(?:less|fastest|slowest|clear_share)\(")
-"""Functions of predicates that errors leave open."""
-
-
-@pytest.mark.parametrize(
-    "claim", [claim for claim in claims.CLAIMS if OPEN.search(claim.holds)], ids=lambda claim: claim.page
-)
-def test_a_predicate_that_can_be_open_has_a_sentence_for_it(claim: claims.Claim) -> None:
-    assert claim.open
-    assert claim.otherwise
