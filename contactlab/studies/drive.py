@@ -10,7 +10,7 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import drive
+from contactlab.driving import DEGREE, drive
 from contactlab.estimate import Estimate
 from contactlab.laws import LawError
 from contactlab.measured.files import read_measurements
@@ -44,7 +44,7 @@ class Driven(LawStudy):
     )
 
     data: Annotated[str | Path | MeasuredSeries, option("file of the path")] = ""
-    degree: Annotated[int, option("of the spline through its samples: 1, 3, 5 or 7")] = 3
+    degree: Annotated[int, option("of the spline through its samples: 1, 3, 5 or 7")] = DEGREE
     period: Annotated[
         float | None, Parameter("", "s", "time after which the path repeats itself", above=0.0)
     ] = None

@@ -16,6 +16,7 @@ import yaml
 
 from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.driving import DEGREE
 from contactlab.estimate import Estimate
 from contactlab.inference.fit import (
     STARTS,
@@ -31,7 +32,6 @@ from contactlab.inference.fit import (
 )
 from contactlab.inference.held_out import HeldOut, folds_of
 from contactlab.inference.nested_sampling import POINTS, available
-from contactlab.inference.path_problem import DEGREE
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
