@@ -131,7 +131,8 @@ def branch(
     Args:
         motor: what moves, or a whole setup.
         parameter: a key that holds a number, 'contact.clearance', or 'belt', the velocity at which the
-            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and law.
+            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and
+            law, and drive.frequency, the first tone, to which others keep their ratios.
         start, end: of the range, in SI.
         law: what acts between tip and rotor; a setup has its own.
         belt: velocity at which the rotor is held while another number changes [rad/s]; None is free.
