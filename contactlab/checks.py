@@ -57,6 +57,9 @@ _NAMES = {
 }
 """What values of a kind are called, or of all kinds of one origin."""
 
+_BY_NAME = {"ContactLaw": "contactlab.law({!r})"}
+"""How an object of a class is made of its name, for whom passes that."""
+
 
 def checked_arguments(**units: str) -> Callable[[Function], Function]:
     """Return a decorator of a function that checks every argument against its annotation.
@@ -197,13 +200,14 @@ class Checked:
         check_fields(self)
 
 
-def check_kind(name: str, value: object, kind: type) -> None:
+def check_kind(name: str, value: object, kind: Any) -> None:
     """Refuse what is of another kind by a TypeError: `check_kind("The duration", duration, float)`.
 
-    float and int stand for every number and whole number.
+    float and int stand for every number and whole number, `Motor | Setup` for either.
     """
-    if not is_kind(value, kind):
-        raise TypeError(_other_kind(name, value, (kind,)))
+    kinds = kinds_of(kind)
+    if not any(is_kind(value, each) for each in kinds):
+        raise TypeError(_other_kind(name, value, kinds))
 
 
 check_number = partial(check_kind, kind=float)
@@ -317,9 +321,29 @@ def is_kind(value: object, kind: Any) -> bool:
 
 
 def _other_kind(name: str, value: object, kinds: tuple[Any, ...]) -> str:
-    way_out = f" Call it: {value.__name__}(...)." if isinstance(value, type) else ""
     expected = " or ".join(dict.fromkeys(map(_called, kinds)))
-    return f"{name} is {shown(value)}; it must be {expected}.{way_out}"
+    return f"{name} is {shown(value)}; it must be {expected}.{_way_out(value, kinds)}"
+
+
+def _way_out(value: object, kinds: tuple[Any, ...]) -> str:
+    """Return how what is of another kind becomes one of these: a class by a call, a name by its function."""
+    if isinstance(value, type):
+        return f" Call it: {value.__name__}(...)."
+    if isinstance(value, list | tuple):
+        # What is wrong with a list is the first of its items that no list admits.
+        listed = [kinds_of(get_args(kind)[0]) for kind in kinds if get_origin(kind) in (list, Sequence)]
+        odd = (x for x in value for inner in listed if not any(is_kind(x, kind) for kind in inner))
+        return next((text for x in odd for inner in listed if (text := _way_out(x, inner))), "")
+    if isinstance(value, str):
+        names = {each for kind in kinds for each in _classes_in(kind)}
+        return "".join(f" Make it: {way.format(value)}." for each, way in _BY_NAME.items() if each in names)
+    return ""
+
+
+def _classes_in(kind: Any) -> list[str]:
+    """Return the names of the classes of which a kind is, or has as items."""
+    inner = [name for each in get_args(kind) for part in kinds_of(each) for name in _classes_in(part)]
+    return [getattr(kind, "__name__", ""), *inner]
 
 
 def _called(kind: Any) -> str:

@@ -2,6 +2,7 @@
 
 from itertools import pairwise
 from math import acos, pi, tanh
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from support.command_line import cases
 import contactlab as cl
 from contactlab.laws.registry import origins, own
 from contactlab.measured.series import MeasuredSeries
+from contactlab.parameter import declared_fields
 from contactlab.studies.drive import Driven
 from contactlab.testing.plants import Evaluator
 
@@ -56,6 +58,24 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
     )
     np.testing.assert_allclose(run["friction_loss"][-1], 3 * 4 * 0.3 * 10.0 * 1e-3, rtol=1e-9)
     assert set(run["contact_mode"].values.tolist()) == {1}
+
+
+def test_the_default_spline_keeps_a_sampled_sine() -> None:
+    """F = -mu N sign(v) - sigma v of 40 exact samples of a sine, and 4 mu N X + pi sigma X^2 omega a cycle."""
+    load, mu, sigma, size, omega = 10.0, 0.3, 20.0, 1e-2, 2.0 * np.pi * 10.0
+    time = np.linspace(0.0, 0.1, 41)
+    law = cl.Composed(friction=cl.Coulomb(mu), viscous_friction=sigma)
+    path: dict[str, Any] = {"normal": load, "slip": size * np.sin(omega * time + 0.3)}
+    run = cl.drive(law, time, **path, record_interval=2.5e-5)
+    records = run["time"].values
+    speed = size * omega * np.cos(omega * 0.5 * (records[1:] + records[:-1]) + 0.3)
+    slides = abs(speed) > 0.02 * size * omega
+    expected = -mu * load * np.sign(speed) - sigma * speed
+    error = (run["friction_force"].values[1:] - expected)[slides]
+    assert abs(error).max() < 3e-7 * abs(expected).max()
+    loss = 4.0 * mu * load * size + np.pi * sigma * size**2 * omega
+    np.testing.assert_allclose(run["friction_loss"][-1], loss, rtol=1e-9)
+    assert declared_fields(Driven)["degree"].default == declared_fields(cl.Fit)["degree"].default
 
 
 def test_the_work_of_a_path_is_that_in_a_turned_frame() -> None:

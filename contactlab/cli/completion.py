@@ -14,6 +14,7 @@ from typing import Final, get_args
 from hydra.plugins.completion_plugin import CompletionPlugin, DefaultCompletionPlugin
 
 from contactlab.cli.arguments import VERBS, for_hydra
+from contactlab.cli.study import without_effect
 from contactlab.config.composition import COMMAND, RUN, started
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.registry import SIMULATE, studies, study_class
@@ -56,13 +57,15 @@ def candidates(line: str) -> list[str]:
         return _beginning(_names(arguments[0]), word)
     if arguments[0] not in studies():
         return [] if arguments[0].isidentifier() else _of_configuration(COMMAND, arguments, word)
-    options = declared_fields(study_class(arguments[0]))
+    study = study_class(arguments[0])
+    options = declared_fields(study)
     key, sign, _ = word.partition("=")
     if sign and key in options:
         return _beginning((f"{key}={value}" for value in _values(options[key])), word)
     named = _beginning((f"{name}=" for name in (*options, "output")), word)
     others = [each for each in arguments[1:] if each.partition("=")[0] not in (*options, "output")]
-    return named + _of_configuration(RUN, others, word)
+    # What the study refuses is not offered.
+    return named + [x for x in _of_configuration(RUN, others, word) if not any(without_effect(study, [x]))]
 
 
 def _beginning(candidates: Iterable[str], start: str) -> list[str]:

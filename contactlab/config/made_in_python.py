@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 from contactlab.config.faults import ConfigurationError
 from contactlab.config.groups import GROUPS
+from contactlab.motor import Drive
+from contactlab.motor.drive import TwoMode
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.quantity import UnitError, number_of
 
@@ -27,7 +29,8 @@ PLACES: Final = KEYS | {"until": ("solver", "until"), "precision": ("solver", "p
 def variable_numbers(setup: "Setup") -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
     """Return paths and declarations of the numbers of a motor and a law made in Python, by keys.
 
-    Beam and voltages are not among them: such a motor has modes and phasors alone.
+    Beam and voltages are not among them: such a motor has modes and phasors alone. Of its tones it is the
+    frequency of the first, to which the others keep their ratios, where no waveform has a time of its own.
     """
     owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
     numbers = {}
@@ -41,6 +44,12 @@ def variable_numbers(setup: "Setup") -> dict[str, tuple[tuple[str, ...], Declare
             elif field.is_number:
                 numbers[f"{group}.{name}"] = (*path, name), field
     numbers["rotor.radius"] = numbers.pop("contact.rotor_radius")
+    drive = setup.motor.drive
+    if drive.frequency.size and drive.waveform is None:
+        first = declared_fields(TwoMode)["frequency"]
+        assert first.parameter is not None
+        declared = DeclaredField(float, first.default, replace(first.parameter, hint=""))
+        numbers["drive.frequency"] = ("motor", "drive", "frequency"), declared
     # The coefficient that laws share, of a composed law that of its friction.
     for key in ("law.friction.friction_coefficient", "law.friction_coefficient"):
         if key in numbers:
@@ -73,7 +82,9 @@ def with_number(setup: "Setup", key: str, value: object) -> "Setup":
         raise ConfigurationError(message) from None
 
 
-def _replaced(owner: Any, path: tuple[str, ...], value: object) -> Any:
+def _replaced(owner: Any, path: tuple[str, ...], value: Any) -> Any:
     """Return a dataclass with another value at a path of attributes."""
     name, *rest = path
+    if isinstance(owner, Drive):
+        return owner.with_first_tone(value)
     return replace(owner, **{name: _replaced(getattr(owner, name), tuple(rest), value) if rest else value})

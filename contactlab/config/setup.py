@@ -152,7 +152,8 @@ class Setup:
             (5e-07, 'newton')
 
         What follows from other keys, such as a drive at the first natural frequency, follows from the new
-        values. A motor made in Python has the numbers of contact, rotor, law and solver.
+        values. A motor made in Python has the numbers of contact, rotor, law and solver, and
+        drive.frequency.
 
         Args:
             overrides: as of `contactlab.build`.

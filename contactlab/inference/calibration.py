@@ -306,9 +306,15 @@ class Identification:
         return tuple(self.parameters.index[self.parameters["from"] == ""])
 
     def __str__(self) -> str:
+        numbers = [
+            f"{name} = {row['value']:.6g}{'' if row['unit'] in ('', '1') else f' {row.unit}'}"
+            for name, row in self.parameters.iterrows()
+            if row["from"]
+        ]
         tables = [self.parameters, *([self.quantities] if len(self.quantities) else [])]
         written = [table.to_string(float_format="{:.6g}".format) for table in tables]
-        return "\n\n".join([self.law.title, *written, f"Free: {', '.join(self.free) or 'nothing'}."])
+        answer = f"{', '.join(numbers)}.\nFree: {', '.join(self.free) or 'nothing'}."
+        return "\n\n".join([f"{self.law.title}: {answer}", *written])
 
 
 @checked_arguments(mass="kg", radius="m", friction_angle="rad")

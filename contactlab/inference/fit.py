@@ -33,6 +33,7 @@ import yaml
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
+from contactlab.driving import DEGREE
 from contactlab.estimate import Estimate
 from contactlab.inference.free_parameters import FreeParameter, label_of
 from contactlab.inference.held_out import HeldOut, folds_of, held_out_misfits, residuals_of
@@ -43,7 +44,7 @@ from contactlab.inference.law_numbers import Free, corrections_in, free_numbers,
 from contactlab.inference.least_squares import Optimum, best_fit
 from contactlab.inference.motor_problem import points_problem, series_problem
 from contactlab.inference.nested_sampling import POINTS, Posterior, sample
-from contactlab.inference.path_problem import DEGREE, path_problem
+from contactlab.inference.path_problem import path_problem
 from contactlab.inference.problem import Problem
 from contactlab.inference.repeats import MARGIN, not_stated
 from contactlab.inference.synthetic import truth_in

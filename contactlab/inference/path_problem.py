@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError
-from contactlab.driving import driven_by, longest_step
+from contactlab.driving import DEGREE, driven_by, longest_step
 from contactlab.engine import simulate
 from contactlab.inference.free_parameters import FreeParameter, with_values
 from contactlab.inference.motor_problem import OverTime, check_noise
@@ -21,10 +21,6 @@ from contactlab.trajectory import Ending
 
 CORRELATED: Final = 0.05
 """Correlation time of the discrepancy over the duration of the path."""
-
-DEGREE: Final = 7
-"""Default degree of the spline through the path. Of a sine with 40 samples a period its velocity is off by
-1e-7 of the largest one at its ends, that of a cubic spline by 2e-4."""
 
 TOLERANCE: Final = 1e-11
 """Error of a step [1], well below any noise."""

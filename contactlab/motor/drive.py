@@ -174,6 +174,14 @@ class Drive(Immutable):
         turned = self.phasors * np.exp(1j * self.angular_frequency * time)
         return Drive(self.frequency, turned, waveform)
 
+    def with_first_tone(self, frequency: float) -> "Drive":
+        """Return the drive whose first tone has a frequency [Hz]; the others keep their ratios to it.
+
+        >>> Drive.two_mode(100.0, 100.0, frequency=3210.0).with_first_tone(3000.0).frequency.tolist()
+        [3000.0, 6000.0]
+        """
+        return replace(self, frequency=frequency / self.frequency[0] * self.frequency)
+
     def silent(self) -> "Drive":
         """Return the drive without voltage, whose period is the same."""
         waveform = self.waveform

@@ -100,7 +100,7 @@ class Waveform(Immutable):
         check_samples(time.size)
         if time.size <= degree:
             raise ValueError(
-                f"There are {time.size} samples; a degree of {degree} takes {degree + 1} at least."
+                f"degree is {degree}; it must be less than the number of samples, which is {time.size}."
             )
         if not np.all(np.diff(time) > 0.0):
             raise ValueError("The times of the samples do not increase; they must.")

@@ -1,8 +1,9 @@
 """Periodic orbits of a motor over one number of its configuration, or over the velocity of a belt."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Final, final
 
 import numpy as np
@@ -14,7 +15,7 @@ from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
-from contactlab.parameter import from_cf
+from contactlab.parameter import Parameter, from_cf
 from contactlab.steady_state.arrival import NotSettledError, settled
 from contactlab.steady_state.continuation import BranchPoint, MapAt, Mark, follow
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
@@ -24,6 +25,13 @@ from contactlab.suggestion import suggestion
 
 BELT: Final = "belt"
 """The parameter that is no key: the velocity at which the rotor is held [rad/s]."""
+
+
+OF_RUN: Final = ("solver", "record")
+"""Groups on whose numbers no orbit depends but by its numerical error."""
+
+ASIDE: Final = 1e-9
+"""Change of a number, over that, by which it is seen whether the motor takes another one."""
 
 
 class NoBranchError(ValueError):
@@ -187,22 +195,40 @@ def unit_of(setup: Setup, parameter: str) -> str:
     return from_cf(_declared(setup, parameter)[0])
 
 
+def numbers_of(setup: Setup) -> dict[str, Parameter]:
+    """Return the declarations of the numbers of a motor and a law, by the keys that a branch takes."""
+    if "resonator" not in setup.configuration:
+        numbers = variable_numbers(setup).items()
+        return {key: field.parameter for key, (_, field) in numbers if field.parameter}
+    declared = declared_in(setup.configuration).items()
+    return {key: each for key, each in declared if key.partition(".")[0] not in OF_RUN}
+
+
 def _declared(setup: Setup, parameter: str) -> tuple[str, str]:
     """Return unit and meaning of a parameter that takes real numbers."""
     if parameter == BELT:
         return "rad s-1", "velocity at which the rotor is held"
-    declared = declared_in(setup.configuration)
-    if "resonator" not in setup.configuration:
-        numbers = variable_numbers(setup).items()
-        declared = {key: field.parameter for key, (_, field) in numbers if field.parameter}
-    if parameter not in declared:
-        names = [BELT, *declared]
-        known = suggestion(parameter, names, f"It must be one of {', '.join(names)}.")
+    numbers = numbers_of(setup)
+    if parameter not in numbers:
+        names = [BELT, *filter(partial(_has, setup), numbers)]
+        known = suggestion(parameter, [BELT, *numbers], f"It must be one of {', '.join(names)}.")
         raise ConfigurationError([f"{parameter} is no number that a branch follows. {known}"])
-    if isinstance(flat(setup.configuration)[parameter], int):
+    if isinstance(flat(setup.configuration).get(parameter), int):
         raise NoBranchError(
             f"{parameter} is a whole number; a branch follows one that changes continuously, such as "
             "contact.clearance. `contactlab -m` runs whole numbers one by one."
         )
-    result = declared[parameter]
+    result = numbers[parameter]
     return result.units, result.meaning
+
+
+def _has(setup: Setup, key: str) -> bool:
+    """Return whether a motor has a number, and may have another one beside it."""
+    value = flat(setup.configuration).get(key)
+    if value is None or isinstance(value, int):
+        return False
+    for near in (value - ASIDE * (abs(value) or 1.0), value + ASIDE * (abs(value) or 1.0)):
+        with suppress(ValueError):
+            family(setup, key, None)(near)
+            return True
+    return False

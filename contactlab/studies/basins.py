@@ -20,7 +20,7 @@ from contactlab.quantity import UnitError
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import LENGTH, Part, Progress, Range, Result, Setups, Study, Task, option
-from contactlab.studies.tables import table
+from contactlab.studies.tables import table, with_unit
 from contactlab.variables import Variable
 
 
@@ -87,10 +87,18 @@ class Basins(Study):
         }
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return how many starts were assigned."""
-        return [
-            f"{data.to_dataset()['label'].size} starts, {int(data.attrs['unresolved'])} of them not assigned."
-        ]
+        """Return the share of the starts that comes to each attractor, and how many were assigned."""
+        every = data.to_dataset()
+        sentences = []
+        for place in np.argsort(-every["share"].values, kind="stable"):
+            here = every.isel(attractor=int(place))
+            velocity = Estimate(float(here["velocity"]), float(here["velocity_error"]))
+            sentences.append(
+                f"{float(here['share']):.1%} of the starts come to a motion that is {here['kind'].item()}, "
+                f"with {with_unit(velocity, 'rad s-1')}."
+            )
+        left = int(data.attrs["unresolved"])
+        return [*sentences, f"{every['label'].size} starts, {left} of them not assigned."]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the attractors, a row each."""

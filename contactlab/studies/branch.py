@@ -18,7 +18,7 @@ from contactlab.quantity import UnitError, in_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import LENGTH, Part, Progress, Range, Result, Setups, Study, Task, option
-from contactlab.studies.tables import table
+from contactlab.studies.tables import table, with_unit
 from contactlab.variables import Variable
 
 
@@ -70,14 +70,20 @@ class Branch(Study):
         return {q.name: Estimate(float(n), 0.0) for q, n in zip(self.quantities, counts, strict=True)}
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the number of orbits, stable ones among them, and why the branch ends."""
-        stable = int(data["stable"].sum())
-        return [f"{data.sizes['point']} orbits, {stable} of them stable. {data.attrs['end']}"]
+        """Return the number of orbits, stable ones among them, the events, and why the branch ends."""
+        every, stable = data.to_dataset(), int(data["stable"].sum())
+        names, units = _names_of(every), every["value"].attrs["units"]
+        places: dict[str, list[str]] = {}
+        for mark, value in zip(every["mark"].values, every["value"].values, strict=True):
+            if mark:
+                places.setdefault(names[mark], []).append(with_unit(Estimate(float(value), 0.0), units))
+        events = "; ".join(f"{name} at {', '.join(at)}" for name, at in places.items()) or "no event"
+        return [f"{every.sizes['point']} orbits, {stable} of them stable; {events}.", data.attrs["end"]]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return both ends and the events."""
         every, parameter = data.to_dataset(), data.attrs["parameter"]
-        names = [name.replace("_", " ") for name in every["mark"].attrs["flag_meanings"].split()]
+        names = _names_of(every)
         events = {every.sizes["point"] - 1: "end", 0: "start"}
         events |= {i: names[mark] for i, mark in enumerate(every["mark"].values) if mark}
         # Round-off is no velocity.
@@ -101,6 +107,11 @@ class Branch(Study):
         from contactlab.studies.orbit_figures import draw_branch
 
         return {self.name: draw_branch(data.to_dataset())}
+
+
+def _names_of(data: xarray.Dataset) -> list[str]:
+    """Return the names of the events by their marks."""
+    return [name.replace("_", " ") for name in data["mark"].attrs["flag_meanings"].split()]
 
 
 def _branch(setup: Setup, key: str, start: float, end: float, belt: float | None, step: float) -> Part:
@@ -131,7 +142,8 @@ def branch(
     Args:
         motor: what moves, or a whole setup.
         parameter: a key that holds a number, 'contact.clearance', or 'belt', the velocity at which the
-            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and law.
+            rotor is held [rad/s]. A motor made in Python has keys of contact, rotor and
+            law, and drive.frequency, the first tone, to which others keep their ratios.
         start, end: of the range, in SI.
         law: what acts between tip and rotor; a setup has its own.
         belt: velocity at which the rotor is held while another number changes [rad/s]; None is free.

@@ -10,7 +10,7 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import drive
+from contactlab.driving import DEGREE, drive
 from contactlab.estimate import Estimate
 from contactlab.laws import LawError
 from contactlab.measured.files import read_measurements
@@ -18,7 +18,7 @@ from contactlab.measured.series import FORCES, MeasuredSeries
 from contactlab.parameter import Parameter
 from contactlab.studies.law_study import LawStudy, groups_of
 from contactlab.studies.measurements import read_file
-from contactlab.studies.study import Part, Setups, Task, option
+from contactlab.studies.study import Part, Setups, Task, listing, option
 from contactlab.studies.tables import table_of_quantities
 from contactlab.trajectory import Ending
 from contactlab.variables import Variable
@@ -44,7 +44,7 @@ class Driven(LawStudy):
     )
 
     data: Annotated[str | Path | MeasuredSeries, option("file of the path")] = ""
-    degree: Annotated[int, option("of the spline through its samples: 1, 3, 5 or 7")] = 3
+    degree: Annotated[int, option("of the spline through its samples: 1, 3, 5 or 7")] = DEGREE
     period: Annotated[
         float | None, Parameter("", "s", "time after which the path repeats itself", above=0.0)
     ] = None
@@ -93,8 +93,10 @@ class Driven(LawStudy):
         return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return which runs did not reach the end of the path."""
-        return [
+        """Return losses and largest forces of each law, and which runs did not reach the end of the path."""
+        asked = [q for q in self.quantities if q.name != "drive_work"]
+        every = [f"{label}: {listing(asked, own)}." for label, own in self.columns(data).items()]
+        return every + [
             f"{label} does not reach the end of the path: {run.attrs['message']}"
             for label, run in groups_of(data).items()
             if not run.attrs["complete"]

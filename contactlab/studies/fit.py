@@ -16,6 +16,7 @@ import yaml
 
 from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup, build
+from contactlab.driving import DEGREE
 from contactlab.estimate import Estimate
 from contactlab.inference.fit import (
     STARTS,
@@ -31,7 +32,6 @@ from contactlab.inference.fit import (
 )
 from contactlab.inference.held_out import HeldOut, folds_of
 from contactlab.inference.nested_sampling import POINTS, available
-from contactlab.inference.path_problem import DEGREE
 from contactlab.inference.synthetic import with_noise, without_errors
 from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
@@ -221,15 +221,20 @@ class Fit(Study):
         return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return which laws do not fit, their comparison, then of each fit its numbers and what limits it."""
-        result = compared(data.children)
+        """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
+
+        What does not fit stands before all of several laws, and after the numbers of one.
+        """
+        several = len(data.children) > 1
+        result = compared(data.children) if several else []
         for label, fit in data.children.items():
-            before = f"{label}: " if len(data.children) > 1 else ""
+            before = f"{label}: " if several else ""
             estimates = [
                 f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
                 for row in _rows(fit)
             ]
             result.append(f"{before}{'; '.join(estimates)}.")
+            result += [] if several else compared(data.children)
             result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
         return result
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
+from contactlab.checks import check_kind
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.inference.law_numbers import Free
 from contactlab.laws import ContactLaw
@@ -63,8 +64,6 @@ def by_label(setups: Setup | ContactLaw | Sequence[Any] | Mapping[str, Any]) -> 
         setups = [setups]
     if not isinstance(setups, Mapping):
         setups = {"" if len(setups) == 1 else str(place): each for place, each in enumerate(setups, 1)}
-    result = {x: replace(build(), law=y) if isinstance(y, ContactLaw) else y for x, y in setups.items()}
-    for label, each in result.items():
-        if not isinstance(each, Setup):
-            raise TypeError(f"setups has {each!r} {label}; it must be a Setup or a law.")
-    return result
+    for label, each in setups.items():
+        check_kind(f"setups[{label!r}]", each, Setup | ContactLaw)
+    return {x: replace(build(), law=y) if isinstance(y, ContactLaw) else y for x, y in setups.items()}

@@ -23,7 +23,7 @@ from contactlab.settling.statistics import PERIODIC
 from contactlab.steady_state.search import LONGEST, Converged, converged as find_refined, steady_setup
 from contactlab.steady_state.state import CUMULATIVE, Steady as State
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates, option
-from contactlab.studies.tables import table_of_quantities
+from contactlab.studies.tables import table_of_quantities, with_unit
 from contactlab.variables import Variable
 
 ROUGH: Final = 1e-2
@@ -101,10 +101,15 @@ class Steady(Study):
         return {str(name): value for name, value in data["steady"].attrs.items()}
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the kind of motion, its stability, and what limits the result."""
+        """Return the velocity, or the torque at a held rotor, kind and stability, and what limits the result."""
         about, group = data["steady"].attrs, data["steady"].to_dataset()
         several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
-        sentences = [f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods."]
+        asked = self.quantities["belt" in about]
+        held = f", with the rotor held at {about['belt']:.6g} rad/s" if "belt" in about else ""
+        sentences = [
+            f"The {asked.long_name} is {with_unit(self.numbers(data)[asked.name], asked.units)}{held}.",
+            f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods.",
+        ]
         if "brake" in about:
             outcome = "holds the rotor" if about["kind"] == "standing" else "is overcome"
             sentences.append(f"A brake of {about['brake']:.6g} N m {outcome}.")
@@ -119,9 +124,7 @@ class Steady(Study):
                 f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the {other} "
                 f"Floquet multiplier has the modulus {about['largest_multiplier']:.6g}."
             )
-            if "belt" in about:
-                sentences.append(f"The rotor is held at {about['belt']:.6g} rad/s.")
-            else:
+            if "belt" not in about:
                 left = 100.0 * np.exp(-about["run_duration"] / about["settling_time"])
                 lacks = f"{left:.3g} %" if left >= LEAST_LEFT else f"less than {LEAST_LEFT:g} %"
                 sentences.append(

@@ -30,7 +30,7 @@ from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml
-from contactlab.studies.tables import as_html, as_text
+from contactlab.studies.tables import as_html, as_text, with_unit
 from contactlab.variables import Variable
 
 if TYPE_CHECKING:
@@ -226,7 +226,7 @@ class Study(ABC):
         return self(setup).numbers
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the sentences that the result supports."""
+        """Return the sentences that the result supports, the answer to the question first."""
         del data
         return []
 
@@ -289,6 +289,12 @@ def _check_attributes(study: type[Study]) -> None:
                 f"{study.__name__}.{name} is no attribute of a study; it must be one of "
                 f"{', '.join(attributes)}, an annotated option, or begin with an underscore."
             )
+
+
+def listing(quantities: Iterable[Variable], numbers: Mapping[str, Estimate]) -> str:
+    """Return the quantities that are known as a sentence lists them: name, number and unit of each."""
+    known = [q for q in quantities if np.isfinite(numbers[q.name].value)]
+    return ", ".join(f"{q.name.replace('_', ' ')} {with_unit(numbers[q.name], q.units)}" for q in known)
 
 
 def estimates(data: xarray.Dataset, quantities: Iterable[Variable]) -> dict[str, Estimate]:
@@ -356,7 +362,7 @@ class Result:
 
     @cached_property
     def findings(self) -> list[str]:
-        """The sentences that the result supports."""
+        """The sentences that the result supports, the answer first."""
         return self.study.findings(self.data)
 
     @cached_property
@@ -405,13 +411,13 @@ class Result:
 
     def __repr__(self) -> str:
         blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self._tables_to_read]
-        return "\n\n".join([*blocks, "\n".join(self.findings)]).rstrip()
+        return "\n\n".join(filter(None, ["\n".join(self.findings), *blocks]))
 
     def _repr_html_(self) -> str:
-        """Show tables and findings in a notebook."""
+        """Show findings and tables in a notebook."""
         tables = (f"<p>{escape(t.attrs['caption'])}</p>{as_html(t)}" for t in self._tables_to_read)
         findings = (f"<li>{escape(sentence)}</li>" for sentence in self.findings)
-        return f"{''.join(tables)}<ul>{''.join(findings)}</ul>"
+        return f"<ul>{''.join(findings)}</ul>{''.join(tables)}"
 
     @property
     def _tables_to_read(self) -> list[pandas.DataFrame]:

@@ -2,7 +2,7 @@
 
 import traceback
 from collections.abc import Callable
-from inspect import isfunction
+from inspect import isfunction, signature
 from pathlib import Path
 from typing import Any
 
@@ -135,6 +135,23 @@ def test_a_bad_argument_is_refused_by_a_sentence(
     good = cl.impact(cl.Newton(restitution=0.8), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.0])
     assert good["velocity_after"].values.tolist() == [[0.8, 0.0]]
     assert cl.build().motor.geometry.clearance == 1e-6
+
+
+def laws_of(name: str) -> list[tuple[str, Any]]:
+    """Return the arguments of a public function that take a law, each with its annotation."""
+    annotations = {x.name: str(x.annotation) for x in signature(getattr(cl, name)).parameters.values()}
+    return [(x, text) for x, text in annotations.items() if "ContactLaw" in text]
+
+
+@pytest.mark.parametrize(("name", "argument", "kind"), [(n, *each) for n in CALLS for each in laws_of(n)])
+def test_the_name_of_a_law_is_refused_with_the_call_that_makes_it(
+    name: str, argument: str, kind: str
+) -> None:
+    many: list[Any] = [["newton"], [cl.Poisson(), "newton"]] if "Sequence" in kind else []
+    many += [{"mine": "newton"}] if "Mapping" in kind else []
+    for value in ["newton", *many]:
+        with pytest.raises(TypeError, match=rf"{argument}\b.*contactlab\.law\('newton'\)"):
+            getattr(cl, name)(**CALLS[name] | {argument: value})
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from contactlab.studies.bench.questions import CREATED, errors_of, questions
 from contactlab.studies.bench.responses import responses_of
 from contactlab.studies.law_study import LawStudy
 from contactlab.studies.measurements import by_label
-from contactlab.studies.study import Part, Progress, Result, Setups, Task
+from contactlab.studies.study import Part, Progress, Result, Setups, Task, listing
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -52,15 +52,16 @@ class Bench(LawStudy):
         return {variable.name: Estimate(x, 0.0) for variable, x in values.items()}
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return which laws create energy, and to what they have no answer."""
-        result = []
-        for label, numbers in self.columns(data).items():
+        """Return which laws create energy, to what they have no answer, and their largest errors."""
+        result, every = list[str](), self.columns(data)
+        for label, numbers in every.items():
             if (created := numbers[CREATED.name].value) > 0.0:
                 result.append(f"{label} creates energy: {created:.3g} of that before an impact, at most.")
             responses = zip(data[label]["response"].to_numpy(), questions()[0], strict=True)
             if silent := dict.fromkeys(case.question for x, case in responses if np.isnan(x)):
                 result.append(f"{label} has no answer to {', '.join(silent)}.")
-        return result
+        errors = [each for each in self.quantities if each not in (CREATED, SECONDS)]
+        return result + [f"{label}, largest errors: {listing(errors, own)}." for label, own in every.items()]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the largest errors, a column a law."""

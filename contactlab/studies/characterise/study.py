@@ -16,7 +16,7 @@ from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
-from contactlab.studies.study import LENGTH, Progress, Result, Setups, Study, Task, estimates
+from contactlab.studies.study import LENGTH, Progress, Result, Setups, Study, Task, estimates, listing
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -94,11 +94,13 @@ class Characterise(Study):
         return tables
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return sense, loads and limits, once for all laws that share a sentence."""
+        """Return the numbers of each law, then sense, loads and limits, once for all that share a sentence."""
         every, laws = data.to_dataset(), dict[str, list[str]]()
-        for label in map(str, every["law"].values):
-            for sentence in _findings(every.sel(law=label)):
-                laws.setdefault(sentence, []).append(label)
+        sentences = {str(label): [*_findings(every.sel(law=label))] for label in every["law"].values}
+        for part in (slice(1), slice(1, None)):
+            for label, own in sentences.items():
+                for sentence in own[part]:
+                    laws.setdefault(sentence, []).append(label)
         return [f"{', '.join(labels)}: {sentence}" for sentence, labels in laws.items()]
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
@@ -134,6 +136,7 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
             "zero; there is no curve to draw."
         )
         return
+    yield f"{_answer(law)}."
     sign, minus = ("positive", "") if law["sense"] > 0.0 else ("negative", "-")
     yield (
         f"the motor turns in the {sign} sense of the model. Velocity and torque are given in the motor's "
@@ -180,6 +183,16 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
         )
     if law["holding_torque"] == 0.0:
         yield "without drive the tip does not press on the rotor: nothing holds it."
+
+
+def _answer(law: xarray.Dataset) -> str:
+    """Return velocity without load, stall torque, and the greatest power and efficiency."""
+    text = listing([MOTOR["no_load_velocity"], MOTOR["stall_torque"]], estimates(law, MOTOR.values()))
+    for word, name in (("power", "output_power"), ("efficiency", "electrical_efficiency")):
+        for place in (i for i, role in enumerate(law["role"].values) if word in str(role)):
+            point = estimates(law.isel(point=place), [POINT[name]])
+            text = f"{text}, greatest {listing([POINT[name]], point)}"
+    return text
 
 
 @checked_arguments()

@@ -57,7 +57,7 @@ MOST_PAIRS: Final = 30
 
 
 def findings(data: xarray.Dataset) -> list[str]:
-    """Return what limits the comparison, classes and orders of the laws, and failed thresholds."""
+    """Return classes and orders of the laws, what limits the comparison, and failed thresholds."""
     notes = " ".join(str(data.attrs["notes"]).splitlines())
     limits = str(data.attrs.get("limits", "")).splitlines()
     if "limits" not in data.attrs:
@@ -66,7 +66,7 @@ def findings(data: xarray.Dataset) -> list[str]:
         sentences = _of_pairs(data)
     else:
         sentences = _of_velocities(data)
-    return [*filter(None, [*limits, *sentences, _thresholds(data), notes])]
+    return [*filter(None, [*sentences, *limits, _thresholds(data), notes])]
 
 
 def ends(values: Any, laws: Any, unit: str, digits: int = 3) -> str:

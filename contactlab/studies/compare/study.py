@@ -257,7 +257,7 @@ class Compare(Study):
         return dict(zip(map(str, every["law"].values), map(Estimate, values, errors), strict=True))
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return what limits the comparison, classes and orders of the laws, and failed thresholds."""
+        """Return classes and orders of the laws, what limits the comparison, and failed thresholds."""
         return findings(data.to_dataset())
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:

@@ -370,7 +370,7 @@ def sweep(
         >>> dict(sweep(values, ["solver.duration=1 ms"], workers=1).sizes)
         {'law': 2, 'clearance': 3}
 
-    A motor and a law made in Python vary in the numbers of contact, rotor and law:
+    A motor and a law made in Python vary in the numbers of contact, rotor and law, and in drive.frequency:
 
         >>> import contactlab as cl
         >>> setup = cl.Setup.of(cl.ball(1e-3, height=1e-4), cl.Newton(restitution=0.5), duration=0.02)
