@@ -22,7 +22,7 @@ from scipy.stats import fisher_exact
 
 from contactlab.inference.paired import binomial_interval
 
-FILES: Final = ("motor", "experiments", "measurements")
+FILES: Final = ("accuracy", "motor", "experiments", "measurements")
 GENERATED: Final = (
     "docs/claims.md",
     "docs/judged_motors.md",
