@@ -26,7 +26,7 @@ from verdicts import NONE, Number, every, exact, greatest, least, less, number, 
 from contactlab.engine.preparation import DEFAULT_TOLERANCE
 from contactlab.inference.paired import ALONE, INCONCLUSIVE, ROLES, VARIES, VERDICTS, power
 
-FILES: Final = ("motor", "experiments", "measurements")
+FILES: Final = ("accuracy", "motor", "experiments", "measurements")
 GENERATED: Final = (
     "docs/claims.md",
     "docs/judged_motors.md",

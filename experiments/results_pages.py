@@ -1,14 +1,14 @@
 """Write the numbers of the pages from docs/results: sentences with a result, tables, and docs/claims.md.
 
-    python experiments/results_pages.py [--check | --list]
+    python experiments/results_pages.py [--check]
 
 A sentence of `claims.CLAIMS` stands on its page as its template, with the numbers of the store and in the
 form that its predicate decides; a table stands between `<!-- table NAME -->` and `<!-- end of the table -->`.
 A page whose results are not of the present code says so at its end. Every other number with a unit is listed
-in numbers.yaml with its origin. Without an option the pages are written anew. `--check` says what differs;
-`--list` puts new numbers into the list as unwatched, where a review sees them. The exit status is 1 where
-something differs, where a number stands on a page without a claim and unlisted, where a section was changed
-by hand, and where its short form has other digits under the present code. remake.py makes sections.
+in numbers.yaml with its origin, which is checked (listed_numbers.py). Without an option the pages are written
+anew; `--check` says what differs. The exit status is 1 where something differs, where a number stands on a
+page without a claim and unlisted or is not what its origin has, where a section was changed by hand, and
+where its short form has other digits under the present code. remake.py makes sections.
 """
 
 import argparse
@@ -22,31 +22,31 @@ from itertools import zip_longest
 from string import Formatter
 from textwrap import fill
 
+import accuracy_tables
 import claims
-import yaml
-from claims import STATEMENTS, TABLES, Statement
+import listed_numbers
+from claims import STATEMENTS, Statement
 from dependencies import ROOT
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
 
 LIST = "docs/claims.md"
+TABLES = claims.TABLES | accuracy_tables.TABLES
 
 TABLE = re.compile(r"(<!-- table ([\w ]+) -->\n\n)(.*?)(\n\n<!-- end of the table -->)", re.DOTALL)
-CODE = re.compile(r"^```.*?^```|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)
+CODE = re.compile(r"^```.*?^```|^\$\$.*?^\$\$|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)
 UNIT = (
     r"%|rad/s|[mkM]?Hz|[munp]?s|[mun]?N(?:/m|\s+m\b|\s+s\b)?|[kMG]?Pa|[mukn]?m(?:/s)?|[mu]?[WAJ]|k?V|[mk]?g|rpm"
     r"|deg(?:rees?)?|errors?|times"
 )
 RESULT = re.compile(
-    rf"(?<![\w.])[-+]?\d[\d.,]*(?:e[-+]?\d+)?\s+(?:(?:{UNIT})(?![\w/-])|of\s+(?:\d|all|the|them)[\d,]*)"
+    rf"(?<![\w.])[-+]?\d(?:[\d.,]*\d)?(?:e[-+]?\d+)?\s+(?:(?:{UNIT})(?![\w/-])|of\s+(?:\d|all|the|them)[\d,]*)"
     r"|\d%|Q\s+(?:=|of)\s+\d[\d.]*"
     r"|\b(?:half|two\s+thirds|three\s+quarters|a\s+third|a\s+quarter|one\s+in\s+\w+)"
     r"\s+of\s+(?:all|the\s+(?:motors|laws)|them)\b"
     r"|\bevery\s+(?:second|third)\s+(?:motor|law)"
+    r"|(?<=\|\s)[-+]?\d+\.\d+(?:e[-+]?\d+)?(?=\s(?:\||±|\+-))"
 )
-"""A number with a unit, a share or a count of some."""
-
-LISTED = "experiments/numbers.yaml"
-"""Numbers of the pages that no claim states, by their origin."""
+"""A number with a unit, a share or a count of some, a decimal number as a cell of a table."""
 
 AGE = re.compile(r"\n+<!-- age of the results -->.*?<!-- end of the age -->", re.DOTALL)
 OTHER = {
@@ -104,18 +104,11 @@ class Page:
         return Counter(" ".join(each[0].split()) for each in RESULT.finditer(CODE.sub("", text)))
 
     def bare(self) -> Iterator[str]:
-        """Yield the numbers that are not listed either, and those that are and stand there no more."""
-        here = self.numbers()
-        known = Counter(each for own in listed_numbers().get(self.name, {}).values() for each in own)
+        """Yield numbers that are not listed either, are there no more, or are listed wrong."""
+        here, known = self.numbers(), Counter(listed_numbers.of_page(self.name))
         yield from (f"{self.name}: '{each}' has no claim" for each in (here - known).elements())
         yield from (f"{self.name}: '{each}' stands there no more" for each in (known - here).elements())
-
-
-@cache
-def listed_numbers() -> dict[str, dict[str, list[str]]]:
-    """Return the numbers without a claim by page and origin."""
-    content: dict[str, dict[str, list[str]]] = yaml.safe_load((ROOT / LISTED).read_text(encoding="utf-8"))
-    return content
+        yield from listed_numbers.faults(self.name, self.text)
 
 
 @cache
@@ -136,23 +129,6 @@ def age_of(used: Iterable[tuple[str, str]]) -> str:
     if not lines:
         return ""
     return "\n\n".join(("\n<!-- age of the results -->", *lines, "<!-- end of the age -->\n"))
-
-
-def relist(pages: Iterable[Page]) -> None:
-    """Write the list of numbers anew: new ones as unwatched, without those that stand there no more."""
-    lines = (ROOT / LISTED).read_text(encoding="utf-8").splitlines(keepends=True)
-    content: dict[str, dict[str, list[str]]] = {}
-    for page in pages:
-        here = page.numbers()
-        for origin, known in {**listed_numbers().get(page.name, {}), "": []}.items():
-            kept = sorted((here & Counter(known)).elements() if origin else here.elements())
-            here -= Counter(kept)
-            if kept:
-                content.setdefault(page.name, {}).setdefault(origin or "unwatched", []).extend(kept)
-    text = yaml.safe_dump(content, width=110, sort_keys=False, default_flow_style=None)
-    (ROOT / LISTED).write_text(
-        "".join(line for line in lines if line.startswith("#")) + text, encoding="utf-8"
-    )
 
 
 def of_page(name: str) -> list[Statement]:
@@ -238,13 +214,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Write or check the pages and return the exit status."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--check", action="store_true", help="write nothing, and say what differs")
-    parser.add_argument("--list", action="store_true", help=f"write {LISTED} anew")
     chosen = parser.parse_args(arguments)
     pages = [Page(name) for name in claims.PAGES]
     faults = [fault for page in pages for fault in page.fill()]
-    if chosen.list:
-        relist(pages)
-        listed_numbers.cache_clear()
     faults += [fault for page in pages for fault in page.bare()]
     pages.append(Page(LIST))
     pages[-1].text = listed() if not faults else pages[-1].old

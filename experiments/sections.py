@@ -41,6 +41,14 @@ def of_motor(name: str) -> Section:
     return Section(lambda *_: make(), lambda *_: short())
 
 
+def of_accuracy(name: str) -> Section:
+    """Return a section on the accuracy of runs and fits."""
+    from accuracy import SECTIONS
+
+    make, short = SECTIONS[name]
+    return Section(lambda *_: make(), lambda *_: short())
+
+
 def of_experiment(name: str) -> Section:
     """Return the section of an experiment."""
 
@@ -71,12 +79,23 @@ def of_measurements(name: str) -> Section:
 
 def keys() -> list[tuple[str, str]]:
     """Return file and name of every section."""
+    from accuracy import SECTIONS as OF_ACCURACY
     from measurement_results import SECTIONS as MEASURED
     from motor_findings import SECTIONS
 
-    named = {"motor": SECTIONS, "experiments": (*PAPER, *BEYOND), "measurements": MEASURED}
+    named = {
+        "accuracy": OF_ACCURACY,
+        "motor": SECTIONS,
+        "experiments": (*PAPER, *BEYOND),
+        "measurements": MEASURED,
+    }
     return [(file, name) for file, names in named.items() for name in names]
 
 
-FILES: Final = {"motor": of_motor, "experiments": of_experiment, "measurements": of_measurements}
+FILES: Final = {
+    "accuracy": of_accuracy,
+    "motor": of_motor,
+    "experiments": of_experiment,
+    "measurements": of_measurements,
+}
 """Files of docs/results, and what returns a section of each."""

@@ -9,6 +9,7 @@ from typing import Any
 
 import claims
 import dependencies
+import listed_numbers
 import pytest
 import remake
 import results_pages
@@ -331,6 +332,7 @@ BARE = (
     "the current is 31 mA, the pressure 674 MPa, the tip moves by 3.1 um, the loss is 12.7 uJ",
     "the torque is 3.7 N m, 4.1 mN m, 6.6 mW or 1.43 rad/s and 13 rpm, it takes 12 % or 12% less",
     "every second motor, or half of them, changes its order; two thirds of all laws agree, 0.43 of the time",
+    "| `hertz_penalty` | 2.1911 | 3.016 ± 0.003 | 9.93e9 | 16 |",
 )
 
 
@@ -339,10 +341,54 @@ def test_a_number_without_a_claim_is_refused_on_every_page(name: str) -> None:
     page = Page(name)
     assert [*page.bare()] == []
     page.text = "\n\n".join((page.text, *BARE))
-    assert len([*page.bare()]) == 4 + 4 + 4 + 7 + 4
+    assert len([*page.bare()]) == 4 + 4 + 4 + 7 + 4 + 3
 
 
 def test_a_number_that_is_gone_leaves_the_list() -> None:
     page = Page(STEADY)
-    page.text = page.text.replace("3.2 mm", "thicker")
-    assert [*page.bare()] == [f"{STEADY}: '3.2 mm' stands there no more"]
+    page.text = page.text.replace("within 20 %", "nearby")
+    assert [*page.bare()] == [f"{STEADY}: '20 %' stands there no more"]
+
+
+@pytest.mark.parametrize(
+    ("origin", "sound", "wrong"),
+    [
+        ("shown", ["1 um", "12 %"], ["1.2 um", "13 %"]),
+        ("code", [{"20 ms": "key('solver.duration')"}], [{"21 ms": "key('solver.duration')"}]),
+        (
+            "code",
+            [{"95 %": "constant('contactlab.inference.bootstrap:LEVEL')"}],
+            [{"96 %": "constant('contactlab.inference.bootstrap:LEVEL')"}],
+        ),
+        ("cited", {"Hertz (1881)": ["3 mm"]}, {"Hertz (1882)": ["3 mm"]}),
+        ("unwatched", [], ["3 mm"]),
+    ],
+)
+def test_an_origin_of_a_number_is_checked(
+    origin: str, sound: object, wrong: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = "After Hertz (1881).\n\n```bash\ncontactlab contact.clearance=1e-6 law.loss=0.12\n```\n"
+    for listed, faults in ((sound, 0), (wrong, len(wrong) if isinstance(wrong, list) else 1)):
+        monkeypatch.setattr(
+            listed_numbers, "listed", lambda own=listed: {"page.md": {origin: own} if own else {}}
+        )
+        assert len([*listed_numbers.faults("page.md", text)]) == faults
+
+
+@pytest.mark.parametrize(
+    ("text", "number", "same"),
+    [
+        ("-1.39 rad/s", -1.3938, True),
+        ("-1.39 rad/s", -1.396, False),
+        ("20 ms", 0.02, True),
+        ("20 ms", 0.0201, False),
+        ("1.01 GPa", 1.01327e9, True),
+        ("36.4 g", 0.0364, True),
+        ("1 kg", 1.0, True),
+        ("0.01 %", 1e-4, True),
+        ("100,000 of the", 1e5, True),
+        ("15 of the", 16.0, False),
+    ],
+)
+def test_a_number_of_a_page_is_compared_to_its_digits(text: str, number: float, same: bool) -> None:
+    assert listed_numbers.Literal(text).is_of(number) == same

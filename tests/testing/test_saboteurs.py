@@ -202,11 +202,11 @@ def holds_always(normal):
 
 
 SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
-    "stored energy 1.5 times too large": (lambda: law_of(hertz(stored=1.5)), "consistency"),
+    "stored energy too large by a half": (lambda: law_of(hertz(stored=1.5)), "consistency"),
     "stored energy twice too large": (lambda: law_of(hertz(stored=2.0)), "consistency"),
     "no stored energy": (lambda: law_of(hertz(stored=0.0)), "consistency"),
-    "stored energy 1.5 times too large in fast contacts": (lambda: law_of(hertz(fast=1.5)), "run"),
-    "stored energy 1.2 times too large in fast contacts": (
+    "stored energy too large by a half in fast contacts": (lambda: law_of(hertz(fast=1.5)), "run"),
+    "stored energy too large by a fifth in fast contacts": (
         lambda: law_of(hertz(fast=1.2)),
         "kernel_is_consistent",
     ),
@@ -223,7 +223,7 @@ SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
     "a stiffness in wrong units": (lambda: law_of(hertz(), units="N m-1"), "scales_with_units"),
     "normal force with half its stiffness": (lambda: normal_of(stiffness=0.5), "consistency"),
     "normal force with a wrong slope": (lambda: normal_of(slope=2.0), "part_says_its_stiffness"),
-    "normal force with 1.5 times its stored energy": (lambda: normal_of(stored=1.5), "consistency"),
+    "normal force with half its stored energy too much": (lambda: normal_of(stored=1.5), "consistency"),
     "bristle without stored energy": (lambda: friction_of(stored=0.0), "consistency"),
     "bristle with twice its stored energy": (
         lambda: friction_of(stored=2.0),

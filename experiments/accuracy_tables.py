@@ -1,0 +1,129 @@
+"""Tables of the pages on accuracy, fits and data sheets, from docs/results/accuracy.json."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from claims import Number, markdown, results
+
+NAMES: Final = {
+    "friction_coefficient": "friction coefficient",
+    "restitution": "restitution",
+    "discrepancy": "size of the error",
+    "law.stiffness": "stiffness (N/m^1.5)",
+    "contact.friction_coefficient": "friction coefficient",
+}
+"""Numbers that are fitted."""
+
+
+def section(name: str) -> Any:
+    """Return a section."""
+    return results("accuracy")[name]
+
+
+def case_a() -> str:
+    """Return the reference case beside independent solvers."""
+    labels = {
+        "lagrange_slip": ("`lagrange_slip`", ", by its time stepping"),
+        "lagrange_stick, stepped": ("`lagrange_stick` in time stepping, `solver.contact_step=5e-8`", ""),
+    }
+    head = ("", "rotor velocity (rad/s)", "reference (rad/s)", "contacts", "ledger residual over drive work")
+    rows = []
+    for name, row in section("case A").items():
+        label, by = labels.get(name, (f"`{name}`", ""))
+        reference = f"{row['reference']:.{5 if by else 7}f}".rstrip("0")
+        rows.append(
+            (label, f"{row['rotor_velocity']:.7f}", reference + by, row["contacts"], f"{row['residual']:.0e}")
+        )
+    return markdown(head, rows)
+
+
+def bases() -> str:
+    """Return the motor on truncated bases."""
+    head = (
+        "",
+        "f1, f2 (Hz)",
+        "tip compliance (um/N)",
+        "mass that an impact meets (g)",
+        "settled peak force (N)",
+        "settled rotor velocity (rad/s)",
+    )
+    rows = (
+        (
+            name,
+            ", ".join(f"{each:.1f}" for each in row["frequencies"]),
+            f"{1e6 * row['compliance']:.6f}",
+            f"{1e3 * row['mass']:.2f}",
+            f"{row['peak_force']:.5f}",
+            f"{row['rotor_velocity']:.5f}",
+        )
+        for name, row in section("bases").items()
+    )
+    return markdown(head, rows)
+
+
+def coverage() -> str:
+    """Return how many of the intervals of fits hold the truth."""
+    here = section("coverage")
+    kinds = {"stated": "stated", "found": "found by the fit"}
+    rows = (
+        (kinds[kind], NAMES[name], f"{count} of {here['fits']}")
+        for kind, counts in here["covered"].items()
+        for name, count in counts.items()
+    )
+    return markdown(("error of the impacts", "number", "intervals with the truth in them"), rows)
+
+
+def true_law() -> str:
+    """Return how often the law that has made the data is recognised."""
+    columns = {
+        "sets": "sets of data",
+        "right": "right",
+        "wrong": "wrong",
+        "open": "not distinguishable",
+        "largest": "true law has the largest evidence",
+    }
+    rows = ((count, *(row[name] for name in columns)) for count, row in section("true law").items())
+    return markdown(("impacts", *columns.values()), rows)
+
+
+def rotor_fit() -> str:
+    """Return what a rotor's velocity tells of stiffness and friction."""
+
+    def row(name: str, own: dict[str, float]) -> tuple[str, ...]:
+        numbers = (own["mean"], own["deviation"], own["low"], own["high"])
+        mean, deviation, low, high = (f"{x:.{d}g}" for x, d in zip(numbers, (4, 2, 4, 4), strict=True))
+        return NAMES[name], f"{own['truth']:g}", mean, deviation, f"{low} to {high}"
+
+    head = ("", "truth", "posterior mean", "standard deviation", "interval of 90 %")
+    return markdown(head, (row(*item) for item in section("rotor fit").items()))
+
+
+def data_sheets() -> str:
+    """Return the data sheets of the default motor."""
+    rows = (
+        ("velocity without load (rad/s)", "no_load_velocity", 1.0),
+        ("stall torque (mN m)", "stall_torque", 1e3),
+        ("greatest output power (mW)", "output_power", 1e3),
+        ("greatest efficiency (%)", "electrical_efficiency", 100.0),
+    )
+    here = section("data sheets")
+    names = {"four shapes": "", "converged": "on the converged beam: "}
+    lines = (
+        (
+            names[basis] + text,
+            *(Number(scale * own[name], scale * own[f"{name}_error"]) for own in here[basis].values()),
+        )
+        for basis in names
+        for text, name, scale in rows
+    )
+    return markdown(("", *here["converged"]), lines)
+
+
+TABLES: Final[dict[str, Callable[[], str]]] = {
+    "case A": case_a,
+    "bases": bases,
+    "data sheets": data_sheets,
+    "coverage": coverage,
+    "true law": true_law,
+    "rotor fit": rotor_fit,
+}
