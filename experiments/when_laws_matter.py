@@ -142,9 +142,9 @@ def setup_of(law: str, motor: Mapping[str, float], resonator: str) -> cl.Setup:
     made = cl.build(nested(settings))
     datum = Datum("restitution", motor["restitution"], RESTITUTION.speed)
     # A bench measures it in a straight impact.
-    number = calibrated(made.law, datum, np.diag(np.diag(delassus_at_rest(made.motor))))
-    assert number is not None
-    return cl.build(nested(settings | {f"law.{number[0].name}": number[1]}))
+    numbers = calibrated(made.law, datum, np.diag(np.diag(delassus_at_rest(made.motor))))
+    assert numbers
+    return cl.build(nested(settings | {f"law.{name}": value for name, value in numbers.items()}))
 
 
 def groups_of(motor: Mapping[str, float], setup: cl.Setup) -> list[float]:

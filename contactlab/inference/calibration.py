@@ -63,8 +63,8 @@ SINGULAR: Final = 1e-5
 LOOKS: Final = 32
 """Points from the best of which a search begins, if one from the law's own values fails."""
 
-SYMBOLS: Final = {"mass": [("m", "kg")], "radius": [("R", "m"), ("R'", "m"), ("R''", "m")]}
-"""Symbols and units of the numbers that an argument is: a damping has its restitution at one mass."""
+RADII: Final = ("R", "m"), ("R'", "m"), ("R''", "m")
+"""Symbols and units of the numbers that a radius sets."""
 
 Required = float | str | tuple[float | str, float | str] | list[Any]
 """Value and speed of a quantity, "0.8 @ 0.5 m/s" or (0.8, 0.5), or a list of such."""
@@ -231,7 +231,17 @@ class Requirements:
         return None if reached.any() else ((), np.empty(0))
 
     def _solved(self, free: Sequence[FreeParameter]) -> Array | None:
-        """Return values with which some numbers meet the data [SI], or None; searched from the law's own."""
+        """Return values with which some numbers meet the data [SI], or None; searched from the law's own.
+
+        A number with the symbol e is tried at the required restitution first.
+        """
+        required = [datum.value for datum in self.data if datum.quantity == "restitution"][:1]
+        stated = [
+            required[0] if required and item.parameter.symbol == "e" else own
+            for item, own in zip(free, self.start(free), strict=True)
+        ]
+        if np.all(np.abs(self.misses(free, stated)) <= self.tolerance):
+            return np.array(stated)
         for begin in (self.start(free), None):
             try:
                 best = best_fit(partial(self.misses, free), free, 1, 0, looks=LOOKS, begin=begin, step=STEP)
@@ -273,14 +283,43 @@ def searched(law: ContactLaw, names: Sequence[str] | None = None) -> tuple[FreeP
     return tuple(result)
 
 
-def calibrated(law: ContactLaw, datum: Datum, delassus: Array) -> tuple[FreeParameter, float] | None:
-    """Return the first number of a law that brings it to a datum, and its value; D [1/kg] of shape (2, 2).
+def calibrated(law: ContactLaw, datum: Datum, delassus: Array) -> dict[str, float]:
+    """Return the numbers of a law that bring it to a datum, by name [SI]; D [1/kg] of shape (2, 2).
 
-    None where no number does in the range of a fit, as to a restitution under a law without loss.
+    They are mass and speed of a restitution, where the law states its own for them, and the first number
+    that meets the datum then. Empty where none does in the range of a fit, as to a restitution under a law
+    without loss.
     """
-    required = Requirements(law, (datum,), delassus, free_parameters(law))
+    mass = 1.0 / float(delassus[0, 0]) if datum.quantity == "restitution" else None
+    impact = _impact_numbers(law, [datum], mass)
+    set_first = {name: value for name, (value, _) in impact.items()}
+    for name, value in set_first.items():
+        law = law.changed(name, value)
+    free = tuple(item for item in free_parameters(law) if item.name not in set_first)
+    required = Requirements(law, (datum,), delassus, free)
     met = required.met(required.scan())
-    return (met[0][0], float(met[1][0])) if met and met[0] else None
+    return set_first | {met[0][0].name: float(met[1][0])} if met and met[0] else {}
+
+
+def _impact_numbers(
+    law: ContactLaw, data: Sequence[Datum], mass: float | None
+) -> dict[str, tuple[float, str]]:
+    """Return mass and speed of the impacts for which a law states its restitution [SI], with their sources.
+
+    A dashpot has its restitution at one mass, most have it at one speed, others down to a least speed:
+    numbers with the symbols m, v and v_min. Restitutions at several speeds state none.
+    """
+    speeds = {datum.speed for datum in data if datum.quantity == "restitution"}
+    result = dict[str, tuple[float, str]]()
+    for name, value, declared in law.effective():
+        match (declared.symbol, declared.units) if declared else None:
+            case ("m", "kg") if mass is not None:
+                result[name] = mass, "mass"
+            case ("v", "m s-1") if len(speeds) == 1:
+                result[name] = min(speeds), "restitution"
+            case ("v_min", "m s-1") if speeds and min(speeds) < value:
+                result[name] = min(speeds), "restitution"
+    return result
 
 
 @final
@@ -351,7 +390,8 @@ def identify(
             `Material` with constants of your own.
         radius: relative radius R of the bodies [m], 1/R = 1/R_1 + 1/R_2.
         friction_angle: of the incline on which a body begins to slide [rad], or a text, "17 deg".
-        free: names of the numbers that may change to meet the quantities of impacts; None is all others.
+        free: names of the numbers that may change to meet the quantities of impacts; None is all others, and
+            a law that states its restitution for one speed then does for that of the required one.
         tolerance: largest relative difference of a quantity from its required value.
 
     Raises:
@@ -369,10 +409,13 @@ def identify(
         '3.974e+09 N/m^1.5'
     """
     check_law(law)
+    for name, value in (("mass", mass), ("radius", radius), ("friction_angle", friction_angle)):
+        _check_positive(name, value, pi / 2.0 if name == "friction_angle" else inf)
     required = {"restitution": restitution, "contact_time": contact_time}
     required |= {"peak_force": peak_force, "penetration": penetration}
     data = tuple(datum for name, x in required.items() if x is not None for datum in Datum.each(name, x))
-    known = _known(law, mass, materials, radius, friction_angle)
+    known = _impact_numbers(law, data if free is None else (), mass)
+    known |= _known(law, materials, radius, friction_angle)
     if not (data or known):
         raise ValueError("Nothing is known; there must be a quantity of an impact, materials or an angle.")
     for name, (value, _) in known.items():
@@ -395,17 +438,20 @@ def identify(
     return _identified(replace(requirements, law=with_values(law, *met)), sources)
 
 
+def _check_positive(name: str, value: float | None, most: float) -> None:
+    if value is not None:
+        check_kind(name, value, float)
+        if not 0.0 < value < most:
+            raise ValueError(f"{name} is {value}; it must be greater than 0 and less than {most:g}.")
+
+
 def _names(data: Sequence[Datum], chosen: NDArray[np.bool_]) -> str:
     """Return the names of the quantities of some data."""
     return ", ".join(dict.fromkeys(datum.quantity for datum in compress(data, chosen)))
 
 
 def _known(
-    law: ContactLaw,
-    mass: float | None,
-    materials: Materials | None,
-    radius: float | None,
-    friction_angle: float | None,
+    law: ContactLaw, materials: Materials | None, radius: float | None, friction_angle: float | None
 ) -> dict[str, tuple[float, str]]:
     """Return the numbers of a law that follow without an impact [SI], each with what it comes from.
 
@@ -413,16 +459,8 @@ def _known(
         TypeError, ValueError: what is known is faulty, or sets no number of the law.
     """
     derived: dict[tuple[str, str], tuple[float, str]] = {}
-    for name, value, most in (
-        ("mass", mass, inf),
-        ("radius", radius, inf),
-        ("friction_angle", friction_angle, pi / 2.0),
-    ):
-        if value is not None:
-            check_kind(name, value, float)
-            if not 0.0 < value < most:
-                raise ValueError(f"{name} is {value}; it must be greater than 0 and less than {most:g}.")
-            derived |= dict.fromkeys(SYMBOLS.get(name, ()), (value, name))
+    if radius is not None:
+        derived |= dict.fromkeys(RADII, (radius, "radius"))
     if friction_angle is not None:
         derived["mu", "1"] = tan(friction_angle), "friction_angle"
     if materials is not None:

@@ -513,8 +513,9 @@ def _findings(
         result.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
         result += [f"Least squares: {phrase}." for phrase in best.warnings()]
     result.append(
-        f"ln Z = {posterior.log_evidence:.2f} +- {posterior.error:.2f}, {posterior.information:.1f} nat of "
-        f"information, {posterior.calls} evaluations, {posterior.effective:.0f} effective samples."
+        f"ln Z = {Estimate(posterior.log_evidence, posterior.error).text()}, "
+        f"{posterior.information:.1f} nat of information, {posterior.calls} evaluations, "
+        f"{posterior.effective:.0f} effective samples."
     )
     about = tree.attrs
     checks = [f"{about['p_deviance']:.3f} by the deviance"]
@@ -598,7 +599,7 @@ def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
         result.append(f"{head}: {'; '.join(f'{label} ({why})' for label, why in failing.items())}.")
     for other, evidence in others:
         difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
-        shown = f"ln B = {difference:.1f} +- {error:.1g}"
+        shown = f"ln B = {Estimate(difference, error).text()}"
         if (bad := first) in failing or fits[bad := other].attrs["spread"] > MARGIN:
             result.append(
                 f"{first} has a larger evidence than {other} ({shown}), from which no odds follow, as {bad} "

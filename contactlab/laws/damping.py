@@ -135,6 +135,9 @@ def damping_coefficient(damping: LinearDamping, normal: NormalForce) -> float:
         done = scipy.integrate.solve_ivp(motion, (0.0, 1e9), [0.0, 1.0], "DOP853", events=end, **accuracy)
         return -float(done.y[1, -1]) - damping.restitution
 
+    # A loss below the integration's error.
+    if excess(0.0) <= 0.0:
+        return 0.0
     right = 1.0
     while excess(right) > 0.0:
         right *= 2.0

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.special import chdtri, ndtri
 
 from contactlab.arrays import Array
+from contactlab.estimate import Estimate
 from contactlab.measured.bodies import BodyImpacts, sign_note
 from contactlab.measured.columns import jacobian_is_checked
 from contactlab.measured.impacts import MeasuredImpacts
@@ -447,8 +448,8 @@ def _sentences(motion: Motion, phases: Sequence[Phase], noise: Array, breaks: Se
         fall, error = sum(x.bend * x.fall for x in flights) / weight, float(noise[_VERTICAL]) / weight**0.5
         if abs(fall - motion.gravity) > _bound(CHANCE) * error:
             result.append(
-                f"Warning: flights fall by {fall:.4g} +- {error:.2g} m/s^2; gravity is {motion.gravity:g}. "
-                "Check scale and times; the air may slow the body down."
+                f"Warning: flights fall by {Estimate(fall, error).text()} m/s^2; gravity is "
+                f"{motion.gravity:g}. Check scale and times; the air may slow the body down."
             )
     return result
 

@@ -1,6 +1,7 @@
 """A run in a few lines of text, and its numbers in units that are handy to read."""
 
 import json
+import re
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,16 @@ if TYPE_CHECKING:
 
 ROUND_OFF = 1e-9
 """Part of a clearance that is no motion of the tip."""
+
+PREFIXES = ("G", 1e9), ("M", 1e6), ("k", 1e3), ("", 1.0), ("m", 1e-3), ("µ", 1e-6), ("n", 1e-9), ("p", 1e-12)
+LARGEST = 1e12
+"""Prefixes of units with their factors, and the size from which on a power of ten is read more easily."""
+
+MOST = {"s": 1.0, "rad": 1.0, "deg": 1.0, "g": 1e3}
+"""Largest factors of prefixes of units that are not read with a larger one."""
+
+FIRST_UNIT = re.compile(r"([A-Za-z]*(?![A-Za-z0-9^-]))?(.*)")
+"""The first unit of a product or quotient, empty if it has an exponent, and the rest."""
 
 MOST_REMEMBERED = 4
 """Internal variables that are shown."""
@@ -102,21 +113,28 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
 
 
 def prefixed_unit(size: float, symbol: str, smallest: float = 1.0) -> tuple[str, float]:
-    """Find the unit in which a quantity is a handy number, from a million of it down to its nano-part.
+    """Find the unit in which a quantity is a handy number, from giga to pico.
+
+    Beyond these, and for a unit that begins with a power or a reciprocal, it is the unit itself.
 
     Args:
         size: of the quantity in the unit without a prefix.
-        symbol: of the unit without a prefix.
+        symbol: of the unit without a prefix; kg is a thousand g.
         smallest: number that the quantity shall have at least.
 
     Returns:
         The symbol with its prefix, and its size in the unit without one.
     """
-    for prefix, scale in (("M", 1e6), ("", 1.0), ("m", 1e-3), ("µ", 1e-6)):
-        # A hair below counts, so that a round-off does not turn 1 ms into 1000 µs.
-        if size >= 0.999 * smallest * scale:
-            return f"{prefix}{symbol}", scale
-    return f"n{symbol}", 1e-9
+    first, rest = FIRST_UNIT.findall(symbol)[0]
+    base = 1.0
+    if first == "kg":
+        first, base = "g", 1e-3
+    if first and size < LARGEST * base:
+        for prefix, scale in PREFIXES:
+            # A hair below counts, so that a round-off does not turn 1 ms into 1000 µs.
+            if size >= 0.999 * smallest * scale * base and scale <= MOST.get(first, LARGEST):
+                return f"{prefix}{first}{rest}", scale * base
+    return symbol, 1.0
 
 
 def prefixed(size: float, symbol: str) -> str:

@@ -259,7 +259,7 @@ class Settling:
     @property
     def estimate(self) -> str:
         """The estimate with its error, '-2.25 +- 0.28 rad/s'."""
-        return f"{Estimate(self.velocity, self.error).text(most=DIGITS)} rad/s"
+        return f"{Estimate(self.velocity, self.error).text(digits=DIGITS)} rad/s"
 
     @cached_property
     def sentence(self) -> str:
@@ -356,7 +356,7 @@ def _memory_of(run: Periods) -> tuple[float, str]:
         off = abs(result.distance) + result.error
         own = off / scale if off > 0.0 else 0.0
         if own > max(share, SHARE):
-            limit = Estimate(result.limit, result.error).text(most=DIGITS)
+            limit = Estimate(result.limit, result.error).text(digits=DIGITS)
             reason = (
                 f"the law's internal variable {name.removeprefix(INTERNAL)} is {result.now:.4g} at the end, "
                 f"changes by {abs(result.drift):.2g} per period, and tends to "

@@ -30,7 +30,7 @@ ROUGH: Final = 1e-2
 """Roughness of the period map above which its multipliers are reported as rough."""
 
 
-LEAST_LEFT: Final = 1e-6
+LEAST_LEFT: Final = 1e-3
 """Share of the way to an orbit that a page still writes [%]."""
 
 
@@ -121,15 +121,15 @@ class Steady(Study):
                     "value along its direction, and has that of the initial conditions."
                 )
             sentences.append(
-                f"Small deviations decay with a time constant of {about['settling_time']:.6g} s; the {other} "
-                f"Floquet multiplier has the modulus {about['largest_multiplier']:.6g}."
+                f"Small deviations decay with a time constant of {with_unit(about['settling_time'], 's')}; "
+                f"the {other} Floquet multiplier has the modulus {about['largest_multiplier']:.6g}."
             )
             if "belt" not in about:
                 left = 100.0 * np.exp(-about["run_duration"] / about["settling_time"])
                 lacks = f"{left:.3g} %" if left >= LEAST_LEFT else f"less than {LEAST_LEFT:g} %"
                 sentences.append(
-                    f"A run of the configured {about['run_duration']:.6g} s lacks {lacks} of the way from "
-                    "its start."
+                    f"A run of the configured {with_unit(about['run_duration'], 's')} lacks {lacks} of the "
+                    "way from its start."
                 )
             if about["roughness"] > ROUGH:
                 sentences.append(

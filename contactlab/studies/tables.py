@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple, final
 
 import numpy as np
 
-from contactlab.estimate import MOST_DIGITS, Estimate
+from contactlab.estimate import Estimate, exact
 from contactlab.parameter import from_cf
 from contactlab.results.summary import prefixed_unit
 from contactlab.variables import Variable
@@ -28,12 +28,6 @@ UNIT: Final = "unit"
 
 WITHOUT_PREFIX: Final = ("rad/s", "1", "1/m", "V A")
 """Units that are read as they are."""
-
-DIGITS: Final = 5
-"""Digits of a number without an error."""
-
-ROUND_OFF: Final = 1e-12
-"""Relative error of a number that is its round-off, and is not shown."""
 
 MOST_COLUMNS: Final = 12
 """Columns of a table on a page, beyond which every row is a block of its own."""
@@ -80,19 +74,13 @@ def shown(cell: object, plus_minus: str = "+-", digits: int | None = None) -> st
     >>> shown(Estimate(-2.19118, 0.00213)), shown(0.1 + 0.2), shown(float("nan"))
     ('-2.1912 +- 0.0021', '0.3', '')
     >>> shown(Estimate(-2.19118, 0.00213), digits=3), shown(Estimate(2.0, 0.3), digits=3)
-    ('-2.19', '2.00 +- 0.3')
+    ('-2.19', '2.00 +- 0.30')
     """
     match cell:
-        case Estimate(_, error) if np.isinf(error):
-            return "no limit"
-        case Estimate(value, error) if np.isfinite(cell).all() and error > 0.0:
-            carried = error > (ROUND_OFF if digits is None else 10.0 ** (1 - digits)) * abs(value)
-            return cell.text(plus_minus) if carried else shown(float(value), plus_minus, digits)
-        case Estimate(value, _):
-            return shown(float(value), plus_minus, digits)
+        case Estimate():
+            return cell.text(plus_minus, digits)
         case float() | np.floating():
-            text = f"{float(f'{cell:.{digits or DIGITS}g}'):.{MOST_DIGITS if digits else DIGITS}g}"
-            return "" if np.isnan(cell) else "infinite" if np.isinf(cell) else text
+            return exact(float(cell), digits)
         case AtMost(bound):
             return f"<= {bound:g}"
         case None:
@@ -118,11 +106,18 @@ def _as_written(frame: pandas.DataFrame, write: Callable[[object], str]) -> pand
 
 
 def _prefixed(row: Mapping[Any, Any]) -> dict[Any, Any]:
-    """Return a row with the prefix of its unit that suits its largest number or error."""
-    sizes = [
-        abs(x) for cell in row.values() if isinstance(cell, Estimate | float) for x in np.atleast_1d(cell)
-    ]
-    largest = max((float(x) for x in sizes if np.isfinite(x)), default=0.0)
+    """Return a row with the prefix of its unit that suits its largest number.
+
+    Numbers that are not larger than their errors count only where there is no other.
+    """
+    shown, bounds = [0.0], [0.0]
+    for cell in row.values():
+        match cell:
+            case Estimate(value, error) if 0.0 < error < np.inf and error >= abs(value):
+                bounds.append(abs(value) + error)
+            case Estimate(value, _) | (float() as value):
+                shown.append(abs(value))
+    largest = max(x for x in shown if np.isfinite(x)) or max(bounds)
     unit, scale = unit_for(largest, row[UNIT])
     return {name: _scaled(cell, scale) for name, cell in row.items()} | {UNIT: unit}
 
@@ -147,11 +142,11 @@ def _scaled(cell: object, scale: float) -> object:
     return cell
 
 
-def with_unit(number: Estimate, units: str) -> str:
-    """Return a number with its error and a unit of a handy size.
+def with_unit(number: Estimate | float, units: str) -> str:
+    """Return a number, with its error if it has one, and a unit of a handy size.
 
     >>> with_unit(Estimate(2.007e10, 1.7e8), "N m-1.5"), with_unit(Estimate(0.82, 0.01), "1")
-    ('2.007e+04 +- 1.7e+02 MN/m^1.5', '0.820 +- 0.01')
+    ('20.07 +- 0.17 GN/m^1.5', '0.820 +- 0.010')
     """
     row = _prefixed({UNIT: units, "number": number})
     return f"{shown(row['number'])} {row[UNIT]}".rstrip()

@@ -234,7 +234,7 @@ def headline(data: xarray.Dataset) -> str:
     best, floor = laws.isel(law=0), data.isel(law=-1)
     first = laws["law"].values[laws["group"].values == 1]
     low, high = best["prediction_error_interval"].values
-    error = f"{float(best['prediction_error']):.4f} +- {0.5 * (high - low):.4f}"
+    error = Estimate(float(best["prediction_error"]), 0.5 * float(high - low)).text()
     others = f", not distinguishable from {', '.join(map(str, first[1:]))}" if len(first) > 1 else ""
     return (
         f"{best['law'].item()} predicts best: {error}{others}. The best impulse of each impact leaves "
@@ -259,10 +259,10 @@ def comparison(data: xarray.Dataset, better: str, worse: str, kind: str = "") ->
     largest = float(np.abs(ends).max())
     if largest < SAME:
         return f"{better} and {kind}{worse} predict the same."
-    by = f"{apart:.4f} +- {0.5 * float(ends[1] - ends[0]):.4f}"
+    by = Estimate(apart, 0.5 * float(ends[1] - ends[0])).text()
     by = by if largest >= LEAST else f"less than {LEAST}"
     if not distinct(data, better, worse):
-        return f"{better} and {kind}{worse} are not distinguishable: {by} apart."
+        return f"{better} and {kind}{worse} are not distinguishable: their errors differ by {by}."
     return f"{better} predicts better than {kind}{worse} by {by}."
 
 

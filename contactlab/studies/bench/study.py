@@ -22,6 +22,9 @@ from contactlab.variables import Variable
 
 SECONDS: Final = Variable("seconds", (), "s", "t", "processor time")
 
+DIGITS: Final = 3
+"""Digits of an error."""
+
 KEPT: Final = ("question", "at", "quantity", "exact")
 """Fields of a case that stand beside its answer."""
 
@@ -65,7 +68,9 @@ class Bench(LawStudy):
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the largest errors, a column a law."""
-        return {self.name: table_of_quantities(self.quantities, self.columns(data), "Largest errors")}
+        errors = table_of_quantities(self.quantities, self.columns(data), "Largest errors")
+        errors.attrs["digits"] = DIGITS
+        return {self.name: errors}
 
 
 def _answered(law: ContactLaw) -> Part:

@@ -134,12 +134,17 @@ class Periods:
         """Return every quantity of `sheet.POINT`, velocity and torque in the model's sense."""
         belt, series, contacts = self.section.belt, self.run.series, self.run.contacts
         radius, viscous = self.run.motor.geometry.rotor_radius, self.section.setup.motor.rotor.damping
-        drive, friction, contact, damping = (
-            self._rate(name) for name in ("drive_work", "friction_loss", "contact_loss", "damping_loss")
+        drive = self._rate("drive_work")
+        # Energy flows of an orbit balance: each has the error of what flows in.
+        flow = (self.closure or 0.0) * abs(drive.value)
+        friction, contact, damping = (
+            _at_least(flow, self._rate(name)) for name in ("friction_loss", "contact_loss", "damping_loss")
         )
         speed = self._rate("rotor_angle") if belt is None else Estimate(belt, 0.0)
         pushes = -radius * series["friction_force"][1:]
         push = self._mean(pushes if self.closure is not None else self._by_period(pushes).mean(axis=1))
+        # Forward and backward parts may cancel; each of them has its error.
+        push = _at_least((self.closure or 0.0) * radius * float(series["normal_force"][1:].mean()), push)
         torque = Estimate(push.value - viscous * speed.value, push.error + viscous * speed.error)
         output = Estimate(torque.value * speed.value, torque.error * abs(speed.value))
         if belt is None:
@@ -241,6 +246,11 @@ class Periods:
             "mechanical_efficiency": ratio(useful, drive),
             "electrical_efficiency": ratio(useful, active),
         }
+
+
+def _at_least(error: float, number: Estimate) -> Estimate:
+    """Return a number with an error of at least some size; an exact zero as it is."""
+    return Estimate(number.value, max(number.error, error)) if number.value else number
 
 
 def ratio(above: Estimate, below: Estimate) -> Estimate:

@@ -80,8 +80,7 @@ def _of_velocities(data: xarray.Dataset) -> Iterator[str]:
     values = here["value"].values
     if values.size == 1:
         velocity = Estimate(float(values[0]), float(here["numerical_error"][0]))
-        text = velocity.text() if isfinite(velocity.error) else f"{velocity.value:.5g}"
-        yield f"Settled rotor velocity: {text} rad/s."
+        yield f"Settled rotor velocity: {velocity.text()} rad/s."
     elif values.size:
         yield (
             f"Settled rotor velocity: {ends(values, here['law'].values, ' rad/s')}; neither numerical "

@@ -283,11 +283,9 @@ def _of_laws(names: Mapping[str, Sequence[str]]) -> Iterator[str]:
 
 def _brought_to(datum: Datum, setup: Setup) -> Setup:
     """Return a setup whose law has a datum; of one that no number brings there, the setup itself."""
-    number = calibrated(setup.law, datum, delassus_at_rest(setup.motor))
-    if number is None:
-        return setup
-    free, value = number
-    return build(nested(flat(setup.configuration) | {f"law.{free.name}": value}))
+    numbers = calibrated(setup.law, datum, delassus_at_rest(setup.motor))
+    changes = {f"law.{name}": value for name, value in numbers.items()}
+    return build(nested(flat(setup.configuration) | changes)) if changes else setup
 
 
 @checked_arguments()
