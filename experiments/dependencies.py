@@ -26,6 +26,9 @@ import yaml
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
+PACKAGES: Final = {"contactlab": ""}
+"""Packages, with the folder that has each; scripts stand in experiments/."""
+
 TABLES: Final = {"contactlab.laws.registry:LAWS", "contactlab.laws.registry:PARTS"}
 """Constants that name every law."""
 
@@ -180,8 +183,7 @@ def parsed(path: Path) -> Module:
 @cache
 def file_of(module: str, root: Path = ROOT) -> Path | None:
     """Return the file of a module of contactlab or of experiments/; None of any other."""
-    place = root / ("" if module.partition(".")[0] == "contactlab" else "experiments")
-    place /= module.replace(".", "/")
+    place = root / PACKAGES.get(module.partition(".")[0], "experiments") / module.replace(".", "/")
     files = (place.with_suffix(".py"), place / "__init__.pyi", place / "__init__.py")
     return next((path for path in files if path.is_file()), None)
 
@@ -189,8 +191,9 @@ def file_of(module: str, root: Path = ROOT) -> Path | None:
 @cache
 def modules(root: Path) -> tuple[str, ...]:
     """Return the names of all modules of contactlab and of experiments/."""
-    files = [*(root / "contactlab").rglob("*.py"), *(root / "experiments").glob("*.py")]
-    return tuple(filter(None, (module_of(str(file), root) for file in files)))
+    folders = [*(root / above / name for name, above in PACKAGES.items()), root / "experiments"]
+    files = (str(file) for folder in folders for file in folder.rglob("*.py"))
+    return tuple(filter(None, (module_of(file, root) for file in files)))
 
 
 @cache
@@ -377,7 +380,8 @@ def module_of(file: str, root: Path = ROOT) -> str | None:
     path = Path(file)
     if path.is_relative_to(root / "experiments"):
         return None if path.stem in OWN else path.stem
-    if not path.is_relative_to(root / "contactlab") or "__pycache__" in path.parts:
-        return None
-    parts = path.relative_to(root).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    for name, above in PACKAGES.items():
+        if path.is_relative_to(root / above / name) and "__pycache__" not in path.parts:
+            parts = path.relative_to(root / above).with_suffix("").parts
+            return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    return None
