@@ -203,12 +203,11 @@ def present(module: str, root: Path = ROOT) -> str:
         parts = module.split(".")
         for first in range(len(parts)):
             end = ".".join(("", *parts[first:]))
-            if found := [name for name in modules(root) if f".{name}".endswith(end)]:
-                return found[0] if len(found) == 1 else module
+            if alike := [name for name in modules(root) if f".{name}".endswith(end)]:
+                return alike[0] if len(alike) == 1 else module
     return module
 
 
-@cache
 def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
     """Return the definition "MODULE:NAME" that a chain of names in a module begins with, if it is ours."""
     path = file_of(module, root)
@@ -227,32 +226,35 @@ def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
     return target_of(source, chain, root)
 
 
+@cache
+def counting_with(here: str, root: Path) -> tuple[str, ...]:
+    """Return what counts with a definition: its module's and class's statements, and what it names."""
+    module, _, name = here.partition(":")
+    if (path := file_of(module, root)) is None:
+        return ()
+    counting = [f"{module}:{REST}"]
+    if "." in name:
+        counting.append(f"{module}:{name.partition('.')[0]}")
+    definition = parsed(path).definitions.get(name)
+    for chain in definition.names if definition else ():
+        target = target_of(module, chain, root)
+        if definition and target is not None:
+            there, _, what = target.partition(":")
+            file = file_of(there, root)
+            if file is not None and definition.needs(parsed(file).definitions[what]):
+                counting.append(target)
+    return tuple(counting)
+
+
 def reached(ran: Iterable[str], root: Path = ROOT) -> set[str]:
     """Return definitions that ran, and what counts of all that they name."""
     counted: set[str] = set()
     waiting = [*ran]
     while waiting:
         here = waiting.pop()
-        if here in counted or here in TABLES:
-            continue
-        counted.add(here)
-        module, _, name = here.partition(":")
-        if (path := file_of(module, root)) is None:
-            continue
-        own = parsed(path)
-        if name != REST:
-            waiting.append(f"{module}:{REST}")
-        if "." in name:
-            waiting.append(f"{module}:{name.partition('.')[0]}")
-        if (definition := own.definitions.get(name)) is None:
-            continue
-        for chain in definition.names:
-            target = target_of(module, chain, root)
-            if target is not None:
-                there, _, what = target.partition(":")
-                file = file_of(there, root)
-                if file is not None and definition.needs(parsed(file).definitions[what]):
-                    waiting.append(target)
+        if here not in counted and here not in TABLES:
+            counted.add(here)
+            waiting += counting_with(here, root)
     return counted
 
 

@@ -78,7 +78,7 @@ def edited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
 def forget() -> None:
     """Forget what is known of the sources."""
     results_store._code_of.cache_clear()
-    dependencies.target_of.cache_clear()
+    dependencies.counting_with.cache_clear()
 
 
 @pytest.fixture
