@@ -26,6 +26,9 @@ import yaml
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
+PACKAGES: Final = {"contactlab": ""}
+"""Packages, with the folder that has each; scripts stand in experiments/."""
+
 TABLES: Final = {"contactlab.laws.registry:LAWS", "contactlab.laws.registry:PARTS"}
 """Constants that name every law."""
 
@@ -180,8 +183,7 @@ def parsed(path: Path) -> Module:
 @cache
 def file_of(module: str, root: Path = ROOT) -> Path | None:
     """Return the file of a module of contactlab or of experiments/; None of any other."""
-    place = root / ("" if module.partition(".")[0] == "contactlab" else "experiments")
-    place /= module.replace(".", "/")
+    place = root / PACKAGES.get(module.partition(".")[0], "experiments") / module.replace(".", "/")
     files = (place.with_suffix(".py"), place / "__init__.pyi", place / "__init__.py")
     return next((path for path in files if path.is_file()), None)
 
@@ -189,8 +191,9 @@ def file_of(module: str, root: Path = ROOT) -> Path | None:
 @cache
 def modules(root: Path) -> tuple[str, ...]:
     """Return the names of all modules of contactlab and of experiments/."""
-    files = [*(root / "contactlab").rglob("*.py"), *(root / "experiments").glob("*.py")]
-    return tuple(filter(None, (module_of(str(file), root) for file in files)))
+    folders = [*(root / above / name for name, above in PACKAGES.items()), root / "experiments"]
+    files = (str(file) for folder in folders for file in folder.rglob("*.py"))
+    return tuple(filter(None, (module_of(file, root) for file in files)))
 
 
 @cache
@@ -200,12 +203,11 @@ def present(module: str, root: Path = ROOT) -> str:
         parts = module.split(".")
         for first in range(len(parts)):
             end = ".".join(("", *parts[first:]))
-            if found := [name for name in modules(root) if f".{name}".endswith(end)]:
-                return found[0] if len(found) == 1 else module
+            if alike := [name for name in modules(root) if f".{name}".endswith(end)]:
+                return alike[0] if len(alike) == 1 else module
     return module
 
 
-@cache
 def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
     """Return the definition "MODULE:NAME" that a chain of names in a module begins with, if it is ours."""
     path = file_of(module, root)
@@ -224,32 +226,35 @@ def target_of(module: str, chain: tuple[str, ...], root: Path) -> str | None:
     return target_of(source, chain, root)
 
 
+@cache
+def counting_with(here: str, root: Path) -> tuple[str, ...]:
+    """Return what counts with a definition: its module's and class's statements, and what it names."""
+    module, _, name = here.partition(":")
+    if (path := file_of(module, root)) is None:
+        return ()
+    counting = [f"{module}:{REST}"]
+    if "." in name:
+        counting.append(f"{module}:{name.partition('.')[0]}")
+    definition = parsed(path).definitions.get(name)
+    for chain in definition.names if definition else ():
+        target = target_of(module, chain, root)
+        if definition and target is not None:
+            there, _, what = target.partition(":")
+            file = file_of(there, root)
+            if file is not None and definition.needs(parsed(file).definitions[what]):
+                counting.append(target)
+    return tuple(counting)
+
+
 def reached(ran: Iterable[str], root: Path = ROOT) -> set[str]:
     """Return definitions that ran, and what counts of all that they name."""
     counted: set[str] = set()
     waiting = [*ran]
     while waiting:
         here = waiting.pop()
-        if here in counted or here in TABLES:
-            continue
-        counted.add(here)
-        module, _, name = here.partition(":")
-        if (path := file_of(module, root)) is None:
-            continue
-        own = parsed(path)
-        if name != REST:
-            waiting.append(f"{module}:{REST}")
-        if "." in name:
-            waiting.append(f"{module}:{name.partition('.')[0]}")
-        if (definition := own.definitions.get(name)) is None:
-            continue
-        for chain in definition.names:
-            target = target_of(module, chain, root)
-            if target is not None:
-                there, _, what = target.partition(":")
-                file = file_of(there, root)
-                if file is not None and definition.needs(parsed(file).definitions[what]):
-                    waiting.append(target)
+        if here not in counted and here not in TABLES:
+            counted.add(here)
+            waiting += counting_with(here, root)
     return counted
 
 
@@ -377,7 +382,8 @@ def module_of(file: str, root: Path = ROOT) -> str | None:
     path = Path(file)
     if path.is_relative_to(root / "experiments"):
         return None if path.stem in OWN else path.stem
-    if not path.is_relative_to(root / "contactlab") or "__pycache__" in path.parts:
-        return None
-    parts = path.relative_to(root).with_suffix("").parts
-    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    for name, above in PACKAGES.items():
+        if path.is_relative_to(root / above / name) and "__pycache__" not in path.parts:
+            parts = path.relative_to(root / above).with_suffix("").parts
+            return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+    return None

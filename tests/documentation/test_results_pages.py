@@ -1,6 +1,9 @@
 """Pages state the numbers of docs/results, and say so where these are not of the present code."""
 
+import json
+import os
 import shutil
+import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from copy import deepcopy
@@ -74,7 +77,15 @@ def edited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Edit]:
 def forget() -> None:
     """Forget what is known of the sources."""
     results_store._code_of.cache_clear()
-    dependencies.target_of.cache_clear()
+    dependencies.counting_with.cache_clear()
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Path:
+    """Return a copy of the sources."""
+    for folder in ("conf", "contactlab", "experiments"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
 
 
 def section(*ran: str) -> dict[str, Any]:
@@ -202,14 +213,6 @@ def test_a_kernel_that_python_evaluates_is_recorded(monkeypatch: pytest.MonkeyPa
     assert "contactlab.laws.normal.elastic:hertz_elastic" in Recorder.ran()
 
 
-@pytest.fixture
-def copied(tmp_path: Path) -> Path:
-    """Return a copy of the sources."""
-    for folder in ("contactlab", "experiments"):
-        shutil.copytree(ROOT / folder, tmp_path / folder, ignore=shutil.ignore_patterns("__pycache__"))
-    return tmp_path
-
-
 def test_a_module_that_moves_turns_nothing_until_it_changes(copied: Path) -> None:
     used = section("contactlab.laws.lagrange:LagrangeSlip.impact", "contactlab.laws.lagrange:LagrangeSlip")
     own = copied / "contactlab" / "paper" / "lagrange.py"
@@ -270,6 +273,27 @@ def test_what_a_short_form_says_is_noted(
     assert remake.note(("motor", "some"), {"results": {"v": digits}}) == state
     edited(*MUTANTS["newton"][:3])
     assert state_of(results_store.read("motor")["sections"]["some"]) == PRESENT
+
+
+@pytest.mark.long
+def test_a_short_form_under_a_mutant_has_other_digits(
+    copied: Path, edited: Edit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key, made, results = ("motor", "modes"), tmp_path / "made.json", tmp_path / "results"
+    file, old, new = "contactlab/motor/ritz.py", "self.tip_mass * np", "1.001 * self.tip_mass * np"
+    source = (copied / file).read_text(encoding="utf-8")
+    (copied / file).write_text(source.replace(old, new, 1), encoding="utf-8")
+    subprocess.run(
+        [sys.executable, copied / "experiments" / "remake.py", "--one", *key, made, "", "--short"],
+        env=os.environ | {"PYTHONPATH": str(copied)},
+        cwd=copied,
+        check=True,
+    )
+    results.mkdir()
+    shutil.copy(results_store.FOLDER / f"{key[0]}.json", results)
+    monkeypatch.setattr(results_store, "FOLDER", results)
+    edited(file, old, new)
+    assert remake.note(key, json.loads(made.read_text(encoding="utf-8"))) == DIFFERENT
 
 
 def test_a_number_changed_by_hand_is_seen(
