@@ -97,8 +97,7 @@ class Animation:
     def _draw_texts(self, film_time: float) -> None:
         run = self.film.run
         lasts = run.end - run.start
-        law = str(run.attributes.get("law", "")) or "run"
-        title = f"{law}: 1 s shows {prefixed(lasts / film_time, 's')}"
+        title = f"{run.law}: 1 s shows {prefixed(lasts / film_time, 's')}"
         if not reached_end(run.attributes):
             title += " \u2013 the run is incomplete"
         text = (
@@ -129,8 +128,9 @@ class Animation:
         axes.plot([left, left + bar], [low, low], color="black", linewidth=2.0, solid_capstyle="butt")
         touches = film.normal.any() or film.friction.any()
         longest = f", longest {film.peak:.3g} N" if touches else ": none"
+        impacts = "" if film.run.impacts is None else ", impacts among it"
         text = (
-            f"arrow: force on the rotor, mean since\nthe frame before{longest}\n"
+            f"arrow: force on the rotor, mean since\nthe frame before{impacts}{longest}\n"
             f"{prefixed(bar, 'm')} of the motor, {prefixed(bar / film.magnification, 'm')} of its motion"
         )
         axes.text(left, low + 0.008 * size, text, va="bottom", fontsize=9)
@@ -155,11 +155,11 @@ class Animation:
         force.set_ylabel("normal\nforce (N)" if impulses is None else "lasting\nforce (N)")
         if impulses is not None:
             impulses.set_ylabel(impulses.get_ylabel().replace(" (", "\n("))
-        velocity.set_ylabel("rotor\n(rad/s)")
+        velocity.set_ylabel("velocity of the\nrotor (rad/s)", fontsize=9)
         velocity.set_xlabel(f"time since {prefixed(run.start, 's')} ({unit})")
         force.tick_params(labelbottom=False)
         self.figure.align_ylabels([force, velocity])
-        explain_shades(force, 0.98)
+        explain_shades(force, 1.04)
         return [force, velocity]
 
     def _add_moving(self, scene: Axes, traces: list[Axes]) -> None:
