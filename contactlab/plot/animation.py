@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from contactlab.arrays import Array
-from contactlab.plot.overview import DENSE, draw_normal, explain_shades, shade
+from contactlab.plot.overview import DENSE, draw_normal, explain_shades, keep_ticks_short, shade
 from contactlab.plot.recording import Film, drawable, envelope
 from contactlab.plot.style import COLOURS
 from contactlab.results.files import whole_file
@@ -142,13 +142,15 @@ class Animation:
         """Draw normal force and rotor velocity below the scene, with the contact modes shaded."""
         run, (unit, scale) = self.film.run, self.film.run.unit
         rows = self.figure.add_gridspec(
-            2, 1, left=0.115, right=0.975 if run.impacts is None else 0.9, top=0.345, bottom=0.085, hspace=0.2
+            2, 1, left=0.125, right=0.975 if run.impacts is None else 0.9, top=0.345, bottom=0.085, hspace=0.2
         )
         force = self.figure.add_subplot(rows[0])
         velocity = self.figure.add_subplot(rows[1], sharex=force)
         edges = (run.time - run.start) / scale
         impulses = draw_normal(force, run, run.start)
-        velocity.plot(*envelope(edges, drawable(run.series["rotor_velocity"])), color="black")
+        values = drawable(run.series["rotor_velocity"])
+        velocity.plot(*envelope(edges, values), color="black")
+        keep_ticks_short(velocity, values)
         shade(velocity, run, run.start)
         for axes in (force, velocity, *([] if impulses is None else [impulses])):
             axes.locator_params(axis="y", nbins=4)

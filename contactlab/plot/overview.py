@@ -46,6 +46,9 @@ SHADE: Final = {"slip": 0.4, "stick": 0.55}
 PERIODS: Final = 3
 """Drive periods at the end of a run that are shown in detail."""
 
+HARDLY: Final = 1e-3
+"""Change of a velocity, in parts of it, that is drawn as none."""
+
 OVERTOPPED: Final = 1.5
 """Height of an axis of forces over the largest, beside whose impulses it stands."""
 
@@ -77,7 +80,7 @@ def draw_overview(run: "xarray.DataTree | Groups") -> Figure:
         figure = Figure(figsize=_SIZE)
         FigureCanvasAgg(figure)
         rows = figure.add_gridspec(
-            2, 1, height_ratios=(1, 1.45), left=0.085, right=0.985 if whole.impacts is None else 0.925,
+            2, 1, height_ratios=(1, 1.45), left=0.095, right=0.985 if whole.impacts is None else 0.925,
             top=0.925, bottom=0.075,
             hspace=0.29,
         )  # fmt: skip
@@ -153,12 +156,21 @@ def _draw_title(figure: Figure, run: Recording) -> None:
 def _draw_velocity(axes: Axes, run: Recording) -> None:
     """Draw the rotor's velocity over the whole run."""
     time, (unit, scale) = run.time, run.unit
-    line = envelope(time / scale, drawable(run.series["rotor_velocity"]))
+    values = drawable(run.series["rotor_velocity"])
+    line = envelope(time / scale, values)
+    keep_ticks_short(axes, values)
     axes.plot(*line, color="black", marker="o" if time.size == 1 else "", markersize=2.5)
     if time.size > 1:
         axes.set_xlim(time[0] / scale, time[-1] / scale)
     axes.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")
+
+
+def keep_ticks_short(axes: Axes, values: Array) -> None:
+    """Draw what hardly changes as a constant: its change lies behind more digits than a tick has room for."""
+    middle, width = extent(values)
+    if middle and width <= HARDLY * abs(middle):
+        axes.set_ylim(middle - 0.5 * abs(middle), middle + 0.5 * abs(middle))
 
 
 def _draw_steady(axes: Axes, settling: Settling) -> None:

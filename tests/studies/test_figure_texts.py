@@ -275,6 +275,16 @@ def test_twelve_laws_are_distinct_without_colours(name: str) -> None:
     assert len({repr(looks[law]) for law in TWELVE}) == 12
 
 
+def test_a_law_without_a_curve_is_named_as_one() -> None:
+    sheet = result_of("characterise").data.to_dataset().copy(deep=True)
+    for name in ("torque", "velocity"):
+        sheet[name][1] = np.nan
+    sheet["kind"][1] = ""
+    with context(STYLE):
+        entries = entries_in(draw_sheet(sheet))
+    assert entries == ["newton", "poisson, no curve", "free rotor"]
+
+
 def test_twenty_eight_lines_are_distinct_without_colours() -> None:
     looks = [line_style(number) for number in range(28)]
     assert len({(repr(look["linestyle"]), look.get("marker")) for look in looks}) == 28

@@ -75,4 +75,5 @@ def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: s
             axes.errorbar(velocity[which], value[which], bars, elinewidth=0.8, capsize=2.0, **points)
     free = velocity[law["role"].values == "no load"]
     panels[0].plot(free, np.zeros_like(free), "x", color=colour, markersize=6.0)
-    panels[0].plot([], [], marker=marker, label=label, **line)
+    known = on_belt.any() or np.isfinite(free).any()
+    panels[0].plot([], [], marker=marker, label=label if known else f"{label}, no curve", **line)
