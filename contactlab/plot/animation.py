@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from contactlab.arrays import Array
-from contactlab.plot.overview import DENSE, draw_normal, explain_shades, shade
+from contactlab.plot.overview import DENSE, draw_normal, explain_shades, keep_ticks_short, shade
 from contactlab.plot.recording import Film, drawable, envelope
 from contactlab.plot.style import COLOURS
 from contactlab.results.files import whole_file
@@ -97,8 +97,7 @@ class Animation:
     def _draw_texts(self, film_time: float) -> None:
         run = self.film.run
         lasts = run.end - run.start
-        law = str(run.attributes.get("law", "")) or "run"
-        title = f"{law}: 1 s shows {prefixed(lasts / film_time, 's')}"
+        title = f"{run.law}: 1 s shows {prefixed(lasts / film_time, 's')}"
         if not reached_end(run.attributes):
             title += " \u2013 the run is incomplete"
         text = (
@@ -129,8 +128,9 @@ class Animation:
         axes.plot([left, left + bar], [low, low], color="black", linewidth=2.0, solid_capstyle="butt")
         touches = film.normal.any() or film.friction.any()
         longest = f", longest {film.peak:.3g} N" if touches else ": none"
+        impacts = "" if film.run.impacts is None else ", impacts among it"
         text = (
-            f"arrow: force on the rotor, mean since\nthe frame before{longest}\n"
+            f"arrow: force on the rotor, mean since\nthe frame before{impacts}{longest}\n"
             f"{prefixed(bar, 'm')} of the motor, {prefixed(bar / film.magnification, 'm')} of its motion"
         )
         axes.text(left, low + 0.008 * size, text, va="bottom", fontsize=9)
@@ -142,24 +142,26 @@ class Animation:
         """Draw normal force and rotor velocity below the scene, with the contact modes shaded."""
         run, (unit, scale) = self.film.run, self.film.run.unit
         rows = self.figure.add_gridspec(
-            2, 1, left=0.115, right=0.975 if run.impacts is None else 0.9, top=0.345, bottom=0.085, hspace=0.2
+            2, 1, left=0.125, right=0.975 if run.impacts is None else 0.9, top=0.345, bottom=0.085, hspace=0.2
         )
         force = self.figure.add_subplot(rows[0])
         velocity = self.figure.add_subplot(rows[1], sharex=force)
         edges = (run.time - run.start) / scale
         impulses = draw_normal(force, run, run.start)
-        velocity.plot(*envelope(edges, drawable(run.series["rotor_velocity"])), color="black")
+        values = drawable(run.series["rotor_velocity"])
+        velocity.plot(*envelope(edges, values), color="black")
+        keep_ticks_short(velocity, values)
         shade(velocity, run, run.start)
         for axes in (force, velocity, *([] if impulses is None else [impulses])):
             axes.locator_params(axis="y", nbins=4)
         force.set_ylabel("normal\nforce (N)" if impulses is None else "lasting\nforce (N)")
         if impulses is not None:
             impulses.set_ylabel(impulses.get_ylabel().replace(" (", "\n("))
-        velocity.set_ylabel("rotor\n(rad/s)")
+        velocity.set_ylabel("velocity of the\nrotor (rad/s)", fontsize=9)
         velocity.set_xlabel(f"time since {prefixed(run.start, 's')} ({unit})")
         force.tick_params(labelbottom=False)
         self.figure.align_ylabels([force, velocity])
-        explain_shades(force, 0.98)
+        explain_shades(force, 1.04)
         return [force, velocity]
 
     def _add_moving(self, scene: Axes, traces: list[Axes]) -> None:

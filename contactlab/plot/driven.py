@@ -1,16 +1,19 @@
 """The picture of a law on a prescribed path: forces over the path, over time, and what the law remembers."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
-from contactlab.plot.overview import DENSE, explain_shades, shade
-from contactlab.plot.recording import Recording, drawable, envelope, recording_of
+from contactlab.plot.overview import DENSE, shade, shade_keys
+from contactlab.plot.recording import Recording, drawable, envelope, handy_unit, recording_of
+from contactlab.plot.style import DASHES, line_style
 from contactlab.results.netcdf import Groups, groups_of
 from contactlab.results.summary import prefixed, prefixed_unit
 from contactlab.variables import INTERNAL
@@ -28,8 +31,15 @@ MOST_NAMED = 6
 """Internal variables with a name in the picture."""
 
 
-def draw_driven(run: "xarray.DataTree | Groups") -> Figure:
-    """Draw a run on a prescribed path into the axes normal, friction, time and, of a law with any, memory."""
+def draw_driven(run: "xarray.DataTree | Groups", label: str = "") -> Figure:
+    """Draw a run on a prescribed path: forces over the path and over time, and what the law remembers.
+
+    Of a law without internal variables the fourth panel has work and losses.
+
+    Args:
+        run: the run.
+        label: what stands for the law's name.
+    """
     groups = groups_of(run)
     whole = recording_of(groups)
     remembered = {
@@ -45,13 +55,12 @@ def draw_driven(run: "xarray.DataTree | Groups") -> Figure:
         _draw_friction(axes[0, 1], whole)
         _draw_forces(axes[1, 0], whole)
         if remembered:
-            sizes = {f"{name} ({v.attrs['units']})": v.values for name, v in remembered.items()}
-            _draw_memory(axes[1, 1], whole, sizes)
+            _draw_memory(axes[1, 1], whole, remembered)
         else:
             _draw_losses(axes[1, 1], whole)
         ended = "" if whole.attributes["complete"] else f" \u2013 {whole.attributes['ending']}"
-        law, span = whole.attributes["law"], prefixed(whole.end - whole.start, "s")
-        figure.suptitle(f"{law} on a prescribed path of {span}{ended}", fontsize=9)
+        span = prefixed(whole.end - whole.start, "s")
+        figure.suptitle(f"{label or whole.law} on a prescribed path of {span}{ended}", fontsize=9)
     return figure
 
 
@@ -81,7 +90,7 @@ def _draw_friction(axes: Axes, run: Recording) -> None:
     axes.axhline(0.0, **ZERO)
     axes.plot(_between(way) / scale, drawable(run.series["friction_force"][1:]), color="black")
     axes.set_xlabel(f"displacement along the surface ({unit})")
-    axes.set_ylabel("friction (N)")
+    axes.set_ylabel("friction force (N)")
 
 
 def _draw_forces(axes: Axes, run: Recording) -> None:
@@ -90,28 +99,41 @@ def _draw_forces(axes: Axes, run: Recording) -> None:
     shade(axes, run, run.start)
     axes.plot(*envelope(time, drawable(run.series["normal_force"][1:])), color="black", label="normal force")
     friction = drawable(run.series["friction_force"][1:])
-    axes.plot(*envelope(time, friction), color="black", linestyle=(0, (4, 1.5)), label="friction")
+    axes.plot(*envelope(time, friction), color="black", linestyle=DASHES[1], label="friction force")
     axes.set_xlabel(f"time ({run.unit[0]})")
     axes.set_ylabel("force (N)")
-    lines = axes.legend(
-        handles=axes.get_lines(), loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, borderaxespad=0.0
-    )
-    explain_shades(axes, 1.0)
-    axes.add_artist(lines)
+    _explain(axes, [*axes.get_lines(), *shade_keys()])
 
 
-def _draw_memory(axes: Axes, run: Recording, remembered: dict[str, Array]) -> None:
+def _draw_memory(axes: Axes, run: Recording, remembered: Mapping[str, Any]) -> None:
     """Draw internal variables over time, each over its largest value where there are several."""
     time, several = (run.time - run.start) / run.unit[1], len(remembered) > 1
-    for name, values in remembered.items():
-        most = float(np.abs(values).max()) if several else 1.0
-        label = name if len(remembered) <= MOST_NAMED else None
-        axes.plot(*envelope(time, drawable(values / most if most else values)), label=label)
-    first, *_ = remembered
-    axes.set_ylabel("internal variables over their largest" if several else first)
-    if several and len(remembered) <= MOST_NAMED:
-        axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.0)
+    for number, (name, variable) in enumerate(remembered.items()):
+        most = float(np.nanmax(np.abs(drawable(variable.values))))
+        unit, scale = handy_unit(most, str(variable.attrs["units"]))
+        size = (most or 1.0) if several else scale
+        label = f"{name}, up to {most / scale:.3g} {unit}".rstrip()
+        axes.plot(*envelope(time, drawable(variable.values) / size), label=label, **line_style(number))
+        if not several:
+            axes.set_ylabel(f"internal variable {name}" + (f" ({unit})" if unit else ""))
+    if several:
+        axes.set_ylabel("internal variables over their largest")
+        _explain(axes, axes.get_lines()[:MOST_NAMED])
+        if len(remembered) > MOST_NAMED:
+            axes.set_title(f"the first {MOST_NAMED} of {len(remembered)} are named", fontsize=7)
     axes.set_xlabel(f"time ({run.unit[0]})")
+
+
+def _explain(axes: Axes, handles: Sequence[Artist]) -> None:
+    """Put the legend over a panel, where it covers nothing."""
+    axes.legend(
+        handles=handles,
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=2,
+        borderpad=0.1,
+        borderaxespad=0.1,
+    )
 
 
 def _draw_losses(axes: Axes, run: Recording) -> None:
@@ -124,8 +146,10 @@ def _draw_losses(axes: Axes, run: Recording) -> None:
     }
     most = max(float(np.abs(run.series[name]).max()) for name in names)
     unit, scale = prefixed_unit(most, "J")
-    for name, label in names.items():
-        axes.plot(*envelope(time, drawable(run.series[name]) / scale), label=label)
-    axes.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=3, borderaxespad=0.0)
+    for number, (name, label) in enumerate(names.items()):
+        line = envelope(time, drawable(run.series[name]) / scale)
+        # The work is what the losses take: theirs are thinner lines on it.
+        axes.plot(*line, label=label, linewidth=1.0 if number else 2.4, **line_style(number))
+    _explain(axes, axes.get_lines())
     axes.set_xlabel(f"time ({run.unit[0]})")
     axes.set_ylabel(f"energy ({unit})")

@@ -46,6 +46,12 @@ SHADE: Final = {"slip": 0.4, "stick": 0.55}
 PERIODS: Final = 3
 """Drive periods at the end of a run that are shown in detail."""
 
+HARDLY: Final = 1e-3
+"""Change of a velocity, in parts of it, that is drawn as none."""
+
+OVERTOPPED: Final = 1.5
+"""Height of an axis of forces over the largest, beside whose impulses it stands."""
+
 _SIZE: Final = (7.1, 5.9)
 """Inches; the width of two columns of a journal."""
 
@@ -74,7 +80,7 @@ def draw_overview(run: "xarray.DataTree | Groups") -> Figure:
         figure = Figure(figsize=_SIZE)
         FigureCanvasAgg(figure)
         rows = figure.add_gridspec(
-            2, 1, height_ratios=(1, 1.45), left=0.085, right=0.985 if whole.impacts is None else 0.925,
+            2, 1, height_ratios=(1, 1.45), left=0.095, right=0.985 if whole.impacts is None else 0.925,
             top=0.925, bottom=0.075,
             hspace=0.29,
         )  # fmt: skip
@@ -116,14 +122,19 @@ def shade(axes: Axes, run: Recording, origin: float) -> None:
         )
 
 
+def shade_keys() -> list[Patch]:
+    """Return the entries of the shades in a legend."""
+    return [
+        Patch(facecolor=COLOURS[mode], linewidth=0.0, alpha=opacity, label=mode)
+        for mode, opacity in SHADE.items()
+    ]
+
+
 def explain_shades(axes: Axes, height: float) -> None:
     """Put the legend of the shades over the right end of a panel, at a height in parts of it."""
     axes.legend(
-        handles=[
-            Patch(facecolor=COLOURS[mode], linewidth=0.0, alpha=opacity, label=mode)
-            for mode, opacity in SHADE.items()
-        ],
-        loc="lower right", bbox_to_anchor=(1.0, height), ncols=2, borderpad=0.0, borderaxespad=0.0,
+        handles=shade_keys(), loc="lower right", bbox_to_anchor=(1.0, height), ncols=2, borderpad=0.0,
+        borderaxespad=0.0,
     )  # fmt: skip
 
 
@@ -133,7 +144,7 @@ def _draw_title(figure: Figure, run: Recording) -> None:
     time, velocity = float(np.ptp(run.time)), float(run.series["rotor_velocity"][-1])
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
-    text = f"{attributes['law']}: {contacts} in {prefixed(time, 's')}, "
+    text = f"{run.law}: {contacts} in {prefixed(time, 's')}, "
     text += f"rotor velocity {speed} rad/s at the end"
     colour = "black"
     if not attributes["complete"]:
@@ -145,12 +156,21 @@ def _draw_title(figure: Figure, run: Recording) -> None:
 def _draw_velocity(axes: Axes, run: Recording) -> None:
     """Draw the rotor's velocity over the whole run."""
     time, (unit, scale) = run.time, run.unit
-    line = envelope(time / scale, drawable(run.series["rotor_velocity"]))
+    values = drawable(run.series["rotor_velocity"])
+    line = envelope(time / scale, values)
+    keep_ticks_short(axes, values)
     axes.plot(*line, color="black", marker="o" if time.size == 1 else "", markersize=2.5)
     if time.size > 1:
         axes.set_xlim(time[0] / scale, time[-1] / scale)
     axes.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rotor velocity (rad/s)")
+
+
+def keep_ticks_short(axes: Axes, values: Array) -> None:
+    """Draw what hardly changes as a constant: its change lies behind more digits than a tick has room for."""
+    middle, width = extent(values)
+    if middle and width <= HARDLY * abs(middle):
+        axes.set_ylim(middle - 0.5 * abs(middle), middle + 0.5 * abs(middle))
 
 
 def _draw_steady(axes: Axes, settling: Settling) -> None:
@@ -201,7 +221,7 @@ def _draw_path(axes: Axes, window: Recording) -> None:
     axes.locator_params(nbins=6)
     axes.set_xlabel(f"tangential displacement ({unit})")
     moves = np.any(series.get("rotor_normal_displacement", 0.0))
-    label = "relative normal displacement" if moves else "normal displacement"
+    label = "relative normal\ndisplacement" if moves else "normal displacement"
     axes.set_ylabel(f"{label} ({unit})")
 
 
@@ -232,39 +252,44 @@ def draw_normal(axes: Axes, run: Recording, origin: float) -> Axes | None:
     """Draw the normal force, and return the axes of the impulses of impacts, None of a compliant law.
 
     The force is a mean over each record interval, so that steps are drawn. An impact takes no time: its force
-    has no height, and its impulse is a stem.
+    has no height, and its impulse is a wide stem behind the line of the force, which it overtops.
     """
     _, scale = run.unit
     edges = (run.series["time"] - origin) / scale
     force = run.series["lasting_force"][1:]
-    shade(axes, run, origin)
     axes.plot(*steps(edges, force), color="black")
     if run.start < run.end:
         axes.set_xlim((run.start - origin) / scale, (run.end - origin) / scale)
-    _reach_over(axes, force)
     if run.impacts is None:
+        shade(axes, run, origin)
+        _reach_over(axes, force)
         return None
     times, impulses = run.impacts
     beside, colour = axes.twinx(), COLOURS["impact"]
+    # The force is drawn over the stems, and these over the shades.
+    axes.set_zorder(beside.get_zorder() + 1.0)
+    axes.patch.set_visible(False)
+    shade(beside, run, origin)
+    _reach_over(axes, force, OVERTOPPED)
     name, size = prefixed_unit(float(np.max(impulses, initial=0.0)) or 1.0, "N s")
     # Of those in one pixel the largest hides the others.
     order = np.argsort(impulses)[-4 * COLUMNS :]
     at = (times[order] - origin) / scale
     heights = impulses[order] / size
-    beside.vlines(at, 0.0, heights, color=colour)
-    beside.plot(at, heights, linestyle="none", marker="o", markersize=2.5, color=colour)
+    beside.vlines(at, 0.0, heights, color=colour, linewidth=2.4)
+    beside.plot(at, heights, linestyle="none", marker="o", markersize=4.0, color=colour)
     _reach_over(beside, heights)
     beside.spines["right"].set_visible(True)
     beside.tick_params(axis="y", colors=colour)
-    beside.set_ylabel(f"impulse ({name})", color=colour)
+    beside.set_ylabel(f"impulse, dots ({name})", color=colour)
     return beside
 
 
-def _reach_over(axes: Axes, values: Array) -> None:
+def _reach_over(axes: Axes, values: Array, reach: float = 1.08) -> None:
     """Let an axis reach from zero, or from below what pulls, to over the largest of some values."""
     known = drawable(values)
     least, largest = np.nanmin(known, initial=0.0), np.nanmax(known, initial=0.0)
-    axes.set_ylim(1.08 * least, 1.08 * largest if largest > 0.0 else 1.0)
+    axes.set_ylim(1.08 * least, reach * largest if largest > 0.0 else 1.0)
 
 
 def _draw_force(axes: Axes, window: Recording) -> None:

@@ -7,6 +7,7 @@ by one factor M. So drawn and true gap vanish together, and a tip that sticks tr
 rotor.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import floor, log10
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.laws.base import FREE, SLIP, STICK
+from contactlab.parameter import from_cf
 from contactlab.results.netcdf import EMPTY, Groups, configuration_of, groups_of
 from contactlab.results.summary import prefixed_unit
 
@@ -75,6 +77,11 @@ class Recording:
     clearance: float
     angle: float
     period: float
+
+    @property
+    def law(self) -> str:
+        """Name of the law, or those of a composed law's parts."""
+        return law_named_in(self.attributes)
 
     @property
     def time(self) -> Array:
@@ -141,6 +148,20 @@ class Recording:
             meets = (times[:, 1] >= self.start) & (times[:, 0] <= self.end)
             clipped[mode] = np.clip(times[meets], self.start, self.end)
         return clipped
+
+
+_PARTS: Final = re.compile(r"of normal (\S+), damping (\S+), friction (\S+)$")
+
+
+def law_named_in(attributes: Mapping[Any, Any]) -> str:
+    """Return the name of a dataset's law, or those of a composed law's parts: "hertz_point + dahl".
+
+    Attributes without a `law` name it in their `title`, after a comma.
+    """
+    title = str(attributes.get("title", ""))
+    if parts := _PARTS.search(title):
+        return " + ".join(name for name in parts.groups() if name != "none")
+    return str(attributes.get("law") or title.rpartition(", ")[2] or "run")
 
 
 def recording_of(run: "xarray.DataTree | Groups") -> Recording:
@@ -234,6 +255,20 @@ def contact_spans(series: Mapping[str, Array], contacts: Mapping[str, Array]) ->
         finish = np.concatenate((right[seen], ends[rest]))
         spans[name] = np.column_stack((begin, finish))[np.argsort(begin, kind="stable")]
     return spans
+
+
+def handy_unit(size: float, units: str) -> tuple[str, float]:
+    """Return the unit in which a quantity is a handy number, empty for a number, and its size in SI.
+
+    Only a unit that is a single symbol has prefixes.
+
+    Args:
+        size: of the quantity in SI.
+        units: in the words of the CF conventions.
+    """
+    if units.isalpha() and size > 0.0:
+        return prefixed_unit(size, units)
+    return ("" if units == "1" else from_cf(units)), 1.0
 
 
 def extent(values: Array) -> tuple[float, float]:

@@ -2,6 +2,8 @@
 
 from typing import Any, Final
 
+import matplotlib
+
 COLOURS: Final = {
     "slip": "#E69F00", "stick": "#0072B2", "rotor": "#D9D9D9", "fault": "#D55E00", "impact": "#009E73",
 }  # fmt: skip
@@ -21,6 +23,7 @@ STYLE: Final[dict[str, Any]] = {
     "ytick.labelsize": 7,
     "legend.fontsize": 7,
     "legend.frameon": False,
+    "axes.formatter.useoffset": False,
     "lines.linewidth": 1.1,
     "lines.markersize": 3.5,
     "figure.dpi": 110,
@@ -29,4 +32,23 @@ STYLE: Final[dict[str, Any]] = {
     "pdf.fonttype": 42,
     "svg.hashsalt": "contactlab",
 }
-"""Of matplotlib: for a journal, two columns wide and readable in print."""
+"""Of matplotlib: for a journal, two columns wide and readable in print. A tick is read without an offset."""
+
+DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
+"""Line styles of several things in turn."""
+
+HATCHES: Final = ("", "////", "....", "xxxx", "||||", "----")
+"""Hatches of several areas in turn, which distinguish them without colours."""
+
+MARKERS: Final = ("", "o", "s", "^", "D", "v", "X")
+"""Markers of lines, another one each time the line styles begin anew."""
+
+
+def line_style(number: int) -> dict[str, Any]:
+    """Return colour, line style and marker of one of several things; 28 are distinct without colours."""
+    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    result = {"color": colours[number % len(colours)], "linestyle": DASHES[number % len(DASHES)]}
+    if marker := MARKERS[number // len(DASHES) % len(MARKERS)]:
+        # Markers of lines that lie on each other stand apart.
+        result |= {"marker": marker, "markersize": 3.0, "markevery": (0.03 + 0.017 * (number % 8), 0.16)}
+    return result

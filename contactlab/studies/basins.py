@@ -112,9 +112,11 @@ class Basins(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return the map of the starts."""
         # Imported here: it brings matplotlib.
+        from contactlab.studies.figures import captioned
         from contactlab.studies.orbit_figures import draw_basins
 
-        return {self.name: draw_basins(data.to_dataset())}
+        caption = f"{data.attrs['title']}: the steady state to which each start leads."
+        return {self.name: captioned(draw_basins(data.to_dataset()), caption)}
 
 
 def _map(setup: Setup, axes: Mapping[str, Array]) -> Part:

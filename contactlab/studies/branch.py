@@ -104,9 +104,14 @@ class Branch(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return velocity or torque and largest multiplier over the number."""
         # Imported here: it brings matplotlib.
+        from contactlab.studies.figures import captioned
         from contactlab.studies.orbit_figures import draw_branch
 
-        return {self.name: draw_branch(data.to_dataset())}
+        caption = (
+            f"{data.attrs['title']}: solid where stable, dashed where unstable; below, the largest absolute "
+            "value of a Floquet multiplier."
+        )
+        return {self.name: captioned(draw_branch(data.to_dataset()), caption)}
 
 
 def _names_of(data: xarray.Dataset) -> list[str]:

@@ -111,13 +111,17 @@ class Driven(LawStudy):
         """Return forces over path and time, of all laws together and of each."""
         # Imported here: they bring matplotlib.
         from contactlab.plot.driven import draw_driven
-        from contactlab.studies.figures import draw_paths
+        from contactlab.studies.figures import captioned, draw_paths
 
         runs = groups_of(data)
         measured = data["measured"].to_dataset() if "measured" in data.children else None
-        figures = {self.name: draw_paths(runs, measured)}
+        beside = " and as measured" if measured is not None else ""
+        caption = f"Forces of {', '.join(runs)} over displacement and time{beside}."
+        figures = {self.name: captioned(draw_paths(runs, measured), caption)}
         for label, run in runs.items():
-            figures["run" if len(runs) == 1 else label.replace(" + ", "_")] = draw_driven(run)
+            name = "run" if len(runs) == 1 else label.replace(" + ", "_")
+            caption = f"{label} on the path: forces, and internal variables or work and losses."
+            figures[name] = captioned(draw_driven(run, label), caption)
         return figures
 
 

@@ -5,11 +5,11 @@ from math import ceil
 from textwrap import fill
 from typing import TYPE_CHECKING, Any, Final
 
-import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactlab.plot.driven import ZERO
+from contactlab.plot.style import line_style
 
 if TYPE_CHECKING:
     import xarray
@@ -23,11 +23,11 @@ LINE: Final = 0.13
 SINGLE_LINE: Final = 45
 """Characters of all labels that fit in a single line."""
 
+LONGEST_TITLE: Final = 75
+"""Characters in a line of a title."""
+
 LONGEST_LABEL: Final = 30
 """Characters in a line of a label."""
-
-DASHES: Final = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (5, 1.5, 1.2, 1.5)))
-"""Line styles of the laws in turn, which distinguish them in a print without colours."""
 
 THIN: Final[Any] = {"color": "0.5", "linewidth": 0.6, "zorder": 0}
 """Style of a reference line."""
@@ -42,22 +42,34 @@ def drawing(rows: int, columns: int, height: float, **arguments: Any) -> tuple[F
     return figure, figure.subplots(rows, columns, squeeze=False, **arguments).ravel()
 
 
-def style(number: int) -> dict[str, Any]:
-    """Return colour and line style of a law."""
-    colours = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
-    return {"color": colours[number % len(colours)], "linestyle": DASHES[number % len(DASHES)]}
+def explain(figure: Figure, handles: Any, labels: Any, title: str = "", **arguments: Any) -> None:
+    """Put a legend with these entries over the panels, and over it the title of the figure."""
+    title = fill(title, LONGEST_TITLE)
+    # A layout has room for the legend outside of the panels, and for a title of the figure in the same place.
+    figure.set_figheight(figure.get_figheight() + LINE * len(title.splitlines()))
+    figure.legend(
+        handles, labels, loc="outside upper center", title=title or None, title_fontsize=8, **arguments
+    )
 
 
-def legend_above(figure: Figure, axes: Axes, **arguments: Any) -> Figure:
-    """Put the legend above the panels, where it covers nothing."""
+def captioned(figure: Figure, caption: str) -> Figure:
+    """Return a figure with the caption that it has on the page."""
+    figure.set_label(caption)
+    return figure
+
+
+def legend_above(figure: Figure, axes: Axes, title: str = "", **arguments: Any) -> Figure:
+    """Put the legend above the panels, where it covers nothing, below the figure's title if there is one."""
     handles, labels = axes.get_legend_handles_labels()
+    if not labels:
+        return figure
     columns = min(len(labels), 3 if max(map(len, labels)) < LONGEST_LABEL else 2)
     columns = len(labels) if sum(map(len, labels)) < SINGLE_LINE else columns
     labels = [fill(label, LONGEST_LABEL) for label in labels]
     # The panels keep their size, however many laws there are.
     lines = ceil(len(labels) / columns) * max(label.count("\n") + 1 for label in labels)
     figure.set_figheight(figure.get_figheight() + LINE * (lines - 1))
-    figure.legend(handles, labels, loc="outside upper center", ncols=columns, **arguments)
+    explain(figure, handles, labels, ncols=columns, title=title, **arguments)
     figure.align_ylabels()
     return figure
 
@@ -72,7 +84,7 @@ def draw_paths(runs: Mapping[str, "xarray.DataTree"], measured: "xarray.Dataset 
             # Forces are means between the records.
             middle = [0.5 * (values[1:] + values[:-1]) for values in (way, time)]
             for axes, places, scale in zip(row, middle, (1e6, 1e3), strict=True):
-                axes.plot(scale * places, root[name].values[1:], label=label, **style(number))
+                axes.plot(scale * places, root[name].values[1:], label=label, **line_style(number))
         if measured is not None and name in measured:
             since = measured["time"].values - measured["time"].values[0]
             for axes, places in zip(row, (1e6 * measured["slip"].values, 1e3 * since), strict=True):
@@ -80,6 +92,6 @@ def draw_paths(runs: Mapping[str, "xarray.DataTree"], measured: "xarray.Dataset 
         for axes in row:
             axes.axhline(0.0, **ZERO)
         row[0].set_ylabel(f"{name.replace('_', ' ')} (N)")
-    panels[2].set_xlabel("displacement along the surface (um)")
+    panels[2].set_xlabel("displacement along the surface (µm)")
     panels[3].set_xlabel("time (ms)")
     return legend_above(figure, panels[2])

@@ -4,29 +4,35 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import ScalarFormatter
 
 from contactlab.arrays import Array
 from contactlab.inference.fit import ENDS, misfits
 from contactlab.parameter import from_cf
-from contactlab.plot.style import COLOURS
-from contactlab.studies.figures import drawing
+from contactlab.plot.recording import handy_unit
+from contactlab.plot.style import COLOURS, DASHES
+from contactlab.studies.figures import drawing, explain, legend_above
 from contactlab.studies.tables import unit_for
 
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24
 MOST: Final = 8  # parameters of a corner plot
 FEW: Final = 150  # impacts with individual intervals
-SHARES: Final = (0.9, 0.5)  # of the posterior inside its lines
+SHARES: Final = (0.9, 0.5)  # of the posterior inside its regions
+INSIDE: Final = ("0.8", "0.55")  # greys of these
+MARGINAL: Final = "0.65"  # grey of the density of one parameter
 
 _BAND: Final[Any] = {"color": COLOURS["stick"], "alpha": 0.3, "linewidth": 0.0}
-_TRUTH: Final[Any] = {"color": COLOURS["fault"], "linewidth": 0.9}
+_TRUTH: Final[Any] = {"color": COLOURS["fault"], "linewidth": 0.9, "linestyle": DASHES[1]}
 
 
 def draw_corner(fit: xarray.DataTree) -> Figure:
-    """Draw the posterior of each parameter, and of each pair: 50 % and 90 % regions, the truth in red."""
+    """Draw the posterior of each parameter and pair: 50 % and 90 % regions, the truth as dashed lines."""
     samples = fit["weighted_samples"].to_dataset()
     weights, columns = np.exp(samples["log_weight"].values), samples["value"].values.T
     summary = fit["summary"].to_dataset()
@@ -43,7 +49,7 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
             axes.set_axis_off()
             continue
         if i == j:
-            axes.hist(columns[i], bins=BINS, range=spans[i], weights=weights, color="0.75")
+            axes.hist(columns[i], bins=BINS, range=spans[i], weights=weights, color=MARGINAL)
             axes.set_yticks([])
             axes.spines["left"].set_visible(False)
         else:
@@ -66,7 +72,25 @@ def draw_corner(fit: xarray.DataTree) -> Figure:
             if labelled:
                 axis.set_label_text(head, fontsize=6)
     figure.align_labels()
+    keys = _keys(count, truth[:count])
+    explain(figure, keys, [key.get_label() for key in keys], f"posterior of {law_in(fit)}", ncols=len(keys))
     return figure
+
+
+def _keys(count: int, truth: Array) -> list[Artist]:
+    """Return the entries of the legend of a corner plot of some parameters."""
+    keys: list[Artist] = [Patch(facecolor=MARGINAL, label="density")]
+    if count > 1:
+        regions = zip(INSIDE, SHARES, strict=True)
+        keys += [Patch(facecolor=grey, label=f"{100.0 * share:g} % inside") for grey, share in regions]
+    if not np.isnan(truth).all():
+        keys.append(Line2D([], [], label="truth", **_TRUTH))
+    return keys
+
+
+def law_in(fit: xarray.DataTree) -> str:
+    """Return the label of the law of a fit."""
+    return str(fit.attrs["title"]).removeprefix("Posterior of ")
 
 
 def _heads(summary: xarray.Dataset) -> tuple[list[str], Array]:
@@ -92,7 +116,7 @@ def _pair(axes: Axes, x: Array, y: Array, weights: Array, spans: Any) -> None:
     levels = [float(falling[np.searchsorted(inside, share)]) for share in SHARES]
     middle = [0.5 * (edges[1:] + edges[:-1]) for edges in (across, up)]
     if levels[0] < levels[1] < counts.max():
-        axes.contourf(*middle, counts.T, [*levels, counts.max()], colors=["0.8", "0.55"])
+        axes.contourf(*middle, counts.T, [*levels, counts.max()], colors=[*INSIDE])
     else:
         axes.pcolormesh(across, up, counts.T, cmap="Greys", rasterized=True)
 
@@ -112,20 +136,21 @@ def _part(data: xarray.Dataset, label: str) -> xarray.Dataset:
 
 
 def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
-    """Draw one data set and the 90 % band of its predictions; a law that does not fit is named above."""
+    """Draw one data set and the 90 % band of its predictions; of a law that does not fit it is said above."""
     data = _part(fit["observed_data"].to_dataset(), label)
     predictive = _part(fit["posterior_predictive"].to_dataset().isel(chain=0), label)
+    law = law_in(fit)
+    title = f"{law}: predictions" + (f" of {label}" if label else "")
+    if why := misfits({law: fit}).get(law):
+        title += f"; it does not fit: {why}"
     if "time" in data.dims:
-        figure = _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
-    elif "point" in data.dims:
+        unit, scale = handy_unit(float(np.abs(data["time"]).max()), "s")
+        return _over(data, predictive, data["time"].values / scale, f"time ({unit})", title)
+    if "point" in data.dims:
         key = str(next(iter(data.coords)))
-        label = f"{key} ({from_cf(data[key].attrs['units'])})"
-        figure = _over(data, predictive, data[key].values, label)
-    else:
-        figure = _of_impacts(data, predictive)
-    for law, why in misfits({fit.attrs["title"].removeprefix("Posterior of "): fit}).items():
-        figure.suptitle(f"{law} does not fit: {why}", fontsize=7, color=COLOURS["fault"])
-    return figure
+        unit, scale = handy_unit(float(np.abs(data[key]).max()), data[key].attrs["units"])
+        return _over(data, predictive, data[key].values / scale, f"{key} ({unit})" if unit else key, title)
+    return _of_impacts(data, predictive, title)
 
 
 def draw_residuals(fit: xarray.DataTree) -> Figure:
@@ -134,21 +159,24 @@ def draw_residuals(fit: xarray.DataTree) -> Figure:
     figure, panels = drawing(len(data), 2, 1.5 * len(data) + 0.3, width_ratios=[3, 1], sharey="row")
     for (name, item), axes, side in zip(data.data_vars.items(), panels[::2], panels[1::2], strict=True):
         values = item.values.ravel()
-        axes.axhspan(-2.0, 2.0, **_BAND)
-        axes.plot(values, ".", color="black", markersize=1.5 if values.size > FEW else 4.0)
+        axes.axhspan(-2.0, 2.0, label="two errors of the data", **_BAND)
+        points = {"color": "black", "markersize": 1.5 if values.size > FEW else 4.0, "label": "residual"}
+        axes.plot(values, ".", **points)
         axes.set_ylabel(str(name).replace(".", "\n").replace("_", " "))
         if np.isfinite(values).all():
-            side.hist(values, bins=BINS, orientation="horizontal", density=True, color="0.75")
+            side.hist(values, bins=BINS, orientation="horizontal", density=True, color=MARGINAL)
         low, high = axes.get_ylim()
         place = np.linspace(low, high, 200)
-        side.plot(np.exp(-0.5 * place**2) / np.sqrt(2.0 * np.pi), place, color=COLOURS["stick"])
+        normal = np.exp(-0.5 * place**2) / np.sqrt(2.0 * np.pi)
+        # It stands in the legend of the residuals.
+        for panel, x, y in ((side, normal, place), (axes, [], [])):
+            panel.plot(x, y, color=COLOURS["stick"], label="normal distribution")
     panels[-2].set_xlabel("residuals over errors, in the order of the data")
     panels[-1].set_xlabel("density")
-    figure.align_ylabels()
-    return figure
+    return legend_above(figure, panels[0], f"{law_in(fit)}: residuals")
 
 
-def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str) -> Figure:
+def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str, title: str) -> Figure:
     """Draw each quantity with its band, and below both less the median of the predictions."""
     order = np.argsort(place, kind="stable")
     place, size = place[order], 1.5 if place.size > FEW else 4.0
@@ -166,13 +194,11 @@ def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label:
         unit = from_cf(item.attrs["units"])
         upper.set_ylabel(f"{str(name).replace('_', ' ')}\n({unit})")
         lower.set_ylabel(f"less the\nmedian ({unit})")
-    panels[0].legend(loc="best")
     panels[-1].set_xlabel(label)
-    figure.align_ylabels()
-    return figure
+    return legend_above(figure, panels[0], title)
 
 
-def _of_impacts(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
+def _of_impacts(data: xarray.Dataset, predictive: xarray.Dataset, title: str) -> Figure:
     """Draw predicted over measured velocities, one panel a direction, with 90 % intervals.
 
     Of many impacts one interval, of median length, is drawn as dashed lines.
@@ -184,17 +210,19 @@ def _of_impacts(data: xarray.Dataset, predictive: xarray.Dataset) -> Figure:
     for k, (axes, name) in enumerate(zip(panels, ("gap rate", "slip velocity"), strict=True)):
         measured = values[:, k]
         ends = [float(f(np.concatenate([measured, middle[:, k]]))) for f in (np.min, np.max)]
-        axes.plot(ends, ends, color="0.5", linewidth=0.6, zorder=0)
+        axes.plot(ends, ends, color="0.5", linewidth=0.6, zorder=0, label="predicted as measured")
         if measured.size > FEW:
-            axes.plot(measured, middle[:, k], ".", markersize=2, alpha=0.4, color=COLOURS["stick"])
+            points = {"markersize": 2, "alpha": 0.4, "color": COLOURS["stick"], "label": "median"}
+            axes.plot(measured, middle[:, k], ".", **points)
             half = 0.5 * float(np.median(high[:, k] - low[:, k]))
             for sign in (-1.0, 1.0):
                 line = [end + sign * half for end in ends]
-                axes.plot(ends, line, color="0.5", linewidth=0.6, linestyle=(0, (5, 1.5)), zorder=0)
+                label = "90 % interval, of median length" if sign > 0.0 else ""
+                axes.plot(ends, line, color="0.5", linewidth=0.6, linestyle=DASHES[1], zorder=0, label=label)
         else:
             errors = np.maximum([middle[:, k] - low[:, k], high[:, k] - middle[:, k]], 0.0)
             style: Any = {"fmt": "o", "markersize": 2, "elinewidth": 0.4, "color": COLOURS["stick"]}
-            axes.errorbar(measured, middle[:, k], errors, **style)
+            axes.errorbar(measured, middle[:, k], errors, label="median, 90 % interval", **style)
         axes.set_xlabel(f"{name} after the impact, measured (m/s)")
         axes.set_ylabel("predicted (m/s)")
-    return figure
+    return legend_above(figure, panels[0], title)

@@ -6,6 +6,7 @@ from typing import Any, Final
 import matplotlib
 import numpy as np
 import xarray
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import ListedColormap
@@ -13,12 +14,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from contactlab.estimate import Estimate
-from contactlab.parameter import from_cf
 from contactlab.plot.overview import draw_normal, explain_shades, shade
-from contactlab.plot.recording import recording_of, steps
-from contactlab.plot.style import COLOURS
+from contactlab.plot.recording import handy_unit, law_named_in, recording_of, steps
+from contactlab.plot.style import COLOURS, DASHES
 from contactlab.results.summary import prefixed_unit
-from contactlab.studies.figures import THIN, drawing
+from contactlab.studies.figures import THIN, drawing, explain, legend_above
 
 CLOSED: Final = 1e-15
 """Gap that is none [m]."""
@@ -40,7 +40,7 @@ def draw_steady(tree: xarray.DataTree) -> Figure:
         height_ratios=(1.7, 1, 1, 1),
     )
     figure.suptitle(
-        f"{tree.attrs['law']}, {about['kind']}: {velocity.text('±')} rad/s",
+        f"{run.law}: {about['kind']}, rotor velocity {velocity.text('±')} rad/s",
         x=0.01, ha="left", fontsize=9,
     )  # fmt: skip
     _draw_path(panels["path"], tree)
@@ -67,7 +67,7 @@ def draw_steady(tree: xarray.DataTree) -> Figure:
     if draw_normal(below["force"], run, 0.0) is None:
         below["force"].set_ylabel("force on the tip (N)")
         friction = steps(time, series["friction_force"][1:])
-        below["force"].plot(*friction, color=COLOURS["fault"])
+        below["force"].plot(*friction, color=COLOURS["fault"], linestyle=DASHES[1])
         below["force"].autoscale(axis="y")
         below["force"].legend(
             below["force"].lines, ("normal", "friction"),
@@ -147,6 +147,12 @@ MARKERS: Final = {
 LINES: Final = {True: "-", False: "--"}
 """Of stable and unstable orbits."""
 
+MARKS: Final = "os^Dv*PX"
+"""Markers of the basins in turn."""
+
+MOST_MARKED: Final = 12
+"""Starts along each coordinate that have a marker."""
+
 UNKNOWN: Final = "0.75"
 """Colour of starts whose attractor is not known."""
 
@@ -170,8 +176,14 @@ def draw_branch(data: xarray.Dataset) -> Figure:
     if float(data.largest_multiplier.max()) > SPREAD:
         lower.set_yscale("log")
     lower.set_xlabel(data.attrs["parameter"] + _in_brackets(data["value"]))
-    figure.legend(*upper.get_legend_handles_labels(), loc="outside upper center", ncols=4)
-    return figure
+    return legend_above(figure, upper, _title(data))
+
+
+def _title(data: xarray.Dataset) -> str:
+    """Return law and subject of a dataset."""
+    subject = str(data.attrs["title"]).partition(", ")[0]
+    belt = f", rotor held at {data.attrs['belt']:.4g} rad/s" if "belt" in data.attrs else ""
+    return f"{law_named_in(data.attrs)}: {subject[0].lower()}{subject[1:]}{belt}"
 
 
 def draw_curve(axes: Axes, data: xarray.Dataset, name: str, law: str = "", colour: str = "C0") -> None:
@@ -215,11 +227,20 @@ def draw_basins(data: xarray.Dataset) -> Figure:
     )
     for set_label, each in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
         set_label(each.attrs["long_name"] + _in_brackets(each))
-    handles = [Patch(color=colours[i], label=_label(data.isel(attractor=i))) for i in range(count)]
+    handles: list[Artist] = []
+    for i in range(count):
+        # Markers of some starts distinguish the basins without colours.
+        marker = {"marker": MARKS[i % len(MARKS)], "markersize": 4.0, "linestyle": ""}
+        edge = {"color": "black", "markerfacecolor": colours[i], "markeredgewidth": 0.7}
+        places = np.argwhere(labels.values == i)
+        places = places[(places % np.maximum(np.array(labels.shape) // MOST_MARKED, 1) == 0).all(axis=1)]
+        at = (each.values[place] / _unit(each)[1] for each, place in zip((x, y), places.T, strict=True))
+        (line,) = axes.plot(*at, label=_label(data.isel(attractor=i)), **marker, **edge)
+        handles.append(line)
     if int(data.attrs["unresolved"]):
         share = int(data.attrs["unresolved"]) / labels.size
         handles.append(Patch(color=UNKNOWN, label=f"{100.0 * share:.3g} %: not known"))
-    figure.legend(handles=handles, loc="outside upper center", ncols=1)
+    explain(figure, handles, [handle.get_label() for handle in handles], _title(data), ncols=1)
     return figure
 
 
@@ -228,16 +249,15 @@ def _label(attractor: xarray.Dataset) -> str:
     kind, share = str(attractor["kind"].values), 100.0 * float(attractor["share"])
     velocity = Estimate(float(attractor["velocity"]), float(attractor["velocity_error"]))
     if int(attractor["neutral"]):
-        return f"{share:.3g} %: {kind}, any velocity{'' if kind == 'without contact' else ' in a range'}"
-    return f"{share:.3g} %: {kind}, {velocity.text('±')} rad/s"
+        return (
+            f"{share:.3g} %: {kind}, any rotor velocity{'' if kind == 'without contact' else ' in a range'}"
+        )
+    return f"{share:.3g} %: {kind}, rotor velocity {velocity.text('±')} rad/s"
 
 
 def _unit(values: xarray.DataArray) -> tuple[str, float]:
     """Return the unit in which values are read best, empty for numbers, and its size in SI."""
-    units = values.attrs["units"]
-    if units.isalpha():
-        return prefixed_unit(float(np.abs(values).max()), units)
-    return ("" if units == "1" else from_cf(units)), 1.0
+    return handy_unit(float(np.abs(values).max()), values.attrs["units"])
 
 
 def _in_brackets(values: xarray.DataArray) -> str:

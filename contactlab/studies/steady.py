@@ -149,9 +149,14 @@ class Steady(Study):
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return path of the tip, multipliers, velocity, gap and forces."""
         # Imported here: it brings matplotlib.
+        from contactlab.studies.figures import captioned
         from contactlab.studies.orbit_figures import draw_steady
 
-        return {self.name: draw_steady(data)}
+        caption = (
+            f"{data.attrs['title']}: path of the tip end, Floquet multipliers or stroboscopic samples; rotor "
+            "velocity, gap and forces over one orbit or period."
+        )
+        return {self.name: captioned(draw_steady(data), caption)}
 
 
 def _steady_state(setup: Setup, refine: bool, arguments: dict[str, Any]) -> Part:

@@ -215,11 +215,12 @@ class Validate(Study):
 
 
 CAPTIONS: Final = {
-    "prediction_error": "Errors of the laws on impacts to which they were not fitted",
-    "paired_differences": "Differences of the errors of laws on the same impacts",
-    "residuals": "Residuals of the predicted velocities",
-    "impacts": "Errors over the impacts",
-    TRACKS: "Tracks, their flights and impacts",
+    "prediction_error": "Errors of the laws on impacts to which they were not fitted, with 95 % intervals.",
+    "paired_differences": "Differences of the errors of laws on the same impacts, by pairs of laws.",
+    "residuals": "Errors and residuals (measured less predicted) over the impact before: medians of the best "
+    "law of each of four groups at most, quartiles of the best.",
+    "impacts": "Impacts over slip and approach velocity, coloured by the least error under any law.",
+    TRACKS: "Positions of the first tracks, their flights and impacts.",
 }
 """Captions of the figures by name."""
 

@@ -10,11 +10,11 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from contactlab.arrays import Array
 from contactlab.inference.cross_validation import BASELINE, COMPLIANT, FLOOR, RIGID, floors_in, laws_in
-from contactlab.plot.style import COLOURS
-from contactlab.studies.figures import THIN, drawing, legend_above, style
+from contactlab.plot.style import COLOURS, line_style
+from contactlab.studies.figures import THIN, drawing, legend_above
 
 MOST_NUMBERED: Final = 12
-"""Largest number of impacts labelled in the map."""
+"""Largest number of impacts labelled in the map, and of laws whose differences are written large."""
 
 NEGLIGIBLE: Final = 1e-3
 """Share of the least error of a law below which a floor is not drawn."""
@@ -43,7 +43,7 @@ def draw_errors(data: xarray.Dataset) -> Figure:
         errors = shown["prediction_error"].values[places]
         low, high = shown["prediction_error_interval"].values[places].T
         reach = np.abs([errors - low, high - errors])
-        bars = {"linestyle": "", "marker": mark, "color": colour, "label": kind, "capsize": 2.0}
+        bars = {"linestyle": "", "marker": mark, "color": colour, "label": f"{kind}, 95 %", "capsize": 2.0}
         if places.size:
             axes.errorbar(errors, places, xerr=reach, markersize=2.5, elinewidth=0.9, **bars)
     floors = floors_in(data)
@@ -59,7 +59,7 @@ def draw_errors(data: xarray.Dataset) -> Figure:
             axes.annotate(text, at, (4, 0), textcoords="offset points", va="center", fontsize=7)
     axes.set_yticks(range(len(labels)), labels)
     axes.set_ylim(len(labels), -0.7)
-    axes.set(xscale="log", xlabel="held-out prediction error")
+    axes.set(xscale="log", xlabel="held-out prediction error,\nin parts of the velocity before the impact")
     axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter("{x:.2g}")
     axes.xaxis.set_minor_formatter(NullFormatter())
@@ -82,17 +82,20 @@ def draw_differences(data: xarray.Dataset) -> Figure:
     # Of differences that span decades all are to be seen.
     colour = np.where(below & parted, np.sqrt(np.abs(apart) / scale), np.nan)
     axes.imshow(colour, cmap="Reds", vmin=0.0, vmax=1.6, aspect="auto")
+    size = 5 if len(labels) > MOST_NUMBERED else 6.5
     for i, j in zip(*np.nonzero(below), strict=True):
         text = f"{1e3 * apart[i, j]:.0f}" if apart[i, j] >= 0.01 else f"{1e3 * apart[i, j]:.1f}"
         shade = "black" if parted[i, j] else "0.6"
-        axes.text(j, i, text, ha="center", va="center", fontsize=5, color=shade)
+        axes.text(j, i, text, ha="center", va="center", fontsize=size, color=shade)
     axes.set_xticks(range(len(labels)), labels, rotation=90)
     axes.set_yticks(range(len(labels)), labels)
     axes.tick_params(length=0.0)
     for side in axes.spines.values():
         side.set_visible(False)
     axes.set_title(
-        "error of the row less that of the column, in thousandths; grey: not distinguishable", loc="right"
+        "held-out error of the row less that of the column, in thousandths of\n"
+        "the velocity before the impact; without colour: not distinguishable",
+        loc="right",
     )
     return figure
 
@@ -110,10 +113,10 @@ def draw_residuals(data: xarray.Dataset) -> Figure:
             for column, (axis, x) in enumerate(across.items()):
                 axes = panels[3 * row + column]
                 result = binned(x, missed)
-                axes.plot(result.at, result.median, label=law, **style(number))
+                axes.plot(result.at, result.median, label=f"{law}, median", **line_style(number))
                 if number == 0:
-                    band = {"color": style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
-                    axes.fill_between(result.at, result.low, result.high, **band)
+                    band = {"color": line_style(number)["color"], "alpha": 0.15, "linewidth": 0.0}
+                    axes.fill_between(result.at, result.low, result.high, label=f"{law}, quartiles", **band)
                 if column == 0:
                     axes.set_ylabel(name)
                 if row == 2:
@@ -131,7 +134,9 @@ def draw_impacts(data: xarray.Dataset) -> Figure:
     figure, (axes,) = drawing(1, 1, 3.6)
     top = float(np.quantile(least, 0.99))
     dots = axes.scatter(slip, -rate, c=least, s=7.0, cmap="viridis", vmin=0.0, vmax=top, linewidth=0.0)
-    figure.colorbar(dots, ax=axes, label="least error under any law", extend="max")
+    figure.colorbar(
+        dots, ax=axes, label="least error under any law,\nin parts of the velocity before", extend="max"
+    )
     odd = np.flatnonzero(data["unexplained"].values)
     if odd.size:
         label = f"no law explains: {odd.size} of {rate.size}"

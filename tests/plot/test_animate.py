@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import xarray
 from PIL import Image
+from support.pictures import boxes_in, entries_in, offsets_in, texts_in
 from support.synthetic import CONFIGURATION, FREQUENCY, PEAK_FORCE, synthetic_trajectory
 
 from contactlab.laws.base import FREE, SLIP, STICK
@@ -118,6 +119,17 @@ def test_the_motion_stays_in_the_picture() -> None:
         for patch in (drawing.tip.get_xy()[:1], drawing.arrow.get_xy()):
             inside = scene.transAxes.inverted().transform(scene.transData.transform(patch))
             assert ((inside > 0.0) & (inside < 1.0)).all()
+
+
+def test_a_film_names_law_quantities_and_units_and_no_text_covers_another() -> None:
+    figure = Animation(film(), 10.0).figure
+    texts = texts_in(figure)
+    for text in ("hertz_penalty: 1 s shows", "normal force (N)", "velocity of the rotor (rad/s)", "\u00b5s"):
+        assert any(text in each for each in texts), text
+    assert {*entries_in(figure)} == {"slip", "stick"}
+    assert offsets_in(figure) == []
+    boxes = list(boxes_in(figure).values())
+    assert not any(box.overlaps(other) for i, box in enumerate(boxes) for other in boxes[:i])
 
 
 def test_frames_do_not_depend_on_their_order() -> None:

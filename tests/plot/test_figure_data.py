@@ -109,8 +109,14 @@ def test_an_impact_has_an_impulse_and_no_force_at_any_record_interval(interval: 
     assert lasting[-1] == pytest.approx(9.81e-3, rel=1e-6)
     shown = {axes.get_ylabel(): axes for axes in run.plot().axes}
     assert shown["lasting force (N)"].get_ylim()[1] < 0.02
-    stems = shown["impulse (nN s)"].lines[0]
+    stems = shown["impulse, dots (nN s)"].lines[0]
     np.testing.assert_allclose(np.sort(stems.get_ydata()), 1e9 * np.sort(impulses))
+    # The line of the force lies on the wide stems, and ends below the largest.
+    assert shown["lasting force (N)"].get_zorder() > shown["impulse, dots (nN s)"].get_zorder()
+    assert not shown["lasting force (N)"].patch.get_visible()
+    assert shown["impulse, dots (nN s)"].collections[-1].get_linewidth()[0] > 2.0
+    assert lasting.max() / shown["lasting force (N)"].get_ylim()[1] < 0.7
+    assert stems.get_ydata().max() / shown["impulse, dots (nN s)"].get_ylim()[1] > 0.9
     # All of the normal impulse is in one or the other.
     total = impulses.sum() + (lasting[1:] * np.diff(recording.time)).sum()
     assert total == pytest.approx(float(run.contacts["normal_impulse"].sum()), rel=1e-9)

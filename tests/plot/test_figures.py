@@ -14,9 +14,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
-from matplotlib.transforms import Bbox
+from support.pictures import boxes_in, offsets_in
 from support.synthetic import CONFIGURATION, CONTACT_DURATION, synthetic_trajectory
 
+import contactlab as cl
 from contactlab.plot.overview import draw_overview, overview
 from contactlab.plot.style import COLOURS
 from contactlab.results.netcdf import to_datatree
@@ -95,27 +96,10 @@ def shades(axes: Axes) -> dict[str, list[tuple[float, float]]]:
     return result
 
 
-def texts(figure: Figure) -> list[Bbox]:
-    """The boxes of all visible texts in a drawn picture."""
-    figure.canvas.draw()
-    result = list(figure.texts)
-    for axes in figure.axes:
-        result += [axes.title, axes.xaxis.label, axes.yaxis.label, *axes.texts]
-        result += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
-        result.append(axes._right_title)
-        for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            ticks = axis.get_major_ticks()
-            result += [t.label1 for t in ticks if low <= t.get_loc() <= high and t.label1.get_visible()]
-        legend = axes.get_legend()
-        result += legend.get_texts() if legend else []
-    return [text.get_window_extent() for text in result if text.get_text() and text.get_visible()]
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_no_text_covers_another_or_leaves_the_picture(case: str) -> None:
     figure = draw_overview(CASES[case]())
-    boxes = texts(figure)
+    boxes = list(boxes_in(figure).values())
     width, height = figure.canvas.get_width_height()
     for i, box in enumerate(boxes):
         assert box.x0 >= 0.0
@@ -123,6 +107,23 @@ def test_no_text_covers_another_or_leaves_the_picture(case: str) -> None:
         assert box.y0 >= 0.0
         assert box.y1 <= height
         assert not any(box.overlaps(other) for other in boxes[:i])
+
+
+@pytest.mark.parametrize("ripple", [1e-12, 1e-4, 2.5e-3])
+def test_ticks_of_a_velocity_that_hardly_changes_are_read_as_they_stand(ripple: float) -> None:
+    whole = synthetic_trajectory(1e-3)
+    series = whole.series | {"rotor_velocity": -2.1911 + ripple * np.sin(2e4 * whole.time)}
+    figure = draw_overview(to_datatree(dataclasses.replace(whole, series=series), CONFIGURATION))
+    assert offsets_in(figure) == []
+    boxes = list(boxes_in(figure).values())
+    assert min(box.x0 for box in boxes) >= 0.0
+    assert not any(box.overlaps(other) for i, box in enumerate(boxes) for other in boxes[:i])
+
+
+def test_a_composed_law_is_named_by_its_parts() -> None:
+    whole, law = synthetic_trajectory(1e-3), cl.Composed(damping=cl.Flores(restitution=0.5))
+    tree = to_datatree(dataclasses.replace(whole, law=law), CONFIGURATION)
+    assert draw_overview(tree).texts[0].get_text().startswith("hertz_point + flores + coulomb: 3 contacts")
 
 
 def test_an_incomplete_run_says_so_in_its_title() -> None:

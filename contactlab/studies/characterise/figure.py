@@ -8,10 +8,11 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactlab.studies.figures import THIN, drawing, style
+from contactlab.plot.style import line_style
+from contactlab.studies.figures import THIN, drawing, legend_above
 
 MARKERS: Final = "os^Dv"
-"""Points of the laws in turn, which distinguish them in a print without colours."""
+"""Points of the laws in turn; with the line styles 20 laws are distinct without colours."""
 
 DRAWN: Final = {"torque": 1e3, "output_power": 1e3, "electrical_efficiency": 1e2}
 """Quantities of the panels, and what they are multiplied by."""
@@ -23,7 +24,8 @@ FINE: Final = 400
 def draw(data: xarray.Dataset) -> Figure:
     """Draw torque, output power and efficiency over the velocity in the motor's sense.
 
-    Belts are points, open where the motion has no orbit, with their errors; a cross is the free rotor.
+    Velocities at which the rotor was held are points, open where the motion has no orbit, with their errors;
+    a cross is the free rotor.
     Between belts torque and input are straight lines, and power and efficiency what follows from them.
     """
     figure, panels = drawing(3, 1, 5.4, sharex=True)
@@ -44,15 +46,15 @@ def draw(data: xarray.Dataset) -> Figure:
     torque.annotate("load brakes", (right, upper), (-2, -2), ha="right", va="top", **note)
     torque.annotate("load drives the motor on", (0.0, lower), (3, 3), **note)
     torque.annotate("load turns\nit back", (0.0, lower), (-3, 3), ha="right", **note)
-    figure.align_ylabels()
-    handles, labels = torque.get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 3))
-    return figure
+    torque.plot([], [], "x", color="black", markersize=6.0, label="free rotor")
+    if ((data["kind"] != "periodic") & (data["kind"] != "")).any():
+        torque.plot([], [], "o", color="black", markerfacecolor="white", label="mean, no orbit")
+    return legend_above(figure, torque)
 
 
 def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: str) -> None:
     """Draw one law into the panels of torque, power and efficiency."""
-    line, marker = style(number), MARKERS[number % len(MARKERS)]
+    line, marker = {x: line_style(number)[x] for x in ("color", "linestyle")}, MARKERS[number % len(MARKERS)]
     colour = line["color"]
     on_belt = (law["role"].values != "no load") & np.isfinite(law["torque"].values)
     velocity = law["velocity"].values
@@ -73,4 +75,5 @@ def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: s
             axes.errorbar(velocity[which], value[which], bars, elinewidth=0.8, capsize=2.0, **points)
     free = velocity[law["role"].values == "no load"]
     panels[0].plot(free, np.zeros_like(free), "x", color=colour, markersize=6.0)
-    panels[0].plot([], [], marker=marker, label=label, **line)
+    known = on_belt.any() or np.isfinite(free).any()
+    panels[0].plot([], [], marker=marker, label=label if known else f"{label}, no curve", **line)

@@ -110,9 +110,16 @@ class Characterise(Study):
             return {}
         # Imported here: it brings matplotlib.
         from contactlab.studies.characterise.figure import draw
+        from contactlab.studies.figures import captioned
 
-        return {self.name: draw(sheets)}
+        return {self.name: captioned(draw(sheets), CAPTION)}
 
+
+CAPTION: Final = (
+    "Torque, output power and electrical efficiency over the velocity in the motor's sense. Points have the "
+    "rotor held at a velocity; between them torque and input are straight lines. A cross is the free rotor."
+)
+"""Of the figure."""
 
 TEXTS: Final = ("kind", "role", "load", "reason")
 

@@ -15,9 +15,10 @@ from contactlab.arrays import Array
 from contactlab.inference.paired import ALONE, binomial_interval, bins_of
 from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.recording import drawable, envelope
+from contactlab.plot.style import HATCHES, line_style
 from contactlab.results.summary import prefixed_unit
 from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
-from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, WIDTH, drawing, legend_above, style
+from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, WIDTH, drawing, legend_above
 
 CAPTIONS: Final = {
     "differences": "Difference of two laws over the larger of both, as configured (diamond) and in the "
@@ -100,18 +101,20 @@ def draw_differences(data: xarray.Dataset) -> Figure:
         about = f"speed of {pairs['law'].item()} less that of"
     figure, axes, place = _bars(labels, 1.0 + 0.34 * len(labels))
     margin = 100.0 * data.attrs["margin"]
-    axes.axvspan(-margin, margin, color="0.9", zorder=0)
+    axes.axvspan(-margin, margin, color="0.9", zorder=0, label="practically equal")
     axes.axvline(0.0, **THIN)
-    values = 100.0 * pairs["relative_drawn"].values
+    values, colour = 100.0 * pairs["relative_drawn"].values, line_style(0)["color"]
     # Points of a row lie apart, in the order of the draws.
     apart = np.linspace(-0.3, 0.3, values.shape[-1])
     for row, here_drawn in zip(place, values, strict=True):
-        axes.plot(here_drawn, row + apart, ".", color=style(0)["color"], markersize=2.5, alpha=0.6)
+        point = {"marker": ".", "markersize": 2.5, "alpha": 0.6, "color": colour, "linestyle": ""}
+        axes.plot(here_drawn, row + apart, label="" if row else "motors drawn", **point)
     low, high = (100.0 * pairs[f"relative_difference_{end}"].values for end in ("low", "high"))
-    axes.hlines(place, low, high, color=style(0)["color"], linewidth=4.0, alpha=0.35)
-    axes.plot(100.0 * pairs["relative_nominal"].values, place, "D", color="black", markersize=3.5)
+    axes.hlines(place, low, high, color=colour, linewidth=4.0, alpha=0.35, label="5 to 95 % of these")
+    configured = {"marker": "D", "markersize": 3.5, "color": "black", "linestyle": ""}
+    axes.plot(100.0 * pairs["relative_nominal"].values, place, label="as configured", **configured)
     axes.set_xlabel(fill(f"{about}, over the larger (%)", 60))
-    return figure
+    return legend_above(figure, axes)
 
 
 def draw_turning(data: xarray.Dataset) -> Figure:
@@ -131,7 +134,7 @@ def draw_turning(data: xarray.Dataset) -> Figure:
         times = np.bincount(bins, here["outcome"].values == kind)
         if times.any():
             ends = np.abs(np.array(binomial_interval(times, count)) - times / count)
-            look = {"marker": "o", "markersize": 3.5, "capsize": 2.5, **style(kind)}
+            look = {"marker": "o", "markersize": 3.5, "capsize": 2.5, **line_style(kind)}
             axes.errorbar(middle, times / count, ends, label=word, **look)
     axes.set(ylim=(-0.03, 1.03), ylabel="share of motors", xlabel=str(here["prior"].item()))
     if here["logarithmic"]:
@@ -183,11 +186,11 @@ def draw_operating_points(data: xarray.Dataset) -> Figure:
         steps = each["nominal"].values
         # The finest step that has a value.
         middle = np.where(np.isfinite(steps[:, -1]), steps[:, -1], steps[:, 0])
-        above.plot(place, middle, marker=".", label=law, **style(number))
+        above.plot(place, middle, label=law, **{"marker": ".", **line_style(number), "markevery": None})
         if number:
             pair = here.isel(law=number, other_law=0, cell=order)
-            below.plot(place, pair["difference"], marker=".", **style(number))
-            band = {"color": style(number)["color"], "alpha": 0.2, "linewidth": 0.0}
+            below.plot(place, pair["difference"], **{"marker": ".", **line_style(number), "markevery": None})
+            band = {"color": line_style(number)["color"], "alpha": 0.2, "linewidth": 0.0}
             below.fill_between(place, pair["difference_low"], pair["difference_high"], **band)
     for axes in (above, below):
         axes.axhline(0.0, **THIN)
@@ -302,9 +305,10 @@ def draw_contact(motions: Motions) -> Figure:
     unit, scale = prefixed_unit(max(contact.duration for contact in contacts.values()), "s")
     for i, contact in contacts.items():
         off = contact.peak > top > 0.0
-        spike = f", peak {contact.peak:.4g}\u00a0N off scale" if off and np.isfinite(contact.peak) else ""
-        above.plot(contact.time / scale, contact.forces[0], label=motions[i].attrs["law"] + spike, **style(i))
-        below.plot(contact.time / scale, contact.forces[1], **style(i))
+        peak = f"peak {contact.peak:.4g}\u00a0N" if np.isfinite(contact.peak) else "impact"
+        label = motions[i].attrs["law"] + (f", {peak} off scale" if off else "")
+        above.plot(contact.time / scale, contact.forces[0], label=label, **line_style(i))
+        below.plot(contact.time / scale, contact.forces[1], **line_style(i))
     if top > 0.0:
         above.set_ylim(-0.04 * top, top)
     if room > 0.0:
@@ -322,7 +326,7 @@ def draw_paths(motions: Motions) -> Figure:
     figure, (axes,) = drawing(1, 1, 3.1)
     for i, motion in having:
         x, y = (drawable(motion[name].values[last_periods(motion)]) * 1e6 for name in names)
-        axes.plot(x, y, label=motion.attrs["law"], **style(i))
+        axes.plot(x, y, label=motion.attrs["law"], **line_style(i))
     if "clearance" in having[0][1].attrs:
         clearance = 1e6 * having[0][1].attrs["clearance"]
         axes.axhline(clearance, **THIN)
@@ -339,7 +343,7 @@ def draw_velocities(motions: Motions) -> Figure:
     figure, (axes,) = drawing(1, 1, 2.5)
     for i, motion in having:
         time, values = motion["time"].values / scale, drawable(motion["rotor_velocity"].values)
-        axes.plot(*envelope(np.asarray(time), values), label=motion.attrs["law"], **style(i))
+        axes.plot(*envelope(np.asarray(time), values), label=motion.attrs["law"], **line_style(i))
     axes.set(xlabel=f"time ({unit})", ylabel="rotor velocity (rad/s)")
     return legend_above(figure, axes)
 
@@ -357,9 +361,10 @@ def draw_energy(data: xarray.Dataset) -> Figure:
     starts = np.where(energy >= 0.0, gained, returned) - energy
     bar = {"height": 0.62, "edgecolor": "white", "linewidth": 0.5}
     for number, label in enumerate(ENERGY_TERMS.values()):
-        part, colour = energy[number], style(number)["color"]
+        part, colour = energy[number], line_style(number)["color"]
         if np.any(np.abs(part) > 1e-3 * np.abs(work) / scale):
-            axes.barh(place, part, left=starts[number], label=label, color=colour, **bar)
+            look = {"facecolor": colour, "hatch": HATCHES[number], **bar}
+            axes.barh(place, part, left=starts[number], label=label, **look)
     mark = {"marker": "|", "markersize": 16.0, "markeredgewidth": 1.4, "color": "black"}
     axes.plot(work / scale, place, linestyle="", label="work of the drive", **mark)
     span = "in one drive period" if "limits" in data.attrs else "from the start to the end"
@@ -376,8 +381,8 @@ def draw_phases(motions: Motions) -> Figure:
         gap, slip = (drawable(motion[name].values[span]) for name in ("gap", "slip_velocity"))
         # The mean rate of every record interval, over the gap in its middle.
         rate, middle = np.diff(gap) / np.diff(motion["time"].values[span]), 0.5 * (gap[1:] + gap[:-1])
-        normal.plot(1e6 * middle, drawable(rate), label=motion.attrs["law"], **style(i))
-        tangential.plot(1e6 * gap, slip, **style(i))
+        normal.plot(1e6 * middle, drawable(rate), label=motion.attrs["law"], **line_style(i))
+        tangential.plot(1e6 * gap, slip, **line_style(i))
     for axes, label in ((normal, "gap rate (m/s)"), (tangential, "slip velocity (m/s)")):
         axes.axvline(0.0, **THIN)
         axes.set(xlabel="gap (\u00b5m)", ylabel=label)
