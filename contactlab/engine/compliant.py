@@ -23,6 +23,7 @@ from contactlab.engine.friction import (
     friction_and_steepness,
     friction_at,
     missed_between,
+    missed_past_limits,
     missed_rate,
     mobility,
     push_node,
@@ -169,8 +170,10 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         error = max(error, abs(state.bound.coefficient[0] - bound))
     if state.law.friction_kind != SET_VALUED:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
-        if depends or state.mode == STICK:
-            error = missed_between(run, law, mobility(run, level, FIRST, FIRST), error, allowed / h)
+        flows, yielding = depends or state.mode == STICK, mobility(run, level, FIRST, FIRST)
+        error = missed_between(run, law, flows, yielding, error, allowed / h)
+        if depends and error <= allowed / h:
+            error = missed_past_limits(run, law, normal, error)
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
@@ -762,8 +765,17 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
 
 @inner_kernel
 def most_events(state: Any) -> int:
-    """Return how many events a window may have; each internal variable of a law with guards has its own."""
-    return int(EVENT_LIMIT * max(state.law.variables, 1) if state.law.guards > 0 else EVENT_LIMIT)
+    """Return how many events a window may have."""
+    return int(EVENT_LIMIT * kinked_variables(state))
+
+
+@inner_kernel
+def kinked_variables(state: Any) -> int:
+    """Return the number of variables by which a window has events, and steps that shrink to a kink.
+
+    Each internal variable of a law with guards has its own.
+    """
+    return int(max(state.law.variables, 1) if state.law.guards > 0 else 1)
 
 
 @inner_kernel
