@@ -258,6 +258,8 @@ class NormalForce(Declared, Remembering):
     """Whether it may pull."""
     convergence_order: ClassVar[float] = 1.0
     """As of a law: less where the force jumps, which coarse tolerances do not see."""
+    smooth_stiffness: ClassVar[bool] = True
+    """Whether dN/dd has no kink, nor rises as fast as behind one."""
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """As of a law."""
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, final
 
 from contactlab.laws.base import Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.laws.damping import Undamped
-from contactlab.laws.declaration import Coefficient
+from contactlab.laws.declaration import Coefficient, names_of
 from contactlab.laws.friction import Coulomb
 from contactlab.laws.memory import InternalVariable, dependent
 from contactlab.laws.normal import HertzPoint
@@ -52,7 +52,6 @@ class Composed(PenaltyLaw):
     friction_offset = _of("friction", "friction_offset")
     coupled = _of("friction", "coupled")
     exact_stick = _of("friction", "exact_stick")
-    keeps_tolerance = _of("friction", "keeps_tolerance")
     friction_force = _of("friction", "state")
     allows_tension = _of("normal", "allows_tension")
     limits = _of("normal", "limits")
@@ -97,6 +96,13 @@ class Composed(PenaltyLaw):
     def guards(self) -> int:
         """The friction's and the normal force's."""
         return self.friction.guards + self.normal.guards
+
+    @dependent
+    def keeps_tolerance(self) -> bool:
+        """The friction's, unless its rings follow a stiffness that has kinks: theirs end no step."""
+        rate = self.friction.rate
+        follows = rate is not None and "normal_stiffness_rate" in names_of(rate)
+        return self.friction.keeps_tolerance and (self.normal.smooth_stiffness or not follows)
 
     @dependent
     def convergence_order(self) -> float:

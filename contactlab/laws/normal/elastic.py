@@ -196,6 +196,7 @@ class Lining(NormalForce):
     """
 
     name = "lining"
+    smooth_stiffness = False
     equation = "dN/dd = k_1 for d < d_1, k_2 for d > d_1 + w, linear in between"
     source = "after Shaw and Holmes (1983), J. Sound Vib. 90, 129"
 
