@@ -170,9 +170,9 @@ def missed_past_limits(run: Run, law: Law, normal: float, error: float) -> float
         law.row[HEAD + k] = z + copysign(FELT * abs(z), z)
         past = friction_at(law, at, end, normal)[0] == friction
         law.row[HEAD + k] = 0.0
-        held = abs(friction_at(law, at, end, normal)[0] - friction)
+        carried = abs(friction_at(law, at, end, normal)[0] - friction)
         law.row[HEAD + k] = z
-        most = max(most, missed * held) if past else most
+        most = max(most, missed * carried) if past else most
     return most
 
 
