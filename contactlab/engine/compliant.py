@@ -1,53 +1,30 @@
-"""One step of a compliant contact: collocation of the law at the nodes, for a given friction mode.
+"""One step of a compliant contact: its error, its length and its events, for a given friction mode.
 
-The oscillators answer a polynomial force exactly, so only the force itself is unknown: its values at
-the nodes are iterated until the law agrees with the motion that they cause: each node takes the law's answer
-in turn or, where a damping relaxes the force within the step, all by Newton's method. In slip the friction is
-the law's bound against the slip; in stick it is the friction that holds the slip at zero at every node.
-Friction that is not set-valued is in `contactlab.engine.friction`.
+The oscillators answer a polynomial force exactly, so only the force itself is unknown: its values at the
+nodes are iterated until the law agrees with the motion that they cause (`contactlab.engine.collocation`). In
+slip the friction is the law's bound against the slip; in stick it is the friction that holds the slip at zero
+at every node. Friction that is not set-valued is in `contactlab.engine.friction`.
 """
 
-from math import nan, pi, sqrt
+from math import pi, sqrt
 from typing import Any
 
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.engine.collocation import TOUCHED, Known, beside_spring, iterate, sound_normal
 from contactlab.engine.friction import (
     FIRST,
-    HELD_SLIP,
     LEAST_SLIP,
     NUDGE,
-    correct_friction,
-    follow_bound,
     friction_and_steepness,
-    friction_at,
     missed_between,
+    missed_past_limits,
     missed_rate,
     mobility,
-    push_node,
 )
-from contactlab.engine.kinematics import (
-    Tip,
-    add_collocated,
-    checked,
-    contact_at,
-    contact_of,
-    free_response,
-    tip_motion,
-)
-from contactlab.engine.memory import (
-    SLIP_ROUND_OFF,
-    correct_memory,
-    end_at,
-    guess_memory,
-    jump,
-    missed_flow,
-    open_step,
-    recall,
-    recall_start,
-    solve_linear,
-)
+from contactlab.engine.kinematics import add_collocated, checked, contact_at, free_response, tip_motion
+from contactlab.engine.memory import SLIP_ROUND_OFF, end_at, jump, missed_flow, open_step, recall_start
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.rootfinding import (
@@ -63,7 +40,6 @@ from contactlab.engine.state import (
     COLLOCATED,
     CONE,
     EVENT_LIMIT,
-    HEAD,
     LAST,
     NODES,
     NOTHING,
@@ -72,30 +48,16 @@ from contactlab.engine.state import (
     UNSOLVED,
     Law,
     Run,
-    fit,
     hold,
     largest,
     value_at,
 )
-from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, SLIP, STICK
+from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_SLIP, AT_STICK
-
-MOST_ITERATIONS = 25
-AGREEMENT = 1e-10
-"""Relative change of the nodal forces, in the last sweep or in the next one, at which the iteration ends; it
-contracts by far more than ten a sweep."""
-
-CAUTION = 10.0
-"""Ratio of two sweeps' changes over that of the two before, at most [1]."""
-
-BOUND_ROUND_OFF = 1e-9
-"""Of a friction bound, relative to the normal force."""
 
 HIGHEST_SHARE = 0.1
 """Error of a polynomial at the step's start over its highest coefficient, where no value is known [1]."""
 
-AT_SLIP_BEFORE, AT_REST = 1, 2
-"""Ways to begin an iteration, with a slip and what keeps it; zero is with the forces of the last step."""
 
 NODE_PRODUCT = 126.0
 """Reciprocal product of the Radau nodes, (2 n - 1)!/(n! (n - 1)!) of n = 5 [1]."""
@@ -103,29 +65,9 @@ NODE_PRODUCT = 126.0
 KINK = 1e3
 """Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
 
-LEAST_DAMPED = 0.1
-"""Answer of a damping to the normal force in a step [1] below which the law's answers in turn contract."""
-
-MOST_ELASTIC = 20.0
-"""Answer of a spring to the normal force in a step, k h^2 D_nn/2 [1], from which on the law's answers in turn
-diverge: the squared matrix A of the Radau rule has the spectral radius 0.0253."""
-
-BEFORE = NODES + 1
-"""Column of the system that keeps the normal forces before a Newton step."""
 
 LEAST_DEPTH = 1e-8
 """Scale of the difference of the gap for the normal stiffness near zero [m]."""
-
-Known = tuple[float, float, float, float, float, float, float]
-"""Normal force, half the width and the middle of the interval that bounds friction in the step's mode,
-friction that is not set-valued [N] and its steepness [N s/m], and by how much the normal force rises as gap
-[N/m] and gap rate [N s/m] fall, where a step begins."""
-
-
-@part_kernel
-def sound_normal(normal: float, bound: float) -> float:
-    """Return the normal force [N]; no number where the law says a negative friction bound with it."""
-    return nan if bound < -BOUND_ROUND_OFF * abs(normal) else normal
 
 
 @inner_kernel
@@ -152,7 +94,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     stretch = h / state.length
     state.length = h
     stiffness = steepness * mobility(run, level, FIRST, FIRST)
-    sweeps = _iterate(run, law, level, known, stretch, stiffness)
+    sweeps = iterate(run, law, level, known, stretch, stiffness)
     state.accepted_length = 0.0
     state.sweeps += sweeps
     if sweeps == 0:
@@ -169,8 +111,10 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         error = max(error, abs(state.bound.coefficient[0] - bound))
     if state.law.friction_kind != SET_VALUED:
         error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
-        if depends or state.mode == STICK:
-            error = missed_between(run, law, mobility(run, level, FIRST, FIRST), error, allowed / h)
+        flows, yielding = depends or state.mode == STICK, mobility(run, level, FIRST, FIRST)
+        error = missed_between(run, law, flows, yielding, error, allowed / h)
+        if depends and error <= allowed / h:
+            error = missed_past_limits(run, law, normal, error)
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
@@ -199,29 +143,6 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
         unfelt = most * step_length(propagator, propagator.rule.contact_level) <= allowed
         missed = max(missed, missed_rate(run, law, normal, unfelt))
     return float(missed)
-
-
-@part_kernel
-def _iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffness: float) -> int:
-    """Iterate the forces of a step in the ways that may contract; returns the number of sweeps, 0 for none.
-
-    A damping that relaxes the normal force within the step takes Newton steps, and one that hardly does takes
-    them where the law's answers in turn do not contract; a spring that makes them diverge has none. Friction
-    that is steep in the slip, by a `stiffness` above one, begins with the slip before the step, and from rest
-    where that does not contract; other friction does so where its law's answers do not.
-    """
-    lean, sweeps = _lean(run, known, stiffness), 0
-    elastic, damped = _normal_shares(run, level, known, lean)
-    if elastic > max(MOST_ELASTIC, damped):
-        return 0
-    damped = damped if damped > elastic else 0.0
-    ways = AT_REST + 1 if run.state.law.friction_kind == RATE_DEPENDENT else 1
-    for stiff in range(1 if damped > 1.0 else 0, 2 if damped > LEAST_DAMPED else 1):
-        for way in range(AT_SLIP_BEFORE if stiffness > 1.0 else 0, ways):
-            if sweeps == 0:
-                _first_forces(run, law, stretch)
-                sweeps = _collocate(run, law, level, way, known, lean, stiff == 1)
-    return sweeps
 
 
 @inner_kernel
@@ -271,260 +192,9 @@ def _outweighed_error(run: Run) -> float:
     return HIGHEST_SHARE * abs(highest) / fastest if outweighed and fastest > 0.0 else 0.0
 
 
-@inner_kernel
-def _first_forces(run: Run, law: Law, stretch: float) -> None:
-    """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
-    state, nodes = run.state, run.propagator.rule.nodes
-    for i in range(NODES):
-        x = state.accepted_length + nodes[i] * stretch
-        state.normal.node[i] = max(value_at(state.normal, x), 0.0)
-        state.bound.node[i] = max(value_at(state.bound, x), 0.0)
-        state.bias.node[i] = value_at(state.bias, x)
-        state.friction.node[i] = value_at(state.friction, x)
-        if state.mode == SLIP and state.law.friction_kind != RATE_DEPENDENT:
-            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
-        # Only friction with an internal variable reads these.
-        state.internal_rate.node[i] = value_at(state.internal_rate, x)
-        push_node(run, i)
-    guess_memory(run, law.memory)
-
-
-@inner_kernel
-def _lean(run: Run, known: Known, stiffness: float) -> float:
-    """Return how much of a change of the normal force its friction follows [1], at the step's start.
-
-    Friction that holds the slip, or is steep in it, answers by what keeps the slip: -D_nt/D_tt.
-    """
-    state, step = run.state, run.step
-    normal, bound, bias, friction = known[:4]
-    directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
-    _, crossed, along = delassus(run.plant, *directions)
-    if state.mode == STICK:
-        return -crossed / along if state.law.friction_kind == SET_VALUED else 0.0
-    if state.law.friction_kind == SET_VALUED:
-        friction = bias - state.sign * bound
-    return ((friction / normal if normal > 0.0 else 0.0) - stiffness * crossed / along) / (1.0 + stiffness)
-
-
-@inner_kernel
-def _answered(run: Run, level: int, stiffness: float, damping: float, lean: float, i: int, m: int) -> float:
-    """Return by how much the normal force of node i falls as that of node m rises, with its friction [1].
-
-    Stiffness [N/m] and damping [N s/m] are how it falls with gap and gap rate.
-    """
-    step, results = run.step, run.propagator.levels[level]
-    tip_q, tip_v = results.tip_q, results.tip_v
-    push_u, push_th = step.n_u[m] + lean * step.t_u[m], step.n_th[m] + lean * step.t_th[m]
-    u = stiffness * tip_q[0, i, m] + damping * tip_v[0, i, m]
-    mixed = stiffness * tip_q[1, i, m] + damping * tip_v[1, i, m]
-    th = stiffness * tip_q[2, i, m] + damping * tip_v[2, i, m]
-    return float(
-        step.n_u[i] * (u * push_u + mixed * push_th) + step.n_th[i] * (mixed * push_u + th * push_th)
-    )
-
-
-@inner_kernel
-def _normal_shares(run: Run, level: int, known: Known, lean: float) -> tuple[float, float]:
-    """Return by how much spring and damping of the normal force answer it in the step [1].
-
-    Where a damping has more than its spring, and more than one, the force relaxes within the step. A step
-    that does not resolve an elastic swing must not be solved: its error is not seen.
-    """
-    elastic, damped = 0.0, 0.0
-    for m in range(NODES):
-        elastic += _answered(run, level, known[5], 0.0, lean, LAST, m)
-        damped += _answered(run, level, 0.0, known[6], lean, LAST, m)
-    return elastic, damped
-
-
-@inner_kernel
-def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: bool) -> float:
-    """Take a Newton step of the normal forces from the law's answers; returns the largest correction [N].
-
-    The law's slopes are those at the step's start. Friction and what bounds it follow the normal force.
-    """
-    state, system = run.state, run.step.system
-    for i in range(NODES):
-        for m in range(NODES):
-            # Where the law has no force it has no slope.
-            falls = _answered(run, level, known[5], known[6], lean, i, m)
-            falls = falls if state.normal.node[i] != 0.0 else 0.0
-            system[i, m] = (1.0 if m == i else 0.0) + falls
-        system[i, NODES] = state.normal.node[i] - system[i, BEFORE]
-    solve_linear(system, NODES)
-    most = 0.0
-    for i in range(NODES):
-        of_law, change = state.normal.node[i], system[i, NODES]
-        state.normal.node[i] = system[i, BEFORE] + change
-        if slides:
-            share = state.normal.node[i] / of_law if of_law != 0.0 else 1.0
-            state.bound.node[i] *= share
-            state.bias.node[i] *= share
-            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
-        else:
-            state.friction.node[i] += lean * change
-        # NaN fails every comparison, and is passed on.
-        most = abs(change) if not abs(change) <= most else most
-    return float(most)
-
-
-@inner_kernel
-def _sweep_normal(
-    run: Run, law: Law, level: int, known: Known, lean: float, stiff: bool
-) -> tuple[float, float]:
-    """Take the law's answers at all nodes, in turn or by a Newton step where they are `stiff`.
-
-    Returns the largest change of a force and the largest force [N].
-    """
-    state, change, most = run.state, 0.0, 0.0
-    slides = state.mode != STICK and state.law.friction_kind != RATE_DEPENDENT
-    for i in range(NODES):
-        old_normal, old_friction = state.normal.node[i], state.friction.node[i]
-        _law_at_node(run, law, level, i)
-        # Friction that would have to hold far more than the law lets it has the round-off of its size.
-        most = max(most, state.normal.node[i], abs(old_friction))
-        if stiff:
-            run.step.system[i, BEFORE] = old_normal
-            continue
-        if slides:
-            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
-        push_node(run, i)
-        change = max(change, abs(state.normal.node[i] - old_normal))
-        change = max(change, abs(state.friction.node[i] - old_friction))
-    if stiff:
-        change = max(change, _correct_normal(run, level, known, lean, slides))
-        for i in range(NODES):
-            push_node(run, i)
-    return change, most
-
-
-@inner_kernel
-def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: float, stiff: bool) -> int:
-    """Iterate the nodal forces of a step; returns the number of sweeps, 0 where it does not contract.
-
-    Rate-dependent friction may begin AT_SLIP_BEFORE, with what keeps the slip before the step: where friction
-    is steep, a force tells nothing of its slip. Or AT_REST, from where Newton's method converges on the steep
-    part of the law, where from the level part it would alternate. A normal force that is `stiff` takes Newton
-    steps too.
-    """
-    state, step, rule = run.state, run.step, run.propagator.rule
-    kind, sticks = state.law.friction_kind, state.mode == STICK
-    follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
-    least_slip, before = HELD_SLIP if way > 0 else LEAST_SLIP, 0.0
-    kept = contact_at(run.plant, START)[2] if way == AT_SLIP_BEFORE else 0.0
-    for sweep in range(1, MOST_ITERATIONS + 1):
-        # Eq. 3.4: the law's answers to the motion that the nodal forces cause; then friction by eq. 3.7 or
-        # 3.9, and the internal variables by eq. 5.2.
-        change, most = _sweep_normal(run, law, level, known, lean, stiff)
-        holds = way > 0 or (sticks and not follows)
-        coupled = 0.0
-        if holds or follows:
-            corrected, coupled = correct_friction(run, law, level, holds, kept, least_slip)
-            change = max(change, corrected)
-        flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
-        if not np.isfinite(change):
-            return 0
-        if way > 0 and (way == AT_SLIP_BEFORE or agree(state, change, most, flowed)):
-            # The friction that holds the slip is the start of Newton's method on the law's own.
-            way, before = 0, 0.0
-            continue
-        moved = max(flowed, change / most if most > 0.0 else 0.0)
-        # What is held at zero drifts by whatever a sweep leaves of it: there the next one must be done.
-        share = 1.0 if holds else _share_left(moved, before)
-        before = min(moved, 1.0)
-        if not agree(state, share * change, most, share * flowed):
-            continue
-        if kind != SET_VALUED and not follows:
-            follow_bound(run, law, float(state.sign))
-        fit(rule, state.normal)
-        fit(rule, state.friction)
-        fit(rule, state.bound)
-        fit(rule, state.bias)
-        fit(rule, state.internal_rate)
-        fit(rule, step.push_u)
-        fit(rule, step.push_th)
-        fit(rule, step.push_r)
-        return sweep
-    return 0
-
-
-@part_kernel
-def agree(state: Any, change: float, most: float, flowed: float) -> bool:
-    """Return whether a sweep leaves nothing to change.
-
-    It has changed forces of up to `most` by `change` [N], and internal variables by `flowed` of them [1].
-    """
-    small = AGREEMENT * max(most, 1e-3 * state.impulse_scale / state.length)
-    return bool(flowed <= AGREEMENT and change <= small)
-
-
-@part_kernel
-def _share_left(moved: float, before: float) -> float:
-    """Return the share of a sweep's change that bounds the next one's, from the relative changes of two [1].
-
-    The iteration is linear near its end, and it is their ratio (Hairer and Wanner, Solving ODEs II, IV.8).
-    """
-    return min(CAUTION * moved / before, 1.0) if before > 0.0 else 1.0
-
-
-@inner_kernel
-def pushed_tip(run: Run, level: int, i: int) -> Tip:
-    """Return the tip's motion at node i, under the nodal forces that there are."""
-    step, results = run.step, run.propagator.levels[level]
-    tip_q, tip_v = results.tip_q, results.tip_v
-    u, th = step.u[i], step.th[i]
-    u_rate, th_rate, rotor = step.u_rate[i], step.th_rate[i], step.rotor[i]
-    for m in range(NODES):
-        push_u, push_th = step.push_u.node[m], step.push_th.node[m]
-        u += tip_q[0, i, m] * push_u + tip_q[1, i, m] * push_th
-        th += tip_q[1, i, m] * push_u + tip_q[2, i, m] * push_th
-        u_rate += tip_v[0, i, m] * push_u + tip_v[1, i, m] * push_th
-        th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
-        rotor += tip_v[3, i, m] * step.push_r.node[m]
-    return u, th, u_rate, th_rate, rotor
-
-
-@inner_kernel
-def _beside_spring(run: Run, law: Law, at: tuple[float, float, float], end: float, normal: float) -> float:
-    """Return the friction beside the spring of an elastoplastic contact that sticks, which no bound holds.
-
-    The recalled stretch is zero afterwards. In slip it is the middle of the bounds, in rigid stick zero.
-    """
-    if run.state.mode != STICK or run.state.law.friction_kind != ELASTOPLASTIC:
-        return 0.0
-    law.row[HEAD] = 0.0
-    return friction_at(law, at, end, normal)[0]
-
-
-@inner_kernel
-def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
-    """Set motion and forces of node i."""
-    state, step = run.state, run.step
-    tip = pushed_tip(run, level, i)
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, tip)
-    recall(run, law, i)
-    step.end[i] = end_at(run, law, law.memory, rate)
-    seen = 0.0 if state.mode == STICK else slip
-    # Friction without a normal force goes on beyond the release, which cuts the step: it has no jump there.
-    closed = min(gap, step.end[i] + TOUCHED)
-    normal, least, most, _, loss = law.force(closed, rate, seen, state.impact_speed, law.parameters)
-    bound, bias = 0.5 * (most - least), 0.5 * (most + least)
-    if gap < step.end[i]:
-        normal = sound_normal(normal, bound)
-        bias += _beside_spring(run, law, (gap, rate, slip), step.end[i], normal)
-    else:
-        normal, loss = 0.0, 0.0
-    step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
-    state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
-    step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
-    step.loss[i] = loss
-
-
 CLOCK = 64.0 * np.finfo(np.float64).eps
 """Shortest step over the time at which it begins: below it the clock decides, and no force."""
 
-TOUCHED = -1e-22
-"""Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
 
 FAR = 1e3
 """Friction that a stick would need over its bound [1], beyond which a shorter step is not asked."""
@@ -701,7 +371,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     dg, dr = way * (abs(gap) + LEAST_DEPTH), way * (abs(rate) + LEAST_SLIP)
     stiffness = (normal - law.force(gap + dg, rate, seen, state.impact_speed, law.parameters)[0]) / dg
     damping = (normal - law.force(gap, rate + dr, seen, state.impact_speed, law.parameters)[0]) / dr
-    bias += _beside_spring(run, law, (gap, rate, slip), end, normal)
+    bias += beside_spring(run, law, (gap, rate, slip), end, normal)
     return normal, bound, bias, friction, steepness, stiffness, damping
 
 
@@ -762,8 +432,17 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
 
 @inner_kernel
 def most_events(state: Any) -> int:
-    """Return how many events a window may have; each internal variable of a law with guards has its own."""
-    return int(EVENT_LIMIT * max(state.law.variables, 1) if state.law.guards > 0 else EVENT_LIMIT)
+    """Return how many events a window may have."""
+    return int(EVENT_LIMIT * kinked_variables(state))
+
+
+@inner_kernel
+def kinked_variables(state: Any) -> int:
+    """Return the number of variables by which a window has events, and steps that shrink to a kink.
+
+    Each internal variable of a law with guards has its own.
+    """
+    return int(max(state.law.variables, 1) if state.law.guards > 0 else 1)
 
 
 @inner_kernel

@@ -27,14 +27,8 @@ from typing import Any
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.compliant import (
-    MOST_ITERATIONS,
-    ROUND_OFF as IMPULSE_ROUND_OFF,
-    agree,
-    impulse_scale,
-    lengthen,
-    pushed_tip,
-)
+from contactlab.engine.collocation import MOST_ITERATIONS, agree, pushed_tip
+from contactlab.engine.compliant import ROUND_OFF as IMPULSE_ROUND_OFF, impulse_scale, lengthen
 from contactlab.engine.flight import CLEAR, coarseness
 from contactlab.engine.friction import FIRST, push_node
 from contactlab.engine.kinematics import (

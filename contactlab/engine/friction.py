@@ -11,6 +11,7 @@ changes between creep and slip: each takes some tens of steps, down to the time 
 crosses the creep velocity and up again. A slider keeps F on the bound; its spring follows.
 """
 
+from math import copysign
 from typing import Final, cast
 
 import numpy as np
@@ -23,6 +24,7 @@ from contactlab.engine.memory import (
     end_at,
     jump,
     memory_at,
+    missed_flow_of,
     recall,
     recall_start,
     solve_linear,
@@ -143,6 +145,35 @@ def missed_rate(run: Run, law: Law, normal: float, unfelt: bool) -> float:
     # The slip's round-off alone may be as much.
     missed = state.length * (abs(state.internal_rate.coefficient[0] - first) - SLIP_ROUND_OFF - digits)
     return float(missed / size if missed > 0.0 else 0.0)
+
+
+@inner_kernel
+def missed_past_limits(run: Run, law: Law, normal: float, error: float) -> float:
+    """Return the largest error [N] by what a slider past its limit misses of its stretch, or one known.
+
+    The friction under the normal force [N] at the step's start does not feel such a stretch, but will where
+    the slip reverses: it counts as if it did, in proportion, as in `missed_between`.
+    """
+    state, most = run.state, error
+    if state.law.variables == state.law.coupled or normal == 0.0:
+        return most
+    gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    recall_start(run, law)
+    end = end_at(run, law, law.memory, rate)
+    at, longest = (gap, rate, slip), step_length(run.propagator, run.propagator.rule.contact_level)
+    friction = friction_at(law, at, end, normal)[0]
+    for k in range(state.law.coupled, state.law.variables):
+        z = law.row[HEAD + k]
+        missed = missed_flow_of(run, k) * longest / state.length
+        if z == 0.0 or missed * normal * state.law.friction_limit <= most:
+            continue
+        law.row[HEAD + k] = z + copysign(FELT * abs(z), z)
+        past = friction_at(law, at, end, normal)[0] == friction
+        law.row[HEAD + k] = 0.0
+        carried = abs(friction_at(law, at, end, normal)[0] - friction)
+        law.row[HEAD + k] = z
+        most = max(most, missed * carried) if past else most
+    return most
 
 
 @part_kernel
@@ -323,8 +354,10 @@ def _missed_stretch(
 
 
 @inner_kernel
-def missed_between(run: Run, law: Law, yielding: float, error: float, enough: float) -> float:
+def missed_between(run: Run, law: Law, flows: bool, yielding: float, error: float, enough: float) -> float:
     """Return the largest error [N] of friction's polynomial half-way between nodes, or one known, if larger.
+
+    Where the variables flow freely their rates are judged as well; in slip a spring follows its slider.
 
     Friction with a state has kinks that the nodes alone do not see: where the slip changes its sign it is the
     rate of its variable that has one, and so the rates are judged too, at the step's start as well.
@@ -343,7 +376,7 @@ def missed_between(run: Run, law: Law, yielding: float, error: float, enough: fl
             normal = max(value_at(state.normal, x), 0.0)
             friction, steepness = friction_and_steepness(law, at, end, normal)
             missed = abs(friction - value_at(state.friction, x))
-            if max(most, missed / (1.0 + steepness * yielding)) <= enough:
+            if flows and max(most, missed / (1.0 + steepness * yielding)) <= enough:
                 missed = max(missed, _missed_stretch(run, law, at, end, normal, x))
             most = max(most, missed / (1.0 + steepness * yielding))
     return most

@@ -327,26 +327,32 @@ def open_step(
 
 
 @inner_kernel
-def missed_flow(run: Run, memory: Memory | None) -> float:
-    """Return what the internal variables' polynomials miss of their rates at the step's start, over the step.
+def missed_flow_of(run: Run, k: int) -> float:
+    """Return what the polynomial of variable k misses of its rate at the step's start, over the step.
 
     The polynomial's rates at the nodes are those of the law; extrapolated to the start, which no node is at,
     they differ from the rate there as the multipliers do (eq. 4.12). It is relative to the variable [1], or
     to its first value where it has decayed below that.
     """
+    state, step, rule = run.state, run.step, run.propagator.rule
+    first, flow, slope = state.memory[k], state.length * step.memory_rate[k], 0.0
+    size = max(abs(first), abs(step.memory_first[k]), abs(flow))
+    for m in range(NODES):
+        size = max(size, abs(step.memory[m, k]))
+        for i in range(NODES):
+            slope += rule.lagrange[m, 0] * rule.derivative[m, i] * (step.memory[i, k] - first)
+    missed = abs(slope - flow)
+    return float(missed / size if missed > 0.0 else 0.0)
+
+
+@inner_kernel
+def missed_flow(run: Run, memory: Memory | None) -> float:
+    """Return the most that a variable but the coupled one misses of its rate, see `missed_flow_of` [1]."""
     most = 0.0
     if memory is None:
         return most
-    state, step, rule = run.state, run.step, run.propagator.rule
-    for k in range(state.law.coupled, state.law.variables):
-        first, flow, slope = state.memory[k], state.length * step.memory_rate[k], 0.0
-        size = max(abs(first), abs(step.memory_first[k]), abs(flow))
-        for m in range(NODES):
-            size = max(size, abs(step.memory[m, k]))
-            for i in range(NODES):
-                slope += rule.lagrange[m, 0] * rule.derivative[m, i] * (step.memory[i, k] - first)
-        if abs(slope - flow) > most * size:
-            most = abs(slope - flow) / size
+    for k in range(run.state.law.coupled, run.state.law.variables):
+        most = max(most, missed_flow_of(run, k))
     return most
 
 

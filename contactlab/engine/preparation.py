@@ -27,7 +27,7 @@ from contactlab.engine.binding import (
     law_errors,
     row_of,
 )
-from contactlab.engine.compliant import step_compliant
+from contactlab.engine.compliant import kinked_variables, step_compliant
 from contactlab.engine.constrained import step_rigid
 from contactlab.engine.explanation import explain
 from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
@@ -565,7 +565,8 @@ class Prepared(NamedTuple):
         pace = pace_of(self.plant, watched, self.stepped)
         # Rebounds without an end are taken as none by a rigid law itself.
         watchdog = state["watchdog"]
-        watchdog["window"], watchdog["most_steps"] = (0.0, pace[1]) if self.constrained else pace
+        watchdog["window"] = 0.0 if self.constrained else pace[0]
+        watchdog["most_steps"] = pace[1] * kinked_variables(state)
         state["tolerance"] = self.tolerance
 
 

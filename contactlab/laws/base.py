@@ -243,7 +243,8 @@ def is_stepped(law: ContactLaw, contact_step: float | None) -> bool:
 class NormalForce(Declared, Remembering):
     """A part of a composed law: a normal force of the penetration d >= 0.
 
-    It has a kernel `elastic`, or where it dissipates or has internal variables `force`.
+    It has a kernel `elastic`, or where it dissipates `force`. Internal variables of an elastic force tell the
+    branch that it is on: between its kinks, at which guards end the steps, it is smooth.
 
         >>> import contactlab as cl
         >>> part = cl.Linear(stiffness=2e7)
@@ -258,7 +259,7 @@ class NormalForce(Declared, Remembering):
     convergence_order: ClassVar[float] = 1.0
     """As of a law: less where the force jumps, which coarse tolerances do not see."""
     smooth_stiffness: ClassVar[bool] = True
-    """Whether dN/dd has no kink at a depth at which no step ends."""
+    """Whether dN/dd has no kink, nor rises as fast as behind one."""
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """As of a law."""
 
@@ -272,7 +273,7 @@ class NormalForce(Declared, Remembering):
 
     @property
     def force(self) -> Kernel | None:
-        """The kernel of a force that dissipates, or has internal variables, else None.
+        """The kernel of a force that dissipates, else None.
 
         force(...) -> force [N], stored energy [J], stiffness [N/m], its slope [N/m^2], loss [W]
 

@@ -99,9 +99,9 @@ class Composed(PenaltyLaw):
 
     @dependent
     def keeps_tolerance(self) -> bool:
-        """The friction's, unless its stretch follows the rate of a stiffness that has kinks."""
-        state = self.friction.state
-        follows = state is not None and "normal_stiffness_rate" in names_of(state)
+        """The friction's, unless its rings follow a stiffness that has kinks: theirs end no step."""
+        rate = self.friction.rate
+        follows = rate is not None and "normal_stiffness_rate" in names_of(rate)
         return self.friction.keeps_tolerance and (self.normal.smooth_stiffness or not follows)
 
     @dependent

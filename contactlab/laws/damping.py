@@ -98,7 +98,7 @@ def damping_coefficient(damping: LinearDamping, normal: NormalForce) -> float:
     if damping.restitution == 1.0:
         return 0.0
     mass, speed = damping.effective_mass, damping.impact_speed
-    known: Any = normal.coefficients()
+    known: Any = {**{each.name: each.initial for each in normal.internal_variables}, **normal.coefficients()}
     kernel: Any = normal.elastic
     place = names_of(kernel).index("depth")
     others = [known[name] for name in names_of(kernel) if name != "depth"]

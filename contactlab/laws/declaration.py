@@ -85,12 +85,15 @@ class Declared(ABC):
     def evaluate(self, kernel: str, **quantities: Any) -> Any:
         """Evaluate one of its kernels: coefficients are its own, all else that the kernel names is given.
 
+        Internal variables that are not given have their initial values.
+
         >>> import contactlab as cl
         >>> float(cl.HertzPoint(1e10).evaluate("elastic", depth=1e-6)[0])
         10.0
         """
         function: Any = getattr(self, kernel)
-        known = {**self.coefficients(), "parameters": self.parameters(), **quantities}
+        initial = {each.name: each.initial for each in getattr(self, "internal_variables", ())}
+        known = {**initial, **self.coefficients(), "parameters": self.parameters(), **quantities}
         values = (known[name] for name in names_of(function))
         return function(*(np.array(v) if isinstance(v, tuple) else v for v in values))
 

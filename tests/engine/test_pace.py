@@ -8,7 +8,7 @@ from support.motors import case_a, default_motor, final, hertz
 from contactlab.config import build
 from contactlab.config.setup import Setup
 from contactlab.engine import simulate
-from contactlab.laws import ContactLaw, HertzPenalty, Newton
+from contactlab.laws import Composed, ContactLaw, HertzPenalty, Microslip, Newton
 from contactlab.motor import ball
 from contactlab.motor.motor import Motor
 from contactlab.testing.plants import block
@@ -44,6 +44,15 @@ def test_a_contact_that_never_comes_to_rest_chatters(
     assert trajectory.ending is Ending.CHATTERED
     assert trajectory.time[-1] < 1e-3
     assert trajectory.statistics["touchdowns"] < 20 * EVENT_LIMIT
+
+
+def test_every_ring_of_a_patch_has_kinks_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(STEP_LIMIT, 400)
+    law = Composed(friction=Microslip(rings=24))
+    made = ran(default_motor(), law, 5e-4, tolerance=1e-9)
+    assert made.complete, made.message
+    # In all the contacts of one period of the drive, far more than a force without kinks takes.
+    assert made.statistics["contact_steps"] + made.statistics["rejected_steps"] > 800
 
 
 def bounces(restitution: float, height: float, count: float, law: ContactLaw | None = None) -> Trajectory:

@@ -68,7 +68,6 @@ class Microslip(Friction):
     exact_stick = False
     # Rings begin, slide and end within a step, and each error lasts for the rest of the contact.
     convergence_order = 0.8
-    keeps_tolerance = False
     guards = 1
     violations = MappingProxyType(
         {
@@ -143,10 +142,22 @@ class Microslip(Friction):
 
     @staticmethod
     @kernel
-    def jump(which, event, normal, normal_stiffness, z, ring, rings, friction_coefficient, stiffness_ratio):
+    def jump(
+        which,
+        event,
+        normal,
+        normal_stiffness,
+        normal_stiffness_rate,
+        z,
+        ring,
+        rings,
+        friction_coefficient,
+        stiffness_ratio,
+    ):
         n = int(rings)
         if event == AT_TOUCH and which == n:
-            return max(ring, normal_stiffness / n)
+            # A stiffness that rises from there on, as that of a line, hangs on the last digits of the gap.
+            return max(ring, normal_stiffness / n) if normal_stiffness_rate == 0.0 else ring
         if event != DOUBLE:
             return z[which]
         if which == n:

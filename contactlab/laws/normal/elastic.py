@@ -8,9 +8,10 @@ from typing import Annotated, final
 
 import scipy
 
-from contactlab.compiler.kernels import kernel
+from contactlab.compiler.kernels import inner_kernel, kernel
 from contactlab.laws.base import NormalForce
 from contactlab.laws.declaration import Coefficient
+from contactlab.laws.memory import AT_TOUCH, InternalVariable
 from contactlab.parameter import positive
 
 STEEL = 210e9 / (2.0 * (1.0 - 0.3**2))
@@ -166,13 +167,32 @@ class Linear(NormalForce):
         return force, 0.5 * force * depth, stiffness, 0.0
 
 
+BY_DEPTH, SOFT, PASSAGE, HARD = -1.0, 0.0, 1.0, 2.0
+"""Stages of a lining; before a contact it is that of the depth."""
+
+DEEPER, SHALLOWER = 0, 1
+"""Guards: the depth has left the stage."""
+
+PAST = 1e-9
+"""Way over the passage by which the depth has left a stage: at rest on its edge it keeps it."""
+
+
+@inner_kernel
+def stage_at(beyond, passage):
+    """Return the stage at a depth [m] beyond the lining's."""
+    if beyond <= 0.0:
+        return SOFT
+    return PASSAGE if beyond < passage else HARD
+
+
 @final
 @dataclass(frozen=True)
 class Lining(NormalForce):
     """Two stages: the two-stage spring of piecewise linear oscillators, with a passage of finite width.
 
     The passage has a width because a stiffness that jumps is no material's and takes the order of any
-    integration.
+    integration. Where a stage ends a step ends too: up to there, and for w beyond, the force goes on as it
+    was, without a kink within the step.
     """
 
     name = "lining"
@@ -185,19 +205,41 @@ class Lining(NormalForce):
     lining_depth: Annotated[float, positive("d_1", "m", "depth of the lining")] = 5e-7
     passage: Annotated[float, positive("w", "m", "width of the passage")] = 1e-7
 
+    internal_variables = (
+        InternalVariable("stage", "", "1", "0 lining, 1 passage, 2 what is behind", BY_DEPTH, discrete=True),
+    )
+    guards = 2
+
     @staticmethod
     @kernel
-    def elastic(depth, soft_stiffness, hard_stiffness, lining_depth, passage):
-        more = hard_stiffness - soft_stiffness
-        force, energy = soft_stiffness * depth, 0.5 * soft_stiffness * depth * depth
+    def elastic(depth, stage, soft_stiffness, hard_stiffness, lining_depth, passage):
         beyond = depth - lining_depth
-        if beyond <= 0.0:
-            return force, energy, soft_stiffness, 0.0
-        inside = min(beyond, passage)
+        if stage < SOFT or not (stage - 2.0) * passage <= beyond <= (stage + 1.0) * passage:
+            stage = stage_at(beyond, passage)
+        more = hard_stiffness - soft_stiffness
         slope = more / passage
-        through = beyond - inside
+        inside = 0.0 if stage == SOFT else passage if stage == HARD else beyond
+        through = beyond - passage if stage == HARD else 0.0
+        force, energy = soft_stiffness * depth, 0.5 * soft_stiffness * depth * depth
         force += 0.5 * slope * inside * inside + more * through
         energy += slope * inside**3 / 6.0 + 0.5 * more * through * (passage + through)
-        if through > 0.0:
-            return force, energy, soft_stiffness + more, 0.0
-        return force, energy, soft_stiffness + slope * inside, slope
+        stiffness = soft_stiffness + slope * inside
+        return force, energy, stiffness, slope if SOFT < stage < HARD else 0.0
+
+    @staticmethod
+    @kernel
+    def guard(which, depth, stage, lining_depth, passage):
+        if stage < SOFT:
+            return -1.0
+        if which == DEEPER:
+            return lining_depth + (stage + PAST) * passage - depth if stage < HARD else 1.0
+        return depth - lining_depth - (stage - PASSAGE - PAST) * passage if stage > SOFT else 1.0
+
+    @staticmethod
+    @kernel
+    def jump(which, event, depth, stage, lining_depth, passage):
+        if event == DEEPER and stage >= SOFT:
+            return min(stage + 1.0, HARD)
+        if event == SHALLOWER and stage >= SOFT:
+            return max(stage - 1.0, SOFT)
+        return stage if AT_TOUCH < event < DEEPER else stage_at(depth - lining_depth, passage)
