@@ -2,9 +2,10 @@
 
 import re
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, Final
 
+from contactlab.cli.terminal import RefusalError
 from contactlab.config.nesting import quoted
 
 VERBS: Final = {
@@ -56,6 +57,17 @@ class Parser(ArgumentParser):
         """
         texts = (f"--{t}" if t.partition("=")[0] in self._options and "=" in t else t for t in arguments)
         return self.parse_intermixed_args([*texts])
+
+
+def refuse_repeated(lines: Iterable[str]) -> None:
+    """Refuse a key with two values, of which Hydra would take the last in silence, by a RefusalError."""
+    values: dict[str, list[str]] = {}
+    for key, sign, value in (line.partition("=") for line in lines):
+        if sign and re.fullmatch(r"[\w./]+", key):
+            values.setdefault(key, []).append(value)
+    for key, every in values.items():
+        if len({*every}) > 1:
+            raise RefusalError(f"{key} is {' and '.join(every)}; it must have one value. Leave one out.")
 
 
 def for_hydra(arguments: Sequence[str]) -> list[str]:

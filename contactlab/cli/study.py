@@ -17,6 +17,7 @@ from types import NoneType
 from typing import Any, Final, get_args, get_origin
 
 from contactlab.cli import terminal
+from contactlab.cli.arguments import refuse_repeated
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell, unwritable
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.nesting import flat, quoted
@@ -46,13 +47,13 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     false --NAME or --no-NAME, and the folder of the files output=DIR.
 
     Raises:
-        RefusalError: an option lacks its value.
+        RefusalError: an option lacks its value, or a key has two.
     """
     study = study_class(verb)
     options = declared_fields(study)
     sweeps = not {"-m", "--multirun"}.isdisjoint(arguments)
     place = FOLDER[sweeps]
-    lines, others = [f"study={verb}"], list[str]()
+    lines, single, others = [f"study={verb}"], list[str](), list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
     patterns = {**dict(_patterns(options)), **({study.files: FILE} if study.files else {})}
     for word in _without_dashes(arguments, options):
@@ -63,16 +64,18 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
             lines.append(f"{place}={quoted(value)}")
         elif name in options and sign:
             matched[name] += _values(options[name], value)
+            single += [word] if not _takes_several(options[name]) else []
         elif taken := next((key for key, form in patterns.items() if form.fullmatch(word)), ""):
             matched[taken].append(word)
         else:
             others.append(word)
+    refuse_repeated([*single, *others])
     keys = (line.partition("=")[0] for line in others if "known" in options)
     matched["known"] += [key for key in keys if key.startswith("law.") or key == FRICTION]
     for name, values in filter(itemgetter(1), matched.items()):
         kinds = options[name].kinds
         if len(values) > 1 and name in patterns and not _takes_several(options[name]):
-            raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
+            raise RefusalError(f"{name} is {', '.join(values)}; it must be one. Leave the others out.")
         worded = str in kinds or name in patterns
         texts = [quoted(value) if worded and value != "null" else value for value in values]
         if _takes_several(options[name]) and not values[0].startswith("["):

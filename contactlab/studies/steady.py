@@ -101,7 +101,7 @@ class Steady(Study):
         return {str(name): value for name, value in data["steady"].attrs.items()}
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the velocity, or the torque at a held rotor, kind and stability, and what limits the result."""
+        """Return velocity, or torque at a held rotor, kind and stability, and what limits the result."""
         about, group = data["steady"].attrs, data["steady"].to_dataset()
         several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
         asked = self.quantities["belt" in about]

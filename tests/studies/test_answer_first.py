@@ -15,7 +15,8 @@ from contactlab.studies.study import Result
 
 NEWTON = cl.build(["law=newton"])
 TIME = np.linspace(0.0, 1.0, 41)
-WAY = MeasuredSeries(TIME, {}, {}, {}, {}, path={"slip": 1e-5 * np.sin(6.0 * TIME), "normal": np.full(41, 10.0)})
+SLIP = {"slip": 1e-5 * np.sin(6.0 * TIME), "normal": np.full(41, 10.0)}
+WAY = MeasuredSeries(TIME, {}, {}, {}, {}, path=SLIP)
 
 
 def impacts() -> cl.Result:

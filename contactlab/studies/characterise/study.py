@@ -94,7 +94,7 @@ class Characterise(Study):
         return tables
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the numbers of each law, then sense, loads and limits, once for all that share a sentence."""
+        """Return the numbers of each law, then sense, loads, limits, once for all that share a sentence."""
         every, laws = data.to_dataset(), dict[str, list[str]]()
         sentences = {str(label): [*_findings(every.sel(law=label))] for label in every["law"].values}
         for part in (slice(1), slice(1, None)):
