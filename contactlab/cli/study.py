@@ -21,11 +21,13 @@ from contactlab.cli.arguments import refuse_repeated
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell, unwritable
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.nesting import flat, quoted
-from contactlab.config.schema import FRICTION
+from contactlab.config.options import known_keys
+from contactlab.config.schema import FRICTION, KEYS
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
 from contactlab.studies.sweep.values import listed
+from contactlab.suggestion import suggestion
 
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
@@ -70,6 +72,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         else:
             others.append(word)
     refuse_repeated([*single, *others])
+    _refuse_unknown(verb, options, others)
     keys = (line.partition("=")[0] for line in others if "known" in options)
     matched["known"] += [key for key in keys if key.startswith("law.") or key == FRICTION]
     for name, values in filter(itemgetter(1), matched.items()):
@@ -89,6 +92,19 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
+
+
+def _refuse_unknown(verb: str, options: Iterable[str], lines: Iterable[str]) -> None:
+    """Refuse what is neither an option of a verb nor a group of a run, by a RefusalError that lists the options.
+
+    Whether a key of a group exists depends on what is chosen, and is seen when it is composed.
+    """
+    for key, sign, _ in (line.partition("=") for line in lines):
+        if sign and key.isidentifier() and key not in (*KEYS, "experiment", "study", "sweep", "hydra"):
+            own = [*options, "output"]
+            known = [*own, *(each for each in known_keys() if not each.startswith("study."))]
+            hint = suggestion(key, known, f"Options of {verb} are {', '.join(own)}.")
+            raise RefusalError(f"{key} is not a known key. {hint}")
 
 
 def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:

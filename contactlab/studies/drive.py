@@ -60,7 +60,8 @@ class Driven(LawStudy):
         if isinstance(result, str | Path):
             result = read_file(result, read_measurements)
         if not isinstance(result, MeasuredSeries) or not result.path:
-            raise ConfigurationError("data has no path; it must have time, slip, and gap or normal.")
+            file = f"is '{self.data}' and " if isinstance(self.data, str | Path) else ""
+            raise ConfigurationError(f"data {file}has no path; it must have time, slip, and gap or normal.")
         return result
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
