@@ -41,7 +41,7 @@ RECORDS: Final = 1000
 
 DEGREE: Final = 7
 """Default degree of the spline through the samples of a path. Of a sine with 40 samples a period
-viscous friction is off by 1e-7 of its largest value, by 2e-4 through a cubic one (`tests/test_driving.py`)."""
+viscous friction is off by 1e-7 of its largest value, by 2e-4 through a cubic one: tests/test_driving.py."""
 
 SAME_TIME: Final = 1e-12
 """Share of a path within which two of its pieces begin at once."""

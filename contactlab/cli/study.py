@@ -95,7 +95,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
 
 
 def _refuse_unknown(verb: str, options: Iterable[str], lines: Iterable[str]) -> None:
-    """Refuse what is neither an option of a verb nor a group of a run, by a RefusalError that lists the options.
+    """Refuse what is neither an option of a verb nor a group of a run, and list the options: a RefusalError.
 
     Whether a key of a group exists depends on what is chosen, and is seen when it is composed.
     """
