@@ -363,6 +363,8 @@ def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
 def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
     """Return the fault of a key that does not exist, or not with what the overrides choose."""
     path = key.replace("/", ".")
+    if path == "output":
+        return "output is no key of a run; its folder is hydra.run.dir, that of a sweep (-m) hydra.sweep.dir."
     group = path.rpartition(".")[0].replace(".", "/")
     chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
     option = next(chosen, "")
