@@ -136,7 +136,7 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
             "zero; there is no curve to draw."
         )
         return
-    yield f"{_answer(law)}."
+    yield f"{_summary(law)}."
     sign, minus = ("positive", "") if law["sense"] > 0.0 else ("negative", "-")
     yield (
         f"the motor turns in the {sign} sense of the model. Velocity and torque are given in the motor's "
@@ -185,7 +185,7 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
         yield "without drive the tip does not press on the rotor: nothing holds it."
 
 
-def _answer(law: xarray.Dataset) -> str:
+def _summary(law: xarray.Dataset) -> str:
     """Return velocity without load, stall torque, and the greatest power and efficiency."""
     text = listing([MOTOR["no_load_velocity"], MOTOR["stall_torque"]], estimates(law, MOTOR.values()))
     for word, name in (("power", "output_power"), ("efficiency", "electrical_efficiency")):
