@@ -40,8 +40,8 @@ RECORDS: Final = 1000
 """Least number of records of a run whose interval is not given."""
 
 DEGREE: Final = 7
-"""Default degree of the spline through the samples of a path. Of a sine with 40 samples a period friction that
-is viscous is off by 1e-7 of its largest value, that of a cubic spline by 2e-4; `tests/test_driving.py` has it."""
+"""Default degree of the spline through the samples of a path. Of a sine with 40 samples a period
+viscous friction is off by 1e-7 of its largest value, by 2e-4 through a cubic one: tests/test_driving.py."""
 
 SAME_TIME: Final = 1e-12
 """Share of a path within which two of its pieces begin at once."""

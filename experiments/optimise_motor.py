@@ -16,7 +16,7 @@ same result; more trials continue it.
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -33,7 +33,6 @@ from variations import changed, laws_of
 
 import contactlab as cl
 from contactlab.config.nesting import flat
-from contactlab.engine.preparation import DEFAULT_TOLERANCE, default_contact_step
 from contactlab.laws.base import MultiplierLaw
 from contactlab.studies.study import option
 
@@ -331,9 +330,8 @@ class OptimiseMotor(Experiment):
         under_rival = np.full(best.size, np.nan)
         again = [0, *np.flatnonzero(best)]
         for k in tqdm(again, unit=f" motors under {rival}", disable=None):
-            step = default_contact_step(motors[k].motor, law, setup.duration)
-            own = {"contact_step": step and min(step, setup.duration), "tolerance": DEFAULT_TOLERANCE}
-            under_rival[k] = _velocity(replace(motors[k], law=law, **own))
+            own = cl.Setup.of(motors[k].motor, law, setup.duration, setup.record_interval)
+            under_rival[k] = _velocity(own)
         settings = [motor.configuration for motor in motors]
         first = [motor.motor.modes.natural_frequency[0] for motor in motors]
         frequency = np.array([s["drive"]["frequency"] for s in settings])

@@ -17,11 +17,7 @@ import numpy as np
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from contactlab.arrays import Array
-from contactlab.config import Setup
-from contactlab.laws import Newton
-from contactlab.motor import ContactGeometry, Drive, ModalState, Motor, NormalModes
-from contactlab.simulation import setup_of
+import contactlab as cl
 
 
 @final
@@ -45,9 +41,9 @@ class ImpactOscillator:
     damping: float = 0.0
     weight: float = 0.0
 
-    def setup(self, displacement: float = 0.0, velocity: float = 0.0) -> Setup:
+    def setup(self, displacement: float = 0.0, velocity: float = 0.0) -> cl.Setup:
         """Return it as a motor whose tip is the mass and whose rotor is the stop, without friction."""
-        modes = NormalModes(
+        modes = cl.NormalModes(
             stiffness=np.array([self.stiffness]),
             damping=np.array([self.damping]),
             coupling=np.array([[1.0, 0.0]]),
@@ -55,14 +51,14 @@ class ImpactOscillator:
             tip_slope=np.array([0.0]),
             shape_coupling=np.zeros((1, 2)),
         )
-        motor = Motor(
+        motor = cl.Motor(
             modes,
-            Drive(np.array([self.frequency / (2.0 * np.pi)]), np.array([[self.force], [0.0]], dtype=complex)),
-            ContactGeometry(clearance=self.stop),
+            cl.Drive(np.array([self.frequency / (2.0 * np.pi)]), np.array([[self.force + 0j], [0j]])),
+            cl.ContactGeometry(clearance=self.stop),
             preload=np.array([self.weight]),
-            start=ModalState(np.array([displacement]), np.array([velocity])),
+            start=cl.ModalState(np.array([displacement]), np.array([velocity])),
         )
-        return setup_of(motor, Newton(0.0, self.restitution), {"duration": self.period})
+        return cl.Setup.of(motor, cl.Newton(0.0, self.restitution), self.period)
 
     @property
     def period(self) -> float:
@@ -81,7 +77,7 @@ class ImpactOscillator:
         return abs(self.response) + self.weight / self.stiffness
 
     @cached_property
-    def flow(self) -> Array:
+    def flow(self) -> np.ndarray:
         """What a period does to displacement and velocity without force, shape (2, 2)."""
         rates = np.array([[0.0, 1.0], [-self.stiffness, -self.damping]])
         return np.asarray(expm(rates * self.period))
@@ -105,7 +101,7 @@ class ImpactOscillator:
         speeds = sorted((float(v.real) for v in roots if v.imag == 0.0 and v.real > 0.0), reverse=True)
         return tuple(Impact(self, v, self._angle_at(stop, v, w)) for v in speeds)
 
-    def _angle_at(self, stop: float, speed: float, w: Array) -> float:
+    def _angle_at(self, stop: float, speed: float, w: np.ndarray) -> float:
         """Return the angle of the drive at the stop, where p - i pd / omega = X exp(i phi)."""
         place, rate = stop - speed * w[0], -speed * w[1]
         return float(np.angle((place - 1j * rate / self.frequency) / self.response))
@@ -144,7 +140,7 @@ class Impact:
     speed: float
     angle: float
 
-    def later(self, part: float) -> tuple[float, Array]:
+    def later(self, part: float) -> tuple[float, np.ndarray]:
         """Return the phase of the drive in periods, displacement and velocity, a part of a period later."""
         it = self.oscillator
         rates = np.array([[0.0, 1.0, 0.0], [-it.stiffness, -it.damping, it.weight], [0.0, 0.0, 0.0]])
@@ -155,7 +151,7 @@ class Impact:
         return float((self.angle / (2.0 * np.pi) + part) % 1.0), free[:2] + p[:, 1]
 
     @property
-    def jacobian(self) -> Array:
+    def jacobian(self) -> np.ndarray:
         """Derivative of the map over a period, from after an impact to after the next, shape (2, 2).
 
         It is S Phi, where S = [[-e, 0], [(xdd+ + e xdd-) / xd-, -e]] is what the impact does to a motion

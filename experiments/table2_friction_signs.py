@@ -7,9 +7,6 @@ from experiment import Experiment, main
 from matplotlib.figure import Figure
 
 import contactlab as cl
-from contactlab.engine.plant import delassus, plant_of
-from contactlab.laws import LagrangeSlip
-from contactlab.testing.plants import impulses_of
 
 CASES = (
     (1.0, 0.5, "+", "left"),
@@ -42,17 +39,19 @@ class Table2FrictionSigns(Experiment):
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
         """The friction impulse of an impact of the configured motor in every case."""
-        _, *directions = setup.motor.geometry.frame(0.0, 0.0)
-        d = delassus(plant_of(setup.motor), *directions)
-        law = LagrangeSlip(setup.configuration["contact"]["friction_coefficient"])
+        rows, rotor = np.stack(setup.motor.rows_at_rest), setup.motor.rotor
+        delassus = rows @ rows.T
+        delassus[1, 1] += setup.motor.geometry.rotor_radius**2 / rotor.inertia
+        law = cl.LagrangeSlip(setup.configuration["contact"]["friction_coefficient"])
+        before = [(-0.1, tip - rim) for tip, rim, _, _ in CASES]
         # Along t = (1, 0): to the right.
-        impulses = [impulses_of(law, -0.1, tip - rotor, d)[1] for tip, rotor, _, _ in CASES]
+        impulses = cl.impact(law, delassus, before).impulse.sel(direction="tangential").values
         tips, rotors, signs, directions = zip(*CASES, strict=True)
         return xarray.Dataset(
             {
                 "tip_velocity": ("case", np.array(tips), {"units": "m s-1"}),
                 "rim_velocity": ("case", np.array(rotors), {"units": "m s-1"}),
-                "friction_impulse": ("case", np.array(impulses), {"units": "N s"}),
+                "friction_impulse": ("case", impulses, {"units": "N s"}),
                 "printed_sign": ("case", list(signs)),
                 "printed_direction": ("case", list(directions)),
             }

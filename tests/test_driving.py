@@ -61,7 +61,7 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
 
 
 def test_the_default_spline_keeps_a_sampled_sine() -> None:
-    """F = -mu N sign(v) - sigma v of 40 exact samples of a sine, and 4 mu N X + pi sigma X^2 omega a cycle."""
+    """F = -mu N sign(v) - sigma v of 40 samples of a sine, and 4 mu N X + pi sigma X^2 omega a cycle."""
     load, mu, sigma, size, omega = 10.0, 0.3, 20.0, 1e-2, 2.0 * np.pi * 10.0
     time = np.linspace(0.0, 0.1, 41)
     law = cl.Composed(friction=cl.Coulomb(mu), viscous_friction=sigma)

@@ -2,10 +2,13 @@
 
 import re
 from argparse import ArgumentParser, Namespace
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import Any, Final
 
+from contactlab.cli.terminal import RefusalError
 from contactlab.config.nesting import quoted
+from contactlab.suggestion import suggestion
 
 VERBS: Final = {
     "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
@@ -54,8 +57,25 @@ class Parser(ArgumentParser):
         Raises:
             SystemExit: a fault in the arguments, or only help was wanted.
         """
+        for text in arguments:
+            name, sign, _ = text.partition("=")
+            # What is there is a file, or the folder of a sweep's run, law=newton.
+            if sign and name.isidentifier() and name not in self._options and not Path(text).exists():
+                known = ", ".join(sorted(self._options))
+                self.error(f"{name} is no option. {suggestion(name, self._options, f'Options are {known}.')}")
         texts = (f"--{t}" if t.partition("=")[0] in self._options and "=" in t else t for t in arguments)
         return self.parse_intermixed_args([*texts])
+
+
+def refuse_repeated(lines: Iterable[str]) -> None:
+    """Refuse a key with two values, of which Hydra would take the last in silence, by a RefusalError."""
+    values: dict[str, list[str]] = {}
+    for key, sign, value in (line.partition("=") for line in lines):
+        if sign and re.fullmatch(r"[\w./]+", key):
+            values.setdefault(key, []).append(value)
+    for key, every in values.items():
+        if len({*every}) > 1:
+            raise RefusalError(f"{key} is {' and '.join(every)}; it must have one value. Leave one out.")
 
 
 def for_hydra(arguments: Sequence[str]) -> list[str]:

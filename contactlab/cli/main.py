@@ -9,7 +9,7 @@ from importlib import import_module
 from io import TextIOWrapper
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import VERBS
+from contactlab.cli.arguments import VERBS, refuse_repeated
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.studies.registry import SIMULATE, question_of, studies
 from contactlab.suggestion import suggestion
@@ -74,8 +74,9 @@ def _perform(*line: str) -> int:
         known = sorted({*VERBS, *studies()})
         hint = suggestion(verb, known, f"It must be one of {', '.join(known)}.")
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
-    elif verb != SIMULATE:
-        arguments = line
+    else:
+        arguments = line if verb != SIMULATE else arguments
+        refuse_repeated(arguments)
     # Imported here: it brings Hydra, which other verbs do not need, and where something runs all of it.
     with terminal.progress(1.0, "tasks"):
         from contactlab.cli import start

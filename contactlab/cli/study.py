@@ -17,14 +17,17 @@ from types import NoneType
 from typing import Any, Final, get_args, get_origin
 
 from contactlab.cli import terminal
+from contactlab.cli.arguments import refuse_repeated
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell, unwritable
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.nesting import flat, quoted
-from contactlab.config.schema import FRICTION
+from contactlab.config.options import known_keys
+from contactlab.config.schema import FRICTION, KEYS
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
 from contactlab.studies.sweep.values import listed
+from contactlab.suggestion import suggestion
 
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
@@ -46,13 +49,13 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     false --NAME or --no-NAME, and the folder of the files output=DIR.
 
     Raises:
-        RefusalError: an option lacks its value.
+        RefusalError: an option lacks its value, or a key has two.
     """
     study = study_class(verb)
     options = declared_fields(study)
     sweeps = not {"-m", "--multirun"}.isdisjoint(arguments)
     place = FOLDER[sweeps]
-    lines, others = [f"study={verb}"], list[str]()
+    lines, single, others = [f"study={verb}"], list[str](), list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
     patterns = {**dict(_patterns(options)), **({study.files: FILE} if study.files else {})}
     for word in _without_dashes(arguments, options):
@@ -63,16 +66,19 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
             lines.append(f"{place}={quoted(value)}")
         elif name in options and sign:
             matched[name] += _values(options[name], value)
+            single += [word] if not _takes_several(options[name]) else []
         elif taken := next((key for key, form in patterns.items() if form.fullmatch(word)), ""):
             matched[taken].append(word)
         else:
             others.append(word)
+    refuse_repeated([*single, *others])
+    _refuse_unknown(verb, options, others)
     keys = (line.partition("=")[0] for line in others if "known" in options)
     matched["known"] += [key for key in keys if key.startswith("law.") or key == FRICTION]
     for name, values in filter(itemgetter(1), matched.items()):
         kinds = options[name].kinds
         if len(values) > 1 and name in patterns and not _takes_several(options[name]):
-            raise RefusalError(f"{name} is {', '.join(values)}; it must be one of them.")
+            raise RefusalError(f"{name} is {', '.join(values)}; it must be one. Leave the others out.")
         worded = str in kinds or name in patterns
         texts = [quoted(value) if worded and value != "null" else value for value in values]
         if _takes_several(options[name]) and not values[0].startswith("["):
@@ -86,6 +92,19 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")
     # What a user sets comes later and prevails.
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
+
+
+def _refuse_unknown(verb: str, options: Iterable[str], lines: Iterable[str]) -> None:
+    """Refuse what is neither an option of a verb nor a group of a run, and list the options: a RefusalError.
+
+    Whether a key of a group exists depends on what is chosen, and is seen when it is composed.
+    """
+    for key, sign, _ in (line.partition("=") for line in lines):
+        if sign and key.isidentifier() and key not in (*KEYS, "experiment", "study", "sweep", "hydra"):
+            own = [*options, "output"]
+            known = [*own, *(each for each in known_keys() if not each.startswith("study."))]
+            hint = suggestion(key, known, f"Options of {verb} are {', '.join(own)}.")
+            raise RefusalError(f"{key} is not a known key. {hint}")
 
 
 def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:

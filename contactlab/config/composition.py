@@ -353,6 +353,8 @@ def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
             return ["An argument is nested too deeply to be read; it must be a value."]
     if unknown := re.search(r"Could not override '([^']+)'", text):
         return [unknown_override(unknown[1], lines)]
+    if several := re.search(r"Ambiguous value for argument '([^=]+)=(.*?)' 1\.", text):
+        return [f"{several[1]} is {several[2]}; it must be one value. Add -m for every one in turn."]
     if "requires --multirun" in text or "sweep parameters" in text.lower():
         text = f"{text} Add -m to run every combination; in Python, contactlab.sweep does."
     return [text if any(line.partition("=")[0] in text for line in lines) else f"{' '.join(lines)}: {text}"]
@@ -361,6 +363,8 @@ def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
 def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
     """Return the fault of a key that does not exist, or not with what the overrides choose."""
     path = key.replace("/", ".")
+    if path == "output":
+        return "output is no key of a run; its folder is hydra.run.dir, that of a sweep (-m) hydra.sweep.dir."
     group = path.rpartition(".")[0].replace(".", "/")
     chosen = (line.partition("=")[2] for line in lines if line.startswith(f"{group}="))
     option = next(chosen, "")

@@ -352,8 +352,8 @@ class Identification:
         ]
         tables = [self.parameters, *([self.quantities] if len(self.quantities) else [])]
         written = [table.to_string(float_format="{:.6g}".format) for table in tables]
-        answer = f"{', '.join(numbers)}.\nFree: {', '.join(self.free) or 'nothing'}."
-        return "\n\n".join([f"{self.law.title}: {answer}", *written])
+        head = f"{', '.join(numbers)}.\nFree: {', '.join(self.free) or 'nothing'}."
+        return "\n\n".join([f"{self.law.title}: {head}", *written])
 
 
 @checked_arguments(mass="kg", radius="m", friction_angle="rad")

@@ -55,7 +55,7 @@ from contactlab.progress import part_of_progress
 STARTS: Final = 16
 """Default number of starts of least squares."""
 
-NO_LAW: Final = "The data contain no law; choose one, law=newton, or several, law=newton,poisson."
+NO_LAW: Final = "law is missing; choose one, law=newton, or several, law=newton,poisson."
 
 FEWEST: Final = 3
 """Least number of impacts to which a law is fitted."""

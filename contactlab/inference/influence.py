@@ -12,7 +12,7 @@ from contactlab.inference.free_parameters import FreeParameter, from_cube
 from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab.inference.joint_problem import JointProblem
 from contactlab.inference.least_squares import starting_points
-from contactlab.inference.path_problem import PathProblem
+from contactlab.inference.motor_problem import MotorProblem
 from contactlab.inference.problem import Problem
 
 POINTS: Final = 16
@@ -22,18 +22,18 @@ SHARES: Final = (0.1, 0.5, 0.9)
 """Places in the range of a number."""
 
 CHANGE: Final = 1e-7
-"""Change of a force over the largest one from which on a number has influence; integration errs by less."""
+"""Change of a quantity over its largest value from which on a number has influence; integration errs less."""
 
 
 def without_influence(problem: Problem) -> Problem:
-    """Return the problem of a law alone without the numbers that change no prediction; any other as it is.
+    """Return the problem without the numbers that change no prediction.
 
     Each number runs through its range, with several samples of the others. What has no influence keeps the
     value of the law.
     """
     if isinstance(problem, JointProblem):
         return replace(problem, parts={name: without_influence(x) for name, x in problem.parts.items()})
-    if isinstance(problem, PathProblem):
+    if isinstance(problem, MotorProblem):
         every = range(len(problem.keys))
         kept = [problem.keys[i] for i in every if _acts(problem.keys, i, problem.predict)]
         return replace(problem, keys=tuple(kept))
@@ -45,12 +45,14 @@ def without_influence(problem: Problem) -> Problem:
 def _acts(
     free: tuple[FreeParameter, ...], place: int, predict: Callable[[Array], dict[str, Array] | None]
 ) -> bool:
-    """Return whether a number changes any prediction, or whether there is one."""
+    """Return whether a number changes any prediction, or whether there is one; true where there never is."""
+    predicted = False
     for point in starting_points(len(free), POINTS, seed=0):
         first: dict[str, Array] | None = None
         for number, share in enumerate(SHARES):
             point[place] = share
             forces = predict(from_cube(free, point))
+            predicted = predicted or forces is not None
             if number == 0:
                 first = forces
             if (forces is None) != (first is None):
@@ -59,4 +61,4 @@ def _acts(
                 before = (first or {})[name]
                 if np.abs(values - before).max() > CHANGE * np.abs(before).max():
                     return True
-    return False
+    return not predicted

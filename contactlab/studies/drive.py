@@ -60,7 +60,8 @@ class Driven(LawStudy):
         if isinstance(result, str | Path):
             result = read_file(result, read_measurements)
         if not isinstance(result, MeasuredSeries) or not result.path:
-            raise ConfigurationError("data has no path; it must have time, slip, and gap or normal.")
+            file = f"is '{self.data}' and " if isinstance(self.data, str | Path) else ""
+            raise ConfigurationError(f"data {file}has no path; it must have time, slip, and gap or normal.")
         return result
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
@@ -94,8 +95,8 @@ class Driven(LawStudy):
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return losses and largest forces of each law, and which runs did not reach the end of the path."""
-        asked = [q for q in self.quantities if q.name != "drive_work"]
-        every = [f"{label}: {listing(asked, own)}." for label, own in self.columns(data).items()]
+        quantities = [q for q in self.quantities if q.name != "drive_work"]
+        every = [f"{label}: {listing(quantities, own)}." for label, own in self.columns(data).items()]
         return every + [
             f"{label} does not reach the end of the path: {run.attrs['message']}"
             for label, run in groups_of(data).items()

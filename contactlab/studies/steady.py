@@ -101,13 +101,14 @@ class Steady(Study):
         return {str(name): value for name, value in data["steady"].attrs.items()}
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the velocity, or the torque at a held rotor, kind and stability, and what limits the result."""
+        """Return velocity, or torque at a held rotor, kind and stability, and what limits the result."""
         about, group = data["steady"].attrs, data["steady"].to_dataset()
         several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
-        asked = self.quantities["belt" in about]
-        held = f", with the rotor held at {about['belt']:.6g} rad/s" if "belt" in about else ""
+        quantity = self.quantities["belt" in about]
+        value = with_unit(self.numbers(data)[quantity.name], quantity.units)
+        ending = f", with the rotor held at {about['belt']:.6g} rad/s" if "belt" in about else ""
         sentences = [
-            f"The {asked.long_name} is {with_unit(self.numbers(data)[asked.name], asked.units)}{held}.",
+            f"The {quantity.long_name} is {value}{ending}.",
             f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods.",
         ]
         if "brake" in about:

@@ -113,3 +113,16 @@ def test_values_that_no_motor_can_have_are_impossible_not_an_error():
     )
 
     assert problem.log_likelihood(np.array([0.5])) == IMPOSSIBLE
+
+
+def test_a_number_of_a_motor_without_influence_is_not_free_and_that_is_stated():
+    """A rotor that the tip never touches runs down by its damping, whatever the law."""
+    lines = ["law=newton", "contact.clearance=0.1 mm", "rotor.initial_velocity=1", "rotor.damping=0.05"]
+    setup = cl.build([*lines, "solver.duration=1e-3", "record.interval=1e-5"])
+    data = made_series(setup, ("rotor_velocity",), 1e-3, 1)
+    free = {"law.restitution": (0.1, 0.9), "rotor.damping": (0.01, 0.1)}
+    (candidate,) = candidates_of(data, {"": setup}, free)
+    assert [item.name for item in candidate.problem.parameters] == ["rotor.damping"]
+    assert " law.restitution." in candidate.numbers
+    with pytest.raises(ConfigurationError, match=r"law\.restitution"):
+        candidates_of(data, {"": setup}, {"law.restitution": (0.1, 0.9)})

@@ -1,4 +1,4 @@
-"""The numbers that a branch names are those that it takes, of configured motors and of those made in Python."""
+"""The numbers that a branch names are those that it takes, of motors configured and made in Python."""
 
 import re
 

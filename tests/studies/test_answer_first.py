@@ -1,4 +1,4 @@
-"""What was asked for is the first line of every result, above its tables, on a terminal and in a notebook."""
+"""The answer is the first line of every result, above its tables, on a terminal and in a notebook."""
 
 import re
 from collections.abc import Callable
@@ -15,9 +15,8 @@ from contactlab.studies.study import Result
 
 NEWTON = cl.build(["law=newton"])
 TIME = np.linspace(0.0, 1.0, 41)
-WAY = MeasuredSeries(
-    TIME, {}, {}, {}, {}, path={"slip": 1e-5 * np.sin(6.0 * TIME), "normal": np.full(41, 10.0)}
-)
+SLIP = {"slip": 1e-5 * np.sin(6.0 * TIME), "normal": np.full(41, 10.0)}
+WAY = MeasuredSeries(TIME, {}, {}, {}, {}, path=SLIP)
 
 
 def impacts() -> cl.Result:
@@ -44,10 +43,10 @@ STUDIES: dict[str, tuple[Callable[[], Result], str]] = {
 
 @pytest.mark.parametrize("name", cases(STUDIES, ("branch", "drive", "held", "steady")))
 def test_the_answer_stands_first(name: str) -> None:
-    make, asked = STUDIES[name]
+    make, quantity = STUDIES[name]
     result = make()
     first, *_ = repr(result).splitlines()
-    number, percent = result.numbers[asked].value, 100.0 * result.numbers[asked].value
+    number, percent = result.numbers[quantity].value, 100.0 * result.numbers[quantity].value
     written = [float(each.rstrip(".")) for each in re.findall(r"-?\d[\d.]*(?:e[-+]?\d+)?", first)]
     prefixes = [10.0**power for power in (-9, -6, -3, 0, 3)]
     assert any(

@@ -94,7 +94,7 @@ class Characterise(Study):
         return tables
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the numbers of each law, then sense, loads and limits, once for all that share a sentence."""
+        """Return the numbers of each law, then sense, loads, limits, once for all that share a sentence."""
         every, laws = data.to_dataset(), dict[str, list[str]]()
         sentences = {str(label): [*_findings(every.sel(law=label))] for label in every["law"].values}
         for part in (slice(1), slice(1, None)):
@@ -143,7 +143,7 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
             "zero; there is no curve to draw."
         )
         return
-    yield f"{_answer(law)}."
+    yield f"{_summary(law)}."
     sign, minus = ("positive", "") if law["sense"] > 0.0 else ("negative", "-")
     yield (
         f"the motor turns in the {sign} sense of the model. Velocity and torque are given in the motor's "
@@ -192,7 +192,7 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
         yield "without drive the tip does not press on the rotor: nothing holds it."
 
 
-def _answer(law: xarray.Dataset) -> str:
+def _summary(law: xarray.Dataset) -> str:
     """Return velocity without load, stall torque, and the greatest power and efficiency."""
     text = listing([MOTOR["no_load_velocity"], MOTOR["stall_torque"]], estimates(law, MOTOR.values()))
     for word, name in (("power", "output_power"), ("efficiency", "electrical_efficiency")):
