@@ -48,7 +48,7 @@ ELEMENTS: Final = {"four shapes": [], "converged": ["resonator=finite_element"]}
 SHEETS: Final = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 """Bases and laws of data sheets."""
 
-FITS: Final = 40
+FITS: Final = 16
 """Fits of either kind whose intervals are counted."""
 
 IMPACTS, NOISE = 60, 0.05
@@ -75,7 +75,7 @@ LAWS: Final[dict[str, dict[str, tuple[float, float]]]] = {
 }
 """Rigid laws whose impulses differ, and the priors of their numbers."""
 
-COUNTS, SETS, CLEAN, FEW = (5, 20, 100), 2, 0.02, 50
+COUNTS, SETS, CLEAN, FEW = (5, 20, 100), 1, 0.02, 50
 """Numbers of impacts, sets of data by each law, their noise, and live points."""
 
 MARGIN: Final = 6.0
@@ -249,8 +249,8 @@ SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], Callable[[], dict[
     "case A": (case_a, case_a),
     "bases": (bases, lambda: bases(("4 Ritz shapes", "4 modes, corrected"))),
     "data sheets": (data_sheets, lambda: data_sheets(["four shapes"])),
-    "coverage": (coverage, lambda: coverage(2)),
-    "true law": (true_law, lambda: true_law((5,), 1)),
+    "coverage": (coverage, lambda: coverage(1)),
+    "true law": (true_law, lambda: true_law((100,))),
     "rotor fit": (rotor_fit, lambda: rotor_fit(10)),
 }
 """What makes a section, and its short form."""

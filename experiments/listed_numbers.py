@@ -47,20 +47,25 @@ class Literal:
         # The digits of "16" may be those of 15.8, the one of "5" is that of 5 alone.
         digits = len(mantissa.replace(".", "").strip("0"))
         self.half = 0.5 * 10.0 ** (int(power or 0) - decimals) if digits > 1 else 0.0
-        unit = text.replace(",", "").partition(number)[2].strip()
-        prefix = SCALED.match(unit)
-        self.scale = 0.01 if unit.startswith("%") else 1e-3 if unit == "g" else 1.0
-        if prefix and unit != "kg":
-            self.scale = PREFIXES[prefix[1]] * (1e-3 if unit.endswith("g") else 1.0)
+        self.unit = text.replace(",", "").partition(number)[2].strip()
+        prefix = SCALED.match(self.unit)
+        self.scale = 0.01 if self.unit.startswith("%") else 1e-3 if self.unit == "g" else 1.0
+        if prefix and self.unit != "kg":
+            self.scale = PREFIXES[prefix[1]] * (1e-3 if self.unit.endswith("g") else 1.0)
 
-    def is_of(self, other: float) -> bool:
-        """Return whether it is a number, as it stands or in SI units, to its digits."""
-        other = abs(other)
-        return any(
-            isclose(self.value * scale, other, rel_tol=1e-9)
-            or abs(self.value * scale - other) <= self.half * scale
-            for scale in (1.0, self.scale)
-        )
+    def is_of(self, other: float, scale: float | None = None) -> bool:
+        """Return whether it is a number in SI units, or on another scale, to its digits."""
+        scale, other = self.scale if scale is None else scale, abs(other)
+        value = self.value * scale
+        return isclose(value, other, rel_tol=1e-9) or abs(value - other) <= self.half * scale
+
+    def stands_in(self, block: str) -> bool:
+        """Return whether it stands in code or output, in SI units or with its own."""
+        for each in LITERAL.finditer(block):
+            own = block[each.end() :].lstrip().startswith(self.unit)
+            if self.is_of(float(each[0])) or (own and self.is_of(float(each[0]), 1.0)):
+                return True
+        return False
 
 
 # Constants of benchmarks are named as those of experiments are.
@@ -86,9 +91,9 @@ def faults(name: str, text: str) -> Iterator[str]:
     """Yield what is wrong with the list of a page."""
     own = listed().get(name, {})
     yield from (f"{name}: '{origin}' is no origin of a number" for origin in own if origin not in ORIGINS)
-    printed = [float(each) for block in BLOCK.findall(text) for each in LITERAL.findall(block)]
+    blocks = "\n".join(BLOCK.findall(text))
     for number in own.get("shown", ()):
-        if not any(map(Literal(number).is_of, printed)):
+        if not Literal(number).stands_in(blocks):
             yield f"{name}: '{number}' stands in no code block of the page"
     for number, expression in (item for each in own.get("code", ()) for item in each.items()):
         if not Literal(number).is_of(float(eval(expression, EXPRESSIONS))):

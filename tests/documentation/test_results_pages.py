@@ -377,7 +377,7 @@ def test_a_number_that_is_gone_leaves_the_list() -> None:
 @pytest.mark.parametrize(
     ("origin", "sound", "wrong"),
     [
-        ("shown", ["1 um", "12 %"], ["1.2 um", "13 %"]),
+        ("shown", ["1 um", "12 %", "7 s"], ["1.2 um", "13 %", "7 ms"]),
         ("code", [{"20 ms": "key('solver.duration')"}], [{"21 ms": "key('solver.duration')"}]),
         (
             "code",
@@ -391,7 +391,8 @@ def test_a_number_that_is_gone_leaves_the_list() -> None:
 def test_an_origin_of_a_number_is_checked(
     origin: str, sound: object, wrong: object, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = "After Hertz (1881).\n\n```bash\ncontactlab contact.clearance=1e-6 law.loss=0.12\n```\n"
+    command = "contactlab contact.clearance=1e-6 law.loss=0.12 'solver.duration=7 s'"
+    text = f"After Hertz (1881).\n\n```bash\n{command}\n```\n"
     for listed, faults in ((sound, 0), (wrong, len(wrong) if isinstance(wrong, list) else 1)):
         monkeypatch.setattr(
             listed_numbers, "listed", lambda own=listed: {"page.md": {origin: own} if own else {}}
