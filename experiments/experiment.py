@@ -102,8 +102,8 @@ class Experiment(Study):
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the claim and the finding."""
         verdict = "agrees with" if data.attrs["holds"] else "CONTRADICTS"
-        said = f"Claim: {data.attrs['says']}", f"Finding: {data.attrs['finding']}"
-        return [*said, f"The finding {verdict} the claim."]
+        both = f"Claim: {data.attrs['says']}", f"Finding: {data.attrs['finding']}"
+        return [*both, f"The finding {verdict} the claim."]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the table."""

@@ -124,7 +124,7 @@ class OptimumPlacement(Experiment):
         point = best(data)
         first, second, third = (float(point.curve_coupling.sel(shape=i)) for i in (1, 2, 3))
         along = np.abs(data.curve_coupling)
-        least = along.isel(point=int(along.sel(shape=3).argmin()))
+        least = along.isel(point=int(along.sel(shape=3).values.argmin()))
         sentence = (
             f"Patches from {1e3 * float(point.curve[0]):.2f} to "
             f"{1e3 * float(point.curve[1]):.2f} mm have f2/f1 = {float(point.curve_ratio):.4f} with "

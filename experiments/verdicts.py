@@ -137,14 +137,14 @@ def within(x: float | Number, low: float | Number, high: float | Number) -> bool
 
 def least(numbers: Iterable[float | Number]) -> Number:
     """Return the least of some numbers, with the interval in which it lies."""
-    every_one = [*map(number, numbers)]
-    return Number(*(min(getattr(x, name) for x in every_one) for name in ("value", "low", "high")))
+    known = [*map(number, numbers)]
+    return Number(*(min(getattr(x, name) for x in known) for name in ("value", "low", "high")))
 
 
 def greatest(numbers: Iterable[float | Number]) -> Number:
     """Return the greatest of some numbers, with the interval in which it lies."""
-    every_one = [*map(number, numbers)]
-    return Number(*(max(getattr(x, name) for x in every_one) for name in ("value", "low", "high")))
+    known = [*map(number, numbers)]
+    return Number(*(max(getattr(x, name) for x in known) for name in ("value", "low", "high")))
 
 
 def share(times: int, trials: int) -> Number:

@@ -61,7 +61,7 @@ def claim_of(start: str) -> Claim:
 
 @pytest.fixture(autouse=True)
 def as_recorded() -> Iterator[None]:
-    """Give the claims their own results back."""
+    """Return the claims to their own results after each test."""
     own = claims.results
     yield
     claims.results = own
@@ -85,9 +85,14 @@ def alike(share: float, motors: int) -> dict[str, int]:
     return {"greater": greater, "less": motors - greater, "equal": 0, "none": 0}
 
 
-def all_matter(above: int, below: int, motors: int = 16) -> dict[str, Any]:
-    """Return motors in which the law matters clearly, clearly not, or neither, of all quantities."""
-    counts = {"motors": motors, "D > 1": above, "clearly above": above, "clearly below": below, "median": 2.0}
+def all_matter(clearly: int, clearly_not: int, seems: int | None = None) -> dict[str, Any]:
+    """Return in how many of 16 motors the law matters to each quantity: clearly, clearly not, and by D."""
+    counts = {
+        "D > 1": clearly if seems is None else seems,
+        "clearly above": clearly,
+        "clearly below": clearly_not,
+    }
+    counts |= {"motors": 16, "median": 2}
     return {f"experiments|when_laws_matter|rows|*|{name}": value for name, value in counts.items()}
 
 
@@ -179,20 +184,20 @@ made(
     ({"motor|default motor|*|slip|kind": "periodic"}, False),
     ({"motor|default motor|*|slip|kind": "periodic without an orbit"}, None),
 )
+
+
+def agreeing(every_law: int, first_law: int) -> Edits:
+    """Return in how many of twenty motors a long run and shooting agree, under every law but the first."""
+    rows = "experiments|steady_states|rows"
+    return {f"{rows}|*|settle": 20, f"{rows}|*|run agrees": every_law, f"{rows}|0|run agrees": first_law}
+
+
 made(
     "Of {RANDOM * len(rows_of('steady_states'))} random motors",
-    (
-        {"experiments|steady_states|rows|*|settle": 20, "experiments|steady_states|rows|*|run agrees": 20},
-        True,
-    ),
-    (
-        {"experiments|steady_states|rows|*|settle": 20, "experiments|steady_states|rows|*|run agrees": 4},
-        False,
-    ),
-    (
-        {"experiments|steady_states|rows|*|settle": 20, "experiments|steady_states|rows|*|run agrees": 19},
-        None,
-    ),
+    (agreeing(20, 20), True),
+    (agreeing(4, 4), False),
+    (agreeing(19, 19), None),
+    (agreeing(20, 13), None),
 )
 
 
@@ -311,7 +316,7 @@ made(
     ),
     (
         WILD
-        | {f"{PUBLISHED}|{n}|largest difference, {by} [mm/s]": 3.0 for n in (0, 1) for by in claims.CHANGED},
+        | {f"{PUBLISHED}|{n}|largest difference, {by} [mm/s]": 3.5 for n in (0, 1) for by in claims.CHANGED},
         None,
     ),
 )
@@ -321,7 +326,7 @@ made(
     "**Under the two rigid laws",
     (RIGID_GROW, True),
     (RIGID_GROW | {f"{PUBLISHED}|*|{MU}": 5.0}, False),
-    (RIGID_GROW | {f"{PUBLISHED}|4|{MU}": 3.0}, None),
+    (RIGID_GROW | {f"{PUBLISHED}|4|{MU}": 2.5}, None),
 )
 LOADS = f"{PUBLISHED}|*|least loads moved", f"{PUBLISHED}|*|most loads moved"
 made(
@@ -523,7 +528,7 @@ for start in ("In most motors of this population", "To the normal impulse"):
         (all_matter(3, 13), False),
         (all_matter(12, 4), None),
         (all_matter(11, 5), None),
-        (all_matter(11, 0), None),
+        (all_matter(11, 0, seems=15), None),
     )
 
 
