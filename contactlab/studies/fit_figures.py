@@ -12,7 +12,7 @@ from contactlab.arrays import Array
 from contactlab.inference.fit import ENDS, misfits
 from contactlab.parameter import from_cf
 from contactlab.plot.style import COLOURS
-from contactlab.studies.figures import drawing
+from contactlab.studies.figures import drawing, handy_unit
 from contactlab.studies.tables import unit_for
 
 CELL: Final = 1.15  # height of a row of the corner plot [in]
@@ -116,7 +116,8 @@ def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
     data = _part(fit["observed_data"].to_dataset(), label)
     predictive = _part(fit["posterior_predictive"].to_dataset().isel(chain=0), label)
     if "time" in data.dims:
-        figure = _over(data, predictive, 1e3 * data["time"].values, "time (ms)")
+        unit, scale = handy_unit([data["time"].values], "s")
+        figure = _over(data, predictive, data["time"].values / scale, f"time ({unit})")
     elif "point" in data.dims:
         key = str(next(iter(data.coords)))
         label = f"{key} ({from_cf(data[key].attrs['units'])})"
