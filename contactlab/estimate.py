@@ -1,7 +1,7 @@
 """A number with its error, and how both are written."""
 
 from collections.abc import Callable
-from math import ceil, floor, isinf, isnan, log10
+from math import ceil, floor, inf, isinf, isnan, log10
 from typing import Final, NamedTuple, final
 
 MOST_DIGITS: Final = 9
@@ -46,7 +46,7 @@ class Estimate(NamedTuple):
         # Adding zero removes the sign of a negative zero.
         value, error = self.value + 0.0, self.error
         size = abs(value)
-        if isinf(size + error) and not isinf(value):
+        if isinf(error) or size < inf == size + error:
             return "no limit"
         if (
             isinf(value)

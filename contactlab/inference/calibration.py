@@ -307,9 +307,11 @@ def _impact_numbers(
     """Return mass and speed of the impacts for which a law states its restitution [SI], with their sources.
 
     A dashpot has its restitution at one mass, most have it at one speed, others down to a least speed:
-    numbers with the symbols m, v and v_min. Restitutions at several speeds state none.
+    numbers with the symbols m, v and v_min. Restitutions at several speeds state none, nor does one that the
+    law does not admit: at another speed it may have it.
     """
-    speeds = {datum.speed for datum in data if datum.quantity == "restitution"}
+    required = {datum.speed: datum.value for datum in data if datum.quantity == "restitution"}
+    speeds = [*required] if all(_admits(law, value) for value in required.values()) else []
     result = dict[str, tuple[float, str]]()
     for name, value, declared in law.effective():
         match (declared.symbol, declared.units) if declared else None:
@@ -320,6 +322,17 @@ def _impact_numbers(
             case ("v_min", "m s-1") if speeds and min(speeds) < value:
                 result[name] = min(speeds), "restitution"
     return result
+
+
+def _admits(law: ContactLaw, restitution: float) -> bool:
+    """Return whether a law admits a restitution as its number e, if it has one."""
+    try:
+        for name, _, declared in law.effective():
+            if declared is not None and declared.symbol == "e":
+                law.changed(name, restitution)
+    except ValueError:
+        return False
+    return True
 
 
 @final

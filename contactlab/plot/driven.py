@@ -110,7 +110,7 @@ def _draw_memory(axes: Axes, run: Recording, remembered: Mapping[str, Any]) -> N
     time, several = (run.time - run.start) / run.unit[1], len(remembered) > 1
     for number, (name, variable) in enumerate(remembered.items()):
         most = float(np.nanmax(np.abs(drawable(variable.values))))
-        unit, scale = handy_unit(most, str(variable.attrs["units"]))
+        unit, scale = handy_unit([most], str(variable.attrs["units"]))
         size = (most or 1.0) if several else scale
         label = f"{name}, up to {most / scale:.3g} {unit}".rstrip()
         axes.plot(*envelope(time, drawable(variable.values) / size), label=label, **line_style(number))

@@ -8,7 +8,7 @@ rotor.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import floor, log10
 from typing import TYPE_CHECKING, Any, Final, final
@@ -257,17 +257,18 @@ def contact_spans(series: Mapping[str, Array], contacts: Mapping[str, Array]) ->
     return spans
 
 
-def handy_unit(size: float, units: str) -> tuple[str, float]:
-    """Return the unit in which a quantity is a handy number, empty for a number, and its size in SI.
+def handy_unit(values: Iterable[Array | float], units: str) -> tuple[str, float]:
+    """Return the unit in which values are handy numbers, empty for a number, and its size in SI.
 
     Only a unit that is a single symbol has prefixes.
 
     Args:
-        size: of the quantity in SI.
+        values: [SI] what is drawn together; values that are not finite do not count.
         units: in the words of the CF conventions.
     """
-    if units.isalpha() and size > 0.0:
-        return prefixed_unit(size, units)
+    largest = max((float(np.max(np.abs(x), initial=0.0, where=np.isfinite(x))) for x in values), default=0.0)
+    if units.isalpha() and largest > 0.0:
+        return prefixed_unit(largest, units)
     return ("" if units == "1" else from_cf(units)), 1.0
 
 

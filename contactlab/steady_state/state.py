@@ -80,7 +80,7 @@ class Steady:
     phase: float = 0.0
 
     def __repr__(self) -> str:
-        return f"<Steady: {self.kind}, {self.velocity[0]:.6g} rad/s under {self.setup.law.title}>"
+        return f"<Steady: {self.kind}, {self.velocity.text(digits=6)} rad/s under {self.setup.law.title}>"
 
     @property
     def period(self) -> float:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from contactlab.plot.driven import ZERO
+from contactlab.plot.recording import handy_unit
 from contactlab.plot.style import line_style
 
 if TYPE_CHECKING:
@@ -77,21 +78,27 @@ def legend_above(figure: Figure, axes: Axes, title: str = "", **arguments: Any) 
 def draw_paths(runs: Mapping[str, "xarray.DataTree"], measured: "xarray.Dataset | None") -> Figure:
     """Draw the forces of laws on one path over the way, and over time, beside measured ones."""
     figure, panels = drawing(2, 2, 3.9)
+    names = "tip_tangential_displacement", "time"
+    (long, way_scale), (late, time_scale) = (
+        handy_unit([run.to_dataset()[x].values for run in runs.values()], unit)
+        for x, unit in zip(names, "ms", strict=True)
+    )
     for row, name in zip((panels[:2], panels[2:]), ("normal_force", "friction_force"), strict=True):
         for number, (label, run) in enumerate(runs.items()):
             root = run.to_dataset()
-            way, time = (root[x].values for x in ("tip_tangential_displacement", "time"))
+            way, time = (root[x].values for x in names)
             # Forces are means between the records.
             middle = [0.5 * (values[1:] + values[:-1]) for values in (way, time)]
-            for axes, places, scale in zip(row, middle, (1e6, 1e3), strict=True):
-                axes.plot(scale * places, root[name].values[1:], label=label, **line_style(number))
+            for axes, places, scale in zip(row, middle, (way_scale, time_scale), strict=True):
+                axes.plot(places / scale, root[name].values[1:], label=label, **line_style(number))
         if measured is not None and name in measured:
             since = measured["time"].values - measured["time"].values[0]
-            for axes, places in zip(row, (1e6 * measured["slip"].values, 1e3 * since), strict=True):
+            shown = measured["slip"].values / way_scale, since / time_scale
+            for axes, places in zip(row, shown, strict=True):
                 axes.plot(places, measured[name], ".", color="black", markersize=1.5, label="measured")
         for axes in row:
             axes.axhline(0.0, **ZERO)
         row[0].set_ylabel(f"{name.replace('_', ' ')} (N)")
-    panels[2].set_xlabel("displacement along the surface (µm)")
-    panels[3].set_xlabel("time (ms)")
+    panels[2].set_xlabel(f"displacement along the surface ({long})")
+    panels[3].set_xlabel(f"time ({late})")
     return legend_above(figure, panels[2])

@@ -144,11 +144,11 @@ def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
     if why := misfits({law: fit}).get(law):
         title += f"; it does not fit: {why}"
     if "time" in data.dims:
-        unit, scale = handy_unit(float(np.abs(data["time"]).max()), "s")
+        unit, scale = handy_unit([data["time"].values], "s")
         return _over(data, predictive, data["time"].values / scale, f"time ({unit})", title)
     if "point" in data.dims:
         key = str(next(iter(data.coords)))
-        unit, scale = handy_unit(float(np.abs(data[key]).max()), data[key].attrs["units"])
+        unit, scale = handy_unit([data[key].values], data[key].attrs["units"])
         return _over(data, predictive, data[key].values / scale, f"{key} ({unit})" if unit else key, title)
     return _of_impacts(data, predictive, title)
 

@@ -257,7 +257,7 @@ def _label(attractor: xarray.Dataset) -> str:
 
 def _unit(values: xarray.DataArray) -> tuple[str, float]:
     """Return the unit in which values are read best, empty for numbers, and its size in SI."""
-    return handy_unit(float(np.abs(values).max()), values.attrs["units"])
+    return handy_unit([values.values], values.attrs["units"])
 
 
 def _in_brackets(values: xarray.DataArray) -> str:

@@ -16,7 +16,7 @@ PAGES = sorted(
 )
 FENCED = re.compile(r"^```.*?^```", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\]\(([^)\s#]+)(?:#[^)\s]*)?\)")
-SCRIPT = re.compile(r"\bpython ((?:experiments|benchmarks|docs/tools|tests/tools)/\w+\.py)")
+SCRIPT = re.compile(r"\bpython ((?:experiments|benchmarks|docs/tools|validation)/\w+\.py)")
 MODULE = re.compile(r"`((?:contactlab|experiments|benchmarks|docs|tests|conf)/[\w/]*(?:/|\.\w+))`")
 COMMAND = re.compile(r"`contactlab (?:-m )?([a-z][\w-]*)[ `]")
 SHELL = re.compile(r"^```bash\n(.*?)^```", re.DOTALL | re.MULTILINE)

@@ -213,25 +213,31 @@ def test_a_dashpot_of_one_mass_has_the_mass_of_the_impacts() -> None:
     assert "damping.effective_mass" not in result.free
 
 
-@pytest.mark.parametrize("e", [0.05, 0.82, 1.0])
+# Viscous bodies are elastic in the limit alone.
+ASKED = [(x, e) for x in PARTS["damping"] for e in (0.05, 0.82, 1.0) if (x, e) != ("kuwabara_kono", 1.0)]
+"""Every damping of the package with restitutions."""
+
+
 @pytest.mark.parametrize(("mass", "speed"), [(1e-3, 0.5), (3e-7, 2e-4)])
-@pytest.mark.parametrize("name", PARTS["damping"])
+@pytest.mark.parametrize(("name", "e"), ASKED)
 def test_the_restitution_that_is_required_is_that_of_the_law(
-    name: str, mass: float, speed: float, e: float
+    name: str, e: float, mass: float, speed: float
 ) -> None:
-    """A damping with a restitution states the required one, at the mass and the speed of the impact."""
+    """A damping with a restitution states the required one, at the mass and the speed of the impact.
+
+    Hunt and Crossley admit none below 0.488, and have it as a higher one at a lower speed.
+    """
     part: Any = PARTS["damping"][name]
     law, known = cl.Composed(damping=part()), {"mass": mass, "restitution": (e, speed)}
-    least = {"none": 1.0, "hunt_crossley": 0.4877, "lankarani_nikravesh": 0.663}.get(name, 0.0)
-    # Viscous bodies are elastic at no viscous time of the range.
-    if e < least or (name == "kuwabara_kono" and e == 1.0):
+    least = {"none": 1.0, "lankarani_nikravesh": 0.663}.get(name, 0.0)
+    if e < least:
         with pytest.raises(ValueError, match="restitution"):
             cl.identify(law, **known)  # type: ignore[arg-type]
         return
     result = cl.identify(law, **known)  # type: ignore[arg-type]
     made = cl.normal_impact(result.law, speed, mass=mass, tolerance=1e-11)
     assert float(made.restitution[0]) == pytest.approx(e, rel=1e-7)
-    stated = result.law.describe()
+    stated = {} if name == "hunt_crossley" and e < 0.4877 else result.law.describe()
     required = {"restitution": e, "effective_mass": mass, "impact_speed": speed}
     for field, value in required.items():
         if (key := f"damping.{field}") in stated:

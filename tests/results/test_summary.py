@@ -41,7 +41,15 @@ def test_a_run_of_hardly_any_record_divides_by_nothing(records: int) -> None:
 
 @pytest.mark.parametrize(
     ("size", "text"),
-    [(2.0, "2 s"), (0.9999999e-3, "1 ms"), (248.31e-6, "248.3 µs"), (-2e-3, "-2 ms"), (0.0, "0 s")],
+    [
+        (2.0, "2 s"),
+        (7200.0, "7200 s"),
+        (4e-16, "4e-16 s"),
+        (0.9999999e-3, "1 ms"),
+        (248.31e-6, "248.3 µs"),
+        (-2e-3, "-2 ms"),
+        (0.0, "0 s"),
+    ],
 )
 def test_a_time_is_read_in_its_own_unit(size: float, text: str) -> None:
     assert prefixed(size, "s") == text

@@ -8,14 +8,16 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from contactlab.arrays import Array
+from contactlab.plot.recording import handy_unit
 from contactlab.plot.style import line_style
 from contactlab.studies.figures import THIN, drawing, legend_above
 
 MARKERS: Final = "os^Dv"
 """Points of the laws in turn; with the line styles 20 laws are distinct without colours."""
 
-DRAWN: Final = {"torque": 1e3, "output_power": 1e3, "electrical_efficiency": 1e2}
-"""Quantities of the panels, and what they are multiplied by."""
+DRAWN: Final = {"torque": "N m", "output_power": "W", "electrical_efficiency": "%"}
+"""Quantities of the panels, and their units without a prefix."""
 
 FINE: Final = 400
 """Velocities at which lines are drawn."""
@@ -29,12 +31,12 @@ def draw(data: xarray.Dataset) -> Figure:
     Between belts torque and input are straight lines, and power and efficiency what follows from them.
     """
     figure, panels = drawing(3, 1, 5.4, sharex=True)
+    units = [_unit(data[name].values, unit) for name, unit in DRAWN.items()]
     for number, label in enumerate(data["law"].values):
-        _draw_law(panels, data.sel(law=label), number, str(label))
+        _draw_law(panels, data.sel(law=label), number, str(label), [scale for _, scale in units])
     torque, power, efficiency = panels
-    torque.set_ylabel("torque (mN m)")
-    power.set_ylabel("output power (mW)")
-    efficiency.set_ylabel("electrical efficiency (%)")
+    for axes, name, (unit, _) in zip(panels, DRAWN, units, strict=True):
+        axes.set_ylabel(f"{name.replace('_', ' ')} ({unit})")
     efficiency.set_xlabel("velocity in the motor's sense (rad/s)")
     for axes in panels:
         axes.axhline(0.0, **THIN)
@@ -52,8 +54,15 @@ def draw(data: xarray.Dataset) -> Figure:
     return legend_above(figure, torque)
 
 
-def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: str) -> None:
-    """Draw one law into the panels of torque, power and efficiency."""
+def _unit(values: Array, unit: str) -> tuple[str, float]:
+    """Return the unit in which values are drawn, and its size."""
+    return (unit, 1e-2) if unit == "%" else handy_unit([values], unit)
+
+
+def _draw_law(
+    panels: Sequence[Axes], law: xarray.Dataset, number: int, label: str, scales: Sequence[float]
+) -> None:
+    """Draw one law into the panels of torque, power and efficiency, each in a unit of the size `scales`."""
     line, marker = {x: line_style(number)[x] for x in ("color", "linestyle")}, MARKERS[number % len(MARKERS)]
     colour = line["color"]
     on_belt = (law["role"].values != "no load") & np.isfinite(law["torque"].values)
@@ -64,11 +73,11 @@ def _draw_law(panels: Sequence[Axes], law: xarray.Dataset, number: int, label: s
         torque = np.interp(fine, v, m)
         power = torque * fine
         motoring = np.where(power >= 0.0, power, np.nan) / np.interp(fine, v, p)
-        for axes, values in zip(panels, (1e3 * torque, 1e3 * power, 1e2 * motoring), strict=True):
-            axes.plot(fine, values, **line)
+        for axes, values, scale in zip(panels, (torque, power, motoring), scales, strict=True):
+            axes.plot(fine, values / scale, **line)
     closed = law["kind"].values == "periodic"
-    for axes, (name, scale) in zip(panels, DRAWN.items(), strict=True):
-        value, error = scale * law[name].values, scale * law[f"{name}_error"].values
+    for axes, name, scale in zip(panels, DRAWN, scales, strict=True):
+        value, error = law[name].values / scale, law[f"{name}_error"].values / scale
         for which, face in ((on_belt & closed, colour), (on_belt & ~closed, "white")):
             points = {"linestyle": "", "marker": marker, "color": colour, "markerfacecolor": face}
             bars = np.where(np.isfinite(error), error, 0.0)[which]

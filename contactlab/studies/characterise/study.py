@@ -17,7 +17,7 @@ from contactlab.motor import Motor
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
 from contactlab.studies.study import LENGTH, Progress, Result, Setups, Study, Task, estimates, listing
-from contactlab.studies.tables import table_of_quantities
+from contactlab.studies.tables import table_of_quantities, with_unit
 from contactlab.variables import Variable
 
 BALANCE: Final = (
@@ -155,8 +155,8 @@ def _findings(law: xarray.Dataset) -> Iterator[str]:
     if driving.any():
         worst = int(np.argmin(np.where(driving, friction, np.inf)))
         yield (
-            f"friction is no loss but gives {-1e3 * friction[worst]:.3g} mW where the output is "
-            f"{1e3 * output[worst]:.3g} mW, at {law['velocity'].values[worst]:.3g} rad/s: the friction "
+            f"friction is no loss but gives {with_unit(-friction[worst], 'W')} where the output is "
+            f"{with_unit(output[worst], 'W')}, at {law['velocity'].values[worst]:.3g} rad/s: the friction "
             "impulse of this law reverses the slip. No motor does this; power and efficiency owe it to that."
         )
     if np.isinf(law["peak_force_error"].values).any():

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from contactlab.arrays import Array
 from contactlab.inference.paired import ALONE, binomial_interval, bins_of
 from contactlab.metrics import NotApplicableError, needed
-from contactlab.plot.recording import drawable, envelope
+from contactlab.plot.recording import drawable, envelope, handy_unit
 from contactlab.plot.style import HATCHES, line_style
 from contactlab.results.summary import prefixed_unit
 from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
@@ -324,15 +324,16 @@ def draw_paths(motions: Motions) -> Figure:
     names = ("tip_tangential_displacement", "tip_normal_displacement")
     having = _with(motions, *names)
     figure, (axes,) = drawing(1, 1, 3.1)
+    unit, scale = handy_unit((motion[name].values for _, motion in having for name in names), "m")
     for i, motion in having:
-        x, y = (drawable(motion[name].values[last_periods(motion)]) * 1e6 for name in names)
+        x, y = (drawable(motion[name].values[last_periods(motion)]) / scale for name in names)
         axes.plot(x, y, label=motion.attrs["law"], **line_style(i))
     if "clearance" in having[0][1].attrs:
-        clearance = 1e6 * having[0][1].attrs["clearance"]
+        clearance = having[0][1].attrs["clearance"] / scale
         axes.axhline(clearance, **THIN)
         axes.text(1.0, clearance, "rotor", transform=axes.get_yaxis_transform(), va="bottom", **NOTE)
-    axes.set_xlabel("tangential displacement of the tip (\u00b5m)")
-    axes.set_ylabel("normal displacement (\u00b5m)")
+    axes.set_xlabel(f"tangential displacement of the tip ({unit})")
+    axes.set_ylabel(f"normal displacement ({unit})")
     return legend_above(figure, axes)
 
 
@@ -376,15 +377,16 @@ def draw_phases(motions: Motions) -> Figure:
     """Draw gap rate and slip velocity over the gap in the last drive periods."""
     having = _with(motions, "gap", "slip_velocity")
     figure, (normal, tangential) = drawing(1, 2, 2.7)
+    unit, scale = handy_unit((motion["gap"].values for _, motion in having), "m")
     for i, motion in having:
         span = last_periods(motion)
         gap, slip = (drawable(motion[name].values[span]) for name in ("gap", "slip_velocity"))
         # The mean rate of every record interval, over the gap in its middle.
         rate, middle = np.diff(gap) / np.diff(motion["time"].values[span]), 0.5 * (gap[1:] + gap[:-1])
-        normal.plot(1e6 * middle, drawable(rate), label=motion.attrs["law"], **line_style(i))
-        tangential.plot(1e6 * gap, slip, **line_style(i))
+        normal.plot(middle / scale, drawable(rate), label=motion.attrs["law"], **line_style(i))
+        tangential.plot(gap / scale, slip, **line_style(i))
     for axes, label in ((normal, "gap rate (m/s)"), (tangential, "slip velocity (m/s)")):
         axes.axvline(0.0, **THIN)
-        axes.set(xlabel="gap (\u00b5m)", ylabel=label)
+        axes.set(xlabel=f"gap ({unit})", ylabel=label)
     tangential.axhline(0.0, **THIN)
     return legend_above(figure, normal)
