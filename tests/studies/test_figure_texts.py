@@ -210,7 +210,7 @@ def ticks_in(figure: Figure) -> list[str]:
 def hidden_in(figure: Figure) -> list[tuple[str, str]]:
     """Pairs of texts that cover each other."""
     boxes = list(boxes_in(figure).items())
-    return [(a, b) for i, (a, one) in enumerate(boxes) for b, other in boxes[:i] if one.overlaps(other)]
+    return [(a, b) for i, (a, box) in enumerate(boxes) for b, other in boxes[:i] if box.overlaps(other)]
 
 
 def twelve_sheets() -> Figure:

@@ -35,6 +35,15 @@ def test_a_difference_far_within_the_margin_has_no_colour(difference: float, sha
     assert 100.0 * difference / image.norm.vmax == pytest.approx(share)
 
 
+def test_a_pair_whose_difference_is_not_known_is_not_drawn_as_one_without_a_difference() -> None:
+    data = pairs_of(0.2)
+    data["relative_size"][0, 2] = data["relative_size"][2, 0] = np.nan
+    image = draw_pairs(data).axes[0].images[0]
+    shown = image.get_array()
+    assert [*zip(*np.nonzero(np.ma.getmaskarray(shown)), strict=True)] == [(0, 2), (2, 0)]
+    assert tuple(image.cmap.get_bad()) != image.cmap(0.0)
+
+
 @pytest.mark.parametrize(("pressed", "lines"), [((), 2), (("contact.preload=5",), 1)])
 def test_a_rotor_that_a_preload_presses_on_the_tip_is_not_drawn_at_the_clearance(
     pressed: tuple[str, ...], lines: int

@@ -7,6 +7,7 @@ from itertools import permutations
 from textwrap import fill
 from typing import Any, Final, NamedTuple
 
+import matplotlib
 import numpy as np
 import xarray
 from matplotlib.figure import Figure
@@ -31,7 +32,7 @@ CAPTIONS: Final = {
     "pairs": "Difference in speed of row and column over the larger, without its sign: median over draws, "
     "the largest of the operating points. The outcome of most motors: > the row is greater, < less, = equal "
     "within the margin, 0 without a steady state; ~ it varies; ? inconclusive. Several signs are those of "
-    "several operating points.",
+    "several operating points. Grey: no difference is known.",
     "operating_points": "Settled velocity as configured over the operating points; below, the paired "
     "difference from the first law, median and 5 to 95 % of the draws.",
     "rotor_velocity": "Rotor velocity.",
@@ -149,12 +150,15 @@ def draw_pairs(data: xarray.Dataset) -> Figure:
     """Draw the size of the relative difference in speed of every pair of laws, and its order."""
     needed("order" in data and data.sizes["law"] > 2)
     here, count = data.sel(quantity="rotor_velocity"), data.sizes["law"]
-    size, order = np.nan_to_num(here["relative_size"].values).max(axis=-1), here["order"].values
+    every, order = here["relative_size"].values, here["order"].values
+    size = np.where(np.isnan(every).all(axis=-1), np.nan, np.nan_to_num(every).max(axis=-1))
+    np.fill_diagonal(size, 0.0)
     many = count > MOST_ROWS
     figure, (axes,) = drawing(1, 1, 0.7 * WIDTH if many else 1.6 + 0.31 * count)
     # What is far below the margin has no colour.
-    largest = max(float(size.max()), data.attrs["margin"])
-    image = axes.imshow(100.0 * size, cmap="Blues", vmin=0.0, vmax=100.0 * largest)
+    largest = max(float(np.nanmax(size)), data.attrs["margin"])
+    blues = matplotlib.colormaps["Blues"].with_extremes(bad="0.85")
+    image = axes.imshow(100.0 * size, cmap=blues, vmin=0.0, vmax=100.0 * largest)
     for a, b in permutations(range(count), 2):
         signs = "".join(dict.fromkeys(SIGNS[int(kind)] for kind in order[a, b]))
         dark = size[a, b] > 0.6 * largest
