@@ -361,7 +361,7 @@ def listed(names: Sequence[str]) -> str:
 
 
 def limits_of(laws: Sequence[Reruns]) -> Iterator[str]:
-    """Yield what must be known of settled laws before their values."""
+    """Yield what must be known of settled laws beside their values."""
     kinds = {law.run.label: law.means[-1].kind for law in laws if law.means}
     without = {law.run.label: law.without for law in laws if law.without}
     for reason in dict.fromkeys(without.values()):
