@@ -185,14 +185,27 @@ def stage_at(beyond, passage):
     return PASSAGE if beyond < passage else HARD
 
 
+@inner_kernel
+def lining_at(stage, depth, beyond, soft_stiffness, hard_stiffness, passage):
+    """Return force, energy, stiffness and slope of a stage, which goes on where another is."""
+    more = hard_stiffness - soft_stiffness
+    slope = more / passage
+    inside = 0.0 if stage == SOFT else passage if stage == HARD else beyond
+    through = beyond - passage if stage == HARD else 0.0
+    force, energy = soft_stiffness * depth, 0.5 * soft_stiffness * depth * depth
+    force += 0.5 * slope * inside * inside + more * through
+    energy += slope * inside**3 / 6.0 + 0.5 * more * through * (passage + through)
+    return force, energy, soft_stiffness + slope * inside, slope if SOFT < stage < HARD else 0.0
+
+
 @final
 @dataclass(frozen=True)
 class Lining(NormalForce):
     """Two stages: the two-stage spring of piecewise linear oscillators, with a passage of finite width.
 
     The passage has a width because a stiffness that jumps is no material's and takes the order of any
-    integration. Where a stage ends a step ends too: up to there, and for w beyond, the force goes on as it
-    was, without a kink within the step.
+    integration. Where a stage ends a step ends too: up to there, and for up to w beyond, the force goes on as
+    it was, without a kink within the step.
     """
 
     name = "lining"
@@ -214,17 +227,12 @@ class Lining(NormalForce):
     @kernel
     def elastic(depth, stage, soft_stiffness, hard_stiffness, lining_depth, passage):
         beyond = depth - lining_depth
-        if stage < SOFT or not (stage - 2.0) * passage <= beyond <= (stage + 1.0) * passage:
-            stage = stage_at(beyond, passage)
-        more = hard_stiffness - soft_stiffness
-        slope = more / passage
-        inside = 0.0 if stage == SOFT else passage if stage == HARD else beyond
-        through = beyond - passage if stage == HARD else 0.0
-        force, energy = soft_stiffness * depth, 0.5 * soft_stiffness * depth * depth
-        force += 0.5 * slope * inside * inside + more * through
-        energy += slope * inside**3 / 6.0 + 0.5 * more * through * (passage + through)
-        stiffness = soft_stiffness + slope * inside
-        return force, energy, stiffness, slope if SOFT < stage < HARD else 0.0
+        parameters = soft_stiffness, hard_stiffness, passage
+        if stage >= SOFT and (stage - 2.0) * passage <= beyond <= (stage + 1.0) * passage:
+            result = lining_at(stage, depth, beyond, *parameters)
+            if result[0] >= 0.0 and result[2] > 0.0:
+                return result
+        return lining_at(stage_at(beyond, passage), depth, beyond, *parameters)
 
     @staticmethod
     @kernel
