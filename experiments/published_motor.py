@@ -14,10 +14,9 @@ Not published, and drawn: modal mass and damping, the inclination of the foot's 
 stiffness or restitution; the friction coefficient within its scatter. Every law is calibrated with the
 speeds over payload; the speeds over towing force are compared with what it then predicts.
 
-Contact with rebounds may be chaotic, and a mean over a fifth of a second need not be a function of its
-inputs. So the best draws are repeated with the friction coefficient times 1 -+ 1e-6 and with later starts in
-the drive's period. Where the speeds then differ by more than they were read to, the draw has a spread and no
-misfit.
+Contact with rebounds may be chaotic, and a mean over a fifth of a second no function of its inputs. So
+the best draws are repeated with the friction coefficient times 1 -+ 1e-6 and with later starts in the drive's
+period. Where the speeds then differ by more than they were read to, the draw has a spread and no misfit.
 
 Source: Liu, Ding, Wu, Wang, Chen, Rong, Song and Li, A self-moving piezoelectric actuator with high
 carrying/positioning capability via bending-resonant-vibration-induced stick-slip motion, IEEE Trans. Ind.
