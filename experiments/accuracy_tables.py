@@ -1,9 +1,12 @@
 """Tables of the pages on accuracy, fits and data sheets, from docs/results/accuracy.json."""
 
 from collections.abc import Callable
+from math import sqrt
 from typing import Any, Final
 
 from claims import Number, markdown, results
+
+from contactlab.inference.fit import ENDS
 
 NAMES: Final = {
     "friction_coefficient": "friction coefficient",
@@ -65,12 +68,14 @@ def coverage() -> str:
     """Return how many of the intervals of fits hold the truth."""
     here = section("coverage")
     kinds = {"stated": "stated", "found": "found by the fit"}
+    fits, share = here["fits"], ENDS[1] - ENDS[0]
+    expected = f"{share * fits:.1f} +- {sqrt(fits * share * (1.0 - share)):.1f}"
     rows = (
-        (kinds[kind], NAMES[name], f"{count} of {here['fits']}")
+        (kinds[kind], NAMES[name], f"{count} of {fits}", expected)
         for kind, counts in here["covered"].items()
         for name, count in counts.items()
     )
-    return markdown(("error of the impacts", "number", "intervals with the truth in them"), rows)
+    return markdown(("error of the impacts", "number", "intervals with the truth in them", "expected"), rows)
 
 
 def true_law() -> str:

@@ -36,7 +36,7 @@ TABLE = re.compile(r"(<!-- table ([\w ]+) -->\n\n)(.*?)(\n\n<!-- end of the tabl
 CODE = re.compile(r"^```.*?^```|^\$\$.*?^\$\$|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)
 UNIT = (
     r"%|rad/s|[mkM]?Hz|[munp]?s|[mun]?N(?:/m|\s+m\b|\s+s\b)?|[kMG]?Pa|[mukn]?m(?:/s)?|[mu]?[WAJ]|k?V|[mk]?g|rpm"
-    r"|deg(?:rees?)?|errors?|times"
+    r"|[kMG]B|bytes|deg(?:rees?)?|errors?|times"
 )
 RESULT = re.compile(
     rf"(?<![\w.])[-+]?\d(?:[\d.,]*\d)?(?:e[-+]?\d+)?\s+(?:(?:{UNIT})(?![\w/-])|of\s+(?:\d|all|the|them)[\d,]*)"
