@@ -4,7 +4,8 @@ from collections.abc import Callable
 from math import sqrt
 from typing import Any, Final
 
-from claims import Number, markdown, results
+from claims import markdown, results
+from verdicts import Number
 
 from contactlab.inference.fit import ENDS
 
@@ -116,7 +117,7 @@ def data_sheets() -> str:
     lines = (
         (
             names[basis] + text,
-            *(Number(scale * own[name], scale * own[f"{name}_error"]) for own in here[basis].values()),
+            *(Number.of(scale * own[name], scale * own[f"{name}_error"]) for own in here[basis].values()),
         )
         for basis in names
         for text, name, scale in rows

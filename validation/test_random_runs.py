@@ -58,6 +58,20 @@ def test_a_damping_whose_force_the_sweeps_of_a_step_cannot_follow_takes_newton_s
     assert outcome["steps"] < 20_000
 
 
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(881, id="rings with thousands of kinks at a small tolerance"),
+        pytest.param(20407, id="rings that fill within picometres of a line"),
+        pytest.param(20680, id="a lining whose stage ends in its hard part"),
+    ],
+)
+def test_a_step_that_ends_at_a_kink_is_no_stall(number: int) -> None:
+    outcome = script.outcome_of(number)
+    assert outcome["ending"] == "complete"
+    assert not script.broken(outcome)
+
+
 def test_a_step_that_is_too_long_for_the_fastest_mode_is_named_with_the_angle_that_it_turns() -> None:
     setup = script.setup_of(8793)
     assert setup.contact_step is not None

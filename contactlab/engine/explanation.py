@@ -13,7 +13,6 @@ from contactlab.engine.flight import MOST_HALVINGS
 from contactlab.engine.kinematics import contact_at, contact_from
 from contactlab.engine.memory import SLIP_ROUND_OFF
 from contactlab.engine.plant import modes_of, resolved_rate
-from contactlab.engine.recorder import IDLE_LIMIT
 from contactlab.engine.state import (
     CHATTERED,
     DIVERGED,
@@ -105,8 +104,8 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     reason = f"more than {state.watchdog.most_steps} steps in contact {pace}, where a few hundred are usual"
     if state.ending == UNSOLVED:
         reason = "no step in contact, however short, satisfies the law"
-    elif state.watchdog.idle_steps > IDLE_LIMIT:
-        reason = f"more than {IDLE_LIMIT} steps in a row hardly move the clock"
+    elif state.watchdog.idle_steps > state.watchdog.most_idle:
+        reason = f"more than {state.watchdog.most_idle} steps in a row hardly move the clock"
     why = (
         "A force that jumps with gap, gap rate or slip stalls the steps: check the law and its parameters, "
         "or choose a larger solver.tolerance. Friction that jumps with the slip is set-valued."

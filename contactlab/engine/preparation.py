@@ -89,6 +89,9 @@ RECORD_TURN, CONTACT_TURN = 1.0 / 32.0, 1.0 / 512.0
 DEFAULT_COUNT: Final = 1e5
 """Number of records, and of longest steps in contact, beyond which their defaults shorten no more."""
 
+IDLE_LIMIT: Final = 1000
+"""Steps in a row that hardly move the clock, of a law without kinks between which its steps shrink."""
+
 
 def default_record_interval(motor: Motor, duration: float) -> float:
     """Return the time between records [s] of a run that has none of its own.
@@ -566,7 +569,8 @@ class Prepared(NamedTuple):
         # Rebounds without an end are taken as none by a rigid law itself.
         watchdog = state["watchdog"]
         watchdog["window"] = 0.0 if self.constrained else pace[0]
-        watchdog["most_steps"] = pace[1] * kinked_variables(state)
+        kinked = kinked_variables(state)
+        watchdog["most_steps"], watchdog["most_idle"] = kinked * pace[1], kinked * IDLE_LIMIT
         state["tolerance"] = self.tolerance
 
 

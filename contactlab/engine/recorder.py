@@ -49,9 +49,6 @@ from contactlab.engine.state import (
 from contactlab.laws.base import FREE, SET_VALUED, STICK
 from contactlab.variables import BEARING, SERIES
 
-IDLE_LIMIT = 1000
-"""Steps in a row that hardly move the clock."""
-
 IDLE_EVENTS = 100
 """Events in the window from which on such steps are those of chattering, and not of a law that stalls."""
 
@@ -524,7 +521,7 @@ def _watch(run: Run, s: float) -> None:
     steps = state.contact_steps + state.rejected_steps
     if state.time == state.piece_end:
         state.watchdog.steps_before = min(steps, state.watchdog.steps_before + PIECE_STEPS)
-    if state.watchdog.idle_steps > IDLE_LIMIT:
+    if state.watchdog.idle_steps > state.watchdog.most_idle:
         state.ending = CHATTERED if state.watchdog.events > IDLE_EVENTS else STALLED
     elif state.time - state.watchdog.start > _window(state, step):
         state.watchdog.start, state.watchdog.events, state.watchdog.steps_before = state.time, 0, steps

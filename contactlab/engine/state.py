@@ -133,6 +133,7 @@ WATCHDOG: Final = record(
     ("events", int),  # touch-downs, switches and guards in the window
     ("idle_steps", int),  # steps in a row that hardly move the clock
     ("most_steps", int),  # largest number of steps in contact in a window
+    ("most_idle", int),  # largest number of steps in a row that hardly move the clock
     ("steps_before", int),  # steps in contact before the window
 )
 """Stall watchdog."""
