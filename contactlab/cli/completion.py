@@ -14,7 +14,6 @@ from typing import Final, get_args
 from hydra.plugins.completion_plugin import CompletionPlugin, DefaultCompletionPlugin
 
 from contactlab.cli.arguments import VERBS, for_hydra
-from contactlab.cli.study import without_effect
 from contactlab.config.composition import COMMAND, RUN, started
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.studies.registry import SIMULATE, studies, study_class
@@ -64,7 +63,9 @@ def candidates(line: str) -> list[str]:
         return _beginning((f"{key}={value}" for value in _values(options[key])), word)
     named = _beginning((f"{name}=" for name in (*options, "output")), word)
     others = [each for each in arguments[1:] if each.partition("=")[0] not in (*options, "output")]
-    # What the study refuses is not offered.
+    # Imported here: it brings the engine. What the study refuses is not offered.
+    from contactlab.cli.study import without_effect
+
     return named + [x for x in _of_configuration(RUN, others, word) if not any(without_effect(study, [x]))]
 
 

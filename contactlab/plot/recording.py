@@ -260,14 +260,14 @@ def contact_spans(series: Mapping[str, Array], contacts: Mapping[str, Array]) ->
 def handy_unit(values: Iterable[Array | float], units: str) -> tuple[str, float]:
     """Return the unit in which values are handy numbers, empty for a number, and its size in SI.
 
-    Only a unit that is a single symbol has prefixes.
+    Only units without exponents have prefixes.
 
     Args:
         values: [SI] what is drawn together; values that are not finite do not count.
         units: in the words of the CF conventions.
     """
     largest = max((float(np.max(np.abs(x), initial=0.0, where=np.isfinite(x))) for x in values), default=0.0)
-    if units.isalpha() and largest > 0.0:
+    if units.replace(" ", "").isalpha() and largest > 0.0:
         return prefixed_unit(largest, units)
     return ("" if units == "1" else from_cf(units)), 1.0
 
