@@ -62,7 +62,7 @@ def of_spheres(path: Path, folder: Path) -> dict[str, Any]:
 def some_ellipses(path: Path) -> dict[str, Any]:
     """Return the mean errors of the laws whose geometry is free on one impact of a hundred."""
     some = read_impacts(path).part(np.arange(0, len(read_impacts(path)), 100))
-    return {law.name: float(some.errors(some.before.velocities_after(law, 1e-4)).mean()) for law in LAWS}
+    return {law.name: float(some.errors(some.before.velocities_after(law)).mean()) for law in LAWS}
 
 
 def of_laws(data: xarray.Dataset) -> dict[str, Any]:
