@@ -23,7 +23,7 @@ SETUPS = {
     "elements": cl.build(["law=composed", "resonator=finite_element", "resonator.rod_length=19 mm"]),
     "two phases": cl.build(["drive=two_phase"]),
     "made in Python": OWN,
-    "oscillator": cl.Setup.of(cl.oscillator(1.0, 1e4, force=5.0, frequency=12.0), cl.Newton(restitution=1.0), 1e-2),
+    "oscillator": cl.Setup.of(cl.oscillator(1.0, 1e4, force=5.0, frequency=12.0), cl.Newton(0.3, 1.0), 1e-2),
 }
 
 
