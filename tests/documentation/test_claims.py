@@ -69,7 +69,7 @@ def as_recorded() -> Iterator[None]:
 
 def judged(claim: Claim, world: World) -> bool | None:
     """Return the verdict on a claim by some results."""
-    claims.results = world.__getitem__  # type: ignore[assignment]
+    claims.results = world.__getitem__
     verdict: bool | None = claims.evaluated(claim.holds)
     return verdict
 
@@ -630,7 +630,7 @@ def test_a_predicate_holds_does_not_hold_and_is_open_for_some_results(claim: Cla
     worlds = worlds_of(claim)
     assert {*worlds} == {True, False, None}
     for world in worlds.values():
-        claims.results = world.__getitem__  # type: ignore[assignment]
+        claims.results = world.__getitem__
         assert pattern(claim.template).fullmatch(rendered(claim))
     assert len({claim.sentence, claim.otherwise, claim.open}) == 3
 
@@ -641,7 +641,7 @@ def test_every_sentence_is_found_on_its_page_whatever_the_others_say(page: str, 
     """A page is rebuilt from any verdicts to any others."""
     texts = []
     for claim in of_page(page):
-        claims.results = (worlds_of(claim)[known] if isinstance(claim, Claim) else recorded()).__getitem__  # type: ignore[assignment]
+        claims.results = (worlds_of(claim)[known] if isinstance(claim, Claim) else recorded()).__getitem__
         texts.append(rendered(claim))
     text = "\n\n".join(texts)
     for claim in of_page(page):
@@ -662,7 +662,7 @@ def test_a_predicate_compares_by_what_uncertainty_leaves_open(claim: Claim) -> N
 def test_the_list_gives_the_reason_of_the_sentence_that_stands_there(claim: Claim) -> None:
     reasons = set()
     for known, world in worlds_of(claim).items():
-        claims.results = world.__getitem__  # type: ignore[assignment]
+        claims.results = world.__getitem__
         reasons.add(claim.reason)
         assert claim.template == {True: claim.sentence, False: claim.otherwise, None: claim.open}[known]
     assert len(reasons) == 3
@@ -691,9 +691,9 @@ def test_arithmetic_carries_errors_and_comparison_knows_them() -> None:
     assert within(a, 1.0, 1.2) is None
     assert (least((a, b)).low, greatest((a, b)).high) == (0.9, 2.2)
     with pytest.raises(TypeError):
-        a == b  # noqa: B015
+        a == b  # noqa: B015 - what is tested is that it raises
     with pytest.raises(TypeError):
-        a < b  # noqa: B015
+        a < b  # noqa: B015 - what is tested is that it raises
     with pytest.raises(TypeError):
         bool(a)
 

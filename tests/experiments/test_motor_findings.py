@@ -20,7 +20,7 @@ from contactlab.inference.paired import GREATER, LESS, factor_shares
 )  # fmt: skip
 def test_a_pair_has_the_roles_of_its_factors(decides: object, roles: dict[str, str]) -> None:
     draws = np.random.default_rng(0).random((64, 4))
-    outcome = np.where(decides(draws), GREATER, LESS)  # type: ignore[operator]
+    outcome = np.where(decides(draws), GREATER, LESS)
     shares = factor_shares(outcome, draws[:, :3])
     ends = ("nominal", "other", "difference_low", "difference", "difference_high")
     here = xarray.Dataset(

@@ -232,9 +232,9 @@ def test_the_restitution_that_is_required_is_that_of_the_law(
     least = {"none": 1.0, "lankarani_nikravesh": 0.663}.get(name, 0.0)
     if e < least:
         with pytest.raises(ValueError, match="restitution"):
-            cl.identify(law, **known)  # type: ignore[arg-type]
+            cl.identify(law, **known)
         return
-    result = cl.identify(law, **known)  # type: ignore[arg-type]
+    result = cl.identify(law, **known)
     made = cl.normal_impact(result.law, speed, mass=mass, tolerance=1e-11)
     assert float(made.restitution[0]) == pytest.approx(e, rel=1e-7)
     stated = {} if name == "hunt_crossley" and e < 0.4877 else result.law.describe()
