@@ -4,7 +4,8 @@ from collections.abc import Callable
 from math import sqrt
 from typing import Any, Final
 
-from claims import markdown, results
+from page_tables import markdown
+from recorded_numbers import results
 from verdicts import Number
 
 from contactlab.inference.fit import ENDS

@@ -25,12 +25,14 @@ from textwrap import fill
 import accuracy_tables
 import claims
 import listed_numbers
+import page_tables
 from claims import STATEMENTS, Statement
 from dependencies import ROOT
+from recorded_numbers import FILES, USED
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
 
 LIST = "docs/claims.md"
-TABLES = claims.TABLES | accuracy_tables.TABLES
+TABLES = page_tables.TABLES | accuracy_tables.TABLES
 
 TABLE = re.compile(r"(<!-- table ([\w ]+) -->\n\n)(.*?)(\n\n<!-- end of the table -->)", re.DOTALL)
 CODE = re.compile(r"^```.*?^```|^\$\$.*?^\$\$|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)
@@ -78,7 +80,7 @@ class Page:
 
     def fill(self) -> Iterator[str]:
         """Write sentences and tables, and of what code they are; yields what is missing."""
-        claims.USED.clear()
+        USED.clear()
         self.text = TABLE.sub(lambda each: each[1] + TABLES[each[2]]() + each[4], self.text)
         for claim in of_page(self.name):
             # A sentence may begin as another does: the longest one counts, and comes first.
@@ -93,7 +95,7 @@ class Page:
             else:
                 yield f"{self.name}: {len(places) or 'none'} of: {claim.sentence}"
         own = AGE.sub("", self.text).rstrip("\n")
-        self.text = f"{own}\n{age_of(claims.USED)}" if own else ""
+        self.text = f"{own}\n{age_of(USED)}" if own else ""
 
     def numbers(self) -> Counter[str]:
         """Count the numbers that no claim and no table states."""
@@ -114,7 +116,7 @@ class Page:
 @cache
 def states() -> dict[tuple[str, str], str]:
     """Return the states of all sections by file and name."""
-    every = ((file, name, own) for file in claims.FILES for name, own in read(file)["sections"].items())
+    every = ((file, name, own) for file in FILES for name, own in read(file)["sections"].items())
     return {(file, name): state_of(own) for file, name, own in every}
 
 

@@ -10,7 +10,9 @@ from typing import Any
 import claims
 import numpy as np
 import pytest
-from claims import CLAIMS, DAMPING, PAGES, PHASE, Claim
+import recorded_numbers
+from claims import CLAIMS, PAGES, Claim
+from recorded_numbers import CHANGED, DAMPING, PHASE, SPRING
 from results_pages import of_page, pattern, rendered
 from results_store import read
 from verdicts import NONE, Number, every, exact, greatest, least, less, no, share, some, within
@@ -26,7 +28,7 @@ def recorded() -> World:
     """Return the recorded results by file and section."""
     return {
         file: {name: section["results"] for name, section in read(file)["sections"].items()}
-        for file in claims.FILES
+        for file in recorded_numbers.FILES
     }
 
 
@@ -62,14 +64,14 @@ def claim_of(start: str) -> Claim:
 @pytest.fixture(autouse=True)
 def as_recorded() -> Iterator[None]:
     """Return the claims to their own results after each test."""
-    own = claims.results
+    own = recorded_numbers.results
     yield
-    claims.results = own
+    recorded_numbers.results = own
 
 
 def judged(claim: Claim, world: World) -> bool | None:
     """Return the verdict on a claim by some results."""
-    claims.results = world.__getitem__
+    recorded_numbers.results = world.__getitem__
     verdict: bool | None = claims.evaluated(claim.holds)
     return verdict
 
@@ -147,15 +149,15 @@ made(
 LAWS = ("stick", "newton", "mindlin")
 FALLING = {
     key: value
-    for damping in claims.motor_findings.DAMPING
+    for damping in recorded_numbers.motor_findings.DAMPING
     for key, value in of_speeds(
         f"{DAMPING}|{damping}",
         1e-3,
         hertz=-1.0,
-        **dict.fromkeys(LAWS, -1.1 if damping == claims.PAPER.split("/")[1] else -0.9),
+        **dict.fromkeys(LAWS, -1.1 if damping == recorded_numbers.PAPER.split("/")[1] else -0.9),
     ).items()
 }
-LAST = f"{DAMPING}|{claims.motor_findings.DAMPING[-1]}"
+LAST = f"{DAMPING}|{recorded_numbers.motor_findings.DAMPING[-1]}"
 made(
     "Hertz's contact is the slowest of the four",
     (FALLING, True),
@@ -304,23 +306,21 @@ made(
     (RATIOS | {f"{TABLE1}|9|computed": 1715.1}, False),
     (RATIOS | {f"{TABLE1}|9|computed": 1715.0}, None),
 )
-CALM = {f"{PUBLISHED}|*|largest difference, {by} [mm/s]": 1e-3 for by in claims.CHANGED}
+CALM = {f"{PUBLISHED}|*|largest difference, {by} [mm/s]": 1e-3 for by in CHANGED}
 WILD = dict.fromkeys(CALM, 4.1)
 made(
     "**Under none of the four laws",
     (WILD, True),
     (
-        WILD
-        | {f"{PUBLISHED}|{n}|largest difference, {by} [mm/s]": 1.9 for n in (0, 1) for by in claims.CHANGED},
+        WILD | {f"{PUBLISHED}|{n}|largest difference, {by} [mm/s]": 1.9 for n in (0, 1) for by in CHANGED},
         False,
     ),
     (
-        WILD
-        | {f"{PUBLISHED}|{n}|largest difference, {by} [mm/s]": 3.5 for n in (0, 1) for by in claims.CHANGED},
+        WILD | {f"{PUBLISHED}|{n}|largest difference, {by} [mm/s]": 3.5 for n in (0, 1) for by in CHANGED},
         None,
     ),
 )
-MU, START = (f"largest difference, {by} [mm/s]" for by in claims.CHANGED)
+MU, START = (f"largest difference, {by} [mm/s]" for by in CHANGED)
 RIGID_GROW = CALM | {f"{PUBLISHED}|*|{START}": 5.0} | {f"{PUBLISHED}|{n}|{MU}": 5.0 for n in range(4)}
 made(
     "**Under the two rigid laws",
@@ -368,7 +368,7 @@ made(
     ({**ratio_at(0, 0.6, 0.01), **ratio_at(7, 0.621, 0.01)}, False),
     ({**ratio_at(0, 0.6, 0.01), **ratio_at(7, 0.581, 0.01)}, None),
 )
-GROUP = f"{ELLIPSES}|laws|{claims.SPRING}|group", f"{ELLIPSES}|laws|hertz_point + flores + coulomb|group"
+GROUP = (f"{ELLIPSES}|laws|{SPRING}|group", f"{ELLIPSES}|laws|hertz_point + flores + coulomb|group")
 made(
     "With the geometry of the file a tangential spring",
     (dict(zip(GROUP, (1, 2), strict=True)), True),
@@ -493,7 +493,7 @@ made(
     ({f"{POPULATIONS}|newton|roles": {}}, None),
     ({f"{POPULATIONS}|newton|share": 0.9, f"{POPULATIONS}|newton|roles": None}, None),
 )
-BY_DEFAULT = {f"motor|populations|{claims.DEFAULT}|newton|outcomes": alike(0.5, 40)}
+BY_DEFAULT = {f"motor|populations|{recorded_numbers.DEFAULT}|newton|outcomes": alike(0.5, 40)}
 made(
     "Real motors outside",
     ({f"{POPULATIONS}|newton|outcomes": alike(0.8, 40)} | BY_DEFAULT, True),
@@ -593,10 +593,10 @@ def between(a: Any, b: Any, place: float) -> Any:
 @cache
 def worlds_of(claim: Claim) -> dict[bool | None, World]:
     """Return results by which a claim holds, does not hold and is open."""
-    own, worlds = claims.results, dict[bool | None, World]()
-    claims.USED.clear()
+    own, worlds = recorded_numbers.results, dict[bool | None, World]()
+    recorded_numbers.USED.clear()
     claims.evaluated(claim.holds)
-    used = sorted(claims.USED)
+    used = sorted(recorded_numbers.USED)
     for start, edits, _ in MADE.values():
         if claim_of(start) == claim:
             world = edited(edits)
@@ -621,7 +621,7 @@ def worlds_of(claim: Claim) -> dict[bool | None, World]:
         known = judged(claim, world)
         worlds.setdefault(known, world)
         low, high = (middle, high) if known else (low, middle)
-    claims.results = own
+    recorded_numbers.results = own
     return worlds
 
 
@@ -630,7 +630,7 @@ def test_a_predicate_holds_does_not_hold_and_is_open_for_some_results(claim: Cla
     worlds = worlds_of(claim)
     assert {*worlds} == {True, False, None}
     for world in worlds.values():
-        claims.results = world.__getitem__
+        recorded_numbers.results = world.__getitem__
         assert pattern(claim.template).fullmatch(rendered(claim))
     assert len({claim.sentence, claim.otherwise, claim.open}) == 3
 
@@ -641,7 +641,9 @@ def test_every_sentence_is_found_on_its_page_whatever_the_others_say(page: str, 
     """A page is rebuilt from any verdicts to any others."""
     texts = []
     for claim in of_page(page):
-        claims.results = (worlds_of(claim)[known] if isinstance(claim, Claim) else recorded()).__getitem__
+        recorded_numbers.results = (
+            worlds_of(claim)[known] if isinstance(claim, Claim) else recorded()
+        ).__getitem__
         texts.append(rendered(claim))
     text = "\n\n".join(texts)
     for claim in of_page(page):
@@ -662,7 +664,7 @@ def test_a_predicate_compares_by_what_uncertainty_leaves_open(claim: Claim) -> N
 def test_the_list_gives_the_reason_of_the_sentence_that_stands_there(claim: Claim) -> None:
     reasons = set()
     for known, world in worlds_of(claim).items():
-        claims.results = world.__getitem__
+        recorded_numbers.results = world.__getitem__
         reasons.add(claim.reason)
         assert claim.template == {True: claim.sentence, False: claim.otherwise, None: claim.open}[known]
     assert len(reasons) == 3

@@ -14,6 +14,7 @@ import claims
 import dependencies
 import listed_numbers
 import pytest
+import recorded_numbers
 import remake
 import results_pages
 import results_store
@@ -26,17 +27,17 @@ import contactlab as cl
 from contactlab.engine.binding import functions_of
 
 STEADY = "docs/steady.md"
-DAMPING = claims.DAMPING
+DAMPING = recorded_numbers.DAMPING
 
 Edit = Callable[[str, str, str], None]
 
 
 @pytest.fixture
 def fresh():
-    claims.results.cache_clear()
+    recorded_numbers.results.cache_clear()
     results_pages.states.cache_clear()
     yield
-    claims.results.cache_clear()
+    recorded_numbers.results.cache_clear()
     results_pages.states.cache_clear()
 
 
@@ -48,7 +49,7 @@ def stored(fresh: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, dict[
         def read(other: str) -> dict[str, Any]:
             return content if other == name else results_store.read(other)
 
-        monkeypatch.setattr(claims, "read", read)
+        monkeypatch.setattr(recorded_numbers, "read", read)
         monkeypatch.setattr(results_pages, "read", read)
 
     return replace
@@ -188,7 +189,7 @@ def test_a_mutant_turns_what_reaches_it_and_nothing_else(
 def test_mutants_turn_the_sections_that_use_them_and_no_other(edited: Edit) -> None:
     stored = {
         name: each
-        for file in claims.FILES
+        for file in recorded_numbers.FILES
         for name, each in results_store.read(file)["sections"].items()
         if name in JUDGED
     }
@@ -313,7 +314,7 @@ def test_a_page_says_whose_results_are_not_of_the_present_code(
     stored: Callable[[str, dict[str, Any]], None], edited: Edit
 ) -> None:
     content = deepcopy(results_store.read("motor"))
-    name, file = claims.PHASE, "contactlab/laws/impact/process.py"
+    name, file = recorded_numbers.PHASE, "contactlab/laws/impact/process.py"
     content["sections"][name] |= section("contactlab.laws.impact.process:Poisson.impact") | {
         "results": content["sections"][name]["results"]
     }
