@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final, get_args
@@ -16,7 +17,7 @@ from contactlab.results.netcdf import configuration_of, state_of, to_datatree, w
 from contactlab.results.summary import summarise, summary_of
 from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
-from contactlab.trajectory import Ending
+from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
 
 if TYPE_CHECKING:
@@ -44,18 +45,24 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         ('N', 9.9)
 
     Args:
-        tree: as `contactlab.results.netcdf.to_datatree` describes it; its arrays become read-only.
+        source: the run in memory, or the tree of a file, see `tree`; its arrays are the solution's.
         setup: what ran, from which it can be run again or go on; None for a file that does not tell,
             as that of a motor that was made in Python.
     """
 
-    tree: "xarray.DataTree"
+    source: "Trajectory | xarray.DataTree"
     setup: Setup | None = None
 
-    def __post_init__(self) -> None:
-        for node in self.tree.subtree:
+    @cached_property
+    def tree(self) -> "xarray.DataTree":
+        """See `contactlab.results.netcdf.to_datatree`; made when it is read first, its arrays read-only."""
+        tree = self.source
+        if isinstance(tree, Trajectory):
+            tree = to_datatree(tree, self.setup and self.setup.configuration)
+        for node in tree.subtree:
             for variable in node.to_dataset(inherit=False).variables.values():
                 variable.values.flags.writeable = False
+        return tree
 
     def __getitem__(self, name: str) -> "xarray.DataArray":
         """Return a quantity at the root of the tree by its name.
@@ -98,24 +105,26 @@ class Solution(Mapping[str, "xarray.DataArray"]):
         return self.tree.children["contacts"].to_dataset(inherit=False).copy(deep=False)
 
     @property
-    def state(self) -> dict[str, Any]:
+    def state(self) -> Mapping[str, Any]:
         """The state in which the run ended, from which another goes on: the group `state` of the tree."""
-        return state_of(self.tree)
+        return self.source.state if isinstance(self.source, Trajectory) else state_of(self.source)
 
     @property
     def ending(self) -> Ending:
         """How the run ended."""
-        return Ending[self.tree.attrs["ending"].upper()]
+        source = self.source
+        return source.ending if isinstance(source, Trajectory) else Ending[source.attrs["ending"].upper()]
 
     @property
     def message(self) -> str:
         """The ending in a sentence, empty for a complete run."""
-        return str(self.tree.attrs["message"])
+        source = self.source
+        return source.message if isinstance(source, Trajectory) else str(source.attrs["message"])
 
     @property
     def complete(self) -> bool:
         """Whether the run reached its end with a closed energy ledger."""
-        return bool(self.tree.attrs["complete"])
+        return self.ending is Ending.COMPLETE
 
     def to_xarray(self) -> "xarray.DataTree":
         """Return the tree that run.nc holds: attributes, series, and the groups `contacts` and `state`.
@@ -234,7 +243,7 @@ def simulate(
     trajectory = setup.run(
         progress=progress, start=None if start is None else start.state, keep_interrupted=True
     )
-    return Solution(to_datatree(trajectory, setup.configuration), setup)
+    return Solution(trajectory, setup)
 
 
 def _ending(until: Until | None, precision: float | None) -> dict[str, Any]:

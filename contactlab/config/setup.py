@@ -49,13 +49,14 @@ from contactlab.motor.modal import modes_of
 from contactlab.motor.table import read_table
 from contactlab.parameter import DeclaredField
 from contactlab.results.netcdf import contents_of, keep, settings_of
+from contactlab.results.yaml_text import DUMPER
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]
 
-for _dumper in (yaml.SafeDumper, yaml.Dumper):
+for _dumper in (yaml.SafeDumper, yaml.Dumper, DUMPER):
     _dumper.add_representer(Frozen, _dumper.represent_dict)
 
 

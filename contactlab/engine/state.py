@@ -279,8 +279,8 @@ def largest(values: Array) -> float:
 State = Mapping[str, Any]
 """A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name.
 
-That of a trajectory holds its end, and by names that begin with BEFORE what is another at the start of the
-step that the end cut."""
+That of a trajectory holds its end, and by names that begin with BEFORE the start of the step that the end
+cut."""
 
 BEFORE: Final = "before."
 
@@ -299,6 +299,9 @@ LEAVES: Final = np.dtype(
     {"names": _names, "formats": _kinds, "offsets": _offsets, "itemsize": STATE.itemsize}
 )
 """The same memory as `STATE` without records in it, those by dotted names."""
+
+PACKED: Final = np.dtype([*zip(_names, _kinds, strict=True)])
+"""The same fields, one behind the other."""
 
 NAMES: Final = frozenset(("q", "v", *_names))
 """Names of all that a state has."""
@@ -344,10 +347,7 @@ class EndState(Mapping[str, Any]):
         return value if value.ndim else value.item()
 
     def __iter__(self) -> Iterator[str]:
-        bits, others = (np.frombuffer(leaves.tobytes(), np.uint8) for leaves, _, _ in self._parts.values())
-        changed = np.flatnonzero(np.logical_or.reduceat(bits != others, _offsets))
-        yield from ("q", "v", *_names)
-        yield from (BEFORE + name for name in ("q", "v", *(_names[i] for i in changed)))
+        yield from (prefix + name for prefix in self._parts for name in ("q", "v", *_names))
 
     def __len__(self) -> int:
         return sum(1 for _ in self)

@@ -10,6 +10,7 @@ summed up and drawn without.
 """
 
 import json
+from ast import literal_eval
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from hashlib import sha256
@@ -20,6 +21,7 @@ import numpy as np
 import yaml
 
 from contactlab import variables
+from contactlab.engine.state import BEFORE, LEAVES, PACKED, State, state_from_value
 from contactlab.laws import ContactLaw, InternalVariable
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
@@ -28,7 +30,7 @@ from contactlab.motor.motor import free_reach
 from contactlab.motor.outputs import output_variables
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
-from contactlab.results.yaml_text import read_yaml
+from contactlab.results.yaml_text import read_yaml, write_yaml
 from contactlab.settling.verdict import Settling, configured_period, drive_period, settling_of
 from contactlab.trajectory import Ending, Trajectory, contact_variables
 from contactlab.variables import INTERNAL, Variable
@@ -89,6 +91,9 @@ class Group(NamedTuple):
 
 Groups = dict[str, Group]
 """Groups of a run by path: "/", "/contacts", and "/state" where it is known."""
+
+RECORD, LAYOUT = "record", "layout"
+"""Variable of the group `state` with all that has no name of its own, and its attribute with the fields."""
 
 PART: Final = "/first_contact"
 """Group of a run that starts in a contact which began before."""
@@ -202,7 +207,7 @@ def to_groups(trajectory: Trajectory, configuration: Mapping[str, object] | None
             {"title": "What of the first contact, which began before the run, lies in the run"},
         )
     if trajectory.state:
-        groups["/state"] = Group({name: _of_state(name, x) for name, x in trajectory.state.items()}, {})
+        groups["/state"] = Group(_of_state(trajectory.state), {})
     if contents := contents_of(configuration or {}):
         groups[f"/{GROUP}"] = Group(
             {
@@ -224,12 +229,30 @@ def contacts_in(groups: Groups) -> dict[str, np.ndarray]:
     return cut_to_window(groups["/"].values, groups.get("/contacts", EMPTY).values, part)
 
 
-def _of_state(name: str, value: object) -> Recorded:
-    """Return an array or a number of the state as a variable; what is true or false is 1 or 0 in netCDF."""
-    values = np.asarray(value)
-    values = values.astype(np.int8) if values.dtype.kind == "b" else values
-    axes = tuple(f"{name}_{axis}" for axis in range(values.ndim))
-    return Recorded(axes, values, {"long_name": f"{name} where the run ended"})
+def _of_state(state: State) -> dict[str, Recorded]:
+    """Return the state where a run ended, and before the step that its end cut, as a record of bytes each."""
+    columns: dict[str, Recorded] = {}
+    for prefix, place in (
+        ("", "where the run ended"),
+        (BEFORE, "before the step that the end of the run cut"),
+    ):
+        record, q, v = state_from_value(state, prefix)
+        # Without the gaps between the fields, which nobody writes to.
+        packed = np.zeros(1, PACKED)
+        for name in PACKED.names or ():
+            packed[name] = record.view(LEAVES)[name]
+        columns |= {
+            f"{prefix}q": Recorded((f"{prefix}q_0",), q, {"long_name": f"normal coordinates {place}"}),
+            f"{prefix}v": Recorded(
+                (f"{prefix}v_0",), v, {"long_name": f"rates of the normal coordinates {place}"}
+            ),
+            f"{prefix}{RECORD}": Recorded(
+                ("byte",),
+                packed.view(np.uint8),
+                {"long_name": f"all else that the engine keeps, {place}", LAYOUT: str(PACKED.descr)},
+            ),
+        }
+    return columns
 
 
 def state_of(tree: "xarray.DataTree") -> dict[str, Any]:
@@ -238,7 +261,16 @@ def state_of(tree: "xarray.DataTree") -> dict[str, Any]:
         return {}
     # A time of its own stands in it beside that of the records.
     group = tree.children["state"].to_dataset(inherit=False)
-    return {str(name): values.values[()] for name, values in group.variables.items()}
+    state: dict[str, Any] = {}
+    for name, column in group.variables.items():
+        if LAYOUT in column.attrs:
+            layout = np.dtype(literal_eval(column.attrs[LAYOUT]))
+            prefix = str(name).removesuffix(RECORD)
+            state |= {prefix + field: column.values.view(layout)[field][0] for field in layout.names or ()}
+        else:
+            # Files of before there was a record have a variable for each of its fields.
+            state[str(name)] = column.values[()]
+    return state
 
 
 def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
@@ -367,7 +399,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "duration": float(trajectory.duration),
         "contact_step": float(trajectory.contact_step),
         "record_interval": float(trajectory.record_interval),
-        "configuration": yaml.safe_dump(dict(configuration), sort_keys=False, allow_unicode=True),
+        "configuration": write_yaml(dict(configuration)),
         "drive_period": period,
         **({} if trajectory.motor.preload is None else {"preloaded": 1}),
         **prescribed_by(trajectory.motor),
