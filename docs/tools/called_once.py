@@ -53,6 +53,7 @@ def called_once(root: Path = ROOT) -> Iterator[tuple[str, str, int]]:
         for place in PLACES
         for folder in root.glob(place)
         for path in sorted(folder.rglob("*.py"))
+        if "__pycache__" not in path.parts
     }
     imported = Counter(
         alias.name

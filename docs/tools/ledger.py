@@ -32,6 +32,9 @@ def lines(root: Path = ROOT) -> Iterator[tuple[str, str, str, int]]:
     for column, patterns in PLACES.items():
         for path in sorted(path for pattern in patterns for path in root.glob(pattern)):
             file = path.relative_to(root).as_posix()
+            # Kernels are written beside their machine code.
+            if "__pycache__" in file:
+                continue
             yield column, file, row_of(column, file), len(path.read_text(encoding="utf-8").splitlines())
 
 

@@ -58,7 +58,7 @@ def public_names() -> Iterator[str]:
 
 def names_in(text: str) -> set[str]:
     """Return the names that a text takes from contactlab, by attribute or import."""
-    taken = set(re.findall(r"\b(?:cl|contactlab(?:\.\w+)*)\.(\w+)", text))
+    taken = set(re.findall(r"(?<!from )(?<!import )\b(?:cl|contactlab(?:\.\w+)*)\.(\w+)", text))
     for imported in re.findall(r"from contactlab[\w.]* import (?:\(([^)]*)\)|([^\n(]+))", text):
         taken.update(re.findall(r"\w+", " ".join(imported)))
     return taken
