@@ -375,7 +375,7 @@ def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter)
     sheet = Figure(figsize=_INCHES, dpi=_DPI)
     image = sheet.figimage(animation.frame(0))
     options = "-pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact -movflags +faststart -f mp4"
-    writer: Any = FFMpegWriter(fps, "libx264", extra_args=options.split())
+    writer: Any = FFMpegWriter(cast(Any, fps), "libx264", extra_args=options.split())
     try:
         with (
             whole_file(path) as partial,
