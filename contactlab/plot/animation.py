@@ -3,12 +3,12 @@
 import errno
 import subprocess
 from collections.abc import Callable, Iterable
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final, cast
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.animation import FFMpegWriter
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -40,6 +40,7 @@ COLOUR: Final = ("#707070", COLOURS["slip"], COLOURS["stick"])
 """Of the contact modes free, slip and stick."""
 
 _DPI: Final = 100
+_INCHES: Final = (PIXELS[0] / _DPI, PIXELS[1] / _DPI)
 _STYLE: Final = DENSE | {
     "figure.dpi": _DPI,
     "savefig.dpi": _DPI,
@@ -66,7 +67,7 @@ class Animation:
     def __init__(self, film: Film, film_time: float) -> None:
         self.film, self.longest = film, longest_arrow(film)
         with rc_context(_STYLE):
-            self.figure = Figure(figsize=(PIXELS[0] / _DPI, PIXELS[1] / _DPI), dpi=_DPI)
+            self.figure = Figure(figsize=_INCHES, dpi=_DPI)
             # matplotlib gives its functions no types.
             self._canvas = cast(Any, FigureCanvasAgg(self.figure))
             self._draw_texts(film_time)
@@ -326,9 +327,9 @@ def write_gif(animation: Animation, fps: float, path: Path, watch: Watch = iter)
     # The format counts hundredths of a second; rounding the sum keeps the pace on average.
     ends = np.round(100.0 * np.arange(len(animation) + 1) / fps).astype(int)
     images = map(image, watch(range(len(animation))))
-    with whole_file(path) as partial:
+    with whole_file(path) as partial, partial.open("wb") as stream:
         next(images).save(
-            partial,
+            stream,
             format="GIF",
             save_all=True,
             append_images=images,
@@ -371,23 +372,22 @@ def write_mp4(animation: Animation, fps: float, path: Path, watch: Watch = iter)
         NoEncoderError: there is no encoder.
         OSError: the folder is missing, not writable or full.
     """
-    options = (
-        f"-loglevel error -nostdin -y -f rawvideo -pix_fmt rgba -s {PIXELS[0]}x{PIXELS[1]} -r {fps:g} "
-        "-i pipe:0 -an -c:v libx264 -pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact "
-        "-movflags +faststart -f mp4"
-    )
-    with whole_file(path) as partial:
-        command, pipe = [encoder(), *options.split(), str(partial.absolute())], subprocess.PIPE
-        # In a session of its own the encoder does not receive Ctrl-C.
-        with subprocess.Popen(command, stdin=pipe, stderr=pipe, start_new_session=True) as process:
-            try:
-                # An encoder that has ended explains itself below.
-                with suppress(BrokenPipeError):
-                    for number in watch(range(len(animation))):
-                        cast(Any, process.stdin).write(animation.frame(number).tobytes())
-            except BaseException:
-                process.kill()
-                raise
-            text = process.communicate()[1].decode(errors="replace").strip()
-        if process.returncode:
-            raise OSError(errno.EIO, f"video encoder: {text.splitlines()[-1] if text else 'no message'}")
+    sheet = Figure(figsize=_INCHES, dpi=_DPI)
+    image = sheet.figimage(animation.frame(0))
+    options = "-pix_fmt yuv420p -crf 18 -fflags +bitexact -flags:v +bitexact -movflags +faststart -f mp4"
+    writer: Any = FFMpegWriter(cast(Any, fps), "libx264", extra_args=options.split())
+    try:
+        with (
+            whole_file(path) as partial,
+            rc_context({"animation.ffmpeg_path": encoder()}),
+            writer.saving(sheet, str(partial.absolute()), _DPI),
+        ):
+            for number in watch(range(len(animation))):
+                image.set_data(animation.frame(number))
+                writer.grab_frame()
+    except subprocess.CalledProcessError as error:
+        # Ctrl-C ends the encoder too, which is no fault of its own.
+        if isinstance(error.__context__, KeyboardInterrupt):
+            raise error.__context__ from None
+        text = str(error.stderr).strip() or "no message"
+        raise OSError(errno.EIO, f"video encoder: {text.splitlines()[-1]}") from error

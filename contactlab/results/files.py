@@ -1,22 +1,19 @@
 """Files that stand under their name only when whole, and whether a run's file is still what the run left.
 
-A temporary file's name tells which process of which machine writes it, so that what a killed process has
-left can be removed.
+A file is written under a temporary name beside its own. What a killed process has left of it is removed
+once it is a day old.
 """
 
 import errno
 import json
 import os
-import platform
-import re
 import secrets
 import signal
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
-from hashlib import file_digest, sha256
+from hashlib import file_digest
 from pathlib import Path
 from stat import S_ISREG
 from types import FrameType
@@ -27,15 +24,11 @@ STATE: Final = "state.json"
 LOG: Final = "run.log"
 """The files of a run's folder; the log is there for a run that raised an exception."""
 
-FOREIGN_AFTER: Final = 7 * 24 * 3600.0
-"""Seconds without a change after which a file of another machine, whose processes cannot be looked up, is
-taken for left: what is being written changes all the time."""
-
-_PARTIAL: Final = re.compile(r"\..+\.((?P<machine>[0-9a-f]{8})-(?P<process>\d+)-)?[0-9a-f]{8}\.partial")
+STALE_AFTER: Final = 24 * 3600.0
+"""Age [s] from which a temporary file counts as left behind: what is being written changes all the time."""
 
 _WITHOUT_LINKS: Final = (errno.EPERM, errno.ENOTSUP, errno.ENOSYS)
 """How a file system tells that a file cannot have two names."""
-
 
 _ENDING: Final = ("SIGTERM", "SIGHUP", "SIGXCPU")
 """Signals that end a process at once where nobody handles them, as of a cluster whose time is up."""
@@ -78,9 +71,9 @@ def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
     """Let the body write a file under a temporary name that becomes `path` only when it is whole.
 
     The temporary file lies beside `path`, is synchronised with the disk and then takes the name;
-    whatever stops this before, a keyboard interrupt or a signal that ends the process too, removes it, and
-    what a process that was killed has left is removed by the next. A file that stood at `path` stays until
-    the new one takes its place.
+    whatever stops this before, a keyboard interrupt or a signal that ends the process too, removes it. What a
+    killed process has left is removed by a later one, see `remove_stale`. A file that stood at `path` stays
+    until the new one takes its place.
 
     Args:
         path: the final name, in a folder that exists.
@@ -99,9 +92,8 @@ def whole_file(path: Path, *, fresh: bool = False) -> Iterator[Path]:
             f"'{path.name}' cannot be written, its folder does not exist; create it first",
             str(path.parent),
         )
-    remove_left(path.parent)
-    token = f"{_machine()}-{os.getpid()}-{secrets.token_hex(4)}"
-    partial = path.with_name(f".{path.name}.{token}.partial")
+    remove_stale(path.parent)
+    partial = path.with_name(f".{path.name}.{secrets.token_hex(8)}.partial")
     _writing.add(partial)
     try:
         with _ended_by_signals():
@@ -197,42 +189,13 @@ def damage(dataset: Path) -> str:
     )
 
 
-def remove_left(folder: Path) -> None:
-    """Remove the temporary files in a folder whose processes have ended; what cannot be removed stays."""
-    with suppress(OSError), os.scandir(folder) as entries:
-        for entry in entries:
-            if not (named := _PARTIAL.fullmatch(entry.name)):
-                continue
-            # Another process may have renamed or removed it by now.
-            with suppress(OSError):
-                ended = named["machine"] == _machine() and not _lives(int(named["process"]))
-                if ended or time.time() - entry.stat().st_mtime > FOREIGN_AFTER:
-                    Path(entry.path).unlink()
-
-
-@cache
-def _machine() -> str:
-    """Return the namespace of process numbers: this start of this machine or, in one, the container."""
-    try:
-        start = Path("/proc/sys/kernel/random/boot_id").read_text()
-        named = f"{start}{Path('/proc/self/ns/pid').readlink()}"
-    except OSError:
-        named = platform.node()
-    return sha256(named.encode()).hexdigest()[:8]
-
-
-def _lives(process: int) -> bool:
-    """Return whether a process of this machine runs; where that is unknown, True."""
-    # On Windows the same call would end the process.
-    if os.name != "posix":
-        return True
-    try:
-        os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
-        return False
-    except OSError:
-        pass
-    return True
+def remove_stale(folder: Path) -> None:
+    """Remove temporary files in a folder older than `STALE_AFTER`; what cannot be removed stays."""
+    for left in folder.glob(f".*{'[0-9a-f]' * 8}.partial"):
+        # Another process may have renamed or removed it by now.
+        with suppress(OSError):
+            if time.time() - left.stat().st_mtime > STALE_AFTER:
+                left.unlink()
 
 
 def _link(partial: Path, path: Path) -> None:

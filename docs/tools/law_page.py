@@ -202,7 +202,10 @@ def section(name: str, owner: type[Declared]) -> str:
     first, _, rest = described(owner).partition("\n\n")
     curves, _ = curves_of(law_of(owner))
     rows = [parameter_row(n, member) for n, member in members_of(owner).items()]
-    declared = {**declared_rows(owner), "source": owner.source}
+    made = f"cl.{owner.__name__}()"
+    if not issubclass(owner, ContactLaw):
+        made = f"cl.Composed({owner.family}={made})"
+    declared = {**declared_rows(owner), "source": owner.source, "in Python": f"`{made}`"}
     return "\n".join(
         [
             f"## {name}\n",

@@ -15,7 +15,10 @@ from contactlab.cli import animate
 from contactlab.plot.animation import Animation
 from contactlab.results.netcdf import to_datatree, write_tree
 
-HAS_ENCODER = importlib.util.find_spec("imageio_ffmpeg") is not None
+needs_encoder = pytest.mark.skipif(
+    importlib.util.find_spec("imageio_ffmpeg") is None,
+    reason="There is no encoder of mp4; pip install 'contactlab[video]' brings one.",
+)
 
 
 @pytest.fixture
@@ -59,9 +62,7 @@ def test_start_and_duration_choose_the_part(command: Command) -> None:
     assert "200 us of the run" in out
 
 
-@pytest.mark.skipif(
-    not HAS_ENCODER, reason="There is no encoder of mp4; pip install 'contactlab[video]' brings one."
-)
+@needs_encoder
 @pytest.mark.usefixtures("_short", "run_file")
 def test_the_command_writes_an_mp4(command: Command) -> None:
     status, _, err = command("animate", "run.nc", "--fps", "24", "--output", "run.mp4")
@@ -99,13 +100,18 @@ def test_an_encoder_that_fails_leaves_nothing(
     assert left_behind() == [Path("run.nc")]
 
 
+@pytest.mark.parametrize("name", ["run.gif", pytest.param("run.mp4", marks=needs_encoder)])
 @pytest.mark.usefixtures("_short", "run_file")
-def test_ctrl_c_leaves_nothing(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_leaves_nothing(name: str, command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
+    draw = Animation.frame
+
     def interrupted(self: Animation, number: int) -> np.ndarray:
-        raise KeyboardInterrupt
+        if number == 12:
+            raise KeyboardInterrupt
+        return draw(self, number)
 
     monkeypatch.setattr(Animation, "frame", interrupted)
-    status, _, _ = command("animate", "run.nc")
+    status, _, _ = command("animate", "run.nc", "--fps", "24", "--output", name)
     assert status == 130
     assert left_behind() == [Path("run.nc")]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from contactlab.results import files
-from contactlab.results.files import remove_left, whole_file
+from contactlab.results.files import remove_stale, whole_file
 
 
 def test_a_file_takes_its_name_only_after_the_body(tmp_path: Path) -> None:
@@ -91,66 +91,46 @@ def test_a_missing_folder_is_named(tmp_path: Path) -> None:
     assert e.value.filename == str(tmp_path / "nowhere")
 
 
-def left_by(process: int | str, machine: str, folder: Path) -> Path:
-    """A temporary file that is there still."""
-    left = folder / f".run.nc.{machine}-{process}-0123abcd.partial"
-    left.write_text("ha")
-    return left
+WRITES = """
+import os, signal, sys, time
+from pathlib import Path
+from contactlab.results.files import whole_file
+with whole_file(Path(sys.argv[1])) as partial:
+    partial.write_text("half")
+    os.kill(os.getpid(), int(sys.argv[2]))
+    time.sleep(60.0)
+"""
 
 
-def dead_process() -> int:
-    ended = subprocess.Popen([sys.executable, "-c", ""])
-    ended.wait()
-    return ended.pid
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to send.")
+def test_what_a_killed_process_left_is_not_under_the_name_and_goes_once_it_is_old(tmp_path: Path) -> None:
+    line = [sys.executable, "-c", WRITES, str(tmp_path / "run.nc"), str(int(signal.SIGKILL))]
+    assert subprocess.run(line, check=False, timeout=60.0).returncode == -signal.SIGKILL
+    (left,) = tmp_path.iterdir()
+    assert left.name.startswith(".run.nc.")
+    for age, stays in ((0.0, True), (files.STALE_AFTER + 10.0, False)):
+        os.utime(left, (0.0, time.time() - age))
+        with whole_file(tmp_path / "other.nc") as partial:
+            partial.write_text("whole")
+        assert {*tmp_path.iterdir()} == {tmp_path / "other.nc", *([left] if stays else [])}
 
 
-def test_what_a_killed_process_left_goes_with_the_next_file(tmp_path: Path) -> None:
-    killed = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            "import os, signal\n"
-            "from pathlib import Path\n"
-            "from contactlab.results.files import whole_file\n"
-            "with whole_file(Path('run.nc')) as partial:\n"
-            "    partial.write_text('ha')\n"
-            "    os.kill(os.getpid(), signal.SIGKILL)\n",
-        ],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(Path(files.__file__).parents[2])},
-        check=False,
-    )
-    assert killed.returncode == -9
-    assert len(list(tmp_path.glob(".run.nc.*.partial"))) == 1
-    with whole_file(tmp_path / "other.nc") as partial:
-        partial.write_text("whole")
-    assert list(tmp_path.iterdir()) == [tmp_path / "other.nc"]
-
-
-def test_what_somebody_may_be_writing_stays(tmp_path: Path) -> None:
-    mine = files._machine()
-    kept = [
-        left_by(os.getpid(), mine, tmp_path),
-        left_by(os.getppid(), mine, tmp_path),
-        # A process of that number on another machine cannot be signalled.
-        left_by(dead_process(), "00000000", tmp_path),
-        tmp_path / ".run.nc.partial",
-        tmp_path / "run.nc.0123abcd.partial",
-    ]
-    for path in kept:
+def test_only_temporary_files_are_removed(tmp_path: Path) -> None:
+    kept = [tmp_path / name for name in ("run.nc", ".run.nc.partial", "run.nc.0123456789abcdef.partial")]
+    for path in (*kept, tmp_path / ".run.nc.0123456789abcdef.partial"):
         path.write_text("mine")
-    remove_left(tmp_path)
-    assert set(tmp_path.iterdir()) == set(kept)
+        os.utime(path, (0.0, 0.0))
+    remove_stale(tmp_path)
+    assert {*tmp_path.iterdir()} == {*kept}
 
 
-def test_what_another_machine_has_not_touched_for_days_goes(tmp_path: Path) -> None:
-    old, older = left_by(1, "00000000", tmp_path), tmp_path / ".run.nc.0123abcd.partial"
-    older.write_text("of an earlier version")
-    for path in (old, older):
-        os.utime(path, (0.0, time.time() - files.FOREIGN_AFTER - 10.0))
-    fresh = left_by(2, "00000000", tmp_path)
-    remove_left(tmp_path)
-    assert list(tmp_path.iterdir()) == [fresh]
+def test_two_that_write_the_same_file_do_not_disturb_each_other(tmp_path: Path) -> None:
+    path = tmp_path / "run.nc"
+    with whole_file(path) as first, whole_file(path) as second:
+        first.write_text("first")
+        second.write_text("second")
+    assert path.read_text() == "first"
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_fresh_file_takes_the_place_of_no_other(tmp_path: Path) -> None:
@@ -165,17 +145,6 @@ def test_a_fresh_file_takes_the_place_of_no_other(tmp_path: Path) -> None:
         begin("second")
     assert path.read_text() == "first"
     assert list(tmp_path.iterdir()) == [path]
-
-
-WRITES = """
-import os, signal, sys, time
-from pathlib import Path
-from contactlab.results.files import whole_file
-with whole_file(Path(sys.argv[1])) as partial:
-    partial.write_text("half")
-    os.kill(os.getpid(), int(sys.argv[2]))
-    time.sleep(60.0)
-"""
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to send.")

@@ -151,7 +151,7 @@ def discovered(directory: Path) -> Iterator[Run]:
     names: list[str] = []
     for place, below, there in os.walk(directory):
         below[:] = [name for name in below if not name.startswith(".")]
-        files.remove_left(Path(place))
+        files.remove_stale(Path(place))
         if not {files.DATASET, files.STATE}.isdisjoint(there):
             names.append(Path(place).relative_to(directory).as_posix())
 
