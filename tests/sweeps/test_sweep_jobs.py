@@ -21,7 +21,7 @@ from contactlab.metrics import assess, read_run
 from contactlab.studies import run_state as state
 from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep.plan import Outputs, planned
-from contactlab.studies.sweep.study import ScriptComposer, Sweep
+from contactlab.studies.sweep.study import Sweep, composing
 from contactlab.trajectory import Ending
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
@@ -200,7 +200,7 @@ def test_any_exception_of_a_run_is_a_reason_with_the_traceback_in_the_log(
 
 def test_a_run_that_can_no_longer_be_built_is_refused_alone(tmp_path: Path) -> None:
     faulty = {**build().configuration, "law": "none of these"}
-    plan = planned(ScriptComposer(["law=newton"]), {"drive.phase": [0.0]}, Outputs(), keep="runs")
+    plan = planned(composing(["law=newton"]), {"drive.phase": [0.0]}, Outputs(), keep="runs")
     folders = {0: (tmp_path, state.Job(configuration=faulty))}
     parts, _ = done_parts(Sweep(plan=plan, folders=folders), {})
     assert parts["0"]["status"].values.tolist() == [state.Status.REFUSED]
