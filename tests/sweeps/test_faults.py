@@ -85,30 +85,21 @@ SECRETS = [
     ["--config-dir=.", "law=mine"],
 ]
 
+SECRET_FILES = {
+    "table.csv": f"drive.phase\n{REFERENCE}\n",
+    "law/mine.yaml": f"name: newton\nrestitution: {REFERENCE}\n",
+}
+
 FAULTS = [
     *(([*METRICS_ALONE, *lines], keys, {}) for lines, keys in NUMBERS),
     *((["-m", *lines], keys, {}) for lines, keys in JOBS),
     *((["-m", "sweep.samples=table.csv"], [key], {"table.csv": table}) for table, key in TABLES),
     ([*METRICS_ALONE, "sweep.samples=note.txt"], ["note.txt"], {"note.txt": "hello\0\udcff"}),
-    *(
-        (
-            lines,
-            [],
-            {
-                "table.csv": f"drive.phase\n{REFERENCE}\n",
-                "law/mine.yaml": f"name: newton\nrestitution: {REFERENCE}\n",
-            },
-        )
-        for lines in SECRETS
-    ),
+    *((lines, [], SECRET_FILES) for lines in SECRETS),
 ]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "keys", "files"),
-    FAULTS,
-    ids=[" ".join([*f[0], *map(repr, f[2].values())])[:100] for f in FAULTS],
-)
+@pytest.mark.parametrize(("arguments", "keys", "files"), FAULTS, ids=repr)
 def test_a_faulty_sweep_is_refused_by_its_keys_before_anything_runs(
     arguments: list[str],
     keys: list[str],

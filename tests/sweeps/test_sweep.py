@@ -149,27 +149,6 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
         signal.signal(signal.SIGUSR2, before)
 
 
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        ({"metrics": ["peak_farce"]}, "peak_farce"),
-        ({"series": ["gab"]}, "gab"),
-        ({"metrics": []}, "metric"),
-        ({"output": "here"}, "output"),
-    ],
-)
-def test_what_cannot_be_kept_is_refused(changes: dict[str, Any], key: str) -> None:
-    with pytest.raises(ValueError, match=key):
-        swept(hertz(), **changes)
-
-
-def test_a_sweep_without_values_is_refused() -> None:
-    with pytest.raises(ValueError, match="swept"):
-        sweep({}, motor_at)
-    with pytest.raises(ValueError, match="phase"):
-        sweep({"phase": []}, motor_at)
-
-
 def test_what_a_function_returns_beside_a_setup_is_a_failed_run() -> None:
     result = sweep({"clearance": [1e-6], "phase": [0.0]}, motor_at, workers=1)
     assert result["status"].item() == Status.FAILED
@@ -248,5 +227,3 @@ def test_a_study_is_swept_over_keys_and_over_the_numbers_of_a_motor() -> None:
     made = sweep(numbers, cl.Setup.of(setup.motor, setup.law, 1e-3), study=study, workers=1)
     built = sweep(numbers, setup, study=study, workers=1)
     assert np.allclose(made["rotor_velocity"], built["rotor_velocity"], rtol=1e-6)
-    with pytest.raises(ValueError, match="metrics"):
-        sweep(numbers, study=study, metrics="all")

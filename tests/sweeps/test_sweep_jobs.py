@@ -28,7 +28,9 @@ from contactlab.trajectory import Ending
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
 
-def test_a_sweep_run_again_skips_all_and_says_so(command: Command, simulations: Simulations) -> None:
+def test_a_sweep_run_again_skips_all_and_runs_values_that_are_added(
+    command: Command, simulations: Simulations
+) -> None:
     status, _, err = command(*THREE)
     assert status == 0, err
     runs = {path: path.stat().st_mtime_ns for path in Path("sweep").glob("*/*")}
@@ -36,6 +38,8 @@ def test_a_sweep_run_again_skips_all_and_says_so(command: Command, simulations: 
     assert command(*THREE)[0] == 0
     assert simulations.seen == [1.0, 2.0, 3.0]
     assert {path: path.stat().st_mtime_ns for path in Path("sweep").glob("*/*")} == runs
+    assert command("-m", "contact.clearance=2e-6,1e-6,0.5e-6", *QUICK)[0] == 0
+    assert simulations.seen == [1.0, 2.0, 3.0, 0.5]
 
 
 def test_what_failed_is_run_again_and_the_others_are_not(command: Command, simulations: Simulations) -> None:
@@ -89,12 +93,6 @@ def test_jobs_with_the_same_options_are_composed_once(
             assert job["choices"]["law"] == law
 
 
-def test_a_sweep_with_more_values_runs_those_alone(command: Command, simulations: Simulations) -> None:
-    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
-    assert command("-m", "contact.clearance=2e-6,1e-6,0.5e-6", *QUICK)[0] == 0
-    assert simulations.seen == [1.0, 2.0, 0.5]
-
-
 @pytest.mark.long
 def test_another_configuration_in_the_same_folder_is_run(
     command: Command, simulations: Simulations, tmp_path: Path
@@ -146,24 +144,17 @@ def test_a_run_that_was_killed_is_run_again(
     assert state_of(place)["state"] == "complete"
 
 
-def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(command: Command, simulations: Simulations) -> None:
+# Other processes would simulate in earnest.
+@pytest.mark.parametrize("keep", ["", "sweep.keep=metrics sweep.chunk=1 sweep.workers=1 law=newton"])
+def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(
+    command: Command, simulations: Simulations, keep: str
+) -> None:
     simulations.endings = {2.0: Ending.INTERRUPTED}
-    assert command(*THREE)[0] == 130
+    assert command(*THREE, *keep.split())[0] == 130
+    assert simulations.seen == [1.0, 2.0]
     assert not Path("sweep/sweep.nc").exists()
     simulations.endings = {}
-    assert command(*THREE)[0] == 0
-    assert simulations.seen == [1.0, 2.0, 2.0, 3.0]
-
-
-def test_ctrl_c_in_a_run_stops_a_sweep_of_numbers(command: Command, simulations: Simulations) -> None:
-    simulations.endings = {2.0: Ending.INTERRUPTED}
-    # Other processes would simulate in earnest.
-    keep = ("sweep.keep=metrics", "sweep.chunk=1", "sweep.workers=1", "law=newton")
-    three = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *keep)
-    assert command(*three, *QUICK)[0] == 130
-    assert simulations.seen == [1.0, 2.0]
-    simulations.endings = {}
-    assert command(*three, *QUICK)[0] == 0
+    assert command(*THREE, *keep.split())[0] == 0
     assert simulations.seen == [1.0, 2.0, 2.0, 3.0]
 
 
