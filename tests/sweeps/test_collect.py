@@ -89,7 +89,7 @@ def test_runs_are_collected_without_their_files_but_where_their_code_is_another(
 
 
 def test_what_is_not_complete_is_missing_with_a_reason(command: Command, simulations: Simulations) -> None:
-    """But a run with an open ledger keeps its numbers."""
+    """But a run whose energy balance does not close keeps its numbers."""
     simulations.endings = {
         2.0: RuntimeError("no luck"),
         3.0: Ending.CHATTERED,
