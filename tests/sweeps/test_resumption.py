@@ -16,7 +16,7 @@ from contactlab.studies.sweep import study as module
 from contactlab.studies.sweep.collection import collect
 from contactlab.studies.sweep.dataset import DATASET
 from contactlab.studies.sweep.plan import Plan
-from contactlab.studies.sweep.study import DIGEST, MANIFEST, UNFINISHED, Cells, begin, continued, read_plan
+from contactlab.studies.sweep.study import DIGEST, MANIFEST, UNFINISHED, begin, continued, read_plan
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
@@ -158,9 +158,9 @@ def test_what_is_finished_can_be_collected(tmp_path: Path, whole: dict[str, byte
 
 
 def test_a_task_takes_the_values_of_its_own_cells_along() -> None:
-    plan = small_sweep().plan
-    cells = Cells(plan, range(3, 6), Plan.setup_at, None)
-    copy = pickle.loads(pickle.dumps(cells))
-    assert copy.plan.axes[0].values == plan.axes[0].values[3:6]
-    pairs = zip(copy.cells, cells.cells, strict=True)
-    assert all(copy.plan.configuration(here) == plan.configuration(there) for here, there in pairs)
+    sweep = small_sweep()
+    task = pickle.loads(pickle.dumps([*sweep.tasks({})][1]))
+    rows = next(each for each in task.arguments if isinstance(each, Plan))
+    assert rows.axes[0].values == sweep.plan.axes[0].values[3:6]
+    pairs = zip(range(3), range(3, 6), strict=True)
+    assert all(rows.configuration(here) == sweep.plan.configuration(there) for here, there in pairs)

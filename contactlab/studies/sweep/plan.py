@@ -196,8 +196,13 @@ class Plan:
 
     def rows(self, cells: Sequence[int]) -> "Plan":
         """Return the plan of some cells alone, as samples."""
-        points = [self.point(cell) for cell in cells]
-        axes = (replace(axis, values=tuple(point[axis.key] for point in points)) for axis in self.axes)
+        if not self.axes:
+            return replace(self, samples=True)
+        places = np.unravel_index(cells, self.shape) * (len(self.axes) if self.samples else 1)
+        axes = (
+            replace(axis, values=tuple(axis.values[place] for place in along))
+            for axis, along in zip(self.axes, places, strict=True)
+        )
         return replace(self, axes=tuple(axes), samples=True)
 
     def places(self, cell: int) -> list[int]:

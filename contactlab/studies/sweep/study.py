@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final, TypeAlias, final
+from typing import Any, ClassVar, Final, TypeAlias
 
 import numpy as np
 import pandas
@@ -113,8 +113,9 @@ class Sweep(Study):
         cells = self.cells
         for start in range(0, len(cells), self.plan.chunk):
             own = cells[start : start + self.plan.chunk]
-            folders = tuple(self.folders[cell] for cell in own) if self.folders is not None else ()
-            yield Task(str(own[0]), _done, (Cells(self.plan, own, self.make, self.question, folders),))
+            # A task brings the values of its own cells alone.
+            rows, folders = self.plan.rows(own), [self.folders[cell] for cell in own] if self.folders else []
+            yield Task(str(own[0]), _done, (own[0], rows, self.make, self.question, folders))
 
     @property
     def cells(self) -> Sequence[int]:
@@ -133,30 +134,20 @@ class Sweep(Study):
         return {}
 
 
-@final
-@dataclass(frozen=True)
-class Cells:
-    """Some cells of a plan; pickled they bring the values of these cells alone."""
+def _done(
+    first: int, plan: Plan, make: Maker, question: Study | None, folders: Sequence[tuple[Path, Job]]
+) -> Part:
+    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none.
 
-    plan: Plan
-    cells: Sequence[int]
-    make: Maker
-    question: Study | None
-    folders: tuple[tuple[Path, Job], ...] = ()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        rows = self.plan.rows(self.cells)
-        return Cells, (rows, range(rows.cells), self.make, self.question, self.folders)
-
-
-def _done(work: Cells) -> Part:
-    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
-    outputs = work.plan.outputs
-    runs = []
-    for done, cell in enumerate(work.cells):
-        with part_of_progress(done / len(work.cells), (done + 1) / len(work.cells), f"run {cell + 1}: "):
+    Args:
+        first: number of the first one in the whole sweep.
+        plan, make, question, folders: see `Sweep`.
+    """
+    outputs, runs = plan.outputs, list[Outcome]()
+    for cell in range(plan.cells):
+        with part_of_progress(cell / plan.cells, (cell + 1) / plan.cells, f"run {first + cell + 1}: "):
             tell_progress("", 0.0)
-            runs.append(_left(*work.folders[done]) if work.folders else _outcome(work, cell))
+            runs.append(_left(*folders[cell]) if folders else _outcome(plan, cell, make, question))
     root = {name: ("run", column) for name, column in columns_of(runs, outputs.metrics).items()}
     groups = {"/": xarray.Dataset(root)}
     time = next((each.time for each in runs if each.time is not None), None)
@@ -184,13 +175,13 @@ def _left(folder: Path, job: Job) -> Outcome:
     return Outcome(Status[state.state.upper()], state.reason)
 
 
-def _outcome(work: Cells, cell: int) -> Outcome:
+def _outcome(plan: Plan, cell: int, make: Maker, question: Study | None) -> Outcome:
     """Run one cell."""
-    outputs = work.plan.outputs
+    outputs = plan.outputs
     try:
-        setup = work.make(work.plan, cell)
+        setup = make(plan, cell)
         if outputs.study:
-            study = work.question or work.plan.study_at(cell)
+            study = question or plan.study_at(cell)
             every = study.evaluate(setup)
             values = {q.name: every[q.name].value for q in study.quantities}
             errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
