@@ -1,8 +1,8 @@
 """The sweep of a command line: arguments as a plan, done as the study `contactlab.studies.sweep.study.Sweep`.
 
-A launcher of Hydra may do the runs that leave folders. Hydra's own sweeper would compose every job anew, which
-takes ten times as long, and hand it on unchecked, so that a cluster allocates nodes to find runs faulty or
-complete; here a launcher receives what is left.
+A launcher of Hydra may do the runs that leave folders. Hydra's own sweeper would compose every job anew,
+which takes ten times as long, and hand it on unchecked, so that a cluster allocates nodes to find runs faulty
+or complete; here a launcher receives what is left.
 """
 
 import random
