@@ -26,7 +26,7 @@ from contactlab.config import Setup
 from contactlab.processes import forked_pool
 from contactlab.studies.runner import run
 from contactlab.studies.sweep.plan import Outputs, Plan, planned
-from contactlab.studies.sweep.study import ScriptComposer, Sweep
+from contactlab.studies.sweep.study import Sweep, composing
 
 SETUPS: list[Setup] = []
 """What the bare engine runs; processes that are forked later have it too."""
@@ -51,7 +51,7 @@ def plan_with(runs: int) -> Plan:
         "contact.clearance": [f"linspace(0,2e-6,{rows})"],
         "drive.phase": [f"linspace(-3,3,{max(runs // rows, 1)})"],
     }
-    return planned(ScriptComposer([f"solver.duration={DURATION}"]), over, Outputs())
+    return planned(composing([f"solver.duration={DURATION}"]), over, Outputs())
 
 
 def bare(cells: range) -> None:

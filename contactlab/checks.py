@@ -1,7 +1,9 @@
 """Checks of arguments from Python against the annotations of a class."""
 
+import json
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import is_dataclass
 from functools import cache, partial, wraps
 from inspect import Parameter as Parameters, signature
 from math import ceil, inf, isnan, prod
@@ -41,6 +43,7 @@ MEMORY_INFO = Path("/proc/meminfo")
 """Where Linux tells the memory that processes can have."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+Read = TypeVar("Read")
 
 _NAMES = {
     float: "a number",
@@ -318,6 +321,39 @@ def is_kind(value: object, kind: Any) -> bool:
     if kind is Any or not isinstance(checked, type) or getattr(checked, "_is_protocol", False):
         return True
     return isinstance(value, checked)
+
+
+def read_json(text: str | bytes, kind: type[Read]) -> Read:
+    """Return a dataclass that was written as JSON, each value checked against the annotation of its field.
+
+    Fields of other names are passed over.
+
+    Raises:
+        ValueError: it is no JSON, a field is missing, or a value is of another kind.
+        RecursionError: its lists are nested too deeply.
+    """
+    return cast(Read, _as_kind(kind.__name__, json.loads(text), kind))
+
+
+def _as_kind(name: str, value: Any, kind: Any) -> Any:
+    """Return a value of JSON as an annotated kind: a mapping as a dataclass, a list as a tuple."""
+    origin, inner = get_origin(kind), get_args(kind)
+    if is_dataclass(kind) and isinstance(value, dict):
+        hints = get_type_hints(kind)
+        known = {key: _as_kind(key, value[key], hints[key]) for key in hints.keys() & value.keys()}
+        try:
+            return cast(type, kind)(**known)
+        except TypeError as error:
+            raise ValueError(f"{name} is not whole: {error}.") from error
+    if origin is tuple and isinstance(value, list):
+        # Many plain values are looked over at once.
+        plain = {*map(type, value)} <= {*kinds_of(inner[0])}
+        return tuple(value if plain else (_as_kind(name, each, inner[0]) for each in value))
+    if origin is Mapping and isinstance(value, dict):
+        return {key: _as_kind(f"{name}.{key}", each, inner[1]) for key, each in value.items()}
+    if not any(is_kind(value, each) for each in kinds_of(kind)):
+        raise ValueError(_other_kind(name, value, kinds_of(kind)))
+    return value
 
 
 def _other_kind(name: str, value: object, kinds: tuple[Any, ...]) -> str:

@@ -1,9 +1,9 @@
 """The sweeper of contactlab where Hydra looks for sweepers: it takes those of this package alone."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from hydra.core.config_store import ConfigStore
+from hydra.core.plugins import Plugins
 from hydra.plugins.sweeper import Sweeper
 from hydra.types import HydraContext, TaskFunction
 from omegaconf import DictConfig
@@ -20,18 +20,21 @@ class ContactlabSweeperConf:
 class ContactlabSweeper(Sweeper):
     """Hands sweeps to `contactlab.cli.sweeper`, imported for a sweep alone: Hydra imports this for all."""
 
-    def __init__(self, **options: Any) -> None:
-        self.options = options
+    def __init__(self, max_batch_size: int | None = None) -> None:
+        self.max_batch_size = max_batch_size
 
     def setup(self, *, hydra_context: HydraContext, task_function: TaskFunction, config: DictConfig) -> None:
         """See `Sweeper.setup`."""
-        self.given = (hydra_context, task_function, config)
+        self.loader, self.config = hydra_context.config_loader, config
+        self.launcher = Plugins.instance().instantiate_launcher(
+            hydra_context=hydra_context, task_function=task_function, config=config
+        )
 
-    def sweep(self, arguments: list[str]) -> Any:
+    def sweep(self, arguments: list[str]) -> None:
         """See `Sweeper.sweep`."""
-        from contactlab.cli.sweeper import Sweeping
+        from contactlab.cli.sweeper import sweep
 
-        return Sweeping(*self.given, **self.options).sweep(arguments)
+        sweep(self.loader, self.launcher, self.config, arguments, self.max_batch_size)
 
 
 ConfigStore.instance().store(

@@ -41,8 +41,6 @@ def collect_swept(folder: Path, series: Sequence[str] = (), metrics: Sequence[st
 
 def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     # Imported here: they bring the compiler, which --help does not need.
-    from contactlab import SweepError
-    from contactlab.config import ConfigurationError
     from contactlab.results.files import error_text
     from contactlab.studies.sweep.collection import collect
     from contactlab.studies.sweep.dataset import summary
@@ -50,7 +48,7 @@ def _collect(folder: Path, output: Path | None, *kept: Sequence[str]) -> None:
     try:
         with terminal.progress(1.0, "folder"), terminal.raising():
             dataset = collect(folder, output, *kept)
-    except (ConfigurationError, SweepError) as error:
+    except ValueError as error:
         raise RefusalError(str(error)) from error
     except OSError as error:
         raise RefusalError(error_text(error), INCOMPLETE) from error

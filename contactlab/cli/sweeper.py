@@ -1,7 +1,8 @@
 """The sweep of a command line: arguments as a plan, done as the study `contactlab.studies.sweep.study.Sweep`.
 
-A launcher of Hydra may do the runs that leave folders. Hydra's own sweeper would hand it every job,
-unchecked, so that a cluster allocates nodes to find runs faulty or complete; here it receives what is left.
+A launcher of Hydra may do the runs that leave folders. Hydra's own sweeper would compose every job anew,
+which takes ten times as long, and hand it on unchecked, so that a cluster allocates nodes to find runs faulty
+or complete; here a launcher receives what is left.
 """
 
 import random
@@ -9,17 +10,16 @@ import re
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, final
 
 import pandas
 import xarray
+from hydra.core.config_loader import ConfigLoader
 from hydra.core.hydra_config import HydraConfig
 from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Override, QuotedString, RangeSweep, Transformer
-from hydra.core.plugins import Plugins
-from hydra.types import HydraContext, TaskFunction
+from hydra.plugins.launcher import Launcher
 from omegaconf import DictConfig, OmegaConf, open_dict, read_write
 from omegaconf.errors import OmegaConfBaseException
 
@@ -36,10 +36,10 @@ from contactlab.config.nesting import Value, flat, quoted
 from contactlab.processes import WorkerError, processors
 from contactlab.results.files import STATE, check_file, error_text
 from contactlab.studies.registry import SIMULATE
-from contactlab.studies.run_state import ABSENT, Job, State, key_of, resume, write_log, write_state
+from contactlab.studies.run_state import ABSENT, Job, State, key_of, why_to_run, write_log, write_state
 from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep.dataset import summary
-from contactlab.studies.sweep.plan import NOTHING, Configuration, Outputs, Plan, full_keys, planned
+from contactlab.studies.sweep.plan import NOTHING, Columns, Configuration, Outputs, Plan, full_keys, planned
 from contactlab.studies.sweep.study import Sweep as SweepStudy, begin, continued, runs_of
 from contactlab.studies.sweep.values import FORMS, SweepError, call_in, spread
 from contactlab.suggestion import excerpt
@@ -50,19 +50,21 @@ class Arguments:
     """Arguments of a sweep: which keys are swept over which values, and the configurations they compose.
 
     Args:
-        context, config: what Hydra hands a sweeper.
+        loader, config: what Hydra hands a sweeper.
         lines: the overrides.
+
+    Raises:
+        ConfigurationError: an override cannot be read; other faults are collected in `faults`.
     """
 
-    def __init__(self, context: HydraContext, config: DictConfig, lines: Sequence[str]) -> None:
-        self._loader, self._config = context.config_loader, config
-        self.options = self._loader.get_group_options
+    def __init__(self, loader: ConfigLoader, config: DictConfig, lines: Sequence[str]) -> None:
+        self.options, self._loader, self._config = loader.get_group_options, loader, config
         self.columns: dict[str, list[Value]] = {}
         self.faults: list[str] = []
         self._lines: dict[str, str] = {}
-        self._composed: dict[tuple[Value, ...], DictConfig] = {}
+        self._composed: dict[tuple[str, ...], DictConfig] = {}
         try:
-            overrides = OverridesParser.create(config_loader=self._loader).parse_overrides(list(lines))
+            overrides = OverridesParser.create(config_loader=loader).parse_overrides(list(lines))
             self.settings: dict[str, Any] = dict(OmegaConf.to_container(config.sweep, resolve=True))  # type: ignore[arg-type]
         # Hydra lets the errors of what it calls through.
         except Exception as error:
@@ -83,15 +85,27 @@ class Arguments:
             keys = ", ".join(self.columns)
             self.faults.append(f"{keys} and sweep.samples are swept at once; it must be one of them.")
 
+    def _values(self, override: Override) -> list[Any]:
+        """Return the values of an override."""
+        if override.is_delete():
+            return []
+        value: Any = override.value()
+        values: list[Any] = [value]
+        if isinstance(value, RangeSweep):
+            text = f"range({value.start},{value.stop},{value.step})"
+            values = spread(override.key_or_group, text) if value.shuffle else [text]
+            random.shuffle(values)
+            return values
+        if override.is_discrete_sweep():
+            values = [*override.sweep_iterator(Transformer.identity)]
+        elif override.is_sweep_override():
+            self.faults.append(f"{override.input_line} cannot be swept; a swept parameter must have {FORMS}.")
+        return [each.text if isinstance(each, QuotedString) else each for each in values]
+
     @property
     def fixed(self) -> list[str]:
         """The overrides that all runs have."""
         return [line for key, line in self._lines.items() if key not in self.columns]
-
-    @property
-    def keys(self) -> dict[str, str]:
-        """All keys of the configuration, full."""
-        return {key: key for key in flat(self.compose({}))}
 
     def compose(self, chosen: Mapping[str, Value]) -> Configuration:
         """Return the configuration with these options of groups, and of a study its section."""
@@ -101,30 +115,47 @@ class Arguments:
 
     def composed(self, chosen: Mapping[str, Value]) -> DictConfig:
         """Return the configuration as Hydra composes it, once for the same options, its own part included."""
-        options = (*chosen.values(),)
-        if options not in self._composed:
-            lines = [*self.fixed, *(f"{group}={option}" for group, option in chosen.items())]
+        lines = (*self.fixed, *(f"{group}={option}" for group, option in chosen.items()))
+        if lines not in self._composed:
             try:
-                self._composed[options] = self._loader.load_sweep_config(self._config, lines)
+                self._composed[lines] = self._loader.load_sweep_config(self._config, [*lines])
             # Besides its own exceptions Hydra lets ValueError, TypeError and those of YAML through.
             except Exception as error:
                 raise ConfigurationError(faults_of(error, lines)) from error
-        return self._composed[options]
+        return self._composed[lines]
 
-    def job(self, plan: Plan, cell: int) -> tuple[str, Job]:
-        """Return the name of a run's folder, by `hydra.sweep.subdir`, and its configuration.
+    def jobs(self, plan: Plan) -> list[tuple[str, Job]]:
+        """Return the name of the folder of every run, by `hydra.sweep.subdir`, and its configuration.
 
         Raises:
-            ConfigurationError: the run is faulty.
+            ConfigurationError: runs are faulty, or have one folder.
         """
-        setup, lines, values = plan.setup_at(cell), dict(self._lines), dict[str, Value]()
-        for axis, place in zip(plan.axes, plan.places(cell), strict=True):
-            column = self.columns.get(axis.key, axis.values)
-            # Values as typed where they are listed.
-            values[axis.key] = (axis.values if any(map(call_in, column)) else column)[place]
-            before, value = lines.get(axis.key, axis.key).partition("=")[0], values[axis.key]
+        jobs, faults = list[tuple[str, Job]](), list[str]()
+        # Values as typed where they are listed.
+        typed = {key: column for key, column in self.columns.items() if not any(map(call_in, column))}
+        columns = {axis.key: typed.get(axis.key, axis.values) for axis in plan.axes}
+        with terminal.progress(plan.cells, "runs checked") as show:
+            for cell in range(plan.cells):
+                places = zip(columns.items(), plan.places(cell), strict=True)
+                with faults_added(faults):
+                    jobs.append(self._job(plan, cell, {key: column[at] for (key, column), at in places}))
+                show(cell)
+        HydraConfig.instance().set_config(self._config)
+        raise_faults(faults)
+        raise_faults(
+            f"hydra.sweep.subdir is '{name}' for {count} jobs; it must differ from job to job."
+            for name, count in Counter(name for name, _ in jobs).items()
+            if count > 1
+        )
+        return jobs
+
+    def _job(self, plan: Plan, cell: int, values: dict[str, Value]) -> tuple[str, Job]:
+        """Return folder and configuration of a run; a ConfigurationError if it is faulty."""
+        setup, lines = plan.setup_at(cell), dict(self._lines)
+        for key, value in values.items():
             plain = isinstance(value, str) and re.fullmatch(r"[\w.+-]+", value, re.ASCII)
-            lines[axis.key] = f"{before}={value if plain else written(value)}"
+            before = lines.get(key, key).partition("=")[0]
+            lines[key] = f"{before}={value if plain else written(value)}"
         composed = self.composed({group: values.pop(group) for group in plan.groups})
         hydra, task = composed.hydra, {k: line for k, line in lines.items() if not re.match(r"hydra\W", k)}
         with read_write(hydra), open_dict(hydra):
@@ -141,24 +172,6 @@ class Arguments:
         except OmegaConfBaseException as error:
             raise ConfigurationError(f"hydra.sweep.subdir cannot be resolved: {one_line(error)}") from error
         return name, Job(key_of(setup), tuple(lines.values()), choices_of(hydra), setup.configuration)
-
-    def _values(self, override: Override) -> list[Any]:
-        """Return the values of an override."""
-        if override.is_delete():
-            return []
-        value = override.value()
-        if not override.is_sweep_override():
-            return [_plain(value)]
-        if isinstance(value, RangeSweep):
-            values: list[Any] = [f"range({value.start},{value.stop},{value.step})"]
-            if value.shuffle:
-                values = spread(override.key_or_group, values[0])
-                random.shuffle(values)
-            return values
-        if not override.is_discrete_sweep():
-            self.faults.append(f"{override.input_line} cannot be swept; a swept parameter must have {FORMS}.")
-            return []
-        return [_plain(each) for each in override.sweep_iterator(Transformer.identity)]
 
 
 def table(path: str) -> dict[str, list[Value]]:
@@ -205,181 +218,155 @@ def table(path: str) -> dict[str, list[Value]]:
     return {str(name): rows[name].tolist() for name in rows}
 
 
-def _plain(value: Any) -> Any:
-    return value.text if isinstance(value, QuotedString) else value
+def sweep(
+    loader: ConfigLoader, launcher: Launcher, config: DictConfig, lines: list[str], batch: int | None
+) -> None:
+    """Plan, check, resume and collect a sweep.
+
+    Args:
+        loader, launcher, config: what Hydra hands a sweeper.
+        lines: the overrides.
+        batch: jobs that a launcher receives at once; None is all.
+
+    Raises:
+        SystemExit: with the status of the worst run, or that of a refusal.
+    """
+    try:
+        status = _swept(Arguments(loader, config, lines), launcher, config, batch)
+    except ConfigurationError as error:
+        status = refuse(error.faults)
+    except SweepError as error:
+        status = refuse([str(error)])
+    if status:
+        raise SystemExit(status)
 
 
-@final
-@dataclass(frozen=True)
-class Sweeping:
-    """Plans, checks, resumes and collects a sweep, by what Hydra hands a sweeper and its options."""
-
-    context: HydraContext
-    task: TaskFunction
-    config: DictConfig
-    max_batch_size: int | None = None
-
-    def sweep(self, lines: list[str]) -> None:
-        """Run a sweep, or continue it.
-
-        Raises:
-            SystemExit: with the status of the worst run, or that of a refusal.
-        """
-        try:
-            status = self._swept(lines)
-        except ConfigurationError as error:
-            status = refuse(error.faults)
-        except SweepError as error:
-            status = refuse([str(error)])
-        if status:
-            raise SystemExit(status)
-
-    def _swept(self, lines: Sequence[str]) -> int:
-        arguments = Arguments(self.context, self.config, lines)
-        faults, composed = arguments.faults, arguments.composed({})
-        with faults_added(faults):
-            settings = sweep_in(arguments.settings)
-        raise_faults(faults)
-        section, folder = self.config.study, Path(str(self.config.hydra.sweep.dir))
-        study, scheduler = "" if section.name == SIMULATE else str(section.name), section.get("scheduler")
-        keep = "metrics" if study else settings.keep
-        if keep == "metrics" and re.search(r"\$\{[^}]*:", str(as_written(composed))):
-            raise ConfigurationError(
-                "${NAME:...} may depend on what is swept; write the value with sweep.keep=metrics."
-            )
-        plan = planned(
-            arguments,
-            full_keys(table(settings.samples), arguments.keys, arguments.options)
-            if settings.samples
-            else arguments.columns,
-            Outputs.of_study(study)
-            if study
-            else Outputs.named(settings.metrics, settings.series or (), "sweep."),
-            samples=settings.samples is not None,
-            chunk=settings.chunk,
-            keep=keep,
+def _swept(arguments: Arguments, launcher: Launcher, config: DictConfig, batch: int | None) -> int:
+    faults, composed = arguments.faults, arguments.composed({})
+    with faults_added(faults):
+        settings = sweep_in(arguments.settings)
+    raise_faults(faults)
+    section, folder = config.study, Path(str(config.hydra.sweep.dir))
+    study, scheduler = "" if section.name == SIMULATE else str(section.name), section.get("scheduler")
+    keep = "metrics" if study else settings.keep
+    if keep == "metrics" and re.search(r"\$\{[^}]*:", str(as_written(composed))):
+        raise ConfigurationError(
+            "${NAME:...} may depend on what is swept; write the value with sweep.keep=metrics."
         )
-        jobs = self._jobs(arguments, plan) if keep == "runs" else []
-        swept = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
-        faults += idle_friction(swept, [base["law"] for base in plan.bases])
-        # Of folders that do not exist yet the longest name is tried.
-        names = [name for name, _ in jobs]
-        for name in {*(name for name in names if (folder / name).exists()), max(names, key=len, default="")}:
-            faults += refusals(folder / name, "hydra.sweep.dir")
-        if keep == "metrics" and not plan.axes:
-            faults.append(NOTHING)
-        own = keep == "metrics", settings.workers, settings.chunk, scheduler
-        if self._launcher != "basic" and any(own):
-            faults.append(
-                f"hydra/launcher is '{self._launcher}', for runs that leave a folder each; it must be left "
-                "out with sweep.keep=metrics, sweep.workers, sweep.chunk or study.scheduler."
-            )
-        raise_faults(faults)
-        begin(folder, plan)
-        # A run that leaves a folder may need much memory: several at once must be chosen.
-        usual = processors() if keep == "metrics" and not study else section.get("workers", 1)
-        sweep = SweepStudy(
-            plan=plan,
-            workers=settings.workers or usual,
-            scheduler=scheduler,
-            folders=self._pending(folder, jobs) if keep == "runs" else None,
+    columns: Columns = arguments.columns
+    if settings.samples:
+        keys = {key: key for key in flat(arguments.compose({}))}
+        columns = full_keys(table(settings.samples), keys, arguments.options)
+    plan = planned(
+        arguments.compose,
+        columns,
+        Outputs.of_study(study)
+        if study
+        else Outputs.named(settings.metrics, settings.series or (), "sweep."),
+        options=arguments.options,
+        samples=settings.samples is not None,
+        chunk=settings.chunk,
+        keep=keep,
+    )
+    jobs = arguments.jobs(plan) if keep == "runs" else []
+    swept = [*arguments.fixed, *(f"{axis.key}=" for axis in plan.axes)]
+    faults += idle_friction(swept, [base["law"] for base in plan.bases])
+    # Of folders that do not exist yet the longest name is tried.
+    names = [name for name, _ in jobs]
+    for name in {*(name for name in names if (folder / name).exists()), max(names, key=len, default="")}:
+        faults += refusals(folder / name, "hydra.sweep.dir")
+    if keep == "metrics" and not plan.axes:
+        faults.append(NOTHING)
+    kind = str(config.hydra.runtime.choices["hydra/launcher"])
+    if kind != "basic" and any((keep == "metrics", settings.workers, settings.chunk, scheduler)):
+        faults.append(
+            f"hydra/launcher is '{kind}', for runs that leave a folder each; it must be left "
+            "out with sweep.keep=metrics, sweep.workers, sweep.chunk or study.scheduler."
         )
-        dataset = self._done(sweep, folder)
-        if keep == "runs":
-            collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
-            return status_of_runs(folder / name for name in names)
-        if dataset is None:
-            return INCOMPLETE
-        print(summary(dataset, dataset.encoding["source"]))
-        # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
-        ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
-        return COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE
+    raise_faults(faults)
+    begin(folder, plan)
+    folders = _pending(config, folder, jobs) if keep == "runs" else None
+    # A run that leaves a folder may need much memory: several at once must be chosen.
+    usual = processors() if keep == "metrics" and not study else section.get("workers", 1)
+    own = SweepStudy(plan=plan, workers=settings.workers or usual, scheduler=scheduler, folders=folders)
+    dataset = _done(own, folder, None if kind == "basic" else launcher, batch)
+    if keep == "runs":
+        collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
+        return status_of_runs(folder / name for name in names)
+    if dataset is None:
+        return INCOMPLETE
+    print(summary(dataset, dataset.encoding["source"]))
+    # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
+    ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
+    return COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE
 
-    def _jobs(self, arguments: Arguments, plan: Plan) -> list[tuple[str, Job]]:
-        """Return folder and job of every run; a ConfigurationError if one is faulty or two share a folder."""
-        jobs, faults = list[tuple[str, Job]](), list[str]()
-        with terminal.progress(plan.cells, "runs checked") as show:
-            for cell in range(plan.cells):
-                with faults_added(faults):
-                    jobs.append(arguments.job(plan, cell))
-                show(cell)
-        raise_faults(faults)
-        HydraConfig.instance().set_config(self.config)
-        raise_faults(
-            f"hydra.sweep.subdir is '{name}' for {count} jobs; it must differ from job to job."
-            for name, count in Counter(name for name, _ in jobs).items()
-            if count > 1
+
+def _pending(
+    config: DictConfig, folder: Path, jobs: Sequence[tuple[str, Job]]
+) -> dict[int, tuple[Path, Job]]:
+    """Return the runs that are not complete, by cell, and make their folders."""
+    # Workers of a scheduler may have another working directory.
+    every = [(folder.absolute() / name, job) for name, job in jobs]
+    why = [why_to_run(place, job.key) for place, job in every]
+    counts = Counter(each or "complete, skipped" for each in why)
+    print(f"{len(jobs)} runs: {', '.join(f'{n} {name}' for name, n in sorted(counts.items()))}.", flush=True)
+    pending = {cell: run for cell, run in enumerate(every) if why[cell]}
+    for place, job in pending.values():
+        place.mkdir(parents=True, exist_ok=True)
+        # A run that never begins is known by its state.
+        if not (place / STATE).exists():
+            write_state(place, State(ABSENT, job))
+    announce(job.configuration for _, job in pending.values())
+    OmegaConf.save(config, folder / "multirun.yaml")
+    return pending
+
+
+def _done(
+    study: SweepStudy, folder: Path, launcher: Launcher | None, batch: int | None
+) -> xarray.Dataset | None:
+    """Do what is left of a sweep; return its dataset, or none where runs leave folders or it stopped.
+
+    Raises:
+        KeyboardInterrupt: with a sentence.
+    """
+    cells = max(len(study.cells), 1)
+    try:
+        # Between the jobs an exception, at which a launcher ends the processes that it has begun.
+        with terminal.raising():
+            if launcher is not None:
+                _launch(launcher, [*(study.folders or {}).values()], folder.absolute(), batch)
+                return None
+            with terminal.progress(cells, "runs", min(study.plan.chunk, cells)) as show:
+                if study.folders is None:
+                    return continued(study, folder, runs_of(study, show))
+                done_parts(study, {}, None, runs_of(study, show))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            "Interrupted. Finished runs are kept: the same command continues there."
+        ) from None
+    # A worker that is killed, a cluster that takes no jobs: launchers raise exceptions of any kind.
+    except Exception as error:
+        if launcher is None and not isinstance(error, WorkerError | OSError):
+            raise
+        text = error_text(error) if isinstance(error, OSError) else one_line(error)
+        kind = "" if launcher is None else f"{type(error).__name__}: "
+        tell(
+            f"The sweep stopped: {kind}{text} Finished runs are kept; the same command continues.", sys.stderr
         )
-        return jobs
+        if study.folders is not None:
+            write_log(folder, error)
+    return None
 
-    def _pending(self, folder: Path, jobs: Sequence[tuple[str, Job]]) -> dict[int, tuple[Path, Job]]:
-        """Return the runs that are not complete, by cell, and make their folders."""
-        is_pending, sentence = resume([(folder / name, job.key) for name, job in jobs])
-        print(sentence, flush=True)
-        # Workers of a scheduler may have another working directory.
-        there = folder.absolute()
-        pending = {cell: (there / name, job) for cell, (name, job) in enumerate(jobs) if is_pending[cell]}
-        for place, job in pending.values():
-            place.mkdir(parents=True, exist_ok=True)
-            # A run that never begins is known by its state.
-            if not (place / STATE).exists():
-                write_state(place, State(ABSENT, job))
-        announce(job.configuration for _, job in pending.values())
-        OmegaConf.save(self.config, folder / "multirun.yaml")
-        return pending
 
-    def _done(self, sweep: SweepStudy, folder: Path) -> xarray.Dataset | None:
-        """Do what is left of a sweep; return its dataset, or none where runs leave folders or it stopped.
-
-        Raises:
-            KeyboardInterrupt: with a sentence.
-        """
-        cells = len(sweep.cells)
-        try:
-            # Between the jobs an exception, at which a launcher ends the processes that it has begun.
-            with terminal.raising():
-                if self._launcher != "basic":
-                    self._launch([*(sweep.folders or {}).values()], folder)
-                    return None
-                with terminal.progress(max(cells, 1), "runs", min(sweep.plan.chunk, max(cells, 1))) as show:
-                    progress = runs_of(sweep, show)
-                    if sweep.folders is None:
-                        return continued(sweep, folder, progress)
-                    done_parts(sweep, {}, None, progress)
-        except KeyboardInterrupt:
-            raise KeyboardInterrupt(
-                "Interrupted. Finished runs are kept: the same command continues there."
-            ) from None
-        # A worker that is killed, a cluster that takes no jobs: launchers raise exceptions of any kind.
-        except Exception as error:
-            if self._launcher == "basic" and not isinstance(error, WorkerError | OSError):
-                raise
-            text = error_text(error) if isinstance(error, OSError) else one_line(error)
-            kind = "" if self._launcher == "basic" else f"{type(error).__name__}: "
-            tell(
-                f"The sweep stopped: {kind}{text} Finished runs are kept; the same command continues.",
-                sys.stderr,
-            )
-            if sweep.folders is not None:
-                write_log(folder, error)
-        return None
-
-    def _launch(self, jobs: Sequence[tuple[Path, Job]], folder: Path) -> None:
-        """Have a launcher of Hydra run jobs."""
-        launcher = Plugins.instance().instantiate_launcher(
-            hydra_context=self.context, task_function=self.task, config=self.config
-        )
-        folder, size = folder.absolute(), self.max_batch_size or len(jobs)
-        where = f"hydra.sweep.dir={quoted(str(folder))}"
-        for at in range(0, len(jobs), size or 1):
-            batch = [
-                [*job.overrides, where, f"hydra.sweep.subdir={quoted(str(place.relative_to(folder)))}"]
-                for place, job in jobs[at : at + size]
-            ]
-            for returned in launcher.launch(batch, initial_job_idx=at):
-                # The exception of a job that failed is raised by reading its value.
-                returned.return_value  # noqa: B018
-
-    @property
-    def _launcher(self) -> str:
-        return str(self.config.hydra.runtime.choices["hydra/launcher"])
+def _launch(launcher: Launcher, jobs: Sequence[tuple[Path, Job]], folder: Path, batch: int | None) -> None:
+    """Have a launcher of Hydra run jobs."""
+    where = f"hydra.sweep.dir={quoted(str(folder))}"
+    lines = [
+        [*job.overrides, where, f"hydra.sweep.subdir={quoted(str(place.relative_to(folder)))}"]
+        for place, job in jobs
+    ]
+    size = batch or max(len(lines), 1)
+    for at in range(0, len(lines), size):
+        for returned in launcher.launch(lines[at : at + size], initial_job_idx=at):
+            # The exception of a job that failed is raised by reading its value.
+            returned.return_value  # noqa: B018

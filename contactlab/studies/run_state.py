@@ -7,7 +7,6 @@ same bytes. In a dataset it is a code.
 
 import json
 import traceback
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
@@ -16,8 +15,10 @@ from functools import cache
 from hashlib import sha256
 from math import isnan
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final, final
 
+from contactlab.checks import read_json
 from contactlab.config import Setup
 from contactlab.config.faults import failure_of
 from contactlab.config.groups import resonator_class
@@ -100,24 +101,15 @@ def write_state(folder: Path, state: State) -> None:
 def read_state(folder: Path) -> State | None:
     """Return the state of a run; None where no file can be read as one."""
     try:
-        state: State = _adapter().validate_json((folder / STATE).read_bytes())
-        return state
-    except (OSError, ValueError):
+        return read_json((folder / STATE).read_bytes(), State)
+    # Somebody else's file of that name may be anything.
+    except (OSError, ValueError, RecursionError):
         return None
-
-
-@cache
-def _adapter() -> Any:
-    # Imported here: a run alone reads no state.
-    from pydantic import TypeAdapter
-
-    return TypeAdapter(State)
 
 
 def key_of(setup: Setup) -> str:
     """Return the digest of all that a run's numbers depend on: configuration, version and code."""
-    code = code_of(*classes_of(setup.law), resonator=_resonator_in(setup.configuration))
-    return _key(setup.configuration, code)
+    return _key(setup.configuration, code_of(*classes_of(setup.law), configuration=setup.configuration))
 
 
 def is_of_other_code(job: Job) -> bool:
@@ -144,18 +136,18 @@ def code_digest_of(configurations: Sequence[Mapping[str, Any]]) -> str:
 
 def code_in(configuration: Mapping[str, Any]) -> tuple[str, ...]:
     """Return `code_of` the law and the resonator that a configuration chooses."""
-    return code_of(*classes_in(configuration["law"]), resonator=_resonator_in(configuration))
+    return code_of(*classes_in(configuration["law"]), configuration=configuration)
 
 
-def code_of(*law: type[Declared], resonator: tuple[type, ...] = ()) -> tuple[str, ...]:
-    """Return what identifies the code of a run: version, digests, and where its law and parts come from."""
+def code_of(*law: type[Declared], configuration: Mapping[str, Any] = MappingProxyType({})) -> tuple[str, ...]:
+    """Return what identifies the code of a run: version, digests, and where its law and parts come from.
+
+    The class of the resonator is that of the configuration; a motor made in Python has none there.
+    """
+    basis = configuration.get("resonator", {}).get("basis")
+    resonator = () if basis is None else (resonator_class(basis),)
     foreign = _foreign_code(*law, *resonator)
     return (versions()["contactlab_version"], code_digest(), provenance(*law), foreign)
-
-
-def _resonator_in(configuration: Mapping[str, Any]) -> tuple[type, ...]:
-    """Return the class of the resonator; none for a motor that was made in Python."""
-    return (resonator_class(configuration["resonator"]["basis"]),) if "resonator" in configuration else ()
 
 
 _foreign_code = cache(digest_of_sources)
@@ -163,18 +155,10 @@ _foreign_code = cache(digest_of_sources)
 
 def is_done(folder: Path, key: str) -> bool:
     """Return whether a folder has the complete run of a key, its dataset as the run left it."""
-    return not _why(folder, key)
+    return not why_to_run(folder, key)
 
 
-def resume(jobs: Sequence[tuple[Path, str]]) -> tuple[list[bool], str]:
-    """Return which jobs, each folder and key, are to run, and a sentence that counts them by their states."""
-    why = [_why(*job) for job in jobs]
-    counts = Counter(each or "complete, skipped" for each in why)
-    shown = ", ".join(f"{count} {name}" for name, count in sorted(counts.items()))
-    return [*map(bool, why)], f"{len(jobs)} runs: {shown}."
-
-
-def _why(folder: Path, key: str) -> str:
+def why_to_run(folder: Path, key: str) -> str:
     """Return why the run of a key is to run in a folder; empty where it is complete."""
     state = read_state(folder)
     if state is None or state.state in (ABSENT, FAILED, REFUSED, RUNNING, INTERRUPTED):

@@ -12,7 +12,7 @@ import pytest
 COMPILER = {"numba", "llvmlite"}
 PLOTTING = {"matplotlib"}
 DATASETS = {"xarray", "pandas", "netCDF4"}
-OTHERS = {"jinja2", "joblib", "pint", "pydantic", "dask"}
+OTHERS = {"jinja2", "joblib", "pint", "dask"}
 ALGORITHMS = {f"scipy.{name}" for name in ("integrate", "interpolate", "optimize", "sparse.linalg", "stats")}
 ANALYSES = {
     "contactlab.studies.characterise",
@@ -78,7 +78,7 @@ import os, pkgutil, sys
 from importlib import import_module
 from pathlib import Path
 
-import hydra, matplotlib.figure, numba, pandas, pydantic, scipy.optimize, scipy.stats, xarray
+import hydra, matplotlib.figure, numba, pandas, scipy.optimize, scipy.stats, xarray
 
 layers = sys.argv[1:]
 for i, layer in enumerate(layers):

@@ -21,7 +21,7 @@ from contactlab.results.netcdf import to_datatree, write_tree
 from contactlab.studies.run_state import COMPLETE, Job, State, write_state
 from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep.plan import Outputs, planned
-from contactlab.studies.sweep.study import ScriptComposer, Sweep, begin
+from contactlab.studies.sweep.study import Sweep, begin, composing
 from contactlab.trajectory import Ending, Trajectory
 
 METRICS_ALONE = ("-m", "sweep.keep=metrics")
@@ -99,7 +99,7 @@ CELLS, CHUNK = 9, 3
 
 def small_sweep(first: float = 0.0, series: tuple[str, ...] = ("gap",)) -> Sweep:
     """A sweep of nine short runs in three tasks."""
-    composer = ScriptComposer(["law=newton", "solver.duration=1e-4", "record.interval=1e-5"])
+    composer = composing(["law=newton", "solver.duration=1e-4", "record.interval=1e-5"])
     values = {"drive.phase": [first + number for number in range(CELLS)]}
     return Sweep(plan=planned(composer, values, Outputs(("peak_force",), series), chunk=CHUNK))
 

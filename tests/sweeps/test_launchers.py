@@ -144,13 +144,6 @@ def test_runs_of_a_sweeper_that_chooses_its_values_are_resumed_and_collected(
     assert result["clearance"].values[:2].tolist() == [1e-6, 2e-6]
 
 
-def test_an_option_of_our_sweeper_is_refused_with_another(command: Command) -> None:
-    status, _, err = command("-m", "hydra/sweeper=basic", "sweep.keep=metrics", "drive.phase=0,1", *QUICK)
-    assert status == 2
-    assert "sweep.keep=metrics" in err
-    assert not list(Path().rglob("run.nc"))
-
-
 @pytest.mark.long
 def test_the_jobs_of_the_basic_sweeper_lie_below_the_folder_of_the_sweep(
     command: Command, simulations: Simulations

@@ -1,12 +1,19 @@
 """Sweeps, branches and data sheets of a motor and a law made in Python are those of their configuration."""
 
+import re
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, final
 
 import numpy as np
 import pytest
+from support.motors import default_motor
 
 import contactlab as cl
+
+
+def setup_at(phase: float) -> cl.Setup:
+    return cl.Setup.of(default_motor(phase=phase), cl.Newton(), 1e-3)
+
 
 SETUP = cl.build(["law=newton"])
 OWN = cl.Setup.of(SETUP.motor, SETUP.law, 1e-3, contact_step=SETUP.contact_step)
@@ -46,33 +53,44 @@ def test_the_rows_of_a_table_are_runs_of_it_and_parts_of_its_law_vary() -> None:
         assert result["final_rotor_velocity"][run] == alone["rotor_velocity"][-1]
 
 
-@pytest.mark.parametrize(
-    ("over", "key"),
-    [
-        ({"drive.phase": [0.1]}, "drive.phase"),
-        ({"law.stiffness": [1e9]}, "law.stiffness"),
-        ({"rotor.inertia": [1e-5, 0.0]}, "rotor.inertia"),
-        ({"law.restitution": ["2 kg"]}, "law.restitution"),
-        ({"contact.clearance": ["linspace(0,1)"]}, "contact.clearance"),
-    ],
-)
-def test_what_it_does_not_have_or_admit_is_refused_by_its_key(over: dict[str, Any], key: str) -> None:
-    with pytest.raises(ValueError, match=key.replace(".", r"\.")):
-        cl.sweep(over, OWN)
+SPRUNG = cl.Setup.of(SETUP.motor, cl.Composed(normal=cl.Linear(), friction=Spring()), 1e-3)
 
 
 @pytest.mark.parametrize(
-    "over",
+    ("over", "base", "options", "key"),
     [
-        {"stiffness": [1e9]},
-        {"clearance": [1e-6], "contact.clearance": [2e-6]},
-        {"law.friction.friction_coefficient": [0.2], "contact.friction_coefficient": [0.3]},
+        # What the motor does not have or admit.
+        ({"drive.phase": [0.1]}, OWN, {}, "drive.phase"),
+        ({"law.stiffness": [1e9]}, OWN, {}, "law.stiffness"),
+        ({"rotor.inertia": [1e-5, 0.0]}, OWN, {}, "rotor.inertia"),
+        ({"law.restitution": ["2 kg"]}, OWN, {}, "law.restitution"),
+        ({"contact.clearance": ["linspace(0,1)"]}, OWN, {}, "contact.clearance"),
+        # A name of two numbers, and two names of one.
+        ({"stiffness": [1e9]}, SPRUNG, {}, "stiffness"),
+        ({"clearance": [1e-6], "contact.clearance": [2e-6]}, SPRUNG, {}, "contact.clearance"),
+        (
+            {"law.friction.friction_coefficient": [0.2], "contact.friction_coefficient": [0.3]},
+            SPRUNG,
+            {},
+            "contact.friction_coefficient",
+        ),
+        # What cannot be kept, and a sweep without values.
+        ({"phase": [0.0]}, setup_at, {"metrics": ["peak_farce"]}, "peak_farce"),
+        ({"phase": [0.0]}, setup_at, {"series": ["gab"]}, "gab"),
+        ({"phase": [0.0]}, setup_at, {"metrics": []}, "metric"),
+        ({"phase": [0.0]}, setup_at, {"output": "here"}, "output"),
+        ({"rotor.inertia": [2e-5]}, (), {"study": cl.Steady(), "metrics": "all"}, "metrics"),
+        ({}, setup_at, {}, "swept"),
+        ({"phase": []}, setup_at, {}, "phase"),
     ],
+    ids=lambda each: str([*each]) if isinstance(each, dict) else None,
 )
-def test_a_name_of_two_numbers_and_two_names_of_one_are_refused(over: dict[str, Any]) -> None:
-    law = cl.Composed(normal=cl.Linear(), friction=Spring())
-    with pytest.raises(cl.ConfigurationError, match=[*over][-1]):
-        cl.sweep(over, cl.Setup.of(SETUP.motor, law, 1e-3))
+def test_what_cannot_be_swept_or_kept_is_refused_by_its_key(
+    over: dict[str, Any], base: Any, options: dict[str, Any], key: str
+) -> None:
+    kind = cl.ConfigurationError if isinstance(base, cl.Setup) else ValueError
+    with pytest.raises(kind, match=re.escape(key)):
+        cl.sweep(over, base, **options)
 
 
 @pytest.mark.long

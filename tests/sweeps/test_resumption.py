@@ -9,13 +9,14 @@ import pytest
 from support.sweeps import CELLS, begun, small_sweep
 
 from contactlab import SweepError
-from contactlab.studies.run_state import Status
+from contactlab.results.files import STATE
+from contactlab.studies.run_state import Job, State, Status, read_state, write_state
 from contactlab.studies.runner import TASKS
 from contactlab.studies.sweep import study as module
 from contactlab.studies.sweep.collection import collect
 from contactlab.studies.sweep.dataset import DATASET
 from contactlab.studies.sweep.plan import Plan
-from contactlab.studies.sweep.study import DIGEST, MANIFEST, UNFINISHED, Cells, begin, continued, read_plan
+from contactlab.studies.sweep.study import DIGEST, MANIFEST, UNFINISHED, begin, continued, read_plan
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
@@ -34,28 +35,22 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 
 
 @pytest.mark.parametrize("finished", [1, 2, 3])
+@pytest.mark.parametrize("shared", [False, True])
 def test_an_interrupted_sweep_continues_to_the_same_bytes(
-    tmp_path: Path, whole: dict[str, bytes], finished: int
+    tmp_path: Path, whole: dict[str, bytes], finished: int, shared: bool
 ) -> None:
-    sweep = begun(tmp_path, finished)
+    """Also where another process finishes it meanwhile."""
+    sweep, others = begun(tmp_path, finished - shared), [small_sweep()] * shared
     counts: list[int] = []
-    continued(sweep, tmp_path, lambda done, _: counts.append(done))
-    assert counts == [*range(finished, 4)]
-    assert files_of(tmp_path) == whole
 
-
-@pytest.mark.parametrize("finished", [0, 1, 2])
-def test_a_sweep_that_another_process_finishes_stays_whole(
-    tmp_path: Path, whole: dict[str, bytes], finished: int
-) -> None:
-    sweep, others = begun(tmp_path, finished), [small_sweep()]
-
-    def progress(done: int, total: int) -> None:
-        if others and done == finished + 1:
+    def progress(done: int, _: int) -> None:
+        counts.append(done)
+        if others and done == finished:
             continued(others.pop(), tmp_path)
 
     continued(sweep, tmp_path, progress)
     assert not others
+    assert shared or counts == [*range(finished, 4)]
     assert files_of(tmp_path) == whole
 
 
@@ -99,6 +94,32 @@ def test_of_two_sweeps_that_begin_at_once_in_one_folder_one_is_refused(
     assert read_plan(tmp_path) == first
 
 
+def test_plans_and_states_are_read_as_they_were_written(tmp_path: Path) -> None:
+    job = Job("key", ("law=newton",), {"law": "newton", "law/normal": None}, {"a": {"b": [1, 2.5, None]}})
+    state, plan = State("complete", job, digest="0a", metrics={"peak_force": 0.1}), small_sweep().plan
+    write_state(tmp_path, state)
+    assert read_state(tmp_path) == state
+    assert Plan.of_text(plan.text()) == plan
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *("", "[]", "{}", "complete", "[" * 100_000, '{"state": "complete"}', '{"state": 1, "job": {}}'),
+        '{"state": "complete", "job": {"key": null}}',
+        '{"state": "complete", "job": {"overrides": "law=newton"}}',
+        '{"state": "complete", "job": {}, "metrics": {"peak_force": "high"}}',
+        '{"axes": [{"key": "law", "values": [[]]}], "samples": false, "outputs": {}}',
+        '{"axes": [], "samples": false, "outputs": {}, "keep": "nothing"}',
+    ],
+)
+def test_a_spoilt_plan_or_state_is_none(tmp_path: Path, text: str) -> None:
+    for name in (MANIFEST, STATE):
+        (tmp_path / name).write_text(text)
+    assert read_plan(tmp_path) is None
+    assert read_state(tmp_path) is None
+
+
 def test_damaged_tasks_are_done_again(tmp_path: Path, whole: dict[str, bytes]) -> None:
     sweep, chance = begun(tmp_path, 3), random.Random(1)
     flipped, cut, _ = sorted((tmp_path / TASKS).iterdir())
@@ -137,9 +158,9 @@ def test_what_is_finished_can_be_collected(tmp_path: Path, whole: dict[str, byte
 
 
 def test_a_task_takes_the_values_of_its_own_cells_along() -> None:
-    plan = small_sweep().plan
-    cells = Cells(plan, range(3, 6), Plan.setup_at, None)
-    copy = pickle.loads(pickle.dumps(cells))
-    assert copy.plan.axes[0].values == plan.axes[0].values[3:6]
-    pairs = zip(copy.cells, cells.cells, strict=True)
-    assert all(copy.plan.configuration(here) == plan.configuration(there) for here, there in pairs)
+    sweep = small_sweep()
+    task = pickle.loads(pickle.dumps([*sweep.tasks({})][1]))
+    rows = next(each for each in task.arguments if isinstance(each, Plan))
+    assert rows.axes[0].values == sweep.plan.axes[0].values[3:6]
+    pairs = zip(range(3), range(3, 6), strict=True)
+    assert all(rows.configuration(here) == sweep.plan.configuration(there) for here, there in pairs)

@@ -4,7 +4,6 @@ import os
 import signal
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import pandas
 import pytest
 import xarray
 from omegaconf import OmegaConf
-from support.command_line import Command, left_behind
+from support.command_line import Command
 from support.motors import default_motor, every_law, hertz
 from support.sweeps import METRICS_ALONE
 
@@ -150,27 +149,6 @@ def test_a_signal_that_ends_the_job_is_no_result_of_a_cell() -> None:
         signal.signal(signal.SIGUSR2, before)
 
 
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        ({"metrics": ["peak_farce"]}, "peak_farce"),
-        ({"series": ["gab"]}, "gab"),
-        ({"metrics": []}, "metric"),
-        ({"output": "here"}, "output"),
-    ],
-)
-def test_what_cannot_be_kept_is_refused(changes: dict[str, Any], key: str) -> None:
-    with pytest.raises(ValueError, match=key):
-        swept(hertz(), **changes)
-
-
-def test_a_sweep_without_values_is_refused() -> None:
-    with pytest.raises(ValueError, match="swept"):
-        sweep({}, motor_at)
-    with pytest.raises(ValueError, match="phase"):
-        sweep({"phase": []}, motor_at)
-
-
 def test_what_a_function_returns_beside_a_setup_is_a_failed_run() -> None:
     result = sweep({"clearance": [1e-6], "phase": [0.0]}, motor_at, workers=1)
     assert result["status"].item() == Status.FAILED
@@ -221,56 +199,6 @@ def test_the_rows_of_a_table_are_runs_wherever_it_is_given(command: Command) -> 
     assert status == 0, err
 
 
-@pytest.mark.parametrize(
-    ("table", "key"),
-    [
-        ("clearance\n1e-6\n\n-1\n", "contact.clearance"),
-        ("clearance,law\n1e-6,newton\n1e-6,\n", "row 2"),
-        ("clearence\n1e-6\n", "contact.clearance"),
-        ("law\nnewtonn\n", "law"),
-        ("drive.phase,contact.friction_coefficient\n0.1,0.3,0.5\n", "line 2"),
-        ("drive.phase,law\n0.1,newton\n0.1,newton,0.5\n", "line 3"),
-        ("clearance,clearance\n1e-6,2e-6\n", "table.csv"),
-        ("clearance,contact.clearance\n1e-6,2e-6\n", "contact.clearance"),
-        ("drive.phase\n${contact.friction_coefficient}\n", "drive.phase"),
-    ],
-)
-def test_a_faulty_table_is_refused_by_its_key_or_row(command: Command, table: str, key: str) -> None:
-    Path("table.csv").write_text(table)
-    status, _, err = command("-m", "sweep.samples=table.csv")
-    assert status == 2
-    assert key in err
-    assert left_behind() == [Path("table.csv")]
-
-
-@pytest.mark.parametrize(
-    "where", ["cell", "override", "choice", "beside the sweep", "swept", "table", "names", "file"]
-)
-def test_a_variable_of_the_environment_is_neither_read_nor_shown(
-    command: Command, monkeypatch: pytest.MonkeyPatch, where: str
-) -> None:
-    monkeypatch.setenv("SECRET", "hush-1234")
-    reference = "${oc.env:SECRET}"
-    Path("table.csv").write_text(f"drive.phase\n{reference}\n")
-    Path("law").mkdir()
-    Path("law/mine.yaml").write_text(f"name: newton\nrestitution: {reference}\n")
-    before = sorted(left_behind())
-    lines = {
-        "cell": ["-m", "sweep.samples=table.csv"],
-        "override": [f"drive.phase={reference}"],
-        "beside the sweep": ["-m", "drive.phase=0,1", f"contact.clearance={reference}"],
-        "choice": [f"law={reference}"],
-        "swept": ["-m", f"law=newton,{reference}"],
-        "table": ["-m", f"sweep.samples={reference}"],
-        "names": ["-m", "drive.phase=0,1", f"sweep.metrics={reference}"],
-        "file": ["--config-dir=.", "law=mine"],
-    }
-    status, out, err = command(*lines[where])
-    assert status == 2
-    assert "hush" not in out + err
-    assert sorted(left_behind()) == before
-
-
 def test_the_folder_of_a_run_may_be_named_by_a_variable_of_the_environment(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -299,5 +227,3 @@ def test_a_study_is_swept_over_keys_and_over_the_numbers_of_a_motor() -> None:
     made = sweep(numbers, cl.Setup.of(setup.motor, setup.law, 1e-3), study=study, workers=1)
     built = sweep(numbers, setup, study=study, workers=1)
     assert np.allclose(made["rotor_velocity"], built["rotor_velocity"], rtol=1e-6)
-    with pytest.raises(ValueError, match="metrics"):
-        sweep(numbers, study=study, metrics="all")

@@ -16,18 +16,21 @@ from hydra.core.plugins import Plugins
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
+from contactlab.cli.start import MOST_CHARACTERS, folder_name
 from contactlab.config import build
 from contactlab.metrics import assess, read_run
 from contactlab.studies import run_state as state
 from contactlab.studies.runner import done_parts
 from contactlab.studies.sweep.plan import Outputs, planned
-from contactlab.studies.sweep.study import ScriptComposer, Sweep
+from contactlab.studies.sweep.study import Sweep, composing
 from contactlab.trajectory import Ending
 
 THREE = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *QUICK)
 
 
-def test_a_sweep_run_again_skips_all_and_says_so(command: Command, simulations: Simulations) -> None:
+def test_a_sweep_run_again_skips_all_and_runs_values_that_are_added(
+    command: Command, simulations: Simulations
+) -> None:
     status, _, err = command(*THREE)
     assert status == 0, err
     runs = {path: path.stat().st_mtime_ns for path in Path("sweep").glob("*/*")}
@@ -35,6 +38,8 @@ def test_a_sweep_run_again_skips_all_and_says_so(command: Command, simulations: 
     assert command(*THREE)[0] == 0
     assert simulations.seen == [1.0, 2.0, 3.0]
     assert {path: path.stat().st_mtime_ns for path in Path("sweep").glob("*/*")} == runs
+    assert command("-m", "contact.clearance=2e-6,1e-6,0.5e-6", *QUICK)[0] == 0
+    assert simulations.seen == [1.0, 2.0, 3.0, 0.5]
 
 
 def test_what_failed_is_run_again_and_the_others_are_not(command: Command, simulations: Simulations) -> None:
@@ -88,12 +93,6 @@ def test_jobs_with_the_same_options_are_composed_once(
             assert job["choices"]["law"] == law
 
 
-def test_a_sweep_with_more_values_runs_those_alone(command: Command, simulations: Simulations) -> None:
-    assert command("-m", "contact.clearance=1e-6,2e-6", *QUICK)[0] == 0
-    assert command("-m", "contact.clearance=2e-6,1e-6,0.5e-6", *QUICK)[0] == 0
-    assert simulations.seen == [1.0, 2.0, 0.5]
-
-
 @pytest.mark.long
 def test_another_configuration_in_the_same_folder_is_run(
     command: Command, simulations: Simulations, tmp_path: Path
@@ -145,24 +144,17 @@ def test_a_run_that_was_killed_is_run_again(
     assert state_of(place)["state"] == "complete"
 
 
-def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(command: Command, simulations: Simulations) -> None:
+# Other processes would simulate in earnest.
+@pytest.mark.parametrize("keep", ["", "sweep.keep=metrics sweep.chunk=1 sweep.workers=1 law=newton"])
+def test_ctrl_c_stops_a_sweep_and_the_next_goes_on(
+    command: Command, simulations: Simulations, keep: str
+) -> None:
     simulations.endings = {2.0: Ending.INTERRUPTED}
-    assert command(*THREE)[0] == 130
+    assert command(*THREE, *keep.split())[0] == 130
+    assert simulations.seen == [1.0, 2.0]
     assert not Path("sweep/sweep.nc").exists()
     simulations.endings = {}
-    assert command(*THREE)[0] == 0
-    assert simulations.seen == [1.0, 2.0, 2.0, 3.0]
-
-
-def test_ctrl_c_in_a_run_stops_a_sweep_of_numbers(command: Command, simulations: Simulations) -> None:
-    simulations.endings = {2.0: Ending.INTERRUPTED}
-    # Other processes would simulate in earnest.
-    keep = ("sweep.keep=metrics", "sweep.chunk=1", "sweep.workers=1", "law=newton")
-    three = ("-m", "contact.clearance=1e-6,2e-6,3e-6", *keep)
-    assert command(*three, *QUICK)[0] == 130
-    assert simulations.seen == [1.0, 2.0]
-    simulations.endings = {}
-    assert command(*three, *QUICK)[0] == 0
+    assert command(*THREE, *keep.split())[0] == 0
     assert simulations.seen == [1.0, 2.0, 2.0, 3.0]
 
 
@@ -200,7 +192,7 @@ def test_any_exception_of_a_run_is_a_reason_with_the_traceback_in_the_log(
 
 def test_a_run_that_can_no_longer_be_built_is_refused_alone(tmp_path: Path) -> None:
     faulty = {**build().configuration, "law": "none of these"}
-    plan = planned(ScriptComposer(["law=newton"]), {"drive.phase": [0.0]}, Outputs(), keep="runs")
+    plan = planned(composing(["law=newton"]), {"drive.phase": [0.0]}, Outputs(), keep="runs")
     folders = {0: (tmp_path, state.Job(configuration=faulty))}
     parts, _ = done_parts(Sweep(plan=plan, folders=folders), {})
     assert parts["0"]["status"].values.tolist() == [state.Status.REFUSED]
@@ -238,3 +230,58 @@ def test_a_sweep_keeps_its_status_where_it_cannot_be_collected(
     status, _, err = command("-m", "contact.clearance=1e-6,2e-6", *QUICK)
     assert status == 0
     assert "Traceback" not in err
+
+
+def test_a_folder_that_is_named_by_numbers_keeps_them(command: Command, simulations: Simulations) -> None:
+    numbered = [*THREE, "hydra.sweep.subdir=${hydra.job.num}"]
+    simulations.endings = {1.0: RuntimeError("no luck"), 3.0: RuntimeError("no luck")}
+    assert command(*numbered)[0] == 1
+    simulations.endings = {}
+    assert command(*numbered)[0] == 0
+    assert simulations.seen == [1.0, 2.0, 3.0, 1.0, 3.0]
+    assert [state_of(Path("sweep") / str(n))["state"] for n in range(3)] == ["complete"] * 3
+
+
+def test_a_sweep_without_a_folder_finds_its_own_again(command: Command, simulations: Simulations) -> None:
+    values = "contact.clearance=1 um,2 um"
+    assert command("-m", "law=hertz_penalty", values, "record.picture=false")[0] == 0
+    assert command("-m", "record.picture=false", values, "law=hertz_penalty")[0] == 0
+    assert simulations.seen == [1.0, 2.0]
+    (only,) = Path("multirun").iterdir()
+    assert only.name == "contact.clearance=1_um,2_um,law=hertz_penalty,record.picture=false"
+
+
+def test_the_folder_that_a_file_of_ones_own_gives_is_taken(
+    command: Command, simulations: Simulations, tmp_path: Path
+) -> None:
+    (tmp_path / "mine/experiment").mkdir(parents=True)
+    (tmp_path / "mine/experiment/mine.yaml").write_text(
+        "# @package _global_\nhydra:\n  sweep:\n    dir: out/${folder_name:${hydra.job.override_dirname}}\n"
+    )
+    lines = ("-m", "experiment=mine", "contact.clearance=1e-6,2e-6", "record.picture=false")
+    assert command("--config-dir", "mine", *lines)[0] == 0
+    (only,) = Path("out").iterdir()
+    assert only.name == "contact.clearance=1e-6,2e-6,experiment=mine,record.picture=false"
+    assert len(list(only.glob("*/run.nc"))) == 2
+
+
+@pytest.mark.parametrize(
+    ("overrides", "name"),
+    [
+        ("law=lagrange_slip", "law=lagrange_slip"),
+        ("contact.clearance=1\\ um", "contact.clearance=1_um"),
+        ("contact.clearance='2 \u00b5m'", "contact.clearance=2_um"),
+        ("law/normal=linear,law=composed", "law-normal=linear,law=composed"),
+        ("", "default"),
+    ],
+)
+def test_a_folder_is_named_by_the_overrides(overrides: str, name: str) -> None:
+    assert folder_name(overrides) == name
+
+
+def test_folders_differ_where_their_overrides_do() -> None:
+    several = ["a=x/y", "a=x-y", "a=x:y", *(f"a={'x' * 300}{n}" for n in range(9))]
+    names = [folder_name(overrides) for overrides in several]
+    assert len(set(names)) == len(several)
+    assert max(map(len, names)) <= MOST_CHARACTERS
+    assert not any(set(name) & set("/:\\ '\"") for name in names)

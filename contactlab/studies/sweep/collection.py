@@ -46,7 +46,7 @@ from contactlab.studies.sweep.dataset import (
     write,
 )
 from contactlab.studies.sweep.plan import Outputs
-from contactlab.studies.sweep.study import collected, read_plan
+from contactlab.studies.sweep.study import Sweep, continued, read_plan
 from contactlab.studies.sweep.values import SweepError
 from contactlab.trajectory import Ending
 from contactlab.variables import INTERNAL, Variable
@@ -113,6 +113,7 @@ def collect(
     Raises:
         ConfigurationError: there is no such metric or series.
         SweepError: there is no such folder or no run in it, or the series of the runs are at different times.
+        ValueError: for the series, a run of which is damaged.
         OSError: the file cannot be written.
     """
     directory = Path(directory)
@@ -122,7 +123,7 @@ def collect(
     if plan and plan.keep == "metrics":
         if output or series or metrics:
             raise SweepError(f"'{directory}' keeps metrics alone; file, series and metrics must be left out.")
-        return collected(directory, plan)
+        return continued(Sweep(plan=plan), directory, as_it_is=True)
     outputs = Outputs.named(metrics or "all", series)
     if not (runs := list(discovered(directory))):
         raise SweepError(f"'{directory}' must have a run, itself or in a folder below it.")
@@ -222,7 +223,7 @@ def _kept(runs: Sequence[Run], outputs: Outputs) -> tuple[Variable, ...]:
     variables: dict[str, Variable] = {}
     for run in runs if wanted else ():
         if run.status is Status.COMPLETE:
-            tree = _tree_of(run)
+            tree = read_run(run.folder / files.DATASET)
             for name in wanted.intersection(map(str, tree.variables)):
                 attrs = tree[name].attrs
                 texts = (str(attrs.get(key, "")) for key in ("units", "symbol", "long_name"))
@@ -234,13 +235,6 @@ def _kept(runs: Sequence[Run], outputs: Outputs) -> tuple[Variable, ...]:
     return replace(outputs, internal=tuple(variables.values())).kept
 
 
-def _tree_of(run: Run) -> xarray.DataTree:
-    try:
-        return read_run(run.folder / files.DATASET)
-    except ValueError as error:
-        raise SweepError(str(error)) from error
-
-
 def _slabs(runs: Sequence[Run], dataset: xarray.Dataset, kept: Sequence[Variable]) -> Iterator[Slab]:
     """Yield the time series of the complete runs; a SweepError if they cannot be joined."""
     places = {job: place for place, job in np.ndenumerate(dataset["job"].values)}
@@ -249,7 +243,7 @@ def _slabs(runs: Sequence[Run], dataset: xarray.Dataset, kept: Sequence[Variable
         raise SweepError("There is no complete run; there must be one for series.")
     first: NDArray[Any] | None = None
     for run in complete:
-        tree = _tree_of(run)
+        tree = read_run(run.folder / files.DATASET)
         time = np.asarray(tree["time"].values, dtype=np.float64)
         first = time if first is None else first
         if not np.array_equal(time, first):
@@ -308,31 +302,23 @@ def parameters(jobs: Sequence[Job], configured: bool) -> list[Axis]:
     for key in keys:
         # The choice of the law is named by its group.
         columns[key.removesuffix(".name")] = [setting.get(key) for setting in settings]
-    declared = _declared(jobs, {*keys})
-    return [
-        _axis(name, values, declared.get(name))
-        for name, values in columns.items()
-        if any(value != values[0] for value in values)
-    ]
-
-
-def _declared(jobs: Sequence[Job], keys: set[str]) -> dict[str, Parameter]:
-    """Return what is declared of keys, from the first configurations that have them."""
     declared: dict[str, Parameter] = {}
-    for job in jobs:
-        if missing := keys & flat(job.configuration).keys():
+    unknown = {*keys}
+    for job, setting in zip(jobs, settings, strict=True):
+        if own := unknown & setting.keys():
             # A configuration may be anything, and its law may no longer be installed.
             with suppress(Exception):
                 declared |= declared_in(validate(job.configuration))
-                keys = keys - missing
-    return declared
-
-
-def _axis(name: str, values: Sequence[Any], declared: Parameter | None) -> Axis:
-    if all(type(value) in (int, float, NoneType) for value in values):
-        # A whole number may have any size.
-        with suppress(OverflowError):
-            numbers = tuple(np.nan if value is None else float(value) for value in values)
-            units, meaning = (declared.units, declared.meaning) if declared else ("1", "")
-            return Axis(name, numbers, units, meaning)
-    return Axis(name, tuple(text_of(value) for value in values))
+                unknown -= own
+    axes: list[Axis] = []
+    for name, values in columns.items():
+        if any(value != values[0] for value in values):
+            axis = Axis(name, tuple(text_of(value) for value in values))
+            if all(type(value) in (int, float, NoneType) for value in values):
+                # A whole number may have any size.
+                with suppress(OverflowError):
+                    numbers = tuple(np.nan if value is None else float(value) for value in values)
+                    number = declared.get(name, Parameter("", "1", ""))
+                    axis = Axis(name, numbers, number.units, number.meaning)
+            axes.append(axis)
+    return axes

@@ -117,32 +117,22 @@ def dataset_of(
 
     Args:
         axes: the parameters; each is a dimension, in this order, or all lie along `DIMENSION`.
-        columns: metrics, series over time, 'status' and 'reason', the first dimension that of the runs in C
-            order over the axes.
+        columns: metrics, 'status' and 'reason' of the runs in C order over the axes.
         attributes: of the dataset, beside those that every sweep has.
         samples: whether the n-th run has the n-th value of every axis.
-        series: those that are kept, here or in the file.
+        series: those that are kept beside the dataset.
         numbers: those of a study, whose columns are not metrics.
     """
     taken = TAKEN.union(variable.name for variable in (*series, *numbers))
     names = list(short_names([axis.key for axis in axes], taken).values())
-    described = _ATTRIBUTES | {f"{each.name}_series": cf_attributes(each) for each in series}
-    described |= {each.name: cf_attributes(each) for each in numbers}
+    described = _ATTRIBUTES | {each.name: cf_attributes(each) for each in numbers}
     dims, shape = ([DIMENSION], [-1]) if samples else (names, [len(axis.values) for axis in axes])
-
-    def variable(name: str, values: NDArray[Any]) -> xarray.Variable:
-        cells = values.astype(object) if values.dtype.kind == "U" else values
-        along = [*dims, "time"] if values.ndim > 1 else dims
-        return xarray.Variable(along, cells.reshape(*shape, *values.shape[1:]), described[name])
-
     coordinates: dict[str, Any] = {}
     for name, axis in zip(names, axes, strict=True):
         texts = {"key": axis.key, "units": axis.units, "long_name": axis.long_name}
         shown = {key: text for key, text in texts.items() if text}
         coordinates[name] = ([DIMENSION] if samples else [name], axis.coordinate, shown)
-    status, time = columns["status"], columns.get("time", np.empty(0))
-    if time.size:
-        coordinates["time"] = ("time", time, cf_attributes(variables.TIME))
+    status = columns["status"]
     every = {
         **code_attributes(),
         "title": f"Standing-wave piezoelectric motor over {', '.join(names) or DIMENSION}",
@@ -150,8 +140,30 @@ def dataset_of(
         "runs": int(status.size),
         **{f"runs_{code.name.lower()}": int((status == code).sum()) for code in Status},
     }
-    cells = {name: variable(name, values) for name, values in columns.items() if name != "time"}
+    cells = {
+        name: (dims, (x.astype(object) if x.dtype.kind == "U" else x).reshape(shape), described[name])
+        for name, x in columns.items()
+    }
     return xarray.Dataset(cells, coordinates, every | attributes)
+
+
+def with_series(dataset: xarray.Dataset, series: Sequence[Variable], slabs: Iterable[Slab]) -> xarray.Dataset:
+    """Return a dataset with time series in memory, each as NAME_series; NaN where a run has none."""
+    status = dataset["status"]
+    arrays: dict[str, Array] = {}
+    for place, time, rows in slabs:
+        if not arrays:
+            arrays = {each.name: np.full((*status.shape, time.size), np.nan) for each in series}
+            dataset = dataset.assign_coords(time=("time", time, cf_attributes(variables.TIME)))
+        for name, array in arrays.items():
+            array[place] = rows[name]
+    return dataset.assign(
+        {
+            f"{each.name}_series": ((*status.dims, "time"), arrays[each.name], cf_attributes(each))
+            for each in series
+            if arrays
+        }
+    )
 
 
 def write(dataset: xarray.Dataset, path: Path, series: Sequence[Variable], slabs: Iterable[Slab]) -> None:

@@ -9,13 +9,13 @@ from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from itertools import product
 from math import ceil, prod
-from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, final
+from typing import TYPE_CHECKING, Any, Final, Literal, final
 
 import numpy as np
-from pydantic import TypeAdapter
 
+from contactlab.checks import read_json
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.config.composition import with_references
+from contactlab.config.composition import options_of, with_references
 from contactlab.config.faults import faults_added, raise_faults
 from contactlab.config.nesting import Value
 from contactlab.config.schema import KEYS, declared_in
@@ -28,7 +28,7 @@ from contactlab.studies.keys import WITH_STUDY, study_in
 from contactlab.studies.registry import study_class
 from contactlab.studies.run_state import code_digest_of
 from contactlab.studies.sweep.dataset import SERIES, Axis
-from contactlab.studies.sweep.values import FORMS, MOST_RUNS, SweepError, call_in, in_si, listed, spread
+from contactlab.studies.sweep.values import FORMS, MOST_RUNS, call_in, in_si, listed, spread
 from contactlab.suggestion import suggestion
 from contactlab.variables import INTERNAL, Variable
 
@@ -56,6 +56,10 @@ ONE_PROCESS: Final[Configuration] = {"workers": 1, "scheduler": None}
 
 _TIMES: Final = ("solver.duration", "solver.until", "solver.precision", "record.interval")
 
+Compose = Callable[[Mapping[str, Value]], Configuration]
+"""Returns the configuration with these options of groups, all else as it is set; a ConfigurationError if it
+cannot."""
+
 Columns = Mapping[str, Sequence[Value]]
 """Swept values by key or group, each a number, a text, or a text that stands for several."""
 
@@ -80,7 +84,7 @@ class Outputs:
     @classmethod
     def of_study(cls, name: str) -> "Outputs":
         """Return the outputs of a study: its numbers."""
-        return cls(tuple(variable.name for variable in numbers_of(name)), study=name)
+        return cls(tuple(variable.name for variable in cls(study=name).numbers), study=name)
 
     @classmethod
     def named(
@@ -136,25 +140,23 @@ class Outputs:
 
     @property
     def numbers(self) -> tuple[Variable, ...]:
-        """The numbers of a study as variables; none for metrics of a run."""
-        return numbers_of(self.study) if self.study else ()
+        """The quantities of a study and their errors as variables; none for metrics of a run."""
+        every = study_class(self.study).quantities if self.study else ()
+        errors = [
+            replace(
+                q,
+                name=f"{q.name}_error",
+                symbol=f"error of {q.symbol}",
+                long_name=f"error of the {q.long_name}",
+            )
+            for q in every
+        ]
+        return (*every, *errors)
 
     @property
     def sampled(self) -> bool:
         """Whether more records than the last are needed."""
         return bool(self.series) or any(METRICS[key].needs_records for key in self.metrics if key in METRICS)
-
-
-def numbers_of(study: str) -> tuple[Variable, ...]:
-    """Return the quantities of a study and their errors as variables of a sweep."""
-    every = study_class(study).quantities
-    errors = (
-        replace(
-            q, name=f"{q.name}_error", symbol=f"error of {q.symbol}", long_name=f"error of the {q.long_name}"
-        )
-        for q in every
-    )
-    return (*every, *errors)
 
 
 @final
@@ -194,8 +196,13 @@ class Plan:
 
     def rows(self, cells: Sequence[int]) -> "Plan":
         """Return the plan of some cells alone, as samples."""
-        points = [self.point(cell) for cell in cells]
-        axes = (replace(axis, values=tuple(point[axis.key] for point in points)) for axis in self.axes)
+        if not self.axes:
+            return replace(self, samples=True)
+        places = np.unravel_index(cells, self.shape) * (len(self.axes) if self.samples else 1)
+        axes = (
+            replace(axis, values=tuple(axis.values[place] for place in along))
+            for axis, along in zip(self.axes, places, strict=True)
+        )
         return replace(self, axes=tuple(axes), samples=True)
 
     def places(self, cell: int) -> list[int]:
@@ -231,7 +238,7 @@ class Plan:
     @classmethod
     def of_text(cls, text: str | bytes) -> "Plan":
         """Read the plan that `text` wrote; a ValueError if it is something else."""
-        return TypeAdapter(cls).validate_json(text)
+        return read_json(text, cls)
 
 
 def size_of_tasks(cells: int, keep: str = "metrics", study: str = "") -> int:
@@ -241,21 +248,12 @@ def size_of_tasks(cells: int, keep: str = "metrics", study: str = "") -> int:
     return max(1 if keep == "runs" else CHUNK, ceil(cells / MOST_TASKS))
 
 
-class Composer(Protocol):
-    """Composes configurations from the options of groups; a ConfigurationError if it cannot."""
-
-    def options(self, key: str) -> list[str]:
-        """Return the options of a group; none for what is no group."""
-
-    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Return the configuration with these options, all else as it is set."""
-
-
 def planned(
-    composer: Composer,
+    compose: Compose,
     columns: Columns,
     outputs: Outputs,
     *,
+    options: Callable[[str], Sequence[str]] = options_of,
     samples: bool = False,
     chunk: int | None = None,
     keep: Literal["runs", "metrics"] = "metrics",
@@ -268,11 +266,11 @@ def planned(
     Raises:
         ConfigurationError: with every fault.
     """
-    groups = {key: options for key in columns if (options := composer.options(key))}
+    groups = {key: own for key in columns if (own := options(key))}
     raise_faults(_faults_of(columns, groups, outputs))
     listing = [columns[group] for group in groups]
     choices = tuple(dict.fromkeys(zip(*listing, strict=True) if samples and groups else product(*listing)))
-    bases = tuple(composer.compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
+    bases = tuple(compose(dict(zip(groups, chosen, strict=True))) for chosen in choices)
     if keep == "metrics" and "study" in bases[0]:
         # The workers of the sweep share its runs.
         bases = tuple({**base, "study": {**base["study"], **ONE_PROCESS}} for base in bases)
@@ -291,8 +289,14 @@ def planned(
     faults: list[str] = []
     for key, column in columns.items():
         units, meaning = (declared[key].units, declared[key].meaning) if key in declared else ("", "")
-        tried = trials if not samples and key in values else []
-        numbers = _numbers(key, column, units, tried, faults)
+        numbers = [in_si(value, units) for value in column]
+        # All values of a grid are checked, those that a text stands for too.
+        if not samples and key in values:
+            with faults_added(faults):
+                numbers = [each for value in column for each in spread(key, value, units)]
+                for number in numbers:
+                    with faults_added(faults):
+                        _sound([with_key(trial, key, number) for trial in trials])
         if not samples and len({*numbers}) < len(numbers):
             faults.append(f"{key} has a value twice; every value must occur once.")
         axes.append(Axis(key, tuple(numbers), units, meaning))
@@ -319,8 +323,8 @@ def planned(
 
 
 def full_keys(
-    columns: Columns, known: Mapping[str, object], options: Callable[[str], Sequence[str]] = lambda _: ()
-) -> dict[str, Sequence[Value]]:
+    columns: Columns, known: Mapping[str, object], options: Callable[[str], Sequence[str]] = options_of
+) -> Columns:
     """Return columns by full key in place of a name that is the end of one: 'clearance'.
 
     The parts of a name may be joined as in the names of a dataset.
@@ -347,23 +351,6 @@ def full_keys(
         swept.add(what)
         full[key] = column
     return full
-
-
-def _numbers(
-    key: str, column: Sequence[Value], units: str, trials: Sequence[Configuration], faults: list[str]
-) -> list[Value]:
-    """Return the values of a column in SI; with trials all that a text stands for, each of them checked."""
-    if not trials:
-        return [in_si(value, units) for value in column]
-    try:
-        numbers = [each for value in column for each in spread(key, value, units)]
-    except SweepError as error:
-        faults.append(str(error))
-        return []
-    for number in numbers:
-        with faults_added(faults):
-            _sound([with_key(trial, key, number) for trial in trials])
-    return numbers
 
 
 def with_key(configuration: Configuration, key: str, value: Value) -> Configuration:

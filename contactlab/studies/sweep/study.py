@@ -19,7 +19,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Final, TypeAlias, final
+from typing import Any, ClassVar, Final, TypeAlias
 
 import numpy as np
 import pandas
@@ -28,7 +28,7 @@ import yaml
 
 from contactlab.checks import check_kind, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.config.composition import compose, options_of, overridden
+from contactlab.config.composition import compose, overridden
 from contactlab.config.faults import failure_of
 from contactlab.config.made_in_python import variable_numbers, with_number
 from contactlab.config.nesting import Value, flat
@@ -41,7 +41,7 @@ from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
 from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_state import INTERRUPTED, REFUSED, Job, State, Status, leave, write_state
-from contactlab.studies.runner import TASKS, Parts, Store, done_parts
+from contactlab.studies.runner import TASKS, Store, done_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
 from contactlab.studies.sweep.dataset import (
     DATASET,
@@ -51,12 +51,14 @@ from contactlab.studies.sweep.dataset import (
     Slab,
     columns_of,
     dataset_of,
+    with_series,
     write,
 )
 from contactlab.studies.sweep.plan import (
     NOTHING,
     ONE_PROCESS,
     Columns,
+    Compose,
     Configuration,
     Outputs,
     Plan,
@@ -111,8 +113,9 @@ class Sweep(Study):
         cells = self.cells
         for start in range(0, len(cells), self.plan.chunk):
             own = cells[start : start + self.plan.chunk]
-            folders = tuple(self.folders[cell] for cell in own) if self.folders is not None else ()
-            yield Task(str(own[0]), _done, (Cells(self.plan, own, self.make, self.question, folders),))
+            # A task brings the values of its own cells alone.
+            rows, folders = self.plan.rows(own), [self.folders[cell] for cell in own] if self.folders else []
+            yield Task(str(own[0]), _done, (own[0], rows, self.make, self.question, folders))
 
     @property
     def cells(self) -> Sequence[int]:
@@ -122,7 +125,8 @@ class Sweep(Study):
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the dataset of all runs, their time series included."""
         del setups
-        return xarray.DataTree(combined(self.plan, parts, with_series=True))
+        series = _slabs(self.plan, parts)
+        return xarray.DataTree(with_series(combined(self.plan, parts), self.plan.outputs.kept, series))
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return none: the numbers of a sweep are variables of its dataset."""
@@ -130,30 +134,20 @@ class Sweep(Study):
         return {}
 
 
-@final
-@dataclass(frozen=True)
-class Cells:
-    """Some cells of a plan; pickled they bring the values of these cells alone."""
+def _done(
+    first: int, plan: Plan, make: Maker, question: Study | None, folders: Sequence[tuple[Path, Job]]
+) -> Part:
+    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none.
 
-    plan: Plan
-    cells: Sequence[int]
-    make: Maker
-    question: Study | None
-    folders: tuple[tuple[Path, Job], ...] = ()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        rows = self.plan.rows(self.cells)
-        return Cells, (rows, range(rows.cells), self.make, self.question, self.folders)
-
-
-def _done(work: Cells) -> Part:
-    """Run cells and return their numbers along `run`; series are a group, NaN where a run has none."""
-    outputs = work.plan.outputs
-    runs = []
-    for done, cell in enumerate(work.cells):
-        with part_of_progress(done / len(work.cells), (done + 1) / len(work.cells), f"run {cell + 1}: "):
+    Args:
+        first: number of the first one in the whole sweep.
+        plan, make, question, folders: see `Sweep`.
+    """
+    outputs, runs = plan.outputs, list[Outcome]()
+    for cell in range(plan.cells):
+        with part_of_progress(cell / plan.cells, (cell + 1) / plan.cells, f"run {first + cell + 1}: "):
             tell_progress("", 0.0)
-            runs.append(_left(*work.folders[done]) if work.folders else _outcome(work, cell))
+            runs.append(_left(*folders[cell]) if folders else _outcome(plan, cell, make, question))
     root = {name: ("run", column) for name, column in columns_of(runs, outputs.metrics).items()}
     groups = {"/": xarray.Dataset(root)}
     time = next((each.time for each in runs if each.time is not None), None)
@@ -181,13 +175,17 @@ def _left(folder: Path, job: Job) -> Outcome:
     return Outcome(Status[state.state.upper()], state.reason)
 
 
-def _outcome(work: Cells, cell: int) -> Outcome:
+def _outcome(plan: Plan, cell: int, make: Maker, question: Study | None) -> Outcome:
     """Run one cell."""
-    outputs = work.plan.outputs
+    outputs = plan.outputs
     try:
-        setup = work.make(work.plan, cell)
+        setup = make(plan, cell)
         if outputs.study:
-            return _numbers(work.question or work.plan.study_at(cell), setup)
+            study = question or plan.study_at(cell)
+            every = study.evaluate(setup)
+            values = {q.name: every[q.name].value for q in study.quantities}
+            errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
+            return Outcome(Status.COMPLETE, numbers=values | errors)
         sampled = outputs.sampled or setup.until == STEADY
         trajectory = setup.run(record_interval=setup.record_interval if sampled else setup.duration)
         outcome = Outcome(Status[trajectory.ending.name], trajectory.message)
@@ -211,34 +209,14 @@ def _outcome(work: Cells, cell: int) -> Outcome:
     return outcome
 
 
-def _numbers(study: Study, setup: Setup) -> Outcome:
-    """Put a study to a setup; return its numbers and their errors."""
-    every = study.evaluate(setup)
-    values = {q.name: every[q.name].value for q in study.quantities}
-    errors = {f"{q.name}_error": every[q.name].error for q in study.quantities}
-    return Outcome(Status.COMPLETE, numbers=values | errors)
-
-
-def combined(
-    plan: Plan, parts: Mapping[str, xarray.DataTree], *, with_series: bool = False
-) -> xarray.Dataset:
+def combined(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> xarray.Dataset:
     """Return the dataset of a plan from the tasks that are finished, one in memory at a time."""
     outputs = plan.outputs
     absent = columns_of([Outcome(Status.ABSENT, REASONS[Status.ABSENT])], outputs.metrics)
-    columns: dict[str, Any] = {name: np.repeat(column, plan.cells) for name, column in absent.items()}
-    scalars = [*columns]
-    for key, part in parts.items():
-        start = int(key)
-        size = part.sizes["run"]
-        for name in scalars:
-            columns[name][start : start + size] = part[name].values
-        if with_series and "series" in part.children:
-            series = part["series"].to_dataset()
-            columns.setdefault("time", series["times"].values)
-            for name in outputs.series:
-                if f"{name}_series" not in columns:
-                    columns[f"{name}_series"] = np.full((plan.cells, series.sizes["time"]), np.nan)
-                columns[f"{name}_series"][start : start + size] = series[name].values
+    columns = {name: np.repeat(column, plan.cells) for name, column in absent.items()}
+    for start, part in parts.items():
+        for name, column in columns.items():
+            column[int(start) : int(start) + part.sizes["run"]] = part[name].values
     attributes: dict[str, Any] = {}
     if plan.bases != ({},):
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
@@ -284,35 +262,30 @@ def read_plan(folder: Path) -> Plan | None:
     """Return the plan of the sweep in a folder; None where there is none that can be read."""
     try:
         return Plan.of_text((folder / MANIFEST).read_bytes())
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return None
 
 
-def continued(study: Sweep, folder: Path, progress: Progress | None = None) -> xarray.Dataset:
-    """Do what is left of a sweep in its folder, write sweep.nc and return the dataset.
+def continued(
+    study: Sweep, folder: Path, progress: Progress | None = None, *, as_it_is: bool = False
+) -> xarray.Dataset:
+    """Do what is left of a sweep in its folder, write sweep.nc, remove the tasks and return the dataset.
 
-    Series are in the file only, which is the attribute `source` of its `encoding`.
+    Series are in the file only, which is the attribute `source` of its `encoding`. A sweep that is left as it
+    is has a file of its finished runs beside its tasks where it is not finished.
 
     Raises:
         SweepError: sweep.nc is damaged.
         WorkerError: a worker process died.
         OSError: the folder cannot be written to.
     """
-    return _written(study.plan, folder, lambda: done_parts(study, {}, folder, progress)[0])
-
-
-def collected(folder: Path, plan: Plan) -> xarray.Dataset:
-    """Write and return the dataset of the runs that are finished; see `continued`."""
-    study = Sweep(plan=plan)
-    return _written(plan, folder, lambda: Store(folder / TASKS, study, {}).kept([*study.tasks({})]))
-
-
-def _written(plan: Plan, folder: Path, parts_of: Callable[[], Parts]) -> xarray.Dataset:
-    """Write the dataset of tasks, that of all as the sweep's, and remove the tasks then."""
-    file = folder / DATASET
+    plan, file = study.plan, folder / DATASET
     while not file.exists():
         try:
-            parts = parts_of()
+            if as_it_is:
+                parts = Store(folder / TASKS, study, {}).kept([*study.tasks({})])
+            else:
+                parts, _ = done_parts(study, {}, folder, progress)
             dataset, kept = combined(plan, parts), plan.outputs.kept
             path = folder / UNFINISHED if parts.missing else file
             with whole_netcdf(path) as partly:
@@ -428,16 +401,16 @@ def sweep(
         raise ValueError("output is for sweeps over a configuration; a motor made in Python has no identity.")
     if callable(base):
         units = {name: str(getattr(table[name], "attrs", {}).get("units", "")) for name in columns}
-        axes = tuple(Axis(name, tuple(columns[name]), units[name]) for name in columns)
+        axes = [Axis(name, tuple(columns[name]), units[name]) for name in columns]
         swept = _in_python(partial(_returned, base), axes, samples, outputs)
     elif isinstance(base, Setup) and in_python:
         swept = _in_python(partial(_with_numbers, base), _axes(base, columns, samples), samples, outputs)
         for cell in range(swept.plan.cells):
             swept.make(swept.plan, cell)
     else:
-        composer = ScriptComposer(base, study)
-        full = full_keys(columns, composer.keys, composer.options)
-        swept = Sweep(plan=planned(composer, full, outputs, samples=samples))
+        composed = composing(base, study)
+        full = full_keys(columns, {key: key for key in flat(composed({}))})
+        swept = Sweep(plan=planned(composed, full, outputs, samples=samples))
     swept = replace(
         swept,
         question=study if in_python else None,
@@ -446,7 +419,7 @@ def sweep(
     )
     report = runs_of(swept, progress) if progress else None
     if output is None:
-        return combined(swept.plan, done_parts(swept, {}, None, report)[0], with_series=True)
+        return swept.combine({}, done_parts(swept, {}, None, report)[0]).to_dataset()
     begin(Path(output), swept.plan)
     return continued(swept, Path(output), report)
 
@@ -482,7 +455,8 @@ def _axes(setup: Setup, columns: Columns, samples: bool) -> Iterator[Axis]:
     """Yield the axes of a sweep over numbers of a motor made in Python."""
     numbers = variable_numbers(setup)
     # The friction coefficient that laws share has a key of the contact beside that of its law.
-    for key, column in full_keys(columns, {key: path for key, (path, _) in numbers.items()}).items():
+    known = {key: path for key, (path, _) in numbers.items()}
+    for key, column in full_keys(columns, known, lambda _: ()).items():
         declared = numbers[key][1].parameter if key in numbers else None
         units, meaning = (declared.units, declared.meaning) if declared else ("", "")
         values = column if samples else [x for value in column for x in spread(key, value, units)]
@@ -498,22 +472,9 @@ def _values(values: Any) -> list[Value]:
     return list(np.atleast_1d(values).tolist())
 
 
-@final
-class ScriptComposer:
-    """Composes configurations over a base; see `plan.Composer`."""
-
-    options = staticmethod(options_of)
-
-    def __init__(self, base: Sequence[str] | Configuration | Setup, study: Study | None = None) -> None:
-        base = base.source if isinstance(base, Setup) else base
-        self._base: Configuration = base if isinstance(base, Mapping) else compose(base)
-        self._study = {"study": {"name": study.name, **study.options, **ONE_PROCESS}} if study else {}
-
-    @property
-    def keys(self) -> dict[str, str]:
-        """All keys of the base, full."""
-        return {key: key for key in flat(self.compose({}))}
-
-    def compose(self, chosen: Mapping[str, Value]) -> Configuration:
-        """Return the configuration with these options, all else as it is set."""
-        return overridden(self._base, [f"{group}={option}" for group, option in chosen.items()]) | self._study
+def composing(base: Sequence[str] | Configuration | Setup, study: Study | None = None) -> Compose:
+    """Return what composes configurations over a base, and the section of a study that is put to them."""
+    base = base.source if isinstance(base, Setup) else base
+    below = base if isinstance(base, Mapping) else compose(base)
+    section = {"study": {"name": study.name, **study.options, **ONE_PROCESS}} if study else {}
+    return lambda chosen: overridden(below, [f"{key}={option}" for key, option in chosen.items()]) | section

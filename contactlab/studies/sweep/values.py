@@ -14,6 +14,7 @@ from typing import Final
 
 import numpy as np
 
+from contactlab.config.faults import ConfigurationError
 from contactlab.config.nesting import Value
 from contactlab.parameter import from_cf
 from contactlab.quantity import UnitError, describe, to_si
@@ -32,7 +33,7 @@ _COMMA: Final = re.compile(r",(?![^(]*\))")
 
 
 class SweepError(ValueError):
-    """A sweep that cannot be made, or whose folder is damaged."""
+    """A folder of a sweep that is damaged, has another sweep, or has no runs that can be joined."""
 
 
 def listed(text: str) -> list[str]:
@@ -57,22 +58,26 @@ def spread(key: str, value: Value, units: str = "") -> list[Value]:
     """Return all values that one element of a list stands for, numbers in SI.
 
     Raises:
-        SweepError: it cannot be read in the units, has no end or no value, or too many.
+        ConfigurationError: it cannot be read in the units, has no end or no value, or too many.
     """
     if (call := call_in(value)) is None:
         return [in_si(value, units)]
     name, parts = call
     line = f"{key}={value}"
     if len(parts) not in ((1, 2, 3) if name == "range" else (3,)) or not all(parts):
-        raise SweepError(f"{line} has {len(parts)} arguments; a swept parameter must have {FORMS}.")
+        raise ConfigurationError(f"{line} has {len(parts)} arguments; a swept parameter must have {FORMS}.")
     if name == "range":
         return _stepped(line, key, parts, units)
     # A number of very many digits is none that Python reads.
     if not parts[2].isdecimal() or not 1 <= int(parts[2][:20]) <= MOST_RUNS:
-        raise SweepError(f"{line} has the count '{parts[2]}'; it must be a whole number of 1 to {MOST_RUNS}.")
+        raise ConfigurationError(
+            f"{line} has the count '{parts[2]}'; it must be a whole number of 1 to {MOST_RUNS}."
+        )
     first, last = (_number(key, end, units) for end in parts[:2])
     if not isfinite(last - first) or (name == "geomspace" and first * last <= 0.0):
-        raise SweepError(f"{line} has the ends {first:g} and {last:g}; they must be finite, and of one sign.")
+        raise ConfigurationError(
+            f"{line} has the ends {first:g} and {last:g}; they must be finite, and of one sign."
+        )
     spaced = np.linspace if name == "linspace" else np.geomspace
     return list(spaced(first, last, int(parts[2])).tolist())
 
@@ -81,7 +86,7 @@ def _number(key: str, text: str, units: str) -> float:
     try:
         return to_si(text, from_cf(units) if units else "1")
     except UnitError as error:
-        raise SweepError(f"{key}: {describe(text)}, {error}.") from None
+        raise ConfigurationError(f"{key}: {describe(text)}, {error}.") from None
 
 
 def _stepped(line: str, key: str, parts: list[str], units: str) -> list[Value]:
@@ -89,13 +94,15 @@ def _stepped(line: str, key: str, parts: list[str], units: str) -> list[Value]:
     ends = [*(["0"] if len(parts) == 1 else []), *parts, "1"][:3]
     start, stop, step = (Decimal(repr(_number(key, end, units))) for end in ends)
     if not all(end.is_finite() for end in (start, stop, step)) or not step:
-        raise SweepError(f"{line} does not end; START, STOP and STEP must be finite and STEP not 0.")
+        raise ConfigurationError(f"{line} does not end; START, STOP and STEP must be finite and STEP not 0.")
     steps = (stop - start) / step
     # A range that was sorted may contain sums and differences of floats.
     whole = abs(steps - round(steps)) < Decimal("1e-9")
     count = max(0, round(steps) if whole else ceil(steps))
     if not 1 <= count <= MOST_RUNS:
-        raise SweepError(f"{line} has {count:.4g} values; it must have 1 to {MOST_RUNS}, without STOP.")
+        raise ConfigurationError(
+            f"{line} has {count:.4g} values; it must have 1 to {MOST_RUNS}, without STOP."
+        )
     kind = int if all(re.fullmatch(r"[+-]?\d+", end) for end in ends) else float
     return [kind(start + place * step) for place in range(count)]
 

@@ -1,12 +1,12 @@
-"""A faulty command line of a sweep that keeps metrics is refused by its keys before anything runs."""
+"""A faulty sweep is refused by its keys, all of them, before anything is written."""
 
 from pathlib import Path
 
 import pytest
 from support.command_line import Command, left_behind
-from support.sweeps import METRICS_ALONE
+from support.sweeps import METRICS_ALONE, QUICK
 
-FAULTS = [
+NUMBERS = [
     (["drive.phase=1"], ["KEY="]),
     (["contact.clearence=1,2"], ["contact.clearance"]),
     (["contact.clearance=foo(1)"], ["contact.clearance"]),
@@ -21,7 +21,6 @@ FAULTS = [
     (["drive.phase=1,2", "sweep.series=gab"], ["sweep.series", "gab"]),
     (["solver.duration=1e-3,2e-3", "sweep.series=gap"], ["solver.duration"]),
     (["drive.phase=1,2", "hydra/launcher=joblib"], ["hydra/launcher", "sweep.keep"]),
-    (["drive.phase=1,2", "hydra/launcher=joblib", "sweep.keep=runs", "sweep.chunk=2"], ["sweep.chunk"]),
     (["drive.phase=1,2", "sweep.samples=nowhere.csv"], ["sweep.samples"]),
     (["sweep.samples=nowhere.csv"], ["nowhere.csv"]),
     (["sweep.samples=nowhere.nc"], ["nowhere.nc"]),
@@ -49,26 +48,74 @@ FAULTS = [
     (["contact.clearance=interval(0,1)", "drive.phase=1,2"], ["clearance"]),
     (["drive.phase=1,2", "drive.phase=3"], ["drive.phase"]),
     (["drive.phase=1,1", "contact.clearance=1e-6,1 um"], ["drive.phase", "contact.clearance"]),
+]
+"""Arguments of sweeps of numbers alone, and what the refusal names."""
+
+JOBS = [
     (["drive.phase=1,2", "sweep.keep=numbers", "sweep.chunk=-1"], ["sweep.keep", "sweep.chunk"]),
+    (["drive.phase=1,2", "hydra/launcher=joblib", "sweep.keep=runs", "sweep.chunk=2"], ["sweep.chunk"]),
+    (["contact.clearance=1e-6,2e-6", *QUICK, "hydra.sweep.subdir=one"], ["hydra.sweep.subdir"]),
+    (["hydra/sweeper=basic", "sweep.keep=metrics", "drive.phase=0,1", *QUICK], ["sweep.keep=metrics"]),
+]
+
+TABLES = [
+    ("clearance\n1e-6\n\n-1\n", "contact.clearance"),
+    ("clearance,law\n1e-6,newton\n1e-6,\n", "row 2"),
+    ("clearence\n1e-6\n", "contact.clearance"),
+    ("law\nnewtonn\n", "law"),
+    ("drive.phase,contact.friction_coefficient\n0.1,0.3,0.5\n", "line 2"),
+    ("drive.phase,law\n0.1,newton\n0.1,newton,0.5\n", "line 3"),
+    ("clearance,clearance\n1e-6,2e-6\n", "table.csv"),
+    ("clearance,contact.clearance\n1e-6,2e-6\n", "contact.clearance"),
+    ("drive.phase\n${contact.friction_coefficient}\n", "drive.phase"),
+    ("hello\0\udcff", "table.csv"),
+]
+
+REFERENCE = "${oc.env:SECRET}"
+"""A variable of the environment, which is neither read nor shown."""
+
+SECRETS = [
+    ["-m", "sweep.samples=table.csv"],
+    [f"drive.phase={REFERENCE}"],
+    ["-m", "drive.phase=0,1", f"contact.clearance={REFERENCE}"],
+    [f"law={REFERENCE}"],
+    ["-m", f"law=newton,{REFERENCE}"],
+    ["-m", f"sweep.samples={REFERENCE}"],
+    ["-m", "drive.phase=0,1", f"sweep.metrics={REFERENCE}"],
+    ["--config-dir=.", "law=mine"],
+]
+
+SECRET_FILES = {
+    "table.csv": f"drive.phase\n{REFERENCE}\n",
+    "law/mine.yaml": f"name: newton\nrestitution: {REFERENCE}\n",
+}
+
+FAULTS = [
+    *(([*METRICS_ALONE, *lines], keys, {}) for lines, keys in NUMBERS),
+    *((["-m", *lines], keys, {}) for lines, keys in JOBS),
+    *((["-m", "sweep.samples=table.csv"], [key], {"table.csv": table}) for table, key in TABLES),
+    ([*METRICS_ALONE, "sweep.samples=note.txt"], ["note.txt"], {"note.txt": "hello\0\udcff"}),
+    *((lines, [], SECRET_FILES) for lines in SECRETS),
 ]
 
 
-@pytest.mark.parametrize(("arguments", "keys"), FAULTS, ids=[" ".join(f)[:80] for f, _ in FAULTS])
+@pytest.mark.parametrize(("arguments", "keys", "files"), FAULTS, ids=repr)
 def test_a_faulty_sweep_is_refused_by_its_keys_before_anything_runs(
-    arguments: list[str], keys: list[str], command: Command
+    arguments: list[str],
+    keys: list[str],
+    files: dict[str, str],
+    command: Command,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    kept = any(each.startswith("sweep.keep=") for each in arguments)
-    status, out, err = command(*(["-m"] if kept else METRICS_ALONE), *arguments)
+    monkeypatch.setenv("SECRET", "hush-1234")
+    for name, text in files.items():
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).write_bytes(text.encode(errors="surrogateescape"))
+    before = sorted(left_behind())
+    status, out, err = command(*arguments)
     assert (status, out) == (2, "")
     for key in keys:
         assert key in err
     assert "Traceback" not in err
-    assert left_behind() == []
-
-
-@pytest.mark.parametrize("name", ["note.txt", "note.csv"])
-def test_a_file_that_is_no_table_of_samples_is_refused(name: str, command: Command) -> None:
-    Path(name).write_bytes(b"hello\0\xff")
-    status, _, err = command(*METRICS_ALONE, f"sweep.samples={name}")
-    assert status == 2
-    assert name in err
+    assert "hush" not in err
+    assert sorted(left_behind()) == before
