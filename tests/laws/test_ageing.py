@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
+from support.closed_forms import SPRING, WEIGHT, resting
 
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import AgeingStick
 from contactlab.laws.memory import AT_RELEASE, AT_SLIP, AT_STICK, AT_TOUCH
 from contactlab.laws.normal import Linear
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import first, run
 
 MU, DELTA, BEGINS = 0.3, 0.05, 1e-3

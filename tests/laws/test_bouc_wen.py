@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
+from support.closed_forms import SPRING, WEIGHT, resting
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import BoucWen
 from contactlab.laws.normal import Linear
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import HEAVY, run
 
 MU, YIELD = 0.3, 3e-6

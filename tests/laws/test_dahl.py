@@ -5,11 +5,11 @@ from math import exp, log
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms import SPRING, WEIGHT, resting
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Dahl
 from contactlab.laws.normal import Linear
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import HEAVY, run
 
 MU, SIGMA = 0.3, 1e5

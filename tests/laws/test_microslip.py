@@ -7,9 +7,9 @@ import pytest
 import sphere_rebounds as spheres
 from numpy.testing import assert_allclose
 from sphere_laws import ALUMINA_ON_GLASS
+from support.closed_forms import SPRING, WEIGHT, resting
 
 import contactlab as cl
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import HEAVY, run
 
 MU, KAPPA = 0.3, 0.8

@@ -11,6 +11,8 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import lambertw
+from support import closed_forms as closed
+from support.closed_forms import SPRING, WEIGHT, resting, restitution
 
 from contactlab.laws import (
     Brach,
@@ -39,9 +41,7 @@ from contactlab.laws.friction import (
     Stribeck,
 )
 from contactlab.laws.normal import Dmt, Jkr, Maugis, Prony, Thornton, WaltonBraun
-from contactlab.testing import closed_forms as closed
 from contactlab.testing.claim import Claim, Claims, Proof, close
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting, restitution
 from contactlab.testing.plants import HEAVY, block, first, impulses_of, last, run, way_of
 
 SLOWEST_LOSS: Final = gamma(0.6) * sqrt(pi) / (2.0**0.2 * 5.0**0.4 * gamma(2.1))

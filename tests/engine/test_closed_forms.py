@@ -4,15 +4,14 @@ from collections.abc import Callable, Iterator
 from math import exp, pi, sqrt
 
 import pytest
-from support import published
+from support import closed_forms, published
+from support.closed_forms import dashpot_impacts, hertz_impact, modal_impacts, restitution
 from support.published import PUBLISHED
 from support.tensile_dashpot import TensileDashpot
 
 from contactlab.laws import LAWS, PARTS
 from contactlab.testing import Claim
 from contactlab.testing.claim import proofs_of
-from contactlab.testing.closed_forms import dashpot_impacts, hertz_impact, modal_impacts, restitution
-from contactlab.testing.contract import CLOSED_FORMS
 from contactlab.testing.plants import block, first, run
 
 Form = Callable[..., Iterator[Claim]]
@@ -24,7 +23,7 @@ def assert_all(claims: Iterator[Claim]) -> None:
 
 
 OF_LAWS = proofs_of(published)
-FORMS = CLOSED_FORMS | OF_LAWS
+FORMS = proofs_of(closed_forms) | OF_LAWS
 
 
 @pytest.mark.parametrize("form", FORMS.values(), ids=list(FORMS))
