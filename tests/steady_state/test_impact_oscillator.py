@@ -1,6 +1,7 @@
 """Period maps, branches and events against what is published of the oscillator with a stop."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -84,6 +85,20 @@ def test_motions_beside_an_orbit_grow_from_the_doubling_on() -> None:
 
     event = only(branch(oscillator, 2.64, 2.66), Mark.PERIOD_DOUBLING)
     assert brentq(growth, 2.64, 2.66, xtol=1e-9) == pytest.approx(event, rel=1e-6)
+
+
+def test_a_pair_of_multipliers_leaves_the_circle_where_the_oscillator_gains_what_its_impact_loses() -> None:
+    """With a negative damping c, at det = e^2 exp(-c T) = 1: a torus begins (Neimark and Sacker)."""
+
+    def driven(frequency: float) -> ImpactOscillator:
+        return replace(oscillator(frequency), damping=-0.15)
+
+    result = branch(driven, 2.2, 2.09)
+    assert only(result, Mark.NEIMARK_SACKER) == pytest.approx(np.pi * -0.15 / np.log(0.8), rel=1e-9)
+    for point in result.points:
+        determinant = 0.8**2 * np.exp(0.15 * driven(point.value).period)
+        assert np.abs(point.orbit.multipliers) == pytest.approx(np.sqrt(determinant), rel=1e-6)
+        assert point.mark or point.orbit.stable == (determinant < 1.0)
 
 
 def test_the_ball_doubles_its_period_and_folds_where_the_closed_form_says(bouncing: Followed) -> None:

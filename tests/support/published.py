@@ -101,16 +101,22 @@ def brach_critical_ratio(mass: float = 0.1, e: float = 0.6, speed: float = 0.2, 
     yield close("loss of the impact", result, lost, 1e-12, "J")
 
 
+def two_plastic_impacts(v: np.ndarray, d: np.ndarray, mu: float, e: float, e_t: float) -> np.ndarray:
+    """Return the impulse of Chatterjee and Ruina (1998) in vectors, with n' = (1, 0) and M^-1 = d."""
+    n = np.array([1.0, 0.0])
+    free, stuck = -(n @ v) / (n @ d @ n) * n, -np.linalg.solve(d, v)
+    impulse = (1.0 + e) * free + (1.0 + e_t) * (stuck - free)
+    if abs(impulse[1]) > mu * impulse[0]:
+        down = abs(stuck[1]) - mu * (n @ (stuck - free))
+        impulse = (1.0 + e) * free + mu * (1.0 + e) * (n @ free) / down * (stuck - free)
+    return np.asarray(impulse)
+
+
 def chatterjee_ruina_impulse(mu: float = 0.3, e: float = 0.6, e_t: float = 0.4) -> Claims:
     """Their impulse in vectors, inside of the cone and on it (1998, J. Appl. Mech. 65, 939)."""
-    d, n, law = np.array([[600.0, 150.0], [150.0, 800.0]]), np.array([1.0, 0.0]), ChatterjeeRuina(mu, e, e_t)
+    d, law = np.array([[600.0, 150.0], [150.0, 800.0]]), ChatterjeeRuina(mu, e, e_t)
     for text, slip in (("in the cone", 0.01), ("on the cone", 0.5)):
-        v = np.array([-0.1, slip])
-        free, stuck = -(n @ v) / (n @ d @ n) * n, -np.linalg.solve(d, v)
-        expected = (1.0 + e) * free + (1.0 + e_t) * (stuck - free)
-        if abs(expected[1]) > mu * expected[0]:
-            down = abs(stuck[1]) - mu * (n @ (stuck - free))
-            expected = (1.0 + e) * free + mu * (1.0 + e) * (n @ free) / down * (stuck - free)
+        expected = two_plastic_impacts(np.array([-0.1, slip]), d, mu, e, e_t)
         result = impulses_of(law, -0.1, slip, (600.0, 150.0, 800.0))
         yield close(f"friction impulse {text}", result[1], float(expected[1]), 1e-9, "N s")
         yield close(f"normal impulse {text}", result[0], float(expected[0]), 1e-9, "N s")
