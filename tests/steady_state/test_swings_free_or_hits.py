@@ -205,19 +205,13 @@ def test_a_mass_that_is_always_pressed_on_follows_its_resonance_curve() -> None:
 
     Its multipliers are exp(s T) with m s^2 + c s + k = 0, of every orbit from below the resonance to above.
     """
-    it = replace(plant(0.0), stiffness=1e3, damping=1.0, weight=1e3, force=10.0, frequency=800.0)
+    it = replace(plant(0.0), stiffness=1e3, damping=1.0, weight=1e3, force=10.0, frequency=950.0)
     spring, dashpot = Linear(1e6), LinearDamping(0.9, 1.0, 0.1)
     law: ContactLaw = Composed(spring, dashpot, Coulomb(0.0))
     damping, stiffness = it.damping + damping_coefficient(dashpot, spring), it.stiffness + 1e6
-    branch = cl.branch(
-        it.setup().motor,
-        "drive.frequency",
-        800.0 / (2.0 * pi),
-        1200.0 / (2.0 * pi),
-        law=law,
-        belt=0.0,
-        step=0.1,
-    ).details
+    low, high = 950.0 / (2.0 * pi), 1050.0 / (2.0 * pi)
+    arguments = {"law": law, "belt": 0.0, "step": 0.3}
+    branch = cl.branch(it.setup().motor, "drive.frequency", low, high, **arguments).details
     assert len(branch.points) > 5
     assert branch.events == ()
     roots = np.roots([1.0, damping, stiffness])
