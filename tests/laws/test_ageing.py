@@ -37,13 +37,13 @@ class Belt(NamedTuple):
     step: float  # of the contact [s]
     error: float  # of a time of stick [s]
 
-    def breakaway(self, held: float = 0.0, before: float = 0.0) -> float:
-        """Time t [s] at which held + k v t = mu_s(before + t) N."""
+    def breakaway(self, pulled: float = 0.0, before: float = 0.0) -> float:
+        """Time t [s] at which pulled + k v t = mu_s(before + t) N."""
         pull = STIFFNESS * self.speed
 
         def excess(t: float) -> float:
             static = self.static + self.delta * log1p((before + t) / ONSET)
-            return held + pull * t - WEIGHT * static
+            return pulled + pull * t - WEIGHT * static
 
         # Until the rates meet, friction grows faster than the pull.
         least = max(self.delta * WEIGHT / pull - ONSET - before, 0.0)

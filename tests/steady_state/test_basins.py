@@ -37,7 +37,7 @@ def test_a_symmetric_motor_runs_either_way_as_it_was_started() -> None:
 
 
 def test_the_basins_of_a_symmetric_motor_are_mirror_images_half_a_period_apart() -> None:
-    """And so are its attractors; the one that either image reaches goes on at any velocity near its own."""
+    """So are the attractors; the orbit that both images reach repeats itself at any velocity near its own."""
     velocities = np.array([-2.0, -0.5, 0.5, 2.0])
     axes = {"rotor_velocity": velocities, "drive_phase": np.array([0.1, 0.6])}
     result = basins(cl.build(SYMMETRIC), axes)

@@ -178,9 +178,9 @@ def test_the_boundary_of_both_basins_passes_through_the_saddle() -> None:
 
     free = it.response.real, -it.frequency * it.response.imag
     for (x, rate), kind in ((start_of(it, FAST), "periodic"), (free, "without contact")):
-        one = basins(it.setup(), {"tip_displacement": np.array([x]), "tip_velocity": np.array([rate])})
-        assert [each.kind for each in one.attractors] == [kind]
-        assert one.shares == (1.0,)
+        map_of = basins(it.setup(), {"tip_displacement": np.array([x]), "tip_velocity": np.array([rate])})
+        assert [each.kind for each in map_of.attractors] == [kind]
+        assert map_of.shares == (1.0,)
 
 
 def test_every_start_of_a_map_goes_where_its_own_run_goes_and_the_shares_add_up_to_one() -> None:

@@ -279,11 +279,11 @@ SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
     "rigid stick beyond the cone": (lambda: rigid_of(sticks_always, holds_always), "inside_the_cone"),
     "rigid friction that pushes along the slip": (lambda: rigid_of(reverses), "friction_opposes_slip"),
     **{
-        f"rigid friction bound {words}": (
+        f"rigid friction bound {fault}": (
             lambda bound=bound: rigid_of(stick_or_slip_impulse, bound),
             "kernel_is_consistent",
         )
-        for words, bound in {
+        for fault, bound in {
             "beyond the declared cone": beyond_the_cone,
             "negative in slip under a load": negative_in_slip,
             "that is no number under a load": no_number_pressed,
