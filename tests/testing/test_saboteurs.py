@@ -5,12 +5,13 @@ property of the contract. `docs/saboteurs.md` has the table.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, make_dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import pytest
+from support.laws_of_kernels import FRICTION, law_class_of
 
 import contactlab as cl
 from contactlab.compiler.kernels import fleeting_kernel
@@ -30,29 +31,12 @@ TABLE = Path(__file__).parents[2] / "docs" / "saboteurs.md"
 Kernel = Callable[..., Any]
 
 
-class Saboteur(cl.PenaltyLaw):
-    """A Hertzian law; what its kernel is made of is no parameter of it."""
-
-    name: ClassVar[str] = "saboteur"
-    equation: ClassVar[str] = "N = K d^1.5"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
-
-
 def law_of(kernel: Kernel, units: str = "N m-1.5", idle: bool = False) -> cl.PenaltyLaw:
-    """A Saboteur with a kernel of choice, and on demand with a parameter that it does not read."""
-    declared = [
-        ("stiffness", cl.Parameter("K", units, "stiffness", above=0.0), 1e10),
-        ("friction_coefficient", FRICTION_COEFFICIENT, 0.3),
-        ("idle", cl.Parameter("c", "1", "of no meaning", at_least=0.0), 1.0),
-    ]
-    members = [
-        (name, Annotated[float, text], field(default=value)) for name, text, value in declared[: 2 + idle]
-    ]
-    made: Any = make_dataclass(
-        "Made", members, bases=(Saboteur,), namespace={"force": staticmethod(kernel)}, frozen=True
-    )
-    return made()  # type: ignore[no-any-return]
+    """A Hertzian law with a kernel of choice, and on demand with a parameter that it does not read."""
+    parameters = {"stiffness": (cl.Parameter("K", units, "stiffness", above=0.0), 1e10), **FRICTION}
+    if idle:
+        parameters["idle"] = cl.Parameter("c", "1", "of no meaning", at_least=0.0), 1.0
+    return law_class_of(cl.PenaltyLaw, "saboteur", parameters, force=kernel)()  # type: ignore[no-any-return]
 
 
 def hertz(stored: float = 1.0, fast: float = 1.0, bound: float = 1.0, pull: float = 0.0) -> Kernel:
@@ -165,25 +149,13 @@ def friction_of(stored: float = 1.0, push: float = 1.0) -> cl.Composed:
     return cl.Composed(friction=Bristle())
 
 
-class Rigid(cl.MultiplierLaw):
-    """A rigid law of kernels of choice."""
-
-    name: ClassVar[str] = "rigid"
-    equation: ClassVar[str] = "what it wants"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 1e-7
-
-
 def rigid_of(
     impact: Kernel, bound: Kernel = coulomb, text: Any = FRICTION_COEFFICIENT, **declared: Any
 ) -> cl.MultiplierLaw:
     """A rigid law of these kernels and declarations; `text` is that of its friction coefficient."""
-    kernels = {"impact": staticmethod(impact), "bound": staticmethod(bound)}
-    coefficient = ("friction_coefficient", Annotated[float, text], field(default=0.3))
-    made: Any = make_dataclass(
-        "Made", [coefficient], bases=(Rigid,), namespace=kernels | declared, frozen=True
-    )
-    return made()  # type: ignore[no-any-return]
+    parameters = {"friction_coefficient": (text, 0.3)}
+    kernels = {"impact": impact, "bound": bound}
+    return law_class_of(cl.MultiplierLaw, "rigid", parameters, **kernels, **declared)()  # type: ignore[no-any-return]
 
 
 @fleeting_kernel
