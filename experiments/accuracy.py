@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 from impact_mass import FREQUENCY, STEPS, mass_met
+from references import HERTZ_CASE_A, RIGID_CASE_A
 
 import contactlab as cl
 from contactlab.config.nesting import flat
@@ -22,7 +23,6 @@ from contactlab.inference.least_squares import best_fit
 from contactlab.inference.motor_problem import series_problem
 from contactlab.inference.nested_sampling import POINTS, sample
 from contactlab.inference.synthetic import made_impacts, made_series, without_errors
-from contactlab.testing.references import HERTZ_CASE_A, RIGID_CASE_A
 
 CASE_A: Final = ["experiment=case_a"]
 STEPPED, FINELY = "solver.contact_step=5e-8", "solver.contact_step=1e-8"

@@ -5,11 +5,11 @@ import numpy as np
 import xarray
 from experiment import Experiment, main
 from matplotlib.figure import Figure
+from references import PLACEMENTS
 from variations import changed, placed
 
 import contactlab as cl
 from contactlab.motor.ritz import ClampedBeam
-from contactlab.testing.references import PLACEMENTS
 
 SHAPES = 5
 

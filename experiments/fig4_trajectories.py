@@ -5,10 +5,10 @@ import numpy as np
 import xarray
 from experiment import Experiment, main
 from matplotlib.figure import Figure
+from references import PLACEMENTS
 from variations import placed, tip_phasors
 
 import contactlab as cl
-from contactlab.testing.references import PLACEMENTS
 
 DRIVES = ("f2/2 and f2", "f1 and 2 f1")
 

@@ -10,12 +10,12 @@ import numpy as np
 import xarray
 from experiment import Experiment, main
 from matplotlib.figure import Figure
+from references import PLACEMENTS
 from scipy.optimize import least_squares
 from table1_placement import HALF_UNITS, PRINTED, row_of
 from variations import changed
 
 import contactlab as cl
-from contactlab.testing.references import PLACEMENTS
 
 INPUTS = {
     "placement 1 start": (15.968e-3, "m"),

@@ -5,10 +5,10 @@ import numpy as np
 import xarray
 from experiment import Experiment, main
 from matplotlib.figure import Figure
+from references import PLACEMENTS, TABLE_1
 from variations import placed
 
 import contactlab as cl
-from contactlab.testing.references import PLACEMENTS, TABLE_1
 
 QUANTITIES = ("Gamma_11", "Gamma_21", "Gamma_31", "f_1", "f_2")
 UNITS = ("N V-1", "N V-1", "N V-1", "Hz", "Hz")

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from support.closed_forms import coupled_body
 from support.pages import DOCS, names_of
 
 import contactlab as cl
@@ -17,7 +18,6 @@ from contactlab.impacts import Impacts, velocities_after
 from contactlab.laws import LAWS
 from contactlab.laws.damping import LinearDamping
 from contactlab.motor.bodies import FLAT, block
-from contactlab.testing.plants import coupled_body
 from contactlab.trajectory import Ending
 
 MU = 0.3

@@ -12,7 +12,7 @@ from oracle.normal_parts import Jkr, Power, elliptic_stiffness, loss_number
 from oracle.rigid import RigidJudge, Rough, newton
 from scipy.linalg import expm
 
-from contactlab.testing.references import HERTZ_CASE_A, RIGID_CASE_A
+from references import HERTZ_CASE_A, RIGID_CASE_A
 
 DURATION = 5e-3
 STIFFNESS = 1e10

@@ -16,7 +16,7 @@ VERBS: Final = {
     "example": "copy a script, measured impacts, or the package of a law or study, to begin from",
     "laws": "list every installed law and part, with all that it declares",
     "report": "make page, figures and tables of a study anew from its dataset",
-    "verify": "print what is claimed of the engine and the laws, and what is computed",
+    "verify": "print the contract of every law, or check what runs recorded",
     "warm-up": "compile the engine ahead, for laws of every kind, so that no run has to wait for it",
 }
 """What each verb does; it is `main(arguments)` in the module beside this one of its name, - as _."""

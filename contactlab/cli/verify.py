@@ -23,9 +23,8 @@ def main(arguments: list[str]) -> int:
     """
     parser = Parser(
         "verify",
-        ": closed forms on small plants, numbers of independent solvers for the paper's motor, random "
-        "flights, and the contract of every law; or, given RUNs, whether what each recorded agrees with "
-        "itself. Exit status 1 if a claim fails.",
+        ": the contract of every law; or, given RUNs, whether what each recorded agrees with itself. "
+        "Exit status 1 if a claim fails.",
     )
     parser.add_argument(
         "runs",

@@ -204,9 +204,12 @@ class Ball:
 
     @classmethod
     def around(cls, orbit: Orbit) -> "Ball":
-        """Find the largest of some balls about an orbit; radius 0 where there is none."""
+        """Find the largest of some balls about an orbit; radius 0 where there is none.
+
+        Motions beside an orbit do not come back to it along a neutral direction.
+        """
         times = max(1.0, np.ceil(orbit.settling_time / orbit.map.period))
-        if times > LONGEST or orbit.roughness > SMOOTH:
+        if times > LONGEST or orbit.roughness > SMOOTH or orbit.neutral.any():
             return cls(orbit, np.eye(orbit.state.size), 0.0)
         rho = 0.5 * (1.0 + abs(orbit.multipliers[0]))
         norm = solve_discrete_lyapunov(orbit.jacobian.T / rho, np.eye(orbit.state.size))

@@ -1,4 +1,4 @@
-"""The proofs, for everybody: a contract for every contact law, and closed forms.
+"""The contract of a contact law, for tests of packages with laws of their own.
 
 A law that is written elsewhere is put to the same tests as the package's own in three lines:
 
@@ -8,7 +8,7 @@ A law that is written elsewhere is put to the same tests as the package's own in
         law = MyLaw(stiffness=1e9, friction_coefficient=0.3)
 
 `invariants_of` holds any recorded run to what no law can excuse. The command `contactlab verify` prints
-what is claimed and what is found.
+the contract of every law that is installed, or the invariants of a run.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close

@@ -14,14 +14,7 @@ import xarray
 
 from contactlab.laws import ContactLaw, law_class, law_names
 from contactlab.metrics import INVARIANTS, NOT_APPLICABLE, assess
-from contactlab.testing import (
-    closed_forms,
-    declaration_properties,
-    flow_properties,
-    kernel_properties,
-    references,
-    run_properties,
-)
+from contactlab.testing import declaration_properties, flow_properties, kernel_properties, run_properties
 from contactlab.testing.claim import Claim, Claims, at_most, proofs_of
 from contactlab.testing.plants import Bench, paper_motor
 
@@ -33,12 +26,9 @@ def declares_what_it_breaks(bench: Bench) -> Claims:
     yield at_most(f"declared violations without property or reason {odd}", len(odd), 0)
 
 
-CLOSED_FORMS = proofs_of(closed_forms)
-REFERENCES = proofs_of(references)
 PROPERTIES = proofs_of(kernel_properties, declaration_properties, flow_properties, run_properties)
 PROPERTIES["declares_what_it_breaks"] = declares_what_it_breaks
-"""By their names: small plants against what can be written down, the paper's motor and random flights
-against what others found, and the contract of a law, of which each takes a `Bench`."""
+"""The contract of a law: its properties by their names, each a function of a `Bench`."""
 
 
 def claims_of(proof: Callable[[], Claims], excuse: str = "") -> list[Claim]:
@@ -112,9 +102,7 @@ def invariants_of(run: xarray.DataTree) -> Claims:
 
 
 def all_claims() -> Iterator[tuple[str, Callable[[], Iterable[Claim]]]]:
-    """Yield every heading and the function of its claims: the catalogues, then the contract of every law."""
-    for proof in (*CLOSED_FORMS.values(), *REFERENCES.values()):
-        yield (proof.__doc__ or "").partition("\n")[0], partial(claims_of, proof)
+    """Yield the heading of every law and the function of the claims of its contract."""
     for name in law_names():
         try:
             law = law_class(name)()

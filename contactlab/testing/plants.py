@@ -1,12 +1,13 @@
-"""Plants of tests and benches, runs of them, and bound kernels; `block` is of `contactlab.motor.bodies`."""
+"""Plants of benches and tests, runs of them, and bound kernels; `block` is of `contactlab.motor.bodies`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 from typing import Any, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.engine import simulate
@@ -18,26 +19,13 @@ from contactlab.laws.consistency import CANARIES, guarded
 from contactlab.motor import RitzResonator
 from contactlab.motor.bodies import FLAT as FLAT, HEAVY as HEAVY, block as block, way_of as way_of
 from contactlab.motor.drive import Drive
-from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.motor import ModalState, Motor, Rotor
+from contactlab.motor.motor import Motor
 from contactlab.trajectory import Trajectory
 
 
 def paper_motor() -> Motor:
     """Return the paper's motor: placement 2, 1 um clearance, 100 V at 3210 and 6420 Hz, phase -pi/5."""
     return Motor(RitzResonator().modes, Drive.two_mode(100.0, 100.0, 3210.0, 2.0, -pi / 5.0))
-
-
-def coupled_body(seed: int, approach: float = 0.3) -> Motor:
-    """Draw a body whose modes couple both directions, about to touch a rotor at a gap rate [m/s]."""
-    rng, modes = np.random.default_rng(seed), RitzResonator().modes
-    tip, slope, velocity = rng.normal(size=(3, modes.stiffness.size)) * [[20.0], [1e3], [1e-3]]
-    # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
-    along = tip / (tip @ tip)
-    start = ModalState(-1e-12 * along, velocity + (approach - tip @ velocity) * along)
-    body = replace(modes, tip_displacement=tip, tip_slope=slope)
-    rotor = Rotor(float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0)
-    return Motor(body, Drive(), ContactGeometry(clearance=0.0), rotor, start=start)
 
 
 def attempt(
@@ -74,6 +62,28 @@ def first(trajectory: Trajectory, name: str) -> float:
 def last(trajectory: Trajectory, name: str) -> float:
     """Return the last record of a series."""
     return float(trajectory.series[name][-1])
+
+
+def free_motion(motor: Motor) -> tuple[NDArray[np.complex128], ...]:
+    """Return exponents r [1/s] and the terms of u [m] and th [rad] of a motor from rest that never touches.
+
+    u(t) = Re sum_k u_k exp(r_k t), and th alike: of every tone the steady answer, then of every mode two
+    terms that cancel it at t = 0, r^2 + c r + k = 0. A mode that is exactly critical has no such terms.
+    """
+    modes = motor.modes
+    tones = 1j * motor.drive.angular_frequency
+    k, c = modes.stiffness[:, None], modes.damping[:, None]
+    steady = (modes.coupling @ motor.drive.phasors) / (k + c * tones + tones**2)
+    root = np.sqrt((0.25 * modes.damping**2 - modes.stiffness).astype(np.complex128))
+    first, second = -0.5 * modes.damping + root, -0.5 * modes.damping - root
+    # A + B = -q(0) and A r1 + B r2 = -v(0) of the steady part.
+    q, v = -steady.real.sum(axis=1), -(steady * tones).real.sum(axis=1)
+    from_first = (v - second * q) / (first - second)
+    u, th = (
+        np.concatenate([row @ steady, row * from_first, row * (q - from_first)])
+        for row in (modes.tip_displacement, modes.tip_slope)
+    )
+    return np.concatenate([tones, first, second]), u, th
 
 
 MOTOR_DURATION = 1.5e-3

@@ -14,7 +14,6 @@ from contactlab.laws.memory import AT_TOUCH, ODD
 from contactlab.metrics.constraints import changes_side
 from contactlab.motor.motor import Motor
 from contactlab.testing.claim import Claims, at_least, at_most, close
-from contactlab.testing.flights import flight_of
 from contactlab.testing.flow_properties import image_of, losses_of
 from contactlab.testing.kernel_properties import TINY, impacts_of
 from contactlab.testing.plants import (
@@ -27,6 +26,7 @@ from contactlab.testing.plants import (
     Evaluator,
     block,
     completed,
+    free_motion,
     run,
 )
 from contactlab.trajectory import Trajectory
@@ -187,7 +187,7 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     text = "momentum of the rotor against friction impulses, in all"
     yield close(text, gained, value, 1e-9, "N m s", scale)
 
-    flight, names = flight_of(motor), {"tip_normal_displacement": "m", "tip_slope": "rad"}
+    (exponents, *free), names = free_motion(motor), {"tip_normal_displacement": "m", "tip_slope": "rad"}
     rows = motor.modes.approach, motor.modes.tip_slope
     forces = np.array([series["normal_force"], series["friction_force"]])[:, 1:]
     acting = np.flatnonzero(forces[0])
@@ -198,11 +198,11 @@ def forces_move_the_motor(bench: Bench) -> Claims:
     frames = [geometry.frame(*place)[1:] for place in places]
     # Of both forces on u and on th.
     acted = np.einsum("ijk,ji->ki", np.reshape(frames, (-1, 2, 2)), impulses)
-    first, second = flight.exponents[motor.drive.frequency.size :].reshape(2, -1, 1)
+    first, second = exponents[motor.drive.frequency.size :].reshape(2, -1, 1)
     response = ((np.exp(first * late) - np.exp(second * late)) / (first - second)).real
     driven = (response * (np.transpose(rows) @ acted)).sum(axis=1)
-    for name, row, free in zip(names, rows, (flight.u, flight.th), strict=True):
-        result = (np.exp(flight.exponents * end) @ free).real + row @ driven
+    for name, row, terms in zip(names, rows, free, strict=True):
+        result = (np.exp(exponents * end) @ terms).real + row @ driven
         scale, text = np.abs(series[name]).max(), f"{name} under the recorded forces"
         # An impact lies anywhere in its interval.
         left = 1e-3 if bench.rigid else bench.balance

@@ -13,22 +13,19 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any
 
 from law_page import FAMILIES, law_of, powers_of_ten, table, unit
 from tqdm import tqdm
 
 from contactlab.laws import ContactLaw
 from contactlab.laws.declaration import Declared
-from contactlab.testing.claim import Claim, proofs_of
+from contactlab.testing.claim import Claim
 from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench
 
 ROOT = Path(__file__).resolve().parents[2]
+TESTS = ROOT / "tests"
 PAGE = "law_table.md"
-
-OUTSIDE = ROOT / "tests" / "fourteen_laws"
-"""A package of its own, with laws that are in the literature and not in contactlab."""
 
 OPENING = """\
 # Laws, their contracts and what is published of them
@@ -41,7 +38,6 @@ on its page; all others hold. *Published*: a number or a closed form of the sour
 or does in the engine where that is another number; *apart*: the difference over the published one.
 """
 
-ELSEWHERE = "Laws of a package outside"
 HEADS = ("law", "breaks", "published", "value", "apart")
 UNPUBLISHED = "no closed form"
 
@@ -59,8 +55,11 @@ class Entry:
 
 
 def entries() -> Iterator[Entry]:
-    """Return every law and part of contactlab, then those of the package outside of it."""
-    published = _module("support.published", ROOT / "tests")
+    """Yield every law and part of contactlab."""
+    # The published results are tests.
+    if str(TESTS) not in sys.path:
+        sys.path.insert(0, str(TESTS))
+    published = import_module("support.published")
     for family in FAMILIES:
         for name, owner in family.owners.items():
             proofs = published.published_of(name, owner.family)
@@ -68,30 +67,6 @@ def entries() -> Iterator[Entry]:
             number = partial(published.headline, name, owner.family)
             label = f"[{name}]({family.address(name)})"
             yield Entry(family.title, label, owner, law_of(owner), number, heading)
-    yield from outside()
-
-
-def _module(name: str, folder: Path) -> Any:
-    """Return a module of the tests."""
-    if str(folder) not in sys.path:
-        sys.path.insert(0, str(folder))
-    return import_module(name)
-
-
-def outside() -> Iterator[Entry]:
-    """Return the laws of the package outside of contactlab, each with its own published number."""
-    numbers = _module("published_numbers", OUTSIDE)
-    proofs = proofs_of(numbers)
-    for owner in vars(numbers).values():
-        if isinstance(owner, type) and getattr(owner, "name", "") in proofs:
-            proof = proofs[owner.name]
-            label = f"`{f'law/{owner.family}'.rstrip('/')}={owner.name}`"
-            number = partial(_first_claim, proof)
-            yield Entry(ELSEWHERE, label, owner, law_of(owner), number, _first_line(proof))
-
-
-def _first_claim(proof: Callable[[], Iterator[Claim]]) -> Claim | None:
-    return next(proof(), None)
 
 
 def _first_line(proof: object) -> str:

@@ -77,8 +77,9 @@ def test_the_table_of_the_laws_has_a_row_for_each_and_none_that_fails() -> None:
     entries = {entry.label: entry for entry in law_table.entries()}
     assert [cells[0].strip() for cells in lines] == [*entries], "python docs/tools/law_table.py"
     assert "**" not in page
-    # 0.000693147 m/s = 1 mm/s ln 2: where half of the smooth cone's friction is reached.
-    assert "0.000693147 m/s" in law_table.row(entries["`law/friction=smooth_cone`"])
+    # 1 mm/s times 0.6/sqrt(1 - 0.6^2).
+    (label,) = (each for each in entries if "regularised" in each)
+    assert "0.00075 m/s" in law_table.row(entries[label])
 
 
 @pytest.mark.long

@@ -10,10 +10,10 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from support.flights import Flight, flight_of
 from support.motors import default_motor, hertz, run
 
 from contactlab.motor.drive import Drive
-from contactlab.testing.flights import Flight, flight_of
 
 SOFT = hertz(0.0, stiffness=1e-6)
 """Pushes with 1e-15 N at the depths below."""

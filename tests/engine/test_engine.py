@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.flights import flight_of
 from support.motors import case_a, default_motor, every_law, final, hertz, run
 
 from contactlab.engine import simulate
@@ -13,7 +14,6 @@ from contactlab.laws import ContactLaw, HertzPenalty
 from contactlab.motor import NormalModes
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
-from contactlab.testing.flights import flight_of
 from contactlab.trajectory import Trajectory
 
 STEPS_PER_CALL = "contactlab.engine.simulation.STEPS_PER_CALL"

@@ -5,13 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from support.flights import Flight, double_well, drive_through, flight_of
 from support.motors import default_resonator, every_law, hertz, run
 
 from contactlab.engine.plant import plant_of
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw
 from contactlab.motor.motor import Motor
-from contactlab.testing.flights import Flight, double_well, drive_through, flight_of
 
 Array = NDArray[np.float64]
 

@@ -16,6 +16,7 @@ from support.closed_form_memory import (
     softened_end,
 )
 from support.command_line import cases
+from support.flights import DURATION, random_flight
 
 from contactlab.engine import Flow, simulate
 from contactlab.laws import ContactLaw
@@ -24,7 +25,6 @@ from contactlab.laws.damping import HuntCrossley
 from contactlab.laws.friction import RateAndState
 from contactlab.laws.normal import HertzPoint
 from contactlab.motor.motor import Motor
-from contactlab.testing.flights import DURATION, random_flight
 from contactlab.testing.plants import attempt, block, paper_motor, run, way_of
 
 MASS, SPEED, HEIGHT = 2e-3, 0.1, 1e-6

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from support.flights import flight_of
 from support.motors import case_a, default_motor, every_law, run
 
 from contactlab.config import build
 from contactlab.laws import ContactLaw
-from contactlab.testing.flights import flight_of
 
 TIME_DIGIT = 1e-12
 """Touch-downs are known to better than this [s]: gap round-off 1e-21 m over rates above 1e-8 m/s."""

@@ -1,32 +1,20 @@
-"""Bouc's and Wen's hysteresis: its curves and loops, and Wen's own equation."""
+"""Bouc's and Wen's hysteresis: its deflection, and Wen's own equation."""
 
-from math import cosh, exp, log, pi
+from math import pi
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
+from support.closed_forms import SPRING, WEIGHT, resting
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import BoucWen
 from contactlab.laws.normal import Linear
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import HEAVY, run
 
 MU, YIELD = 0.3, 3e-6
 LIMIT = MU * WEIGHT
-
-
-@pytest.mark.parametrize("shape", [0.5, 0.9])
-@pytest.mark.parametrize("exponent", [1.0, 2.0])
-def test_the_first_loading_is_exponential_for_n_1_and_a_hyperbolic_tangent_for_n_2(
-    exponent: float, shape: float
-) -> None:
-    law = Composed(Linear(SPRING), friction=BoucWen(MU, YIELD, shape, exponent))
-    series = run(resting(HEAVY, velocity=5.0 * YIELD), law, 1.0, 1e-2, 0.1).series
-    way = 0.5 * np.arange(11)
-    work = [s + exp(-s) if exponent == 1.0 else log(cosh(s)) for s in way]
-    assert_allclose(-series["friction_force"][1:] / LIMIT, np.diff(work) / 0.5, atol=1e-9)
 
 
 @pytest.mark.parametrize("coefficient", [0.0, 1e-12, MU])

@@ -3,21 +3,10 @@
 import numpy as np
 import pytest
 from support.impacts import after, contact_energy, drawn_impacts, impact_of, loss
+from support.published import two_plastic_impacts
 
 from contactlab.laws import ChatterjeeRuina
 from contactlab.laws.base import SLIP, STICK
-
-
-def published(v: np.ndarray, d: np.ndarray, mu: float, e: float, e_t: float) -> np.ndarray:
-    """Their impulse in vectors, for the drawn state alone: n' = (1, 0), M^-1 = d."""
-    n = np.array([1.0, 0.0])
-    frictionless, sticking = -(n @ v) / (n @ d @ n) * n, -np.linalg.solve(d, v)
-    candidate = (1.0 + e) * frictionless + (1.0 + e_t) * (sticking - frictionless)
-    if abs(candidate[1]) <= mu * candidate[0]:
-        return candidate
-    down = abs(sticking[1]) - mu * (n @ (sticking - frictionless))
-    k = mu * (1.0 + e) * (n @ frictionless) / down
-    return (1.0 + e) * frictionless + k * (sticking - frictionless)
 
 
 def test_it_is_the_published_impulse_and_creates_no_energy_at_any_restitution() -> None:
@@ -27,7 +16,7 @@ def test_it_is_the_published_impulse_and_creates_no_energy_at_any_restitution() 
         e, e_t = rng.uniform(0.0, 1.0), rng.uniform(-1.0, 1.0)
         result = impact_of(ChatterjeeRuina(mu, e, e_t), normal, slip, d)
         matrix = np.array([[d[0], d[1]], [d[1], d[2]]])
-        expected = published(np.array([normal, slip]), matrix, mu, e, e_t)
+        expected = two_plastic_impacts(np.array([normal, slip]), matrix, mu, e, e_t)
         assert result[:2] == pytest.approx(expected, rel=1e-9, abs=1e-11 * result[0])
         kept = contact_energy(normal, slip, d)
         assert loss(normal, slip, d, result) >= -1e-12 * kept

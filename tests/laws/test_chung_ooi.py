@@ -9,7 +9,7 @@ mass.
     5  a plane, one normal speed                    steel; the polyethylene's constants are not to be had here
 
 The others are Hertz's impact, the restitution that a damping is solved for, and gross sliding, which the
-closed forms of `contactlab.testing` have. What sticks for a time is held to the curves of the paper and to
+`tests/support/closed_forms.py` has. What sticks for a time is held to the curves of the paper and to
 finite elements within what is said there: friction here slides as a whole (a Jenkins element), where spheres
 slip from the rim inwards.
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import pytest
 from numpy.testing import assert_allclose
 from scipy.optimize import brentq
+from support.closed_forms import SPRING, WEIGHT, resting
 
 from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import NormalForce
@@ -14,7 +15,6 @@ from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Cohesive
 from contactlab.laws.normal import Dmt, Jkr, Linear
 from contactlab.parameter import positive
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import block, last, run
 
 MU, RATIO, C = 0.3, 1.4, 4.0

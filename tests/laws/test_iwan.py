@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
+from support.published import spheres_friction, spheres_loss
 
 from contactlab.driving import drive
 from contactlab.engine import simulate
@@ -19,22 +20,6 @@ Array = np.ndarray
 
 MU, WHOLE, NORMAL = 0.3, 4e-7, 5.0
 LIMIT = MU * NORMAL
-
-
-def backbone(x: Array | float) -> Array:
-    """Friction [N] of a first slip x [m] between spheres (Mindlin and Deresiewicz 1953)."""
-    return np.asarray(LIMIT * (1.0 - np.maximum(1.0 - np.asarray(x) / WHOLE, 0.0) ** 1.5))
-
-
-def cycle_loss(amplitude: float) -> float:
-    """Loss [J] of a cycle between +-T, T the friction at the amplitude (Johnson 1985, sec. 7.4).
-
-    By Masing's rule it is 8 int_0^A F dx - 4 A F(A), which with T/(mu N) = t and x_s is
-    24/5 mu N x_s {1 - (1 - t)^(5/3) - 5/6 t [1 + (1 - t)^(2/3)]}.
-    """
-    t = float(backbone(amplitude)) / LIMIT
-    bracket = 1.0 - (1.0 - t) ** (5 / 3) - 5 / 6 * t * (1.0 + (1.0 - t) ** (2 / 3))
-    return 4.8 * LIMIT * WHOLE * bracket
 
 
 class Driven:
@@ -98,8 +83,8 @@ def test_first_loading_is_that_of_spheres_in_the_second_order_of_the_number_of_e
     errors = []
     for n in (8, 16, 32):
         driven = Driven(Iwan(MU, n, WHOLE))
-        forces = [driven.move(way) for way in np.diff(ways, prepend=0.0)]
-        errors.append(root_mean_square(forces - backbone(ways)) / LIMIT)
+        forces = np.array([driven.move(way) for way in np.diff(ways, prepend=0.0)])
+        errors.append(root_mean_square(forces / LIMIT - spheres_friction(ways / WHOLE)))
         # At x_s all slides.
         assert forces[-1] == pytest.approx(LIMIT, rel=1e-9)
     assert errors[-1] < width(32) ** 2 / 16.0
@@ -115,7 +100,7 @@ def elements_loss(friction: Iwan, amplitude: float) -> float:
 
 def test_loss_of_a_cycle_is_that_of_spheres_in_the_second_order_of_the_number_of_elements() -> None:
     shares = np.linspace(0.05, 1.0, 200)
-    closed = np.array([cycle_loss(share * WHOLE) for share in shares])
+    closed = LIMIT * WHOLE * spheres_loss(shares)
     errors = []
     for n in (10, 20, 40, 80):
         result = np.array([elements_loss(Iwan(MU, n, WHOLE), share * WHOLE) for share in shares])
@@ -231,7 +216,7 @@ def test_a_cycle_of_any_amplitude_that_is_resolved_loses_what_spheres_lose(ampli
     )
     loss = 2.0 * float(np.diff(np.interp([0.25, 0.75], run["time"], run["friction_loss"]))[0])
     d = width(friction.elements, friction.least_ratio)
-    assert -0.6 * d**2 < loss / cycle_loss(amplitude * WHOLE) - 1.0 < d**2 / 6.0 + 0.02
+    assert -0.6 * d**2 < loss / (LIMIT * WHOLE * spheres_loss(amplitude)) - 1.0 < d**2 / 6.0 + 0.02
 
 
 @pytest.mark.parametrize(("elements", "least"), [(25, 0.01), (50, 0.01), (25, 0.1), (100, 1e-3)])
@@ -239,6 +224,7 @@ def test_the_loss_of_a_cycle_keeps_its_bounds_from_the_least_amplitude_on(
     elements: int, least: float
 ) -> None:
     d, friction = width(elements, least), Iwan(MU, elements, WHOLE, least)
-    amplitudes = WHOLE * np.geomspace(least, 1.0, 500)
-    errors = [elements_loss(friction, each) / cycle_loss(each) - 1.0 for each in amplitudes]
-    assert -0.6 * d**2 < min(errors) < 0.0 < max(errors) < d**2 / 6.0 + 0.02
+    shares = np.geomspace(least, 1.0, 500)
+    losses = np.array([elements_loss(friction, share * WHOLE) for share in shares])
+    errors = losses / (LIMIT * WHOLE * spheres_loss(shares)) - 1.0
+    assert -0.6 * d**2 < errors.min() < 0.0 < errors.max() < d**2 / 6.0 + 0.02

@@ -7,12 +7,12 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq
+from support.closed_forms import restitution
 from support.normal_balance import forces
 
 import contactlab as cl
 from contactlab.driving import drive
 from contactlab.laws import Composed, Dmt, HertzPoint, Jkr, tabor_number
-from contactlab.testing.closed_forms import restitution
 from contactlab.testing.plants import attempt, block, first, last, run
 
 MASS = 2e-3

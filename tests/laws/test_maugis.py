@@ -9,11 +9,11 @@ from hypothesis import given, settings, strategies as st
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize_scalar
+from support.closed_forms import restitution
 from support.normal_balance import forces
 
 import contactlab as cl
 from contactlab.laws import Composed, Coulomb, Dmt, Jkr, Maugis, tabor_number
-from contactlab.testing.closed_forms import restitution
 from contactlab.testing.plants import block, first, last, run
 
 MASS = 2e-3

@@ -7,20 +7,16 @@ import pytest
 import sphere_rebounds as spheres
 from numpy.testing import assert_allclose
 from sphere_laws import ALUMINA_ON_GLASS
+from support.closed_forms import SPRING, WEIGHT, resting
+from support.published import loss_of_cycle, spheres_friction, spheres_loss
 
 import contactlab as cl
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import HEAVY, run
 
 MU, KAPPA = 0.3, 0.8
 LIMIT = MU * WEIGHT
 WHOLE = 1.5 * LIMIT / (KAPPA * SPRING)
 """Friction of sliding [N], and the slip at which all slides [m]."""
-
-
-def series(rings: int, velocity: float, **motor: float) -> dict[str, np.ndarray]:
-    law = cl.Composed(cl.Linear(SPRING), friction=cl.Microslip(MU, KAPPA, rings))
-    return run(resting(HEAVY, velocity=velocity, **motor), law, 0.06, 1e-4, 1e-3).series
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -30,7 +26,9 @@ def test_first_loading_is_mindlins(way: float) -> None:
     work = shares - (1.0 - np.maximum(1.0 - shares, 0.0) ** 2.5) / 2.5
     errors = []
     for rings in (8, 16, 32):
-        made = -way * series(rings, way * 1.2 * WHOLE / 0.06)["friction_force"][1:] / LIMIT
+        law = cl.Composed(cl.Linear(SPRING), friction=cl.Microslip(MU, KAPPA, rings))
+        slipping = resting(HEAVY, velocity=way * 1.2 * WHOLE / 0.06)
+        made = -way * run(slipping, law, 0.06, 1e-4, 1e-3).series["friction_force"][1:] / LIMIT
         errors.append(np.abs(made - np.diff(work) / np.diff(shares)))
         # All slides from x_s on, up to the knee.
         assert_allclose(made[-5:], 1.0, rtol=1e-6)
@@ -39,22 +37,14 @@ def test_first_loading_is_mindlins(way: float) -> None:
     assert errors[2].max() < 0.01
 
 
-def loss(share: float, rings: int) -> float:
-    """Loss over mu N x_s of the second cycle of an amplitude of a share of x_s."""
-    rate = 2.0 * np.pi * 50.0
-    made = series(rings, rate * share * WHOLE, stiffness=HEAVY * rate**2)["friction_loss"]
-    return float(made[40] - made[20]) / (LIMIT * WHOLE)
-
-
 def test_the_loop_is_mindlins_and_goes_with_the_cube_of_a_small_amplitude() -> None:
     shares = (0.15, 0.3, 0.6, 1.0)
-    forces = [1.0 - (1.0 - share) ** 1.5 for share in shares]
-    closed = [4.8 * (1.0 - (1.0 - t) ** (5 / 3) - 5 / 6 * t * (1.0 + (1.0 - t) ** (2 / 3))) for t in forces]
-    made = [loss(share, 32) for share in shares]
+    closed, friction = [spheres_loss(share) for share in shares], cl.Microslip(MU, KAPPA, 32)
+    made = [loss_of_cycle(friction, share * WHOLE, 2) / (LIMIT * WHOLE) for share in shares]
     assert_allclose(made[1:], closed[1:], rtol=0.02)
     order = [np.log(b / a) / np.log(2.0) for a, b in pairwise(made[:3])]
     assert order == pytest.approx([np.log(b / a) / np.log(2.0) for a, b in pairwise(closed[:3])], abs=0.2)
-    assert closed[0] == pytest.approx(forces[0] ** 3 * 4.8 * 5.0 / 162.0, rel=0.2)
+    assert closed[0] == pytest.approx(spheres_friction(shares[0]) ** 3 * 4.8 * 5.0 / 162.0, rel=0.2)
 
 
 @pytest.mark.parametrize("obliquity", [0.5, 0.9])

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from support.closed_form_memory import Swelling
+from support.closed_forms import restitution
 
 from contactlab.laws import Composed, Prony
-from contactlab.testing.closed_forms import restitution
 from contactlab.testing.plants import block, first, last, run
 
 MASS, HEAVY = 2e-3, 1e6

@@ -5,12 +5,12 @@ from math import exp, pi, sqrt
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from support.closed_forms import SPRING, WEIGHT, resting
 from support.stribeck_belt import Belt, Stribeck as BeltLaw
 
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import Stribeck
 from contactlab.laws.normal import Linear
-from contactlab.testing.closed_forms import SPRING, WEIGHT, resting
 from contactlab.testing.plants import last, run, way_of
 
 MU, RATIO = 0.3, 1.5

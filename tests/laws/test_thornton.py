@@ -5,10 +5,10 @@ from math import pi, sqrt
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import quad
+from support.closed_forms import restitution
 from support.normal_balance import forces
 
 from contactlab.laws import Composed, Thornton
-from contactlab.testing.closed_forms import restitution
 from contactlab.testing.plants import block, first, run
 from contactlab.trajectory import Trajectory
 

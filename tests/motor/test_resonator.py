@@ -5,13 +5,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import references
 from support.motors import PLACEMENT_1, PLACEMENT_2, default_resonator
 
 import contactlab as cl
 from contactlab.motor import FiniteElementResonator, NormalModes, RitzMatrices, RitzResonator
 from contactlab.motor.patched_beam import PiezoceramicDatasheet
 from contactlab.motor.ritz import ClampedBeam
-from contactlab.testing import references
 
 COUPLING_DIGIT = 0.5e-3
 FREQUENCY_DIGIT = 5.0

@@ -23,7 +23,6 @@ SYMMETRIC = [
 def test_a_motor_with_one_attractor_comes_to_it_from_every_start() -> None:
     setup = cl.build(["law=newton"])
     (only,) = cl.attractors(setup, 4, seed=1)
-    assert only.share == 1.0
     assert only.steady.velocity == pytest.approx(cl.steady(setup).velocity, rel=1e-6)
 
 
@@ -35,6 +34,26 @@ def test_a_symmetric_motor_runs_either_way_as_it_was_started() -> None:
     assert backward == pytest.approx(-forward, rel=1e-6)
     assert not same(*result)
     assert same(result[1], cl.steady(cl.build([*SYMMETRIC, "rotor.initial_velocity=3"])))
+
+
+def test_the_basins_of_a_symmetric_motor_are_mirror_images_half_a_period_apart() -> None:
+    """So are the attractors; the orbit that both images reach repeats itself at any velocity near its own."""
+    velocities = np.array([-2.0, -0.5, 0.5, 2.0])
+    axes = {"rotor_velocity": velocities, "drive_phase": np.array([0.1, 0.6])}
+    result = basins(cl.build(SYMMETRIC), axes)
+    assert result.unresolved == 0
+    assert sum(result.shares) == 1.0
+    reached = np.array([0.0 if is_neutral(each) else each.velocity[0] for each in result.attractors])
+    velocity = reached[result.labels]
+    assert {*np.sign(velocity).ravel()} == {-1.0, 0.0, 1.0}
+    assert velocity == pytest.approx(-velocity[::-1, ::-1], rel=1e-6)
+
+
+@pytest.mark.parametrize(("overrides", "kinds"), [(HYSTERETIC, 2), (["law=newton"], 1)])
+def test_the_shares_of_all_attractors_add_up_to_one(overrides: list[str], kinds: int) -> None:
+    reached = cl.attractors(cl.build(overrides), 4)
+    assert len(reached) == kinds
+    assert sum(each.share for each in reached) == 1.0
 
 
 def test_motions_that_begin_in_a_ball_come_to_its_orbit() -> None:

@@ -1,10 +1,12 @@
 """Period maps, branches and events against what is published of the oscillator with a stop."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from oscillator_with_stop import ImpactOscillator, doubling_between
+from scipy.optimize import brentq
 
 from contactlab.steady_state.continuation import Followed, Mark, follow
 from contactlab.steady_state.period_map import PeriodMap
@@ -68,6 +70,35 @@ def test_the_period_of_the_oscillator_doubles_where_shaw_and_holmes_say() -> Non
     assert published == pytest.approx(2.653348, abs=1e-6)
     event = next(point for point in result.points if point.mark)
     assert np.sort(event.orbit.multipliers.real) == pytest.approx([-1.0, -(0.8**2)], abs=1e-6)
+
+
+def test_motions_beside_an_orbit_grow_from_the_doubling_on() -> None:
+    """By runs alone: how fast a deviation along the multiplier at -1 grows passes through zero there."""
+
+    def growth(frequency: float) -> float:
+        orbit = orbit_of(oscillator(frequency))
+        values, vectors = np.linalg.eig(orbit.jacobian)
+        z = orbit.state + 1e-6 * np.linalg.norm(orbit.state) * vectors[:, np.argmin(values.real)].real
+        ends = (orbit.map.end_of(orbit.map.run(z, periods)) for periods in (21, 41))
+        early, late = (float(np.linalg.norm(end - orbit.state)) for end in ends)
+        return np.log(late / early)
+
+    event = only(branch(oscillator, 2.64, 2.66), Mark.PERIOD_DOUBLING)
+    assert brentq(growth, 2.64, 2.66, xtol=1e-9) == pytest.approx(event, rel=1e-6)
+
+
+def test_a_pair_of_multipliers_leaves_the_circle_where_the_oscillator_gains_what_its_impact_loses() -> None:
+    """With a negative damping c, at det = e^2 exp(-c T) = 1: a torus begins (Neimark and Sacker)."""
+
+    def driven(frequency: float) -> ImpactOscillator:
+        return replace(oscillator(frequency), damping=-0.15)
+
+    result = branch(driven, 2.2, 2.09)
+    assert only(result, Mark.NEIMARK_SACKER) == pytest.approx(np.pi * -0.15 / np.log(0.8), rel=1e-9)
+    for point in result.points:
+        determinant = 0.8**2 * np.exp(0.15 * driven(point.value).period)
+        assert np.abs(point.orbit.multipliers) == pytest.approx(np.sqrt(determinant), rel=1e-6)
+        assert point.mark or point.orbit.stable == (determinant < 1.0)
 
 
 def test_the_ball_doubles_its_period_and_folds_where_the_closed_form_says(bouncing: Followed) -> None:

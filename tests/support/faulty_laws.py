@@ -1,13 +1,11 @@
 """Laws of a user's own that are wrong, each in its own way, and a sound one."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from math import asinh, copysign, exp, nan
-from typing import Annotated, Any, ClassVar
+
+from support.laws_of_kernels import law_class_of
 
 from contactlab.compiler.kernels import kernel
 from contactlab.laws.base import RATE_DEPENDENT, MultiplierLaw, PenaltyLaw
-from contactlab.laws.declaration import FRICTION_COEFFICIENT
 
 STIFFNESS, DEPTH = 1e7, 1e-7
 """Of every compliant law [N/m], and the depth at which those change that change [m]."""
@@ -68,41 +66,16 @@ def rebound(approach, d_nn):
     return (1.1e-4 - approach) / d_nn, 0.0
 
 
-class Spring(PenaltyLaw):
-    """N = k d."""
-
-    equation: ClassVar[str] = "N = k d"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
-
-
-class Impulse(MultiplierLaw):
-    """A rigid law."""
-
-    equation: ClassVar[str] = "p_n"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 5e-8
-
-
-def _law(title: str, base: type, **kernels: Callable[..., Any]) -> Any:
-    """Return a law of these kernels."""
-    members: dict[str, Any] = {name: staticmethod(function) for name, function in kernels.items()}
-    members |= {
-        "name": title,
-        "__annotations__": {"friction_coefficient": Annotated[float, FRICTION_COEFFICIENT]},
-    }
-    members["friction_coefficient"] = 0.3
-    if "friction_force" in kernels:
-        members["friction_kind"] = RATE_DEPENDENT
-    return dataclass(frozen=True)(type("Law", (base,), members))
-
-
-Sound = _law("sound", Spring, force=spring)
-NoNumber = _law("no_number", Spring, force=no_number)
-NegativeBound = _law("negative_bound", Spring, force=negative_bound)
-NoLoss = _law("no_loss", Spring, force=no_loss)
-Unledgered = _law("unledgered", Spring, force=dashpot)
-SignOfSlip = _law("sign_of_slip", Spring, force=spring, friction_force=sign_of_slip)
-RateAndState = _law("rate_and_state", Spring, force=spring, friction_force=rate_and_state)
-NoImpulse = _law("no_impulse", Impulse, impact=no_impulse)
-Rebound = _law("rebound", Impulse, impact=rebound)
+Sound = law_class_of(PenaltyLaw, "sound", force=spring)
+NoNumber = law_class_of(PenaltyLaw, "no_number", force=no_number)
+NegativeBound = law_class_of(PenaltyLaw, "negative_bound", force=negative_bound)
+NoLoss = law_class_of(PenaltyLaw, "no_loss", force=no_loss)
+Unledgered = law_class_of(PenaltyLaw, "unledgered", force=dashpot)
+SignOfSlip = law_class_of(
+    PenaltyLaw, "sign_of_slip", force=spring, friction_force=sign_of_slip, friction_kind=RATE_DEPENDENT
+)
+RateAndState = law_class_of(
+    PenaltyLaw, "rate_and_state", force=spring, friction_force=rate_and_state, friction_kind=RATE_DEPENDENT
+)
+NoImpulse = law_class_of(MultiplierLaw, "no_impulse", impact=no_impulse)
+Rebound = law_class_of(MultiplierLaw, "rebound", impact=rebound)

@@ -8,6 +8,7 @@ from dataclasses import asdict, replace
 import numpy as np
 from oracle.motor import OracleMotor
 from oracle.stepped_beam import SteppedBeam
+from references import PLACEMENTS
 
 from contactlab.engine import simulate
 from contactlab.laws import ContactLaw, HertzPenalty, LagrangeSlip, LagrangeStick
@@ -17,7 +18,6 @@ from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.motor.patched_beam import Piezoceramic, Steel
 from contactlab.testing.plants import last
-from contactlab.testing.references import PLACEMENTS
 from contactlab.trajectory import Trajectory
 
 DEFAULTS: dict[str, float] = asdict(OracleMotor()) | {"frequency": 3210.0}

@@ -6,12 +6,13 @@ its way.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar, final
+from typing import Any, final
+
+from support.laws_of_kernels import law_class_of
 
 from contactlab.compiler.kernels import kernel
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import Friction
-from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.memory import AT_SLIP, EVEN, ODD, InternalVariable
 
 STIFF, SOFT, TIME = 1e7, 5e6, 2e-5
@@ -27,33 +28,19 @@ YIELDING = InternalVariable("yielding", "y", "1", "1 while it yields")
 Kernels = Mapping[str, Callable[..., Any]]
 
 
-class Kept(PenaltyLaw):
-    """Coulomb friction over a normal force of kernels of choice."""
-
-    equation: ClassVar[str] = "see its kernels"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
-    # Where the force begins to pull the bound has a kink, and no step ends there.
-    convergence_order: ClassVar[float] = 0.5
-    violations: ClassVar[Mapping[str, str]] = {
-        "scales_with_units": "its numbers stand in its kernels, and are declared nowhere."
-    }
-
-
 def law_of(
     title: str, kernels: Kernels, *variables: InternalVariable, count: int = 0, pulls: bool = False
 ) -> Any:
     """Return a law of these kernels."""
-    members: dict[str, Any] = {name: staticmethod(function) for name, function in kernels.items()}
-    members |= {
-        "name": title,
+    declared = {
         "internal_variables": variables,
         "guards": count,
         "allows_tension": pulls,
-        "__annotations__": {"friction_coefficient": Annotated[float, FRICTION_COEFFICIENT]},
-        "friction_coefficient": 0.3,
+        # Where the force begins to pull the bound has a kink, and no step ends there.
+        "convergence_order": 0.5,
+        "violations": {"scales_with_units": "its numbers stand in its kernels, and are declared nowhere."},
     }
-    return dataclass(frozen=True)(type("Law", (Kept,), members))()
+    return law_class_of(PenaltyLaw, title, **kernels, **declared)()
 
 
 @kernel

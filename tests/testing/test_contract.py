@@ -1,14 +1,20 @@
-"""The contract of every law and part of the package, and of a law of the tests."""
+"""The contract of every law and part of the package, and how it fails; test_saboteurs.py has what."""
+
+from dataclasses import replace
+from typing import Any
 
 import pytest
 from support.tensile_dashpot import TensileDashpot
 
-from contactlab.laws import LAWS, PARTS, HertzPenalty, LagrangeSlip, LagrangeStick
+from contactlab.laws import LAWS, PARTS, HertzPenalty, LagrangeSlip, LagrangeStick, MultiplierLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import Flores, LinearDamping
 from contactlab.laws.friction import AgeingStick, Coulomb, LuGre, Microslip, Mindlin
 from contactlab.laws.normal import Line, Linear, WaltonBraun
-from contactlab.testing import LawContract
+from contactlab.testing import LawContract, plants
+from contactlab.testing.contract import check
+from contactlab.testing.plants import Bench, attempt
+from contactlab.trajectory import Ending, Trajectory
 
 HELD = {
     "hertz_penalty": HertzPenalty(stiffness=1e10, friction_coefficient=0.3),
@@ -45,6 +51,8 @@ HELD = {
     "hertz_linear_lugre": Composed(damping=LinearDamping(0.7), friction=LuGre(0.4, 1.3)),
 }
 
+RIGID = [law for law in LAWS.values() if issubclass(law, MultiplierLaw)]
+
 LONG = {
     "hertz_penalty_without_friction",
     "spring_dashpot",
@@ -73,3 +81,29 @@ def test_a_law_may_bring_its_motor() -> None:
 
     with pytest.raises(AssertionError, match="ZeroDivisionError"):
         Elsewhere().assert_property("converges")
+
+
+def test_a_run_that_does_not_end_fails_with_its_sentence_and_is_made_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    made: list[Trajectory] = []
+
+    def stalled(*arguments: Any) -> Trajectory:
+        run = attempt(*arguments)
+        made.append(replace(run, ending=Ending.DIVERGED, message="Its steps do not advance."))
+        return made[-1]
+
+    monkeypatch.setattr(plants, "attempt", stalled)
+    bench = Bench(LAWS["newton"](0.3, 0.5))
+    for name in ("no_force_when_open", "dissipates", "ledger_closes", "mirrors", "converges"):
+        (claim,) = check(bench, name)
+        # What a law declares to break is no excuse for a run without an end.
+        assert not claim.holds
+    assert len(made) == 1
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.05, 0.3, 1.0, 5.0])
+@pytest.mark.parametrize("law", RIGID, ids=lambda law: law.name)
+def test_no_law_of_the_package_fails_for_what_has_no_answer(law: Any, mu: float) -> None:
+    bench = Bench(law(friction_coefficient=mu))
+    assert [str(claim) for claim in check(bench, "kernel_is_consistent") if not claim.holds] == []

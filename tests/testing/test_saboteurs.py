@@ -5,12 +5,13 @@ property of the contract. `docs/saboteurs.md` has the table.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, make_dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
 import pytest
+from support.laws_of_kernels import FRICTION, law_class_of
 
 import contactlab as cl
 from contactlab.compiler.kernels import fleeting_kernel
@@ -18,6 +19,7 @@ from contactlab.laws.base import RATE_DEPENDENT, coulomb
 from contactlab.laws.declaration import FRICTION_COEFFICIENT
 from contactlab.laws.lagrange import stick_impulse, stick_or_slip_impulse
 from contactlab.laws.memory import ODD
+from contactlab.testing import LawContract
 from contactlab.testing.contract import PROPERTIES, check
 from contactlab.testing.plants import Bench
 
@@ -29,29 +31,12 @@ TABLE = Path(__file__).parents[2] / "docs" / "saboteurs.md"
 Kernel = Callable[..., Any]
 
 
-class Saboteur(cl.PenaltyLaw):
-    """A Hertzian law; what its kernel is made of is no parameter of it."""
-
-    name: ClassVar[str] = "saboteur"
-    equation: ClassVar[str] = "N = K d^1.5"
-    source: ClassVar[str] = "this test"
-    default_contact_step: ClassVar[float] = 4e-6
-
-
 def law_of(kernel: Kernel, units: str = "N m-1.5", idle: bool = False) -> cl.PenaltyLaw:
-    """A Saboteur with a kernel of choice, and on demand with a parameter that it does not read."""
-    declared = [
-        ("stiffness", cl.Parameter("K", units, "stiffness", above=0.0), 1e10),
-        ("friction_coefficient", FRICTION_COEFFICIENT, 0.3),
-        ("idle", cl.Parameter("c", "1", "of no meaning", at_least=0.0), 1.0),
-    ]
-    members = [
-        (name, Annotated[float, text], field(default=value)) for name, text, value in declared[: 2 + idle]
-    ]
-    made: Any = make_dataclass(
-        "Made", members, bases=(Saboteur,), namespace={"force": staticmethod(kernel)}, frozen=True
-    )
-    return made()  # type: ignore[no-any-return]
+    """A Hertzian law with a kernel of choice, and on demand with a parameter that it does not read."""
+    parameters = {"stiffness": (cl.Parameter("K", units, "stiffness", above=0.0), 1e10), **FRICTION}
+    if idle:
+        parameters["idle"] = cl.Parameter("c", "1", "of no meaning", at_least=0.0), 1.0
+    return law_class_of(cl.PenaltyLaw, "saboteur", parameters, force=kernel)()  # type: ignore[no-any-return]
 
 
 def hertz(stored: float = 1.0, fast: float = 1.0, bound: float = 1.0, pull: float = 0.0) -> Kernel:
@@ -164,20 +149,13 @@ def friction_of(stored: float = 1.0, push: float = 1.0) -> cl.Composed:
     return cl.Composed(friction=Bristle())
 
 
-def rigid_of(kernel: Kernel, bounding: Kernel = coulomb) -> cl.MultiplierLaw:
-    @dataclass(frozen=True)
-    class Rigid(cl.MultiplierLaw):
-        name: ClassVar[str] = "rigid"
-        equation: ClassVar[str] = "what it wants"
-        source: ClassVar[str] = "this test"
-        default_contact_step: ClassVar[float] = 1e-7
-
-        friction_coefficient: Annotated[float, FRICTION_COEFFICIENT] = 0.3
-
-        impact = staticmethod(kernel)
-        bound = staticmethod(bounding)
-
-    return Rigid()
+def rigid_of(
+    impact: Kernel, bound: Kernel = coulomb, text: Any = FRICTION_COEFFICIENT, **declared: Any
+) -> cl.MultiplierLaw:
+    """A rigid law of these kernels and declarations; `text` is that of its friction coefficient."""
+    parameters = {"friction_coefficient": (text, 0.3)}
+    kernels = {"impact": impact, "bound": bound}
+    return law_class_of(cl.MultiplierLaw, "rigid", parameters, **kernels, **declared)()  # type: ignore[no-any-return]
 
 
 @fleeting_kernel
@@ -199,6 +177,44 @@ def sticks_always(approach, slip, d_nn, d_nt, d_tt):
 @fleeting_kernel
 def holds_always(normal):
     return 1e3 * normal
+
+
+@fleeting_kernel
+def reverses(approach, slip, d_nn, d_nt, d_tt, friction_coefficient):
+    _, p_t = stick_or_slip_impulse(approach, slip, d_nn, d_nt, d_tt, friction_coefficient)
+    # The approach is stopped none the less.
+    return max(-(approach - 0.5 * d_nt * p_t) / d_nn, 0.0), -0.5 * p_t
+
+
+@fleeting_kernel
+def beyond_the_cone(normal, friction_coefficient):
+    return 1.1 * friction_coefficient * normal
+
+
+@fleeting_kernel
+def negative_in_slip(normal, slip, friction_coefficient):
+    return (-1.0 if normal > 10.0 and slip != 0.0 else 1.0) * friction_coefficient * normal
+
+
+@fleeting_kernel
+def no_number_pressed(normal):
+    return np.nan if normal > 10.0 else 0.0
+
+
+@fleeting_kernel
+def nothing(gap):
+    return 0.0, 0.0, 0.0, 0.0
+
+
+LAST = [0.0]
+
+
+def remembers_the_last_call(gap, gap_rate, slip, impact_speed, parameters):
+    # No run asks twice of a gap and its half; who asks more often does.
+    mu = 0.9 * parameters[1] if LAST[0] == 0.5 * gap else parameters[1]
+    LAST[0] = gap
+    normal = parameters[0] * max(-gap, 0.0) ** 1.5
+    return normal, mu * normal, -0.4 * normal * gap, 0.0
 
 
 SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
@@ -233,6 +249,23 @@ SABOTEURS: dict[str, tuple[Callable[[], cl.ContactLaw], str]] = {
     "rigid law that leaves an approach": (lambda: rigid_of(half_an_impulse), "consistency"),
     "restitution above one": (lambda: rigid_of(bounces_too_high), "dissipates"),
     "rigid stick beyond the cone": (lambda: rigid_of(sticks_always, holds_always), "inside_the_cone"),
+    "rigid friction that pushes along the slip": (lambda: rigid_of(reverses), "friction_opposes_slip"),
+    **{
+        f"rigid friction bound {fault}": (
+            lambda bound=bound: rigid_of(stick_or_slip_impulse, bound),
+            "kernel_is_consistent",
+        )
+        for fault, bound in {
+            "beyond the declared cone": beyond_the_cone,
+            "negative in slip under a load": negative_in_slip,
+            "that is no number under a load": no_number_pressed,
+        }.items()
+    },
+    "a force that carries no weight": (lambda: law_of(nothing), "stick_is_exact"),
+    "a force that depends on the call before": (
+        lambda: law_of(remembers_the_last_call),
+        "calls_leave_no_trace",
+    ),
 }
 
 
@@ -266,3 +299,45 @@ def test_the_page_has_the_table() -> None:
         line.strip("| \n").split(" | ") for line in TABLE.read_text().splitlines() if line.startswith("| ")
     ]
     assert {fault: way.strip("`") for fault, way in rows[2:]} == {f: way for f, (_, way) in SABOTEURS.items()}
+
+
+def test_friction_that_pushes_is_found_in_impacts_and_in_runs() -> None:
+    claims = check(Bench(rigid_of(reverses)), "friction_opposes_slip")
+    assert sum(not claim.holds for claim in claims) >= 2
+
+
+def test_a_law_that_depends_on_the_call_before_repeats_its_runs() -> None:
+    assert all(claim.holds for claim in check(Bench(law_of(remembers_the_last_call)), "repeats_bit_for_bit"))
+
+
+@pytest.mark.parametrize(
+    ("law", "name", "reason"),
+    [
+        (
+            {"text": "mu"},
+            "declares_its_parameters",
+            "parameters without declaration ['friction_coefficient']",
+        ),
+        ({"violations": {"is_pretty": "it is not"}}, "declares_what_it_breaks", "['is_pretty']"),
+        ({"violations": {"mirrors": "no reason"}}, "mirrors", "HOLDS, declared broken"),
+        ({"convergence_order": 2.0}, "converges", "order of convergence"),
+    ],
+    ids=["parameter", "no property", "kept", "order"],
+)
+def test_a_false_declaration_is_found(law: dict[str, Any], name: str, reason: str) -> None:
+    class Contract(LawContract):
+        pass
+
+    Contract.law = rigid_of(stick_or_slip_impulse, **law)
+    with pytest.raises(AssertionError) as failure:
+        Contract().assert_property(name)
+    assert reason in str(failure.value)
+
+
+def test_a_law_that_raises_fails_with_its_error() -> None:
+    def raises(d_nn: float) -> Any:
+        raise ZeroDivisionError("by nothing")
+
+    (claim,) = check(Bench(rigid_of(raises)), "kernel_is_consistent")
+    assert not claim.holds
+    assert "ZeroDivisionError" in claim.statement

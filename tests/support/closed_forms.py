@@ -1,5 +1,6 @@
 """Closed forms that the engine is held to on small plants: impacts, oscillations and friction."""
 
+from dataclasses import replace
 from functools import partial
 from math import atan, atan2, cos, exp, pi, sin, sqrt
 
@@ -18,8 +19,12 @@ from contactlab.laws.damping import (
 )
 from contactlab.laws.friction import Coulomb, LuGre, Mindlin, Regularised
 from contactlab.laws.normal import NORMAL_FORCES, Linear
+from contactlab.motor import RitzResonator
+from contactlab.motor.drive import Drive
+from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.motor import ModalState, Motor, Rotor
 from contactlab.testing.claim import Claims, at_most, close
-from contactlab.testing.plants import FLAT, HEAVY, block, coupled_body, first, last, run, way_of
+from contactlab.testing.plants import FLAT, HEAVY, block, first, last, run, way_of
 from contactlab.trajectory import Trajectory
 
 INSTANT = 1e-12  # Contact step [s] at which a rigid impact is one.
@@ -28,7 +33,7 @@ RESTITUTIONS = [LAWS[name] for name in ("newton", "poisson", "stronge", "moreau_
 """Laws with friction and restitution; collinear impacts do not tell one from the other."""
 
 WEIGHT, SPRING = 9.81, 1e7
-"""Of a block of 1 kg [N], and of the linear contact that it rests on [N/m]."""
+"""Weight of a block of 1 kg [N], and stiffness of the linear contact that it rests on [N/m]."""
 
 resting = partial(block, height=-WEIGHT / SPRING, weight=WEIGHT)
 """The block in balance."""
@@ -91,6 +96,18 @@ def oblique_impacts(mass: float = 0.1, speed: float = 0.2, mu: float = 0.3) -> C
             left = sideways - np.sign(sideways) * taken
             text = f"oblique impact that {word}, {law.name}: slip after it"
             yield close(text, last(made, "slip_velocity"), left, 1e-9, "m s-1", abs(sideways))
+
+
+def coupled_body(seed: int, approach: float = 0.3) -> Motor:
+    """Draw a body whose modes couple both directions, about to touch a rotor at a gap rate [m/s]."""
+    rng, modes = np.random.default_rng(seed), RitzResonator().modes
+    tip, slope, velocity = rng.normal(size=(3, modes.stiffness.size)) * [[20.0], [1e3], [1e-3]]
+    # Along u the tip approaches as wanted, and the modes keep the rest of what was drawn.
+    along = tip / (tip @ tip)
+    start = ModalState(-1e-12 * along, velocity + (approach - tip @ velocity) * along)
+    body = replace(modes, tip_displacement=tip, tip_slope=slope)
+    rotor = Rotor(float(rng.uniform(1e-6, 1e-4)), initial_velocity=2.0)
+    return Motor(body, Drive(), ContactGeometry(clearance=0.0), rotor, start=start)
 
 
 def modal_impacts(seed: int = 1) -> Claims:

@@ -7,17 +7,22 @@ The first touch-down is searched on a dense grid, without any bound on the motio
 has one is right can be judged by it.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Final
 
 import numpy as np
+import pandas as pd
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from contactlab.arrays import Array
+from contactlab.laws import HertzPenalty
 from contactlab.motor import NormalModes, RitzResonator
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor
+from contactlab.testing.plants import free_motion, run
 
 Phasors = NDArray[np.complex128]
 
@@ -137,20 +142,7 @@ class Flight:
 
 def flight_of(motor: Motor) -> Flight:
     """Return the closed flight of a motor from rest."""
-    modes = motor.modes
-    tones = 1j * motor.drive.angular_frequency
-    k, c = modes.stiffness[:, None], modes.damping[:, None]
-    steady = (modes.coupling @ motor.drive.phasors) / (k + c * tones + tones**2)
-    root = np.sqrt((0.25 * modes.damping**2 - modes.stiffness).astype(np.complex128))
-    first, second = -0.5 * modes.damping + root, -0.5 * modes.damping - root
-    # A + B = -q(0) and A r1 + B r2 = -v(0) of the steady part.
-    q, v = -steady.real.sum(axis=1), -(steady * tones).real.sum(axis=1)
-    from_first = (v - second * q) / (first - second)
-    u, th = (
-        np.concatenate([row @ steady, row * from_first, row * (q - from_first)])
-        for row in (modes.tip_displacement, modes.tip_slope)
-    )
-    return Flight(motor, np.concatenate([tones, first, second]), u, th)
+    return Flight(motor, *free_motion(motor))
 
 
 def drive_through(modes: NormalModes, frequency: Array, when: float, u: Array, th: Array) -> Drive:
@@ -264,3 +256,55 @@ def _well(rng: np.random.Generator, modes: NormalModes) -> Flight:
     times, _ = weak.minima(when + 2.0 * half)
     dip, depth = float(times[np.abs(times - when + half).argmin()]), np.log10(share * barrier)
     return _grazing(rng, weak, dip, depth - 3.0, depth - 0.5)
+
+
+FAULTS: Final = ("missed", "late", "invented")
+"""What may be wrong with a touch-down, see `judge`."""
+
+
+def judge(flight: Flight) -> dict[str, float]:
+    """Run one flight through the engine, up to its first touch-down and a little further.
+
+    Gives whether it `touched` by the reference; whether the engine `missed` that, `invented` a touch-down
+    where there is none or before there is one, or found one too `late`; the `error` of its time [s],
+    and the `excess` of that over what round-off explains [s], infinite where there is no time.
+    """
+    expected = flight.first_touch(DURATION)
+    end = DURATION if expected is None else min(expected + 2e-6, DURATION)
+    made = run(flight.motor, HertzPenalty(stiffness=1e10, friction_coefficient=0.0), end)
+    result, error, excess = made.contacts["start_time"], 0.0, -inf
+    if expected is not None and result.size > 0:
+        error = float(result[0]) - expected
+        rate = abs(float(flight.at(expected)[1]))
+        excess = abs(error) - flight.round_off(expected, made.statistics["flight_steps"]) / rate
+    elif expected is not None or result.size > 0:
+        excess = inf
+    fault = "missed" if result.size == 0 else "late" if error > 0.0 else "invented"
+    # Round-off of the time itself is left.
+    faults = {name: excess > 1e-15 and name == fault for name in FAULTS}
+    return {"touched": expected is not None, **faults, "error": abs(error), "excess": excess}
+
+
+def judged(seed: int, numbers: Iterable[int]) -> pd.DataFrame:
+    """Run the random flights with these numbers; gives a row for each, see `judge`.
+
+    A RuntimeError names the flight that the engine gave up; `random_flight` gives it again.
+    """
+    rows = []
+    for number in numbers:
+        kind, flight = random_flight(seed, number)
+        try:
+            rows.append({"kind": kind, "number": number, **judge(flight)})
+        except RuntimeError as error:
+            raise RuntimeError(f"Flight {number} of seed {seed}: {error}") from error
+    return pd.DataFrame(rows)
+
+
+def tally(flights: pd.DataFrame) -> pd.DataFrame:
+    """Count the flights of every kind; give the largest error and excess, and the number of the latter."""
+    return flights.groupby("kind").agg(
+        flights=("number", "size"),
+        **{name: (name, "sum") for name in ("touched", *FAULTS)},
+        **{name: (name, "max") for name in ("error", "excess")},
+        worst=("excess", lambda excess: flights.loc[excess.idxmax(), "number"]),
+    )

@@ -4,15 +4,14 @@ from collections.abc import Callable, Iterator
 from math import exp, pi, sqrt
 
 import pytest
-from support import published
+from support import closed_forms, published
+from support.closed_forms import dashpot_impacts, hertz_impact, modal_impacts, restitution
 from support.published import PUBLISHED
 from support.tensile_dashpot import TensileDashpot
 
 from contactlab.laws import LAWS, PARTS
 from contactlab.testing import Claim
 from contactlab.testing.claim import proofs_of
-from contactlab.testing.closed_forms import dashpot_impacts, hertz_impact, modal_impacts, restitution
-from contactlab.testing.contract import CLOSED_FORMS
 from contactlab.testing.plants import block, first, run
 
 Form = Callable[..., Iterator[Claim]]
@@ -24,7 +23,7 @@ def assert_all(claims: Iterator[Claim]) -> None:
 
 
 OF_LAWS = proofs_of(published)
-FORMS = CLOSED_FORMS | OF_LAWS
+FORMS = proofs_of(closed_forms) | OF_LAWS
 
 
 @pytest.mark.parametrize("form", FORMS.values(), ids=list(FORMS))
@@ -38,15 +37,17 @@ def test_every_published_result_is_of_a_law_or_part() -> None:
     assert {proof for proofs in PUBLISHED.values() for proof in proofs} >= set(OF_LAWS.values())
 
 
-@pytest.mark.parametrize("speed", [1e-3, 0.05, 2.0])
-@pytest.mark.parametrize("stiffness", [1e7, 1e12])
-def test_hertz_impact_at_other_speeds_and_stiffnesses(speed: float, stiffness: float) -> None:
-    assert_all(hertz_impact(1e-2, speed, stiffness))
+OTHER_VALUES = [
+    *((hertz_impact, (1e-2, speed, k)) for speed in (1e-3, 0.05, 2.0) for k in (1e7, 1e12)),
+    *((dashpot_impacts, (1e-2, 0.5, ratio)) for ratio in (0.01, 0.1, 0.6, 0.9)),
+    *((modal_impacts, (seed,)) for seed in range(2, 12)),
+]
+"""Closed forms and their arguments: mass, speed and stiffness or damping ratio; seed of a body."""
 
 
-@pytest.mark.parametrize("ratio", [0.01, 0.1, 0.6, 0.9])
-def test_dashpot_impact_at_other_dampings(ratio: float) -> None:
-    assert_all(dashpot_impacts(ratio=ratio))
+@pytest.mark.parametrize(("form", "values"), OTHER_VALUES)
+def test_closed_form_at_other_values(form: Form, values: tuple[float, ...]) -> None:
+    assert_all(form(*values))
 
 
 @pytest.mark.parametrize("ratio", [0.01, 0.3, 0.9])
@@ -60,8 +61,3 @@ def test_a_dashpot_that_pulls_is_released_where_the_gap_opens(ratio: float) -> N
     result = run(ball, law, 1e-6 / speed + 2.0 * pi / w)
     assert restitution(result) == pytest.approx(exp(-pi * b / w), rel=0.0, abs=1e-6)
     assert first(result, "duration") == pytest.approx(pi / w, rel=1e-6)
-
-
-@pytest.mark.parametrize("seed", range(2, 12))
-def test_modal_impact_of_other_bodies(seed: int) -> None:
-    assert_all(modal_impacts(seed))

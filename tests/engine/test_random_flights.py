@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from support import flights
+from support.flights import DURATION, FAULTS, KINDS, Flight, judge, judged, random_flight, tally
 
-from contactlab.testing import plants, references
-from contactlab.testing.flights import DURATION, KINDS, Flight, random_flight
-from contactlab.testing.references import FAULTS, judge, judged, tally
+from contactlab.testing import plants
 from contactlab.trajectory import Ending, Trajectory
 
 FLIGHTS = 300
@@ -46,14 +46,14 @@ def test_grazes_are_within_a_nanometre_of_touching() -> None:
 @cache
 def drawn(touches: bool) -> Flight:
     """The first of the random flights that touches, or that does not."""
-    flights = (random_flight(0, number)[1] for number in range(100))
-    return next(f for f in flights if (f.first_touch(DURATION) is not None) == touches)
+    several = (random_flight(0, number)[1] for number in range(100))
+    return next(f for f in several if (f.first_touch(DURATION) is not None) == touches)
 
 
 def faults_of(monkeypatch: pytest.MonkeyPatch, flight: Flight, *starts: float) -> set[str]:
     """What the judge finds wrong with an engine that finds touch-downs at these times [s]."""
     made = SimpleNamespace(contacts={"start_time": np.array(starts)}, statistics={"flight_steps": 10})
-    monkeypatch.setattr(references, "run", lambda *_: made)
+    monkeypatch.setattr(flights, "run", lambda *_: made)
     result = judge(flight)
     assert result["touched"] == (flight.first_touch(DURATION) is not None)
     return {fault for fault in FAULTS if result[fault]}
