@@ -9,7 +9,8 @@ import scipy
 from contactlab.arrays import Array
 from contactlab.checks import checked_arguments
 from contactlab.engine.binding import FORCE
-from contactlab.engine.preparation import AT_REST, take_in
+from contactlab.engine.initial_state import AT_REST
+from contactlab.engine.preparation import take_in
 from contactlab.laws.base import ContactLaw, PenaltyLaw
 from contactlab.motor.motor import ModalState, Motor
 

@@ -48,7 +48,7 @@ def run_law(
     budget: int,
     waves: Array,
 ) -> None:
-    """Run a law from starts, see `contactlab.engine.preparation`; `step_contact` takes a step in contact."""
+    """Run a law from starts, at most `budget` steps from each; `step_contact` takes a step in contact."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         for j in range(run.plant.mode_count):

@@ -11,18 +11,17 @@ from contactlab.arrays import Array
 from contactlab.checks import ON_GRID
 from contactlab.engine.explanation import balanced
 from contactlab.engine.flight import CLEAR
-from contactlab.engine.kinematics import contact_from, contacts_from
-from contactlab.engine.plant import modes_of, root_inertia
-from contactlab.engine.preparation import (
+from contactlab.engine.initial_state import (
     AT_REST,
-    Prepared,
     check_start,
     fresh_state,
     overlap_at,
     phase_at,
-    prepared,
     state_in_contact,
 )
+from contactlab.engine.kinematics import contact_from, contacts_from
+from contactlab.engine.plant import modes_of, root_inertia
+from contactlab.engine.preparation import Prepared, prepared
 from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     BEFORE,
@@ -82,7 +81,7 @@ def simulate(
         duration: [s], positive; after the start that is continued.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: longest step in contact of a penalty law [s], or the step of the time stepping of a
-            multiplier law; None takes that of `contactlab.engine.preparation.default_contact_step`.
+            multiplier law; None takes that of `contactlab.engine.defaults.default_contact_step`.
         tolerance: error of a collocated step [1]; None takes the default. Time stepping has none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
         memory: values at t = 0 of the law's internal variables whose life is the run, in the order of
