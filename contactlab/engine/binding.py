@@ -322,20 +322,6 @@ _BOUND: Final = {"normal": "normal", "slip": "slip"}
 _LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
 
-def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
-    """Return the lines of every bound kernel that a law has, and its parts."""
-    names, parts = ("normal", "damping", "friction", "law"), []
-    at = HEAD + len(law.internal_variables) + 1
-    owners = _parts(law)
-    # The friction's internal variables come first.
-    offsets = (len(law.friction.internal_variables), 0, 0, 0) if isinstance(law, Composed) else (0,)
-    for word, owner, first in zip(names[-len(owners) :], owners, offsets, strict=True):
-        part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
-        parts.append(part)
-        at = part.end + 1
-    return (_of_composed(*parts) if isinstance(law, Composed) else _of_law(law, *parts)), parts
-
-
 def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
     if isinstance(law, MultiplierLaw):
         # Without a coefficient of friction the default bound is none.
@@ -446,7 +432,16 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part, law: _Part) -> 
 
 def _written(law: ContactLaw) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[_Part]]:
     """Return the source of every bound kernel and the functions that it calls, and the law's parts."""
-    bodies, parts = _bodies(law)
+    names, parts = ("normal", "damping", "friction", "law"), []
+    at = HEAD + len(law.internal_variables) + 1
+    owners = _parts(law)
+    # The friction's internal variables come first.
+    offsets = (len(law.friction.internal_variables), 0, 0, 0) if isinstance(law, Composed) else (0,)
+    for word, owner, first in zip(names[-len(owners) :], owners, offsets, strict=True):
+        part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
+        parts.append(part)
+        at = part.end + 1
+    bodies = _of_composed(*parts) if isinstance(law, Composed) else _of_law(law, *parts)
     functions = {word: function for part in parts for word, function in part.functions.items()}
     sources = {}
     for name, arguments in _ARGUMENTS.items():
@@ -506,7 +501,10 @@ def _compiled(
         imports.append(f"{word} = {word}_owner.{kernel}\n")
     else:
         return _kept(name, "".join(imports) + "\n\n" + source, signature), None
-    made = {word: _own_compiled(function, kinds[word]) for word, function in used.items()}
+    made = {
+        word: _compiled_with(function, kinds[word], compiled_constants(function)[0])
+        for word, function in used.items()
+    }
     obstacles = [(word, kernel) for word, kernel in made.items() if isinstance(kernel, str)]
     if not obstacles:
         compiled = _session(name, source, tuple(made.items()), signature)
@@ -560,14 +558,12 @@ def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any
     return made
 
 
-def _own_compiled(function: Any, kinds: tuple[Any, ...]) -> Any:
-    """Return a law's own kernel, compiled; where there is an obstacle, that in words."""
-    return _compiled_with(function, kinds, compiled_constants(function)[0])
-
-
 @lru_cache(maxsize=256)
 def _compiled_with(function: Any, kinds: tuple[Any, ...], constants: tuple[bytes, ...]) -> Any:  # noqa: ARG001 - of the key
-    """Return a kernel compiled with the present values of the constants that it and its callees read."""
+    """Return a law's own kernel, compiled with the present values of the constants that it and callees read.
+
+    Where there is an obstacle, it returns that in words.
+    """
     kernel = function
     if not hasattr(function, "py_func"):
         kernel = fleeting_kernel(function)

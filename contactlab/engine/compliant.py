@@ -11,22 +11,21 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.collocation import TOUCHED, Known, beside_spring, iterate, sound_normal
 from contactlab.engine.friction import (
-    FIRST,
     LEAST_SLIP,
     NUDGE,
     friction_and_steepness,
     missed_between,
     missed_past_limits,
     missed_rate,
-    mobility,
 )
-from contactlab.engine.kinematics import add_collocated, checked, contact_at, free_response, tip_motion
+from contactlab.engine.kinematics import add_collocated, checked, contact_at
 from contactlab.engine.memory import SLIP_ROUND_OFF, end_at, jump, missed_flow, open_step, recall_start
+from contactlab.engine.nodes import FIRST, mobility, open_nodes
 from contactlab.engine.plant import delassus
-from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.propagator import step_length
 from contactlab.engine.rootfinding import (
     CONE_ROUND_OFF,
     event_value,
@@ -81,19 +80,14 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     them. A step in which the gap opens, or the force ends or begins before it, carries a kink, and stands
     only when the whole normal force left is negligible; friction that goes on without it is judged as ever.
     """
-    state, step = run.state, run.step
-    normal, bound, bias, friction, steepness = known[:5]
-    build_level(run.plant, run.propagator, level)
-    # The motion without contact at the nodes, from which eq. 3.4 starts.
-    free_response(run, level, FIRST)
-    for i in range(NODES):
-        tip = tip_motion(run.plant, i)
-        step.u[i], step.th[i], step.u_rate[i], step.th_rate[i], step.rotor[i] = tip
+    state = run.state
     depends = state.law.friction_kind == RATE_DEPENDENT
-    h = step_length(run.propagator, level)
+    h = open_nodes(run, level)
     stretch = h / state.length
     state.length = h
-    stiffness = steepness * mobility(run, level, FIRST, FIRST)
+    # -f_v dv/dF of eq. 3.9: above one the law's answers in turn diverge, and a force tells little of its
+    # slip.
+    stiffness = known.steepness * mobility(run, level, FIRST, FIRST)
     sweeps = iterate(run, law, level, known, stretch, stiffness)
     state.accepted_length = 0.0
     state.sweeps += sweeps
@@ -102,19 +96,23 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     allowed = state.tolerance * state.impulse_scale
     kinked, beside = _kinked_force(run, known), _outweighed_error(run)
     if not depends:
-        beside = max(beside, abs(state.bias.coefficient[0] - bias))
+        beside = max(beside, abs(state.bias.coefficient[0] - known.bias))
+    # With a kink in it a step's error goes with no high power of h. It stands only where the whole force is
+    # negligible, and then counts as half of what is allowed.
     if kinked >= 0.0:
         return max(0.5, beside * h / allowed) if kinked * h <= allowed else KINK
     # Eq. 3.10: a polynomial through the nodes misses what is known at the step's start.
-    error = max(abs(state.normal.coefficient[0] - normal), beside)
+    error = max(abs(state.normal.coefficient[0] - known.normal), beside)
     if not depends:
-        error = max(error, abs(state.bound.coefficient[0] - bound))
+        error = max(error, abs(state.bound.coefficient[0] - known.bound))
     if state.law.friction_kind != SET_VALUED:
-        error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
+        # Of steep friction counts what no change of the slip makes good.
+        error = max(error, abs(state.friction.coefficient[0] - known.friction) / (1.0 + stiffness))
+        # Eq. 3.11: the law is asked half-way between the nodes too, where a kink of a variable's rate shows.
         flows, yielding = depends or state.mode == STICK, mobility(run, level, FIRST, FIRST)
         error = missed_between(run, law, flows, yielding, error, allowed / h)
         if depends and error <= allowed / h:
-            error = missed_past_limits(run, law, normal, error)
+            error = missed_past_limits(run, law, known.normal, error)
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
@@ -129,14 +127,14 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
     that does not depend on the coupled variable, as of a dashpot's spring while it slides. Else,
     and in a step that is too short to feel the normal force, it is zero.
     """
-    state, propagator, normal = run.state, run.propagator, known[0]
+    state, propagator, normal = run.state, run.propagator, known.normal
     allowed = state.tolerance * state.impulse_scale
     depends, pressed, missed = state.law.friction_kind == RATE_DEPENDENT, largest(state.normal.node), 0.0
     idle = normal == 0.0 == pressed
     if idle:
         missed = missed_flow(run, law.memory)
     if depends and (idle or max(normal, pressed) * h > allowed):
-        most = abs(known[3])
+        most = abs(known.friction)
         for i in range(NODES):
             most = max(most, abs(state.friction.node[i]))
         # A slider without a force keeps its spring, whatever rate the law has for it.
@@ -152,8 +150,11 @@ def _highest_coefficient(run: Run, level: int) -> float:
     The residue v_0 of the step before takes the impulse v_0/D_tt, whatever the length of the step.
     """
     highest = float(run.state.friction.coefficient[NODES - 1])
+    # A spring has no residue: it does not hold the slip at zero.
     if run.state.law.friction_kind != SET_VALUED:
         return highest
+    # The slip that begins at v_0 and is zero at all nodes is v_0 prod_i (1 - x/c_i). The friction behind it
+    # is its derivative over the mobility, with the highest coefficient -NODES v_0/prod_i c_i.
     slip, yielding = contact_at(run.plant, START)[2], 0.0
     for m in range(NODES):
         yielding += mobility(run, level, LAST, m)
@@ -163,8 +164,8 @@ def _highest_coefficient(run: Run, level: int) -> float:
 @inner_kernel
 def _kinked_force(run: Run, known: Known) -> float:
     """Return the largest force [N] of a step in which the gap opens, or the force ends or begins; else -1."""
-    normal, forces = known[0], run.state.normal.node
-    most, ends = max(abs(normal), abs(known[3])), False
+    normal, forces = known.normal, run.state.normal.node
+    most, ends = max(abs(normal), abs(known.friction)), False
     for i in range(NODES):
         most = max(most, abs(forces[i]))
         if run.state.law.friction_kind == RATE_DEPENDENT:
@@ -224,20 +225,33 @@ def step_compliant(run: Run, law: Law) -> int:
     for i in range(NODES):
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
-    open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+    open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known.normal)
+    # The impulse P of eq. 3.10, once for the whole contact: relative to forces that vanish as it ends, its
+    # last steps would have to be as exact as its peak.
     if state.contact.duration == 0.0 or state.impulse_scale == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         # Where adhesion balances the elastic force there is friction, and a normal force on the way in.
         inward = law.force(0.5 * gap, rate, slip, state.impact_speed, law.parameters)[0]
-        load = max(abs(known[0]), abs(inward), known[1] + abs(known[2]), abs(known[3]))
+        load = max(abs(known.normal), abs(inward), known.bound + abs(known.bias), abs(known.friction))
         state.impulse_scale = impulse_scale(run, law, rate, load, mobility)
-    if known[1] == 0.0 and state.mode == SLIP and slip != 0.0:
+    if known.bound == 0.0 and state.mode == SLIP and slip != 0.0:
         # What has no say in the slip cannot have followed its sign.
         state.sign = 1 if slip > 0.0 else -1
-    _guess(run, known)
+    # The iteration begins with the last step's polynomials, on which this one starts at x = s/h. Where there
+    # is no such step, or a coarser one is to follow, it begins with constant forces.
+    if state.contact.duration > 0.0 and state.level >= state.level_before:
+        state.accepted_length /= state.length
+    else:
+        state.accepted_length = 0.0
+        hold(state.normal, known.normal)
+        hold(state.bound, known.bound)
+        hold(state.bias, known.bias)
+        hold(state.friction, known.friction)
+        hold(state.internal_rate, 0.0)
     level, error, normal = _solve(run, law, gap, rate, slip, known)
     if state.ending == UNSOLVED:
         return checked(run, NOTHING)
+    # The step is solved whole and then cut: an event at its zero, and what is left of run and waveform.
     remaining = min(state.end, state.piece_end) - state.time
     event, s = first_event(run, law, rate)
     event, s = first_guard(run, law, law.memory, event, s)
@@ -245,6 +259,7 @@ def step_compliant(run: Run, law: Law) -> int:
         event, s = NOTHING, remaining
     state.accepted_length = s
     track_extremes(run, law, gap, rate, normal)
+    # The motion at the nodes of a whole step; of a cut one the recorder goes to nodes of its own.
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
@@ -258,6 +273,8 @@ def lengthen(run: Run, level: int, error: float) -> None:
     state = run.state
     state.impulse_error += error * state.tolerance * state.impulse_scale
     state.level = state.level_before = level
+    # The error goes as h^6 (eq. 3.10), and a step twice as long must be good with a factor of two in hand: a
+    # rejected step costs as much as one that stands. Twice at most, as the power holds for small changes.
     for _ in range(2):
         if state.level > run.propagator.rule.contact_level and 2.0 * error * GROWTH < 1.0:
             state.level -= 1
@@ -270,9 +287,8 @@ def _solve(
 ) -> tuple[int, float, float]:
     """Shorten a step until it is accepted; returns its level, relative error and first normal force."""
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(
-        run, gap - end_at(run, law, law.memory, rate), rate, max(abs(known[0]), known[1])
-    )
+    largest_force = max(abs(known.normal), known.bound)
+    level = _separation_level(run, gap - end_at(run, law, law.memory, rate), rate, largest_force)
     # The shortest step at this time.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
@@ -285,24 +301,28 @@ def _solve(
         overlong = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
         # A prescribed slip reverses where a piece of its path ends, and friction may have a kink there.
         overlong = overlong or (run.plant.wave.led_slip != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
+        # At the shortest step a large error is accepted, as the ledger and the run's error show it; no
+        # solution at all is not.
         refined = (error > 1.0 or overlong) and (level < finest or error == np.inf)
         if refined and not _denied_by_far(run):
             state.rejected_steps += 1
+            # Half the length has a sixty-fourth of the error: with more than 500 times what is allowed a
+            # quarter is surely needed.
             level += 2 if error > 500.0 or overlong else 1
             if error < np.inf:
                 level = min(level, finest)
-        elif _contradicted(run, law, slip, known[1], known[2]):
+        elif _contradicted(run, law, slip, known.bound, known.bias):
             # Neither slipping nor sticking fits at this length: look closer before trying again.
             flips += 1
             level += 2 * (flips // 2)
             jump(run, law, law.memory, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
-            open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+            open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known.normal)
         else:
             break
     else:
         state.ending = UNSOLVED
-    return level, error, known[0]
+    return level, error, known.normal
 
 
 @inner_kernel
@@ -321,24 +341,6 @@ def _denied_by_far(run: Run) -> bool:
     return True
 
 
-@part_kernel
-def _guess(run: Run, known: Known) -> None:
-    """Make `accepted_length` the place x = s/h of the step's start on the last step's force polynomial.
-
-    Where there is no such step, or a coarser one is to follow, the forces start constant.
-    """
-    state = run.state
-    if state.contact.duration > 0.0 and state.level >= state.level_before:
-        state.accepted_length /= state.length
-        return
-    state.accepted_length = 0.0
-    hold(state.normal, known[0])
-    hold(state.bound, known[1])
-    hold(state.bias, known[2])
-    hold(state.friction, known[3])
-    hold(state.internal_rate, 0.0)
-
-
 @inner_kernel
 def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> Known:
     """Return what is known of the forces where the step begins."""
@@ -347,13 +349,14 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     end = end_at(run, law, law.memory, rate)
     if gap >= end:
         if rate >= 0.0:
-            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            return Known(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         gap = end + TOUCHED
+    # The slip that the law sees has the sign of the mode: by zero it would answer as in stick, with the
+    # static bound, and by a residue of the wrong sign as in slip the other way.
     seen = slip
     if state.mode == STICK:
         seen = 0.0
     elif state.law.friction_kind == SET_VALUED and state.sign * slip < SLIP_ROUND_OFF:
-        # Slip that only begins: the law must not take it for stick.
         seen = state.sign * SLIP_ROUND_OFF
     normal, least, most, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
     if least == most:
@@ -372,7 +375,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     stiffness = (normal - law.force(gap + dg, rate, seen, state.impact_speed, law.parameters)[0]) / dg
     damping = (normal - law.force(gap, rate + dr, seen, state.impact_speed, law.parameters)[0]) / dr
     bias += beside_spring(run, law, (gap, rate, slip), end, normal)
-    return normal, bound, bias, friction, steepness, stiffness, damping
+    return Known(normal, bound, bias, friction, steepness, stiffness, damping)
 
 
 @inner_kernel
@@ -381,7 +384,9 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     state, level = run.state, run.state.level
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
-        # What is remembered flows on past the release at another rate, whatever the force is by then.
+        # At most 0.7 of the way to the release at the present rate, geometrically: a step across it has a
+        # kink, and would be rejected. That ends once the force left is below tolerance as an impulse. What is
+        # remembered flows on past the release at another rate, whatever the force is by then.
         flows = state.law.variables > state.law.coupled
         small = state.tolerance * state.impulse_scale * (REMEMBERED if flows else 1.0)
         finest = run.propagator.rule.level_count - 1
@@ -406,6 +411,8 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
         depth, approach = plant.wave.depth, plant.wave.approach
         normal, least, most, _, _ = law.force(-depth, -approach, 0.0, state.impact_speed, law.parameters)
         return float(max(load, abs(normal), abs(least), abs(most)) * h)
+    # The tip's speed u' = sum rho_u q' is at most that of all modes in step, each at the amplitude of its
+    # energy, sqrt(v^2 + k q^2), with what its forces add in a step.
     speed, reach = 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
@@ -419,8 +426,11 @@ def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float)
         if part > 0.0:
             # The way of a free mass has no end.
             reach += part / sqrt(mode.stiffness) if mode.stiffness > 0.0 else np.inf
+    # Momentum of the mass 1/D_nn that the contact meets.
     speed += abs(rate)
     scale = speed / mobility
+    # A soft contact stops the tip before it has taken that much: a force that grows to N over the reach L
+    # acts for about pi L/speed.
     if 0.0 < reach < np.inf:
         deep = law.force(-reach, -speed, 0.0, state.impact_speed, law.parameters)[0]
         taken = max(abs(deep) * pi * reach / speed, ROUND_OFF / state.tolerance * scale)
@@ -467,6 +477,7 @@ def switch_friction(state: Any, event: int) -> None:
 def _switch(state: Any, event: int, friction: float) -> None:
     """Let the contact stick, or slip against a friction [N] that it cannot hold, less the bound's middle."""
     state.mode = STICK
+    # Friction opposes the slip that it could not hold (eq. 3.5): at a positive one slip begins backwards.
     if event == CONE:
         state.mode, state.sign = SLIP, -1 if friction > 0.0 else 1
     state.friction_switches += 1
@@ -491,15 +502,21 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
         state.sign = -state.sign if turned else state.sign
         return bool(turned)
     if sticks:
+        # The friction that stick demands lies outside of its bound at the first node and, by the polynomials,
+        # at the start.
         denied = abs(friction) > state.bound.node[0] * (1.0 + CONE_ROUND_OFF)
         demanded = value_at(state.friction, 0.0) - value_at(state.bias, 0.0)
         denied = denied and value_at(state.bound, 0.0) <= abs(demanded)
+        # A growing normal force may close the cone over the demand within the step: the law's static bound at
+        # the start decides. An excess counts as the impulse that it is, beyond the error of the friction.
         if not denied and bound > 0.0 and state.law.friction_kind == SET_VALUED:
             friction = value_at(state.friction, 0.0) - bias
             excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
             excess -= HIGHEST_SHARE * abs(state.friction.coefficient[NODES - 1])
             denied = excess * state.length > state.tolerance * state.impulse_scale
     else:
+        # The slip has turned by the first node. It has not been a slip of this sign unless it began with one:
+        # then the reversal is an event within the step, and the mode was right.
         denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0
         if denied and state.law.friction_kind != SET_VALUED:
             slip = event_value(run, law, 0.0, REVERSAL) if state.contact.duration > 0.0 else 0.0

@@ -32,6 +32,12 @@ FARTHEST: Final = 1.0
 DIGITS: Final = 32.0 * float(np.finfo(np.float64).eps)
 """Round-off of a velocity that a step's forces make, over what each of them does by itself."""
 
+RESOLVED: Final = 0.1
+"""Angle [rad] by which the fastest vibration may turn within a step of first order."""
+
+NEGLIGIBLE: Final = 1e-6
+"""Share of the energy turned over below which the ledger of a contact is not judged."""
+
 STATES: Final = 9
 """States at which a law is evaluated along the step that it did not solve."""
 
@@ -130,11 +136,17 @@ def balanced(
     seen = np.array([state.least_remainder, state.most_remainder]) - start
     residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
     share = openness(max(float(residual) - _round_off(run), 0.0), float(state.turnover), 0.0, start)
+    swing, unresolved = contact_step * resolved_rate(run.plant), ""
+    if swing > RESOLVED:
+        unresolved = (
+            f"A step holds the contact's force, and the fastest mode or tone turns by {swing:.2g} rad "
+            f"meanwhile: the error is of first order in this angle, and more than {RESOLVED:g} rad is long. "
+        )
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
         if state.law.compliant or state.law.constrained
-        else f"{_unresolved(run, contact_step)}Choose a shorter solver.contact_step than {contact_step:.3g} "
+        else f"{unresolved}Choose a shorter solver.contact_step than {contact_step:.3g} "
         "s, or leave it out: the law is solved in its limit then."
     )
     # A ledger that is no number is not closed.
@@ -172,24 +184,6 @@ def _round_off(run: Run) -> float:
             for p, row in zip(impulses, rows, strict=True)
         )
     )
-
-
-def _unresolved(run: Run, contact_step: float) -> str:
-    """Return a sentence on a step in time [s] that is no small part of the fastest vibration; else none."""
-    swing = contact_step * resolved_rate(run.plant)
-    if swing <= RESOLVED:
-        return ""
-    return (
-        f"A step holds the contact's force, and the fastest mode or tone turns by {swing:.2g} rad meanwhile: "
-        f"the error is of first order in this angle, and more than {RESOLVED:g} rad is long. "
-    )
-
-
-RESOLVED: Final = 0.1
-"""Angle [rad] by which the fastest vibration may turn within a step of first order."""
-
-NEGLIGIBLE: Final = 1e-6
-"""Share of the energy turned over below which the ledger of a contact is not judged."""
 
 
 def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8], turned_over: float) -> float:

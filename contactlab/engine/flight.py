@@ -138,18 +138,12 @@ def step_flight(run: Run, law: Law) -> int:
     state.level = max(level - 1, coarsest) if level > coarsest else level
     # The end cuts a flight that was searched as if it went on: a run that goes on finds the same touch-down.
     s = h if touch == NO_TOUCH else max(touch, 0.0)
-    state.accepted_length = _until_end(run, s, follows, coarse * CLEAR + limit)
-    return TOUCH if touch >= 0.0 and state.accepted_length == s else NOTHING
-
-
-@inner_kernel
-def _until_end(run: Run, s: float, follows: bool, clear: float) -> float:
-    """Return the time up to s that is left of run and piece [s]; a gap not clear then is followed further."""
-    state = run.state
     remaining = min(state.end, state.piece_end) - state.time
-    if follows and remaining < s and contact_after(run, remaining)[0] <= clear:
-        state.phase = SEPARATING
-    return float(min(s, remaining))
+    # A gap that is not clear yet where the run ends is followed further by one that goes on.
+    unclear = follows and remaining < s and contact_after(run, remaining)[0] <= coarse * CLEAR + limit
+    state.phase = SEPARATING if unclear else state.phase
+    state.accepted_length = min(s, remaining)
+    return TOUCH if touch >= 0.0 and state.accepted_length == s else NOTHING
 
 
 @part_kernel

@@ -12,7 +12,6 @@ crosses the creep velocity and up again. A slider keeps F on the bound; its spri
 """
 
 from math import copysign
-from typing import Final, cast
 
 import numpy as np
 
@@ -27,15 +26,12 @@ from contactlab.engine.memory import (
     missed_flow_of,
     recall,
     recall_start,
-    solve_linear,
 )
+from contactlab.engine.nodes import mobility, push_node, solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
-
-FIRST: Final = cast(int, np.int64(0))
-"""The first node, as a number that no kernel is copied for."""
 
 NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
@@ -51,28 +47,6 @@ DIGITS = 64.0 * np.finfo(np.float64).eps
 
 HELD_SLIP = 1e-9
 """Slip scale of the finite difference where steep friction keeps the slip near zero [m/s]."""
-
-
-@part_kernel
-def push_node(run: Run, i: int) -> None:
-    """Set the generalised forces of node i from its normal force and friction."""
-    step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
-    step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
-    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
-    step.push_r.node[i] = friction
-
-
-@inner_kernel
-def mobility(run: Run, level: int, i: int, m: int) -> float:
-    """Return d slip_i / d friction_m [m/s/N]."""
-    step, tip_v = run.step, run.propagator.levels[level].tip_v
-    t_u, t_th = step.t_u[i], step.t_th[i]
-    s_u, s_th = step.t_u[m], step.t_th[m]
-    return float(
-        t_u * (tip_v[0, i, m] * s_u + tip_v[1, i, m] * s_th)
-        + t_th * (tip_v[1, i, m] * s_u + tip_v[2, i, m] * s_th)
-        + tip_v[3, i, m]
-    )
 
 
 @inner_kernel

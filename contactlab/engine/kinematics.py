@@ -360,44 +360,21 @@ def free_response(run: Run, level: int, first: int) -> None:
 
 
 @part_kernel
-def _leave_record(run: Run, s: float) -> None:
-    """Leave the motion BETWEEN without its steady state RECORDED, and the forces of a record interval."""
-    plant, step, rule = run.plant, run.step, run.propagator.rule
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
-        mode.q[RECORDED], mode.v[RECORDED] = q, v
-    for k in range(plant.tone_count):
-        tone = plant.tones[k]
-        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
-    if step.kind == COLLOCATED:
-        for m in range(NODES):
-            x = (s + rule.nodes[m] * run.state.interval) / run.state.length
-            step.push_u.node[m] = value_at(step.push_u, x)
-            step.push_th.node[m] = value_at(step.push_th, x)
-            step.push_r.node[m] = value_at(step.push_r, x)
-
-
-@part_kernel
-def _free_on(run: Run, i: int, place: int) -> None:
-    """Set the motion at a node of a record interval by all forces but the tones'."""
-    plant, step = run.plant, run.step
-    forces = step.kind + 1
-    for j in range(plant.mode_count):
-        mode, response = plant.modes[j], run.propagator.responses[BY_RECORD, j]
-        q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
-        q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
-        v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
-        for m in range(forces):
-            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
-            push = modal_force(mode, u, th, rotor)
-            if step.kind == HELD:
-                q += response.hold[i, 0] * push
-                v += response.hold[i, 1] * push
-            else:
-                q += response.answer_q[i, m] * push
-                v += response.answer_v[i, m] * push
-        mode.q[place], mode.v[place] = q, v
+def _forced(run: Run, i: int, j: int) -> tuple[float, float]:
+    """Return displacement and rate of a coordinate at node i of a record interval, by all but the tones."""
+    step, mode, response = run.step, run.plant.modes[j], run.propagator.responses[BY_RECORD, j]
+    q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
+    q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
+    v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
+    for m in range(step.kind + 1):
+        push = modal_force(mode, step.push_u.node[m], step.push_th.node[m], step.push_r.node[m])
+        if step.kind == HELD:
+            q += response.hold[i, 0] * push
+            v += response.hold[i, 1] * push
+        else:
+            q += response.answer_q[i, m] * push
+            v += response.answer_v[i, m] * push
+    return q, v
 
 
 @inner_kernel
@@ -407,17 +384,29 @@ def flow_on(run: Run, s: float) -> None:
     The state at the nodes of the interval is left at theirs, the last of which is BETWEEN again. The force
     polynomial is that through its values at these nodes; there is no waveform.
     """
-    plant, propagator = run.plant, run.propagator
-    _leave_record(run, s)
+    plant, propagator, step = run.plant, run.propagator, run.step
+    # What is free and what acts, where the interval begins: a step's start that is none of its own.
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
+        mode.q[RECORDED], mode.v[RECORDED] = q, v
+    for k in range(plant.tone_count):
+        tone = plant.tones[k]
+        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
+    if step.kind == COLLOCATED:
+        for m in range(NODES):
+            x = (s + propagator.rule.nodes[m] * run.state.interval) / run.state.length
+            step.push_u.node[m] = value_at(step.push_u, x)
+            step.push_th.node[m] = value_at(step.push_th, x)
+            step.push_r.node[m] = value_at(step.push_r, x)
     for i in range(NODES):
         place = i if i < LAST else BETWEEN
         for k in range(plant.tone_count):
             turn = propagator.turns[BY_RECORD, k]
             _turn(plant.tones[k], RECORDED, place, turn.cosine[i], turn.sine[i])
-        _free_on(run, i, place)
         for j in range(plant.mode_count):
-            mode = plant.modes[j]
-            mode.q[place], mode.v[place] = _add_steady(plant, j, place, mode.q[place], mode.v[place], 1.0)
+            q, v = _forced(run, i, j)
+            plant.modes[j].q[place], plant.modes[j].v[place] = _add_steady(plant, j, place, q, v, 1.0)
             _add_near(run, BY_RECORD, j, i, RECORDED, place)
 
 

@@ -5,9 +5,9 @@ from typing import Any
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.compliant import count_event, switch_friction
-from contactlab.engine.constrained import settle
 from contactlab.engine.flight import RESOLUTION, step_flight
 from contactlab.engine.friction import jump_at_guard
+from contactlab.engine.impulses import settle
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
 from contactlab.engine.propagator import step_length
@@ -56,25 +56,21 @@ def run_law(
             mode.q[START], mode.v[START] = motions[i, 0, j], motions[i, 1, j]
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law, waves):
-            event = step_contact(each, law) if each.state.phase == TOUCHING else _step_free(each, law)
+            if each.state.phase == TOUCHING:
+                event = step_contact(each, law)
+            elif each.state.phase == PRESSED:
+                # A rigid contact from the start on: its touch-down takes no time, and what is recorded there
+                # is before the impact.
+                each.step.kind, each.state.accepted_length = FLIGHT, 0.0
+                event = TOUCH
+            else:
+                event = step_flight(each, law)
             commit(each, law, records)
             _act(each, law, records.ends, event)
             left -= 1
         for j in range(run.plant.mode_count):
             mode = run.plant.modes[j]
             motions[i, 0, j], motions[i, 1, j] = mode.q[START], mode.v[START]
-
-
-@inner_kernel
-def _step_free(run: Run, law: Law) -> int:
-    """Take a step without contact, of no time where a rigid contact is there from the start on.
-
-    What is recorded there is before its impact.
-    """
-    if run.state.phase == PRESSED:
-        run.step.kind, run.state.accepted_length = FLIGHT, 0.0
-        return TOUCH
-    return step_flight(run, law)
 
 
 @inner_kernel

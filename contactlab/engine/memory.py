@@ -13,9 +13,9 @@ from math import copysign
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
+from contactlab.engine.nodes import solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
@@ -34,28 +34,6 @@ from contactlab.engine.state import (
 )
 from contactlab.laws.base import SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
-
-
-@inner_kernel
-def solve_linear(system: Array, n: int) -> None:
-    """Solve n linear equations in place, their right side in column n, with row pivots."""
-    for p in range(n):
-        best = p
-        for row in range(p + 1, n):
-            if abs(system[row, p]) > abs(system[best, p]):
-                best = row
-        if best != p:
-            for column in range(p, n + 1):
-                system[p, column], system[best, column] = system[best, column], system[p, column]
-        for row in range(p + 1, n):
-            ratio = system[row, p] / system[p, p]
-            for column in range(p + 1, n + 1):
-                system[row, column] -= ratio * system[p, column]
-    for p in range(n - 1, -1, -1):
-        for column in range(p + 1, n):
-            system[p, n] -= system[p, column] * system[column, n]
-        system[p, n] /= system[p, p]
-
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""

@@ -73,6 +73,10 @@ couplings[j, e] [N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
 """
 
 
+Matrix = tuple[float, float, float]
+"""Delassus matrix: D_nn, D_nt, D_tt [1/kg]."""
+
+
 @cache
 def plant_record(modes: int, tones: int, electrodes: int = ELECTRODES) -> np.dtype[Any]:
     """Declare the record of a plant with room for so many coordinates, tones and electrodes."""
@@ -222,7 +226,7 @@ def fastest_rate(plant: Plant) -> float:
 
 
 @kernel
-def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> tuple[float, float, float]:
+def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> Matrix:
     """Return D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`.
 
     A led coordinate yields to no force, so that what its mass would be has no say.

@@ -521,9 +521,14 @@ def _watch(run: Run, s: float) -> None:
     steps = state.contact_steps + state.rejected_steps
     if state.time == state.piece_end:
         state.watchdog.steps_before = min(steps, state.watchdog.steps_before + PIECE_STEPS)
+    # The window of time stepping hangs on the step alone; else intervals shrink where a contact chatters, and
+    # the window is at most some times the longest of them.
+    calm = max(state.watchdog.longest_quiet, state.time - state.watchdog.last_event, step)
+    window = state.watchdog.window
+    window = window if state.law.stepped != 0 else min(window, CALMS * calm)
     if state.watchdog.idle_steps > state.watchdog.most_idle:
         state.ending = CHATTERED if state.watchdog.events > IDLE_EVENTS else STALLED
-    elif state.time - state.watchdog.start > _window(state, step):
+    elif state.time - state.watchdog.start > window:
         state.watchdog.start, state.watchdog.events, state.watchdog.steps_before = state.time, 0, steps
     elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
@@ -532,15 +537,6 @@ def _watch(run: Run, s: float) -> None:
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
         state.ending = DIVERGED
-
-
-@inner_kernel
-def _window(state: Any, step: float) -> float:
-    """Return the present window of the stall watchdog [s]: of time stepping it hangs on the step alone."""
-    calm = max(state.watchdog.longest_quiet, state.time - state.watchdog.last_event, step)
-    return float(
-        state.watchdog.window if state.law.stepped != 0 else min(state.watchdog.window, CALMS * calm)
-    )
 
 
 def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:

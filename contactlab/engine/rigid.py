@@ -23,7 +23,6 @@ from math import inf
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import (
     add_constant,
     checked,
@@ -33,7 +32,8 @@ from contactlab.engine.kinematics import (
     rates_in_frame,
 )
 from contactlab.engine.memory import SLIP_ROUND_OFF, recall_start
-from contactlab.engine.plant import delassus
+from contactlab.engine.nodes import push_node
+from contactlab.engine.plant import Matrix, delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, Law, Run, hold
 from contactlab.laws.base import SLIP, STICK
@@ -48,9 +48,6 @@ ROUND_OFF = 1e-12
 
 MOST_ITERATIONS = 50
 """Iterations of the ratio of friction to the normal force that it depends on."""
-
-Matrix = tuple[float, float, float]
-"""D_nn, D_nt, D_tt [1/kg]."""
 
 Answer = tuple[float, float, int, int]
 """Normal and friction impulse [N s], the mode, and how many answers there are."""
