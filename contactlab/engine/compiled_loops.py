@@ -73,11 +73,19 @@ def law_of(
     limits: Any,
 ) -> Law:
     """Return a law's kernels with its parameters."""
-    # Without rates this branch alone is compiled: a law without internal variables has no code about them.
-    if rate is None:
-        return Law(force, friction, impact, bound, data.parameters, data.row, None)
-    memory = Memory(rate, guard, jump, limits)
+    memory = _memory_of(rate, guard, jump, limits)
     return Law(force, friction, impact, bound, data.parameters, data.row, memory)
+
+
+@inner_kernel
+def _memory_of(rate: Any, guard: Any, jump: Any, limits: Any) -> Memory | None:
+    """Return the kernels of internal variables, None without: then code about these is compiled to nothing.
+
+    By itself, as the compiler finds one type for the two results of a function, but none for two laws.
+    """
+    if rate is None:
+        return None
+    return Memory(rate, guard, jump, limits)
 
 
 @kernel

@@ -130,6 +130,7 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
     state, propagator, normal = run.state, run.propagator, known.normal
     allowed = state.tolerance * state.impulse_scale
     depends, pressed, missed = state.law.friction_kind == RATE_DEPENDENT, largest(state.normal.node), 0.0
+    # Without a normal force friction is zero whatever its variables are, and eq. 3.11 sees nothing of them.
     idle = normal == 0.0 == pressed
     if idle:
         missed = missed_flow(run, law.memory)
@@ -171,6 +172,7 @@ def _kinked_force(run: Run, known: Known) -> float:
         if run.state.law.friction_kind == RATE_DEPENDENT:
             # Friction that no bound ties to the normal force.
             most = max(most, abs(run.state.friction.node[i]))
+        # The force ends at a node, or a node is beyond the release: somewhere before it lies a kink.
         ends = ends or (normal > 0.0 and forces[i] == 0.0) or run.step.gap[i] >= run.step.end[i]
     begins = normal == 0.0 == forces[0] and largest(forces) > 0.0
     return most if ends or begins else -1.0
@@ -188,6 +190,7 @@ def _outweighed_error(run: Run) -> float:
         if step.gap[i] >= step.end[i]:
             return 0.0
         outweighed = outweighed or run.state.normal.node[i] == 0.0
+        # Highest coefficient of the loss's polynomial (eq. 3.2): over the fastest gap rate it is a force.
         highest += rule.lagrange[i, NODES - 1] * step.loss[i]
         fastest = max(fastest, abs(step.gap_rate[i]))
     return HIGHEST_SHARE * abs(highest) / fastest if outweighed and fastest > 0.0 else 0.0
@@ -221,6 +224,7 @@ def step_compliant(run: Run, law: Law) -> int:
     """
     state, step = run.state, run.step
     step.kind = COLLOCATED
+    # The directions where the step starts serve as first guess of those at its nodes.
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
     for i in range(NODES):
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
@@ -290,6 +294,7 @@ def _solve(
     largest_force = max(abs(known.normal), known.bound)
     level = _separation_level(run, gap - end_at(run, law, law.memory, rate), rate, largest_force)
     # The shortest step at this time.
+    # Below a step of some digits of the clock its end is round-off, and so is what the law is asked there.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
         finest -= 1
@@ -371,6 +376,7 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     steepness = steepness if state.law.friction_kind == RATE_DEPENDENT else 0.0
     # On the way of the gap, whose other side may be another branch of the law.
     way = -NUDGE if rate < 0.0 else NUDGE
+    # -dN/dg and -dN/dgdot by one-sided differences, for the choice between sweeps and Newton steps.
     dg, dr = way * (abs(gap) + LEAST_DEPTH), way * (abs(rate) + LEAST_SLIP)
     stiffness = (normal - law.force(gap + dg, rate, seen, state.impact_speed, law.parameters)[0]) / dg
     damping = (normal - law.force(gap, rate + dr, seen, state.impact_speed, law.parameters)[0]) / dr
@@ -468,6 +474,8 @@ def count_event(state: Any) -> None:
 @inner_kernel
 def switch_friction(state: Any, event: int) -> None:
     """Set the friction mode after a step that ended in REVERSAL or CONE; a rigid one has noted its sign."""
+    # The polynomials of a step are those of its mode: the friction at the event is the last that stick
+    # needed.
     x = state.accepted_length / state.length
     friction = value_at(state.friction, x) - value_at(state.bias, x)
     _switch(state, event, friction if state.law.constrained == 0 else -state.sign)
@@ -494,6 +502,7 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
     modes.
     """
     state, step = run.state, run.step
+    # Friction less the middle of its bounds, which is zero for most laws.
     friction, sticks = state.friction.node[0] - state.bias.node[0], state.mode == STICK
     if state.law.friction_kind == RATE_DEPENDENT:
         return False

@@ -104,6 +104,7 @@ def step_rigid(run: Run, law: Law) -> int:
     step.kind, state.accepted_length = COLLOCATED, 0.0
     state.length = step_length(run.propagator, state.level)
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    # An approach at the start of a contact is an impact; later, gap rates are what collocation leaves.
     begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led_slip == 0
     if begins and rate < 0.0:
         flies = apply_impact(run, law, rate, slip)
@@ -117,6 +118,7 @@ def step_rigid(run: Run, law: Law) -> int:
     level, error = _solve(run, law, known)
     if state.ending != RUNNING:
         return _at_once(run, NOTHING)
+    # The step is solved whole and then cut.
     remaining = min(state.end, state.piece_end) - state.time
     event, s = _first_event(run, law)
     if event == CONE:
@@ -192,6 +194,8 @@ def _jumps(law: Law, side: float, normal: float, d: Matrix) -> bool:
     normal = normal if normal > 0.0 else 1.0
     static = law.bound(normal, 0.0, law.parameters)
     kinetic = law.bound(normal, -side * SLIP_ROUND_OFF, law.parameters)
+    # Slip against the friction `side`, r = side kinetic/N: D_nn + r D_nt <= 0 leaves no normal force to slide
+    # with.
     opens = d[0] + side * kinetic / normal * d[1] <= 0.0
     return bool(opens or abs(static - kinetic) > CONE_ROUND_OFF * static)
 
@@ -207,6 +211,8 @@ def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bo
     bound = law.bound(normal, 0.0, law.parameters)
     if _jumps(law, side, normal, d):
         return bool(normal > 0.0 and abs(friction) <= bound * (1.0 + ROUND_OFF))
+    # Where friction merely leaves its bound, slip begins with the forces of stick: a small excess for a step
+    # is an error as any other.
     excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
     return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.impulse_scale)
 
@@ -228,6 +234,7 @@ def _start(run: Run, law: Law) -> Multipliers:
         a_n, a_t = free_accelerations(run, START, 0.0)
         recall_start(run, law)
         state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
+        # Eq. 4.7, counted as a statistic: the law goes on as it was.
         if wedges(a_n, a_t, d_nn, d_nt, d_tt, state.law.friction_limit):
             state.wedged_steps += 1
         slip = frame[2]
@@ -436,6 +443,7 @@ def _margin(run: Run, law: Law, event: int, s: float) -> float:
         return -a_n / (d[0] + ratio * d[1])
     if event == RELEASE:
         return float(normal)
+    # Room in the cone. The bound is that of the multiplier's own N, and not of the polynomial's.
     return float(law.bound(max(normal, 0.0), 0.0, law.parameters) - abs(friction))
 
 
@@ -502,6 +510,7 @@ def _first_event(run: Run, law: Law) -> tuple[int, float]:
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         first, s = NOTHING, right
+        # A pull at a node: the normal force has fallen through zero before it.
         if state.normal.node[i] < 0.0:
             first, s = RELEASE, _edge(run, law, RELEASE, left, right)
         until, leaves = right, abs(state.friction.node[i]) > state.bound.node[i] * (1.0 + CONE_ROUND_OFF)

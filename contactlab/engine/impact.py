@@ -125,6 +125,8 @@ def integrate_impacts(
         a, b, c = _rows(contact)
         first, second = run.plant.modes[0], run.plant.modes[1]
         first.row_u, first.row_th, second.row_th = -a, -b / WAY, -c / WAY
+        # Steps in units of this impact's own time: the same law in other units, or a hundred times as slow,
+        # has the same steps.
         unit = _time_scale(run, law, contact, states[0].limits.contact_gap)
         _set_ladder(run, STEP_SHARE * unit)
         # One pass tells how long the contact lasts, the other one records it.
@@ -164,6 +166,8 @@ def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
     for k in range(run.state.law.variables):
         law.row[HEAD + k] = run.step.memory_first[k]
     rate, slip, mobility = contact[0], contact[1], contact[2]
+    # Depths doubled from below any contact until the work N d, at the approach's speed, exceeds the energy
+    # that the normal impulse has to stop: an order of magnitude, not the depth itself.
     energy, most, before = 0.5 * rate * rate / mobility, 0.0, 0.0
     depth = 0.5**HALVINGS
     for _ in range(HALVINGS):

@@ -65,6 +65,8 @@ def run_law(
                 event = TOUCH
             else:
                 event = step_flight(each, law)
+            # Ledger, records and clock are those of the mode that the step was solved in; only then does the
+            # event change it.
             commit(each, law, records)
             _act(each, law, records.ends, event)
             left -= 1
@@ -77,6 +79,7 @@ def run_law(
 def _opens_step(run: Run, law: Law, waves: Array) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state, step = run.state, run.step
+    # A full store is emptied by the caller, which goes on from here.
     full = state.contact_count >= step.contacts.size - 1
     if state.time >= state.end or state.ending != RUNNING or full:
         return False
@@ -183,6 +186,7 @@ def _open_contact(run: Run, law: Law) -> None:
     state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     law.row[SPEED] = state.impact_speed
+    # A touch-down without slip begins in stick; if its bound does not hold that, the first step says so.
     slides = slip != 0.0 or state.law.friction_kind == RATE_DEPENDENT or keeps_slip(run)
     state.mode = SLIP if slides else STICK
     state.sign = 1 if slip > 0.0 else -1

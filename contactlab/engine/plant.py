@@ -137,6 +137,7 @@ def plant_of(motor: Motor) -> Plant:
     made["row_r"][-1] = -geometry.rotor_radius / root
     force = np.zeros((count, omega.size), complex)
     force[:-1] = motor.force_phasors
+    # Eq. 2.2: the steady state is the force over k - omega^2 + i c omega.
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
     margin = np.abs(dynamic[:-1]) / (stiffness[:-1, None] + omega**2)
     if margin.size and margin.min() < RESONANCE_MARGIN:
@@ -146,6 +147,7 @@ def plant_of(motor: Motor) -> Plant:
             f"{modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
             "bound. Give the resonator damping or move the tone."
         )
+    # The rotor has no stiffness and so no resonance: only modes can be near one.
     near = np.zeros(force.shape, bool)
     near[:-1] = margin < NEARLY_RESONANT
     steady = np.where(near, 0.0, force / dynamic)
@@ -160,6 +162,7 @@ def plant_of(motor: Motor) -> Plant:
     wave = plant["wave"]
     if prescribed.any():
         made["led"][:-1], wave["led"] = prescribed, 1
+        # Where no free mode moves the gap, no force does: there is no mass behind the contact, and no impact.
         wave["led_gap"] = not motor.rows_at_rest[0][~prescribed].any()
         wave["led_slip"] = motor.slip_is_prescribed and waveform is not None and not omega.size
         wave["depth"], wave["approach"] = _reach(motor)
@@ -208,6 +211,7 @@ def pace_of(plant: Plant, contact_step: float, stepped: bool) -> tuple[float, in
     of an event every fifth step, and at most five periods.
     """
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
+    # A tone that no mode feels sets no pace.
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
     turns = 2.0 * pi / plant["wave"]["period"] if plant["wave"]["period"] > 0.0 else 0.0
@@ -238,6 +242,8 @@ def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> 
             continue
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
+        # Eq. 1.12: with unit masses D is a sum of products of the rows. D_tt is positive by the rotor, D_nt
+        # has any sign.
         nn += normal * normal
         nt += normal * tangential
         tt += tangential * tangential
