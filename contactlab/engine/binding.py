@@ -60,8 +60,13 @@ def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
     except (Exception, SystemExit) as error:
         if isinstance(error, LawError) or is_of_a_signal(error):
             raise
+        frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename != __file__]
+        place = ""
+        # The loop itself is called from here too, and compiled code has no lines.
+        if frames and frames[-1].name != "simulate":
+            place = f" ({frames[-1].filename}, line {frames[-1].lineno})"
         raise LawError(
-            f"The run ended because the law {name} raised {type(error).__name__}: {error}{_place(error)}. "
+            f"The run ended because the law {name} raised {type(error).__name__}: {error}{place}. "
             "A law must answer every state of a contact; mend the law."
         ) from error
     finally:
@@ -99,15 +104,6 @@ def stand_in(name: str, signature: Any) -> Any:
     kernel: Any = numba.njit(error_model="numpy")(known["stand_in"])
     kernel.compile(signature)
     return kernel
-
-
-def _place(error: BaseException) -> str:
-    """Return where an exception was raised; nothing for one out of compiled code."""
-    frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename != __file__]
-    # The loop itself is called from here too.
-    if not frames or frames[-1].name == "simulate":
-        return ""
-    return f" ({frames[-1].filename}, line {frames[-1].lineno})"
 
 
 _real, _whole = types.float64, types.int64

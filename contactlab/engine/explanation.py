@@ -1,7 +1,5 @@
 """How a run ended, in a sentence: the value, the bound and the way out."""
 
-from collections.abc import Callable
-from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -48,10 +46,6 @@ OF_FRICTION: Final = (
     "stored energy of the friction",
     "tangential stiffness",
 )
-Contact = tuple[float, float, float]
-"""Arguments of a law's kernels: gap [m], gap rate [m/s] and slip [m/s]."""
-
-Forces = Callable[[Contact], dict[str, float]]
 
 
 def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float) -> tuple[Ending, str]:
@@ -97,9 +91,8 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     }
     if state.ending in endings:
         return endings[int(state.ending)]
-    forces = partial(_forces_by_name, run, kernels, parameters)
     reach = rule.longest * 0.5**rule.contact_level
-    fault = _not_finite(run, forces, reach)
+    fault = _not_finite(run, kernels, parameters, reach)
     if fault or state.ending == NOT_FINITE:
         fault = fault or f"a value that is not finite near {_contact_text(_contact_after(run, 0.0))}"
         return Ending.DIVERGED, (
@@ -221,7 +214,7 @@ def _runaway(run: Run) -> str:
     )
 
 
-def _not_finite(run: Run, forces: Forces, reach: float) -> str:
+def _not_finite(run: Run, kernels: tuple[Any, ...], parameters: Array, reach: float) -> str:
     """Return the first inadmissible value along the step, in words; empty for none."""
     state = run.state
     if not state.law.compliant:
@@ -230,34 +223,26 @@ def _not_finite(run: Run, forces: Forces, reach: float) -> str:
         return f"{' and '.join(values)} at {_contact_text(_contact_after(run, 0.0))}" if values else ""
     for time in np.linspace(0.0, reach, STATES):
         contact = _contact_after(run, time)
-        for name, value in forces(contact).items():
+        if not contact[0] < 0.0:
+            continue
+        values = kernels[0](*contact, state.impact_speed, parameters)
+        forces = dict(zip(OF_FORCE, values, strict=True))
+        if state.law.friction_kind != SET_VALUED:
+            forces |= zip(OF_FRICTION, kernels[1](*contact, values[0], parameters), strict=True)
+        for name, value in forces.items():
             if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
                 return f"{name} {value} at {_contact_text(contact)}"
     return ""
 
 
-def _contact_after(run: Run, time: float) -> Contact:
-    """Return the contact after a time of straight motion from where the run ended [s]."""
+def _contact_after(run: Run, time: float) -> tuple[float, float, float]:
+    """Return gap [m], gap rate and slip [m/s] after some time [s] of straight motion from the run's end."""
     modes = modes_of(run.plant)
     q, v = modes["q"][:, START] + time * modes["v"][:, START], modes["v"][:, START]
     gap, rate, slip = contact_from(run.plant, q, v)
     return gap, rate, 0.0 if run.state.mode == STICK else slip
 
 
-def _contact_text(contact: Contact) -> str:
+def _contact_text(contact: tuple[float, float, float]) -> str:
     """Return gap, gap rate and slip as text."""
     return "a gap of {:.6g} m, a gap rate of {:.6g} m/s and a slip of {:.6g} m/s".format(*contact)
-
-
-def _forces_by_name(
-    run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact
-) -> dict[str, float]:
-    """Return the results of a penalty law's kernels by name; empty where the contact is open."""
-    if not contact[0] < 0.0:
-        return {}
-    values = kernels[0](*contact, run.state.impact_speed, parameters)
-    forces = dict(zip(OF_FORCE, values, strict=True))
-    if run.state.law.friction_kind != SET_VALUED:
-        friction = kernels[1](*contact, values[0], parameters)
-        forces |= zip(OF_FRICTION, friction, strict=True)
-    return forces

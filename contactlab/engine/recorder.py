@@ -120,7 +120,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
     _watch(run, s)
-    _weigh(run)
+    _note_balance(run)
 
 
 @part_kernel
@@ -506,7 +506,7 @@ def _energies(plant: Plant, place: int) -> tuple[float, float]:
 
 
 @part_kernel
-def _weigh(run: Run) -> None:
+def _note_balance(run: Run) -> None:
     """Update the extremes of work and ledger residual after a step; the residual in free flight only."""
     state, total = run.state, run.state.total
     state.turnover = max(state.turnover, abs(total.drive_work), abs(total.load_work))
