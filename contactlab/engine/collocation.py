@@ -96,7 +96,7 @@ def iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffn
     for stiff in range(1 if damped > 1.0 else 0, 2 if damped > LEAST_DAMPED else 1):
         for way in range(AT_SLIP_BEFORE if stiffness > 1.0 else 0, ways):
             if sweeps == 0:
-                # Every way begins with the same forces: what a diverged iteration left says nothing.
+                # Every way begins with the same forces: a diverged iteration leaves nothing to begin with.
                 _first_forces(run, law, stretch)
                 sweeps = _collocate(run, law, level, way, known, lean, stiff == 1)
     return sweeps
@@ -149,7 +149,7 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
     state, nodes = run.state, run.propagator.rule.nodes
     for i in range(NODES):
         # x = s/h on the last step's polynomial, beyond its end where no event cut it. An extrapolation may
-        # leave what a law can have: no first guess pulls or has a negative bound.
+        # overshoot: no first guess of the normal force or of the bound is negative.
         x = state.accepted_length + nodes[i] * stretch
         state.normal.node[i] = max(value_at(state.normal, x), 0.0)
         state.bound.node[i] = max(value_at(state.bound, x), 0.0)
@@ -188,7 +188,8 @@ def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: flo
             corrected, coupled = correct_friction(run, law, level, holds, kept, least_slip)
             change = max(change, corrected)
         flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
-        # A law that has no number here may have one over a shorter step, which stays nearer to its start.
+        # A law that returns no number here may return one over a shorter step, whose motion is nearer to its
+        # start.
         if not np.isfinite(change):
             return 0
         if way > 0 and (way == AT_SLIP_BEFORE or agree(state, change, most, flowed)):
@@ -264,7 +265,7 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
     for i in range(NODES):
         of_law, change = state.normal.node[i], system[i, NODES]
         state.normal.node[i] = system[i, BEFORE] + change
-        # The law is not asked again for the corrected force: its bounds are taken as proportional to it,
+        # The law is not evaluated again for the corrected force: its bounds are taken as proportional to it,
         # which the next sweep makes good.
         if slides:
             share = state.normal.node[i] / of_law if of_law != 0.0 else 1.0
@@ -285,7 +286,7 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
     gap, rate, slip = contact_at_node(run, level, i)
     recall(run, law, i)
     step.end[i] = end_at(run, law, law.memory, rate)
-    # What is left of the slip in stick is the iteration's, and no slip to the law.
+    # What is left of the slip in stick is an error of the iteration: the law receives zero.
     seen = 0.0 if state.mode == STICK else slip
     # Friction without a normal force goes on beyond the release, which cuts the step: it has no jump there.
     closed = min(gap, step.end[i] + TOUCHED)

@@ -85,7 +85,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     h = open_nodes(run, level)
     stretch = h / state.length
     state.length = h
-    # -f_v dv/dF of eq. 3.9: above one the law's answers in turn diverge, and a force tells little of its
+    # -f_v dv/dF of eq. 3.9: above one sweeps diverge, and a small error of the force is a large one of the
     # slip.
     stiffness = known.steepness * mobility(run, level, FIRST, FIRST)
     sweeps = iterate(run, law, level, known, stretch, stiffness)
@@ -108,7 +108,8 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     if state.law.friction_kind != SET_VALUED:
         # Of steep friction counts what no change of the slip makes good.
         error = max(error, abs(state.friction.coefficient[0] - known.friction) / (1.0 + stiffness))
-        # Eq. 3.11: the law is asked half-way between the nodes too, where a kink of a variable's rate shows.
+        # Eq. 3.11: the law is evaluated half-way between the nodes too, where a kink of a variable's rate
+        # shows.
         flows, yielding = depends or state.mode == STICK, mobility(run, level, FIRST, FIRST)
         error = missed_between(run, law, flows, yielding, error, allowed / h)
         if depends and error <= allowed / h:
@@ -130,7 +131,7 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
     state, propagator, normal = run.state, run.propagator, known.normal
     allowed = state.tolerance * state.impulse_scale
     depends, pressed, missed = state.law.friction_kind == RATE_DEPENDENT, largest(state.normal.node), 0.0
-    # Without a normal force friction is zero whatever its variables are, and eq. 3.11 sees nothing of them.
+    # Without a normal force friction is zero whatever its variables are, and eq. 3.11 is zero.
     idle = normal == 0.0 == pressed
     if idle:
         missed = missed_flow(run, law.memory)
@@ -294,7 +295,7 @@ def _solve(
     largest_force = max(abs(known.normal), known.bound)
     level = _separation_level(run, gap - end_at(run, law, law.memory, rate), rate, largest_force)
     # The shortest step at this time.
-    # Below a step of some digits of the clock its end is round-off, and so is what the law is asked there.
+    # The end of a step below some digits of the clock is round-off.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
         finest -= 1
@@ -306,8 +307,8 @@ def _solve(
         overlong = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
         # A prescribed slip reverses where a piece of its path ends, and friction may have a kink there.
         overlong = overlong or (run.plant.wave.led_slip != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
-        # At the shortest step a large error is accepted, as the ledger and the run's error show it; no
-        # solution at all is not.
+        # At the shortest step a large error is accepted, which the ledger and the error of the run then
+        # contain; a step without a solution is not.
         refined = (error > 1.0 or overlong) and (level < finest or error == np.inf)
         if refined and not _denied_by_far(run):
             state.rejected_steps += 1
@@ -356,8 +357,8 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
         if rate >= 0.0:
             return Known(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         gap = end + TOUCHED
-    # The slip that the law sees has the sign of the mode: by zero it would answer as in stick, with the
-    # static bound, and by a residue of the wrong sign as in slip the other way.
+    # The slip that the law receives has the sign of the mode: for zero it would return the static bound, and
+    # for a residue of the wrong sign the friction of slip the other way.
     seen = slip
     if state.mode == STICK:
         seen = 0.0
@@ -524,8 +525,8 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
             excess -= HIGHEST_SHARE * abs(state.friction.coefficient[NODES - 1])
             denied = excess * state.length > state.tolerance * state.impulse_scale
     else:
-        # The slip has turned by the first node. It has not been a slip of this sign unless it began with one:
-        # then the reversal is an event within the step, and the mode was right.
+        # The slip has turned by the first node. If it began with the sign of the mode, this is a reversal
+        # within the step, which is located as an event; if it began at zero, the mode was wrong.
         denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0
         if denied and state.law.friction_kind != SET_VALUED:
             slip = event_value(run, law, 0.0, REVERSAL) if state.contact.duration > 0.0 else 0.0

@@ -234,7 +234,7 @@ def _start(run: Run, law: Law) -> Multipliers:
         a_n, a_t = free_accelerations(run, START, 0.0)
         recall_start(run, law)
         state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
-        # Eq. 4.7, counted as a statistic: the law goes on as it was.
+        # Eq. 4.7, counted as a statistic: what slides is released and what sticks is held, as before.
         if wedges(a_n, a_t, d_nn, d_nt, d_tt, state.law.friction_limit):
             state.wedged_steps += 1
         slip = frame[2]
@@ -274,7 +274,8 @@ def _solve(run: Run, law: Law, known: Multipliers) -> tuple[int, float]:
     sliding = 0.0 if state.mode == STICK else state.sign * max(abs(slip), SLIP_ROUND_OFF)
     open_step(run, law, law.memory, gap, rate, sliding, known.normal)
     level, error = state.level, 0.0
-    # Where no step is good, the shortest eight levels stand with any finite error: the ledger shows it.
+    # Where no step is good, the shortest eight levels are accepted with any finite error, which the ledger
+    # then contains.
     while level < rule.level_count:
         error = _attempt(run, law, level, known)
         # A slip that begins at rest and is over before the first node.

@@ -73,8 +73,8 @@ def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> tu
 
     force = 0.0
     # A coordinate without stiffness is held by the contact alone: the force is what its own preload asks for.
-    # Else tip and rotor meet if the preload closes the gap, and the force is where elastic way and
-    # penetration add up to what it closes.
+    # Else tip and rotor meet if the preload closes the gap, and the force is that at which elastic
+    # displacement and penetration add up to what it closes.
     if free.size:
         force = float(preload[free[0]] / row[free[0]]) if row[free[0]] else 0.0
     elif comes > clearance:

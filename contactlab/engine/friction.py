@@ -238,8 +238,8 @@ def correct_friction(
             system[NODES + i, m] = -h * g_v * s
             system[NODES + i, NODES + m] = derivative[i, m] - h * g_z * same
         system[i, right] = f - state.friction.node[i]
-        # What the slip's round-off does to f, directly and by the variable. Below that the residual f - F
-        # says nothing.
+        # What the slip's round-off does to f, directly and by the variable. Below that the residual f - F is
+        # round-off.
         felt = (abs(f_v) + h * abs(g_v * f_z)) * slip_digits(run, i)
         most = max(most, abs(system[i, right]) - felt)
         system[NODES + i, right] = h * (g - _internal_rate(run, i))

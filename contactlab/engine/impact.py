@@ -133,7 +133,7 @@ def integrate_impacts(
         for k in range(2 if count > 0 else 1):
             states[1] = states[0]
             state.end = state.watchdog.window = LONGEST * unit
-            # The touch-down, where contacts begin at a gap of the law's own; the way is zero there.
+            # The touch-down, at the gap where contacts of the law begin, without a tangential displacement.
             begins = state.limits.contact_gap
             motions[0, 0, 0], motions[0, 1, 0] = begins / a, contact[0] / a
             motions[0, 0, 1] = -b * motions[0, 0, 0] / c

@@ -267,8 +267,8 @@ def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(plant, tip)
     turning, passing = plant.geometry.tip_length * th_rate * th_rate, slip - rotor
     distance = plant.geometry.radius + gap
-    # The directions turn with the tip: its centripetal acceleration, and that of a way along the rotor's rim,
-    # are there without any force.
+    # The directions turn with the tip: its centripetal acceleration, and that of its motion along the rotor's
+    # rim, need no force.
     normal = n_u * u_acc + n_th * th_acc + turning * (t_u * sin(th) - n_u * cos(th))
     tangential = t_u * u_acc + t_th * th_acc + rotor_acc - turning * (n_u * sin(th) + t_u * cos(th))
     return normal + passing * passing / distance, tangential - passing * rate / distance

@@ -186,7 +186,7 @@ def _open_contact(run: Run, law: Law) -> None:
     state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     law.row[SPEED] = state.impact_speed
-    # A touch-down without slip begins in stick; if its bound does not hold that, the first step says so.
+    # A touch-down without slip begins in stick; if the bound is exceeded, its first step finds that out.
     slides = slip != 0.0 or state.law.friction_kind == RATE_DEPENDENT or keeps_slip(run)
     state.mode = SLIP if slides else STICK
     state.sign = 1 if slip > 0.0 else -1

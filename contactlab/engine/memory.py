@@ -97,7 +97,7 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
         if flies and step.memory_lasts[k] == 0.0:
             continue
         # One variable after the other, each with its own derivative alone: a stiff relaxation is solved at
-        # once, and what couples two of them is left to the next sweep.
+        # once, and the coupling of two variables is left to the next sweep.
         first, size, moves = state.memory[k], abs(state.memory[k]), False
         for i in range(NODES):
             z, g_z = step.memory[i, k], 0.0
@@ -183,8 +183,8 @@ def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
             step.memory[i, k] = state.memory[k] + nodes[i] * (step.memory[BETWEEN, k] - state.memory[k])
     for i in range(NODES):
         at = nodes[i] * s
-        # Nodes of the part that is taken: motion and force are right there, only the variables have seen what
-        # lies beyond the event.
+        # Nodes of the part that is taken: motion and force are known there; only the variables were solved
+        # together with what lies beyond the event.
         step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
         state.normal.node[i] = value_at(state.normal, at / state.length)
     _flow_out(run, law, memory, s)

@@ -159,7 +159,7 @@ def _write_forces(run: Run, records: Records, s: float, now: float) -> None:
     left at its end, and from the right at its start.
     """
     state, start, index = run.state, run.state.time, records.passed[0]
-    # An instant at the boundary of two steps has a limit from either: both are asked.
+    # An instant at the boundary of two steps has a limit from each: the force may jump there.
     while start < now and index < records.instants.size and records.instants[index] <= now:
         due, normal, friction = records.instants[index], 0.0, 0.0
         if run.step.kind != FLIGHT:
@@ -479,7 +479,7 @@ def _acting_time(run: Run, law: Law, s: float) -> float:
         return max(left, 0.0)
     if right == s and _acts(run, law, s - ENDING * (s - left)):
         return s
-    # The law says whether it has forces, and not how far they are from ending: bisection.
+    # Forces act or do not, with nothing that tells how far they are from ending: bisection.
     for _ in range(HALVINGS):
         middle = 0.5 * (left + right)
         if _acts(run, law, middle):
@@ -512,7 +512,7 @@ def _note_balance(run: Run) -> None:
     state.turnover = max(state.turnover, abs(total.drive_work), abs(total.load_work))
     if state.mode != FREE:
         return
-    # Eq. 6.2 solved for r, less the energy at the start. In contact the law's stored energy is asked of it at
+    # Eq. 6.2 solved for r, less the energy at the start. In contact the law's stored energy is evaluated at
     # records alone.
     kinetic, strain = _energies(run.plant, START)
     left = total.load_work - total.drive_work + total.damping_loss

@@ -91,8 +91,8 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
         if abs(value) <= digit or abs(s - before) <= TIME_DIGIT * run.state.length:
             break
         before = s
-        # The new value replaces the end of its sign. An end that stays a second time is halved: of a curved
-        # function the secant would else come from one side only, and slowly.
+        # The new value replaces the end of its sign. An end that stays a second time has its value halved:
+        # for a curved function the secants would otherwise approach the zero from one side, and slowly.
         if value * at_right > 0.0:
             right, at_right = s, value
             if stayed < 0:
@@ -172,7 +172,7 @@ def first_guard(run: Run, law: Law, memory: Memory | None, event: int, s: float)
     state, chosen = run.state, run.state.guard
     for guard in range(state.law.guards):
         state.guard = guard
-        # Only up to what has been found so far: a later zero does not happen.
+        # Only up to the earliest event so far: what lies behind it does not happen.
         left, before = 0.0, guard_at(run, law, memory, 0.0)
         for i in range(NODES):
             right = min(run.propagator.rule.nodes[i] * state.length, s)
