@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.compliant import ROUND_OFF as IMPULSE_ROUND_OFF, impulse_scale, lengthen
+from contactlab.engine.error_control import IMPULSE_ROUND_OFF, impulse_scale, lengthen
 from contactlab.engine.impulses import apply_impact, become, matrix_of, settle
 from contactlab.engine.kinematics import (
     add_collocated,
