@@ -181,6 +181,7 @@ def row_of(law: ContactLaw) -> Array:
             raise LawError(
                 f"{law.name}: coefficients() returns {shown(coefficients.tolist())}; it must return numbers."
             )
+        # NaN between two parts: a kernel that reads beyond its own coefficients returns no number.
         values += [np.array([np.nan]), coefficients.astype(np.float64)]
     return np.concatenate(values)
 

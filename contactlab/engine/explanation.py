@@ -124,6 +124,7 @@ def balanced(
 ) -> tuple[Ending, str]:
     """Return the ending of a run that reached its end: complete, or unbalanced with a sentence."""
     state = run.state
+    # Eq. 6.4.
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_remainder, state.most_remainder]) - start
@@ -170,6 +171,8 @@ def _round_off(run: Run) -> float:
         t_u * modes["row_u"] + t_th * modes["row_th"] + modes["row_r"],
     )
     impulses = float(state.total.normal_impulse), float(state.total.friction_impulse)
+    # D p of a step is that of the whole impulse over the number of steps; its round-off then adds up over all
+    # of them.
     share = DIGITS / max(int(state.contact_steps), 1)
     return float(
         sum(

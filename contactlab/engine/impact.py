@@ -166,8 +166,8 @@ def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
     for k in range(run.state.law.variables):
         law.row[HEAD + k] = run.step.memory_first[k]
     rate, slip, mobility = contact[0], contact[1], contact[2]
-    # Depths doubled from below any contact until the work N d, at the approach's speed, exceeds the energy
-    # that the normal impulse has to stop: an order of magnitude, not the depth itself.
+    # Depths doubled from below any contact until the work N d, at the approach's speed, is the energy that
+    # the normal impulse has to stop. The force is smaller on the way, which a unit of time may ignore.
     energy, most, before = 0.5 * rate * rate / mobility, 0.0, 0.0
     depth = 0.5**HALVINGS
     for _ in range(HALVINGS):
@@ -194,6 +194,7 @@ def _set_ladder(run: Run, longest: float) -> None:
         level = run.propagator.levels[k]
         level.length = longest
         longest *= 0.5
+        # What the nodes see of all coordinates is summed up as a level is built, so that it begins at zero.
         if level.built == 1:
             level.built = 0
             level.tip_q[:] = 0.0
@@ -206,6 +207,7 @@ def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
     a, b, c = _rows(contact)
     end_with_forces(state)
     v, met = motions[0, 1], state.contact
+    # Eq. 1.10 by the rows of the module.
     outcome.normal_rate, outcome.slip = a * v[0], b * v[0] + c * v[1]
     outcome.normal_impulse, outcome.friction_impulse = met.normal_impulse, met.friction_impulse
     outcome.duration, outcome.stick_duration = met.duration, met.stick_duration

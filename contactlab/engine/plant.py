@@ -165,6 +165,7 @@ def plant_of(motor: Motor) -> Plant:
         # Where no free mode moves the gap, no force does: there is no mass behind the contact, and no impact.
         wave["led_gap"] = not motor.rows_at_rest[0][~prescribed].any()
         wave["led_slip"] = motor.slip_is_prescribed and waveform is not None and not omega.size
+        # Without a mass behind the contact no impulse scales its errors: forces at these bounds do.
         wave["depth"], wave["approach"] = _reach(motor)
     if waveform is not None:
         wave["electrodes"], wave["offset"] = electrodes, waveform.start
@@ -198,6 +199,7 @@ def resolved_rate(plant: Plant) -> float:
 
 def persisting_rates(stiffness: Array, damping: Array) -> Array:
     """Return the rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
+    # An overdamped mode has a fast root, c, which is over at once, and a slow one, k/c, which lasts.
     slow = np.full(stiffness.shape, np.inf)
     np.divide(stiffness, damping, out=slow, where=damping > 0.0)
     return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)

@@ -126,6 +126,7 @@ class Prepared(NamedTuple):
             for each, signature in zip(self.bound.kernels, SIGNATURES.values(), strict=True)
         ]
         data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0, NO_IMPACTS)
+        # Compiled by types alone, with values that are never run.
         loop: Any = self._loop(impacts is not None)
         with telling(kind, SECONDS[kind]):
             loop.disable_compile(False)
@@ -230,6 +231,8 @@ class Prepared(NamedTuple):
         """
         law, rule, known, limits = self.law, self.propagator.rule, state["law"], state["limits"]
         begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
+        # Records of a run that goes on lie on the grid of the run before, if that has one there: both
+        # together are those of one run.
         state["first"] = round((begins - state["origin"]) / interval)
         if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
             state["origin"], state["first"] = begins, 0
@@ -238,6 +241,8 @@ class Prepared(NamedTuple):
         state["earlier_loss"] = 0.0
         known["compliant"], known["friction_limit"] = compliant, law.friction_limit
         anew = state["signature"] != self.signature
+        # The first step under another motor, law or step sizes begins as after an event: there is no
+        # polynomial to go on from, and no impulse that errors were relative to.
         if anew:
             touching = state["phase"] == TOUCHING
             state["level"] = (
@@ -271,6 +276,7 @@ class Prepared(NamedTuple):
         # Rebounds without an end are taken as none by a rigid law itself.
         watchdog = state["watchdog"]
         watchdog["window"] = 0.0 if self.constrained else pace[0]
+        # Each variable with kinks of its own has as many events and short steps as a law without.
         kinked = kinked_variables(state)
         watchdog["most_steps"], watchdog["most_idle"] = kinked * pace[1], kinked * IDLE_LIMIT
         state["tolerance"] = self.tolerance
@@ -298,6 +304,7 @@ def prepared(
             "rigid contact needs one that a force moves. Take a compliant law, or leave that mode free."
         )
     stepped = is_stepped(law, contact_step)
+    # A step follows the fastest vibration, and none may be so short that it does not move the clock.
     rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(

@@ -138,6 +138,8 @@ class Workspace:
         names = ["stiffness", "damping", "row_u", "row_th", "row_r", "led"]
         modes = [plant.modes[name].tobytes() for name in names]
         waves = bool(plant.wave["electrodes"])
+        # All that a response depends on. The amplitudes of the tones are none of it, so that a sweep of
+        # voltages shares them.
         key = (*modes, plant.tones["omega"].tobytes(), longest, doublings, waves)
         if key == self._key:
             return self._propagator

@@ -176,6 +176,8 @@ def _write_forces(run: Run, records: Records, s: float, now: float) -> None:
 def _add_to_contact(run: Run, law: Law, s: float, p_n: float, p_t: float, lost: float) -> None:
     """Add a time [s], impulses [N s] and a loss [J] to the contact; time stepping begins with an impact."""
     state, row = run.state, run.state.contact
+    # Time stepping has its impact in the first step, whose force, impulse
+    # over step, has no limit.
     if run.step.kind == HELD and row.duration == 0.0:
         row.largest_impact, row.impact_energy_gain = p_n, max(-lost, 0.0)
     acting = _acting_time(run, law, s) if state.law.compliant != 0 else s
@@ -575,6 +577,7 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
         impulse[:1] = state[name]
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
     losses = sum(series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work"))
+    # Eq. 6.2: what has come in, less what is lost or done on the load.
     received = series["drive_work"] - losses
     if np.isnan(state["initial_energy"]) and energy.size:
         # What another motor or law stores where it takes over was there from the start.

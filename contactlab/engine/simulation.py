@@ -220,8 +220,10 @@ def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
         state["earlier_loss"] = start["limits.stored_energy"] - state["limits"]["stored_energy"]
         return none
     inertia = root_inertia(ready.plant) / start["root_inertia"]
+    # The rotor's coordinate is sqrt(J) alpha (eq. 1.8): with another J the same angle is another number.
     q[-1], v[-1] = inertia * q[-1], inertia * v[-1]
     gap, rate, _ = contact_from(ready.plant, q, v)
+    # Another clearance or geometry moves the contact: what touched may be open, and the reverse.
     moved, compliant = gap != state["gap"], state["law"]["compliant"] != 0
     if moved and (fault := overlap_at(gap, ready.law)):
         raise ValueError(fault)
@@ -270,6 +272,7 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any
     if not ending.reached_end:
         state["end"] = state["time"]
         run.step["saved"][0], modes["saved_q"], modes["saved_v"] = state, q, v
+    # What a run under another motor needs to know of this one.
     state["gap"], state["root_inertia"] = contact_from(run.plant, q, v)[0], root_inertia(run.plant)
     for name in ("normal_force", "friction_force", "energy_residual"):
         if series[name].size:
@@ -371,6 +374,8 @@ class Flow:
             some["contact_count"] = 0
             whole[going], motions[going] = some.view(BYTES), moved
             going = going[(some["time"] < some["end"]) & (some["ending"] == RUNNING)]
+        # A sentence is made from the motor's state where its run ended, which the plant holds for one run at
+        # a time.
         for i in np.flatnonzero(states["ending"] != RUNNING):
             made["q"][:, START], made["v"][:, START] = motions[i]
             messages[i] = ready.explain(ready.run_of(states[i]))[1]
