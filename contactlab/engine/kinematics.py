@@ -377,21 +377,25 @@ def free_response(run: Run, level: int, first: int) -> None:
 
 
 @part_kernel
-def _forced(run: Run, i: int, j: int) -> tuple[float, float]:
-    """Return displacement and rate of a coordinate at node i of a record interval, by all but the tones."""
-    step, mode, response = run.step, run.plant.modes[j], run.propagator.responses[BY_RECORD, j]
-    q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
-    q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
-    v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
-    for m in range(step.kind + 1):
-        push = modal_force(mode, step.push_u.node[m], step.push_th.node[m], step.push_r.node[m])
-        if step.kind == HELD:
-            q += response.hold[i, 0] * push
-            v += response.hold[i, 1] * push
-        else:
-            q += response.answer_q[i, m] * push
-            v += response.answer_v[i, m] * push
-    return q, v
+def _free_on(run: Run, i: int, place: int) -> None:
+    """Set the motion at a node of a record interval by all forces but the tones'."""
+    plant, step = run.plant, run.step
+    forces = step.kind + 1
+    for j in range(plant.mode_count):
+        mode, response = plant.modes[j], run.propagator.responses[BY_RECORD, j]
+        q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
+        q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
+        v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
+        for m in range(forces):
+            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
+            push = modal_force(mode, u, th, rotor)
+            if step.kind == HELD:
+                q += response.hold[i, 0] * push
+                v += response.hold[i, 1] * push
+            else:
+                q += response.answer_q[i, m] * push
+                v += response.answer_v[i, m] * push
+        mode.q[place], mode.v[place] = q, v
 
 
 @inner_kernel
@@ -421,9 +425,10 @@ def flow_on(run: Run, s: float) -> None:
         for k in range(plant.tone_count):
             turn = propagator.turns[BY_RECORD, k]
             _turn(plant.tones[k], RECORDED, place, turn.cosine[i], turn.sine[i])
+        _free_on(run, i, place)
         for j in range(plant.mode_count):
-            q, v = _forced(run, i, j)
-            plant.modes[j].q[place], plant.modes[j].v[place] = _add_steady(plant, j, place, q, v, 1.0)
+            mode = plant.modes[j]
+            mode.q[place], mode.v[place] = _add_steady(plant, j, place, mode.q[place], mode.v[place], 1.0)
             _add_near(run, BY_RECORD, j, i, RECORDED, place)
 
 
