@@ -18,8 +18,8 @@ import scipy
 
 from contactlab.arrays import Array
 from contactlab.checks import check_shape, checked_arguments
+from contactlab.engine.arguments import check_law
 from contactlab.engine.equilibrium import penetrations
-from contactlab.engine.preparation import check_law
 from contactlab.laws.base import ContactLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.motor.bodies import led_body

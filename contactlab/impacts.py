@@ -18,16 +18,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import as_array, check_kind, check_shape, checked_arguments
+from contactlab.engine.arguments import check_law, check_tolerance
+from contactlab.engine.defaults import DEFAULT_TOLERANCE
 from contactlab.engine.impact import MOMENT, OUTCOME, WAY
+from contactlab.engine.initial_state import fresh_state
 from contactlab.engine.plant import MODES, TONES, Plant, plant_record
-from contactlab.engine.preparation import (
-    DEFAULT_TOLERANCE,
-    Prepared,
-    check_law,
-    check_tolerance,
-    fresh_state,
-    take_in,
-)
+from contactlab.engine.preparation import Prepared, take_in
 from contactlab.engine.propagator import Propagator, Workspace
 from contactlab.engine.state import INCONSISTENT, PRESSED, RUNNING, STATE, ImpactBatch, Run, new_record
 from contactlab.laws.base import ContactLaw, MultiplierLaw

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, final, get_args
 from contactlab.checks import check_kind, check_number, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.made_in_python import KEYS
-from contactlab.engine.preparation import check_kinds
+from contactlab.engine.arguments import check_kinds
 from contactlab.laws.base import ContactLaw, is_stepped
 from contactlab.motor import Motor
 from contactlab.results.netcdf import configuration_of, state_of, to_datatree, write_tree
@@ -196,7 +196,7 @@ def simulate(
         duration: [s]; after that of `start`, if one is given. A motor and a law need one, unless they run
             until steady: then it is 1 s at most.
         record_interval: [s]; 1 us, of a slow motor a two-hundredth of its shortest period if 100,000 records
-            are not enough for that, see `default_record_interval` in `contactlab.engine.preparation`. The
+            are not enough for that, see `default_record_interval` in `contactlab.engine.defaults`. The
             last record lies at the end.
         contact_step: longest step in contact of a compliant law [s], by default the law's, and longer for
             slow motors. A rigid law is stepped in time by it, as in the paper; without, it is solved in its

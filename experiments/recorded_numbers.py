@@ -11,7 +11,7 @@ from results_store import read
 from scipy.stats import chi2, fisher_exact, norm
 from verdicts import NONE, Number, every, exact, greatest, least, less, number, share, some, within
 
-from contactlab.engine.preparation import DEFAULT_TOLERANCE
+from contactlab.engine.defaults import DEFAULT_TOLERANCE
 from contactlab.inference.paired import ALONE, INCONCLUSIVE, ROLES, VARIES, VERDICTS, power
 
 FILES: Final = ("accuracy", "motor", "experiments", "measurements")

@@ -32,7 +32,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiler.notice import telling
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.preparation import LOOPS, SECONDS, kind_of
+    from contactlab.engine.compiled_loops import LOOPS, SECONDS, kind_of
     from contactlab.impacts import velocities_after
     from contactlab.laws.base import ContactLaw, PenaltyLaw
     from contactlab.laws.composed import Composed

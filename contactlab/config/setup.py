@@ -20,14 +20,10 @@ from contactlab.config.groups import BASES, GROUPS, MODAL, OF_BEAMS, resonator_c
 from contactlab.config.made_in_python import PLACES, with_number
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import FRICTION, Examination
+from contactlab.engine.arguments import check_kinds
+from contactlab.engine.defaults import DEFAULT_TOLERANCE, default_contact_step, default_record_interval
 from contactlab.engine.equilibrium import at_rest
-from contactlab.engine.preparation import (
-    DEFAULT_TOLERANCE,
-    check_kinds,
-    default_contact_step,
-    default_record_interval,
-    take_in,
-)
+from contactlab.engine.preparation import take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.immutable import Frozen, frozen

@@ -60,8 +60,13 @@ def law_errors(name: str, *callbacks: Callback) -> Iterator[None]:
     except (Exception, SystemExit) as error:
         if isinstance(error, LawError) or is_of_a_signal(error):
             raise
+        frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename != __file__]
+        place = ""
+        # The loop itself is called from here too, and compiled code has no lines.
+        if frames and frames[-1].name != "simulate":
+            place = f" ({frames[-1].filename}, line {frames[-1].lineno})"
         raise LawError(
-            f"The run ended because the law {name} raised {type(error).__name__}: {error}{_place(error)}. "
+            f"The run ended because the law {name} raised {type(error).__name__}: {error}{place}. "
             "A law must answer every state of a contact; mend the law."
         ) from error
     finally:
@@ -99,15 +104,6 @@ def stand_in(name: str, signature: Any) -> Any:
     kernel: Any = numba.njit(error_model="numpy")(known["stand_in"])
     kernel.compile(signature)
     return kernel
-
-
-def _place(error: BaseException) -> str:
-    """Return where an exception was raised; nothing for one out of compiled code."""
-    frames = [frame for frame in extract_tb(error.__traceback__) if frame.filename != __file__]
-    # The loop itself is called from here too.
-    if not frames or frames[-1].name == "simulate":
-        return ""
-    return f" ({frames[-1].filename}, line {frames[-1].lineno})"
 
 
 _real, _whole = types.float64, types.int64
@@ -185,6 +181,7 @@ def row_of(law: ContactLaw) -> Array:
             raise LawError(
                 f"{law.name}: coefficients() returns {shown(coefficients.tolist())}; it must return numbers."
             )
+        # NaN between two parts: a kernel that reads beyond its own coefficients returns no number.
         values += [np.array([np.nan]), coefficients.astype(np.float64)]
     return np.concatenate(values)
 
@@ -322,20 +319,6 @@ _BOUND: Final = {"normal": "normal", "slip": "slip"}
 _LIMITS: Final = {"gap_rate": "gap_rate", "depth_rate": "-gap_rate"}
 
 
-def _bodies(law: ContactLaw) -> tuple[dict[str, list[str]], list[_Part]]:
-    """Return the lines of every bound kernel that a law has, and its parts."""
-    names, parts = ("normal", "damping", "friction", "law"), []
-    at = HEAD + len(law.internal_variables) + 1
-    owners = _parts(law)
-    # The friction's internal variables come first.
-    offsets = (len(law.friction.internal_variables), 0, 0, 0) if isinstance(law, Composed) else (0,)
-    for word, owner, first in zip(names[-len(owners) :], owners, offsets, strict=True):
-        part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
-        parts.append(part)
-        at = part.end + 1
-    return (_of_composed(*parts) if isinstance(law, Composed) else _of_law(law, *parts)), parts
-
-
 def _of_law(law: ContactLaw, part: _Part) -> dict[str, list[str]]:
     if isinstance(law, MultiplierLaw):
         # Without a coefficient of friction the default bound is none.
@@ -446,7 +429,16 @@ def _of_composed(normal: _Part, damping: _Part, friction: _Part, law: _Part) -> 
 
 def _written(law: ContactLaw) -> tuple[dict[str, tuple[str, dict[str, Any]]], list[_Part]]:
     """Return the source of every bound kernel and the functions that it calls, and the law's parts."""
-    bodies, parts = _bodies(law)
+    names, parts = ("normal", "damping", "friction", "law"), []
+    at = HEAD + len(law.internal_variables) + 1
+    owners = _parts(law)
+    # The friction's internal variables come first.
+    offsets = (len(law.friction.internal_variables), 0, 0, 0) if isinstance(law, Composed) else (0,)
+    for word, owner, first in zip(names[-len(owners) :], owners, offsets, strict=True):
+        part = _Part(word, owner, _coefficients(law, owner)[0], at, first)
+        parts.append(part)
+        at = part.end + 1
+    bodies = _of_composed(*parts) if isinstance(law, Composed) else _of_law(law, *parts)
     functions = {word: function for part in parts for word, function in part.functions.items()}
     sources = {}
     for name, arguments in _ARGUMENTS.items():
@@ -506,7 +498,10 @@ def _compiled(
         imports.append(f"{word} = {word}_owner.{kernel}\n")
     else:
         return _kept(name, "".join(imports) + "\n\n" + source, signature), None
-    made = {word: _own_compiled(function, kinds[word]) for word, function in used.items()}
+    made = {
+        word: _compiled_with(function, kinds[word], compiled_constants(function)[0])
+        for word, function in used.items()
+    }
     obstacles = [(word, kernel) for word, kernel in made.items() if isinstance(kernel, str)]
     if not obstacles:
         compiled = _session(name, source, tuple(made.items()), signature)
@@ -560,14 +555,12 @@ def _executed(name: str, source: str, used: dict[str, Any]) -> Callable[..., Any
     return made
 
 
-def _own_compiled(function: Any, kinds: tuple[Any, ...]) -> Any:
-    """Return a law's own kernel, compiled; where there is an obstacle, that in words."""
-    return _compiled_with(function, kinds, compiled_constants(function)[0])
-
-
 @lru_cache(maxsize=256)
 def _compiled_with(function: Any, kinds: tuple[Any, ...], constants: tuple[bytes, ...]) -> Any:  # noqa: ARG001 - of the key
-    """Return a kernel compiled with the present values of the constants that it and its callees read."""
+    """Return a law's own kernel, compiled with the present values of the constants that it and callees read.
+
+    Where there is an obstacle, it returns that in words.
+    """
     kernel = function
     if not hasattr(function, "py_func"):
         kernel = fleeting_kernel(function)

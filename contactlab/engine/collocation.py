@@ -6,30 +6,25 @@ beside, `AT_SLIP_BEFORE` and `AT_REST`: the first that contracts is taken.
 """
 
 from math import nan
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.friction import (
-    HELD_SLIP,
-    LEAST_SLIP,
-    correct_friction,
-    follow_bound,
-    friction_at,
+from contactlab.engine.friction import HELD_SLIP, LEAST_SLIP, correct_friction, follow_bound, friction_at
+from contactlab.engine.kinematics import contact_at
+from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
+from contactlab.engine.nodes import (
+    MOST_ITERATIONS,
+    agree,
+    contact_at_node,
+    fit_nodes,
     push_node,
+    solve_linear,
 )
-from contactlab.engine.kinematics import Tip, contact_at, contact_of
-from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall, solve_linear
 from contactlab.engine.plant import delassus
 from contactlab.engine.state import HEAD, LAST, NODES, START, Law, Run, fit, value_at
 from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, SLIP, STICK
-
-MOST_ITERATIONS = 25
-
-AGREEMENT = 1e-10
-"""Relative change of the nodal forces, in the last sweep or in the next one, at which the iteration ends; it
-contracts by far more than ten a sweep."""
 
 CAUTION = 10.0
 """Ratio of two sweeps' changes over that of the two before, at most [1]."""
@@ -53,10 +48,26 @@ BEFORE = NODES + 1
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
 
-Known = tuple[float, float, float, float, float, float, float]
-"""Normal force, half the width and the middle of the interval that bounds friction in the step's mode,
-friction that is not set-valued [N] and its steepness [N s/m], and by how much the normal force rises as gap
-[N/m] and gap rate [N s/m] fall, where a step begins."""
+
+class Known(NamedTuple):
+    """What is known of the forces where a step begins.
+
+    Args:
+        normal: normal force [N].
+        bound, bias: half the width, and the middle, of the interval that bounds friction in the step's mode
+            [N].
+        friction: friction that is not set-valued [N].
+        steepness: by how much it falls as the slip rises [N s/m].
+        stiffness, damping: by how much the normal force rises as gap [N/m] and gap rate [N s/m] fall.
+    """
+
+    normal: float
+    bound: float
+    bias: float
+    friction: float
+    steepness: float
+    stiffness: float
+    damping: float
 
 
 @part_kernel
@@ -69,14 +80,23 @@ def iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffn
     where that does not contract; other friction does so where its law's answers do not.
     """
     lean, sweeps = _lean(run, known, stiffness), 0
-    elastic, damped = _normal_shares(run, level, known, lean)
+    # By how much the normal force at the last node falls as that of all nodes rises: k_n D_nn h^2/2 by its
+    # spring, c_n D_nn h by its damping.
+    elastic, damped = 0.0, 0.0
+    for m in range(NODES):
+        elastic += _answered(run, level, known.stiffness, 0.0, lean, LAST, m)
+        damped += _answered(run, level, 0.0, known.damping, lean, LAST, m)
+    # A step that does not resolve an elastic swing must not be solved, by Newton's method neither: the
+    # polynomial may agree with the law at all nodes and miss the swing between them, and no error shows it.
     if elastic > max(MOST_ELASTIC, damped):
         return 0
+    # Only a damping that outweighs its spring relaxes the force monotonically, which the nodes do resolve.
     damped = damped if damped > elastic else 0.0
     ways = AT_REST + 1 if run.state.law.friction_kind == RATE_DEPENDENT else 1
     for stiff in range(1 if damped > 1.0 else 0, 2 if damped > LEAST_DAMPED else 1):
         for way in range(AT_SLIP_BEFORE if stiffness > 1.0 else 0, ways):
             if sweeps == 0:
+                # Every way begins with the same forces: a diverged iteration leaves nothing to begin with.
                 _first_forces(run, law, stretch)
                 sweeps = _collocate(run, law, level, way, known, lean, stiff == 1)
     return sweeps
@@ -89,14 +109,19 @@ def _lean(run: Run, known: Known, stiffness: float) -> float:
     Friction that holds the slip, or is steep in it, answers by what keeps the slip: -D_nt/D_tt.
     """
     state, step = run.state, run.step
-    normal, bound, bias, friction = known[:4]
+    friction = known.friction
     directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
     _, crossed, along = delassus(run.plant, *directions)
+    # Stick: what a normal force adds to the slip, D_nt, friction takes back by D_tt. The friction of a spring
+    # follows its stretch and not the normal force.
     if state.mode == STICK:
         return -crossed / along if state.law.friction_kind == SET_VALUED else 0.0
+    # Slip: the ratio F/N. Steep friction lies between that and the friction which keeps the slip, weighed by
+    # its `stiffness`, -f_v dv/dF of eq. 3.9.
     if state.law.friction_kind == SET_VALUED:
-        friction = bias - state.sign * bound
-    return ((friction / normal if normal > 0.0 else 0.0) - stiffness * crossed / along) / (1.0 + stiffness)
+        friction = known.bias - state.sign * known.bound
+    ratio = friction / known.normal if known.normal > 0.0 else 0.0
+    return (ratio - stiffness * crossed / along) / (1.0 + stiffness)
 
 
 @inner_kernel
@@ -107,6 +132,8 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
     """
     step, results = run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
+    # Eq. 3.4 differentiated: node m presses along n + lean t, node i moves along n. Positive: a force opens
+    # the gap, which lets the force fall.
     push_u, push_th = step.n_u[m] + lean * step.t_u[m], step.n_th[m] + lean * step.t_th[m]
     u = stiffness * tip_q[0, i, m] + damping * tip_v[0, i, m]
     mixed = stiffness * tip_q[1, i, m] + damping * tip_v[1, i, m]
@@ -117,24 +144,12 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
 
 
 @inner_kernel
-def _normal_shares(run: Run, level: int, known: Known, lean: float) -> tuple[float, float]:
-    """Return by how much spring and damping of the normal force answer it in the step [1].
-
-    Where a damping has more than its spring, and more than one, the force relaxes within the step. A step
-    that does not resolve an elastic swing must not be solved: its error is not seen.
-    """
-    elastic, damped = 0.0, 0.0
-    for m in range(NODES):
-        elastic += _answered(run, level, known[5], 0.0, lean, LAST, m)
-        damped += _answered(run, level, 0.0, known[6], lean, LAST, m)
-    return elastic, damped
-
-
-@inner_kernel
 def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, nodes = run.state, run.propagator.rule.nodes
     for i in range(NODES):
+        # x = s/h on the last step's polynomial, beyond its end where no event cut it. An extrapolation may
+        # overshoot: no first guess of the normal force or of the bound is negative.
         x = state.accepted_length + nodes[i] * stretch
         state.normal.node[i] = max(value_at(state.normal, x), 0.0)
         state.bound.node[i] = max(value_at(state.bound, x), 0.0)
@@ -157,14 +172,15 @@ def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: flo
     part of the law, where from the level part it would alternate. A normal force that is `stiff` takes Newton
     steps too.
     """
-    state, step, rule = run.state, run.step, run.propagator.rule
+    state = run.state
     kind, sticks = state.law.friction_kind, state.mode == STICK
     follows = kind == RATE_DEPENDENT or (kind != SET_VALUED and sticks)
     least_slip, before = HELD_SLIP if way > 0 else LEAST_SLIP, 0.0
     kept = contact_at(run.plant, START)[2] if way == AT_SLIP_BEFORE else 0.0
     for sweep in range(1, MOST_ITERATIONS + 1):
         # Eq. 3.4: the law's answers to the motion that the nodal forces cause; then friction by eq. 3.7 or
-        # 3.9, and the internal variables by eq. 5.2.
+        # 3.9, and the internal variables by eq. 5.2. Each takes what those before it have left: their mutual
+        # influence is what further sweeps are for.
         change, most = _sweep_normal(run, law, level, known, lean, stiff)
         holds = way > 0 or (sticks and not follows)
         coupled = 0.0
@@ -172,49 +188,28 @@ def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: flo
             corrected, coupled = correct_friction(run, law, level, holds, kept, least_slip)
             change = max(change, corrected)
         flowed = max(coupled, correct_memory(run, law, law.memory, state.length))
+        # A law that returns no number here may return one over a shorter step, whose motion is nearer to its
+        # start.
         if not np.isfinite(change):
             return 0
         if way > 0 and (way == AT_SLIP_BEFORE or agree(state, change, most, flowed)):
             # The friction that holds the slip is the start of Newton's method on the law's own.
             way, before = 0, 0.0
             continue
+        # The iteration is linear near its end, so that the ratio of two sweeps' changes foretells the next
+        # one (Hairer and Wanner, Solving ODEs II, IV.8): it need not be done only to see that it is small.
+        # What is held at zero drifts by whatever a sweep leaves of it: there it must be done.
         moved = max(flowed, change / most if most > 0.0 else 0.0)
-        # What is held at zero drifts by whatever a sweep leaves of it: there the next one must be done.
-        share = 1.0 if holds else _share_left(moved, before)
+        share = min(CAUTION * moved / before, 1.0) if not holds and before > 0.0 else 1.0
         before = min(moved, 1.0)
         if not agree(state, share * change, most, share * flowed):
             continue
         if kind != SET_VALUED and not follows:
             follow_bound(run, law, float(state.sign))
-        fit(rule, state.normal)
-        fit(rule, state.friction)
-        fit(rule, state.bound)
-        fit(rule, state.bias)
-        fit(rule, state.internal_rate)
-        fit(rule, step.push_u)
-        fit(rule, step.push_th)
-        fit(rule, step.push_r)
+        fit_nodes(run)
+        fit(run.propagator.rule, state.internal_rate)
         return sweep
     return 0
-
-
-@part_kernel
-def agree(state: Any, change: float, most: float, flowed: float) -> bool:
-    """Return whether a sweep leaves nothing to change.
-
-    It has changed forces of up to `most` by `change` [N], and internal variables by `flowed` of them [1].
-    """
-    small = AGREEMENT * max(most, 1e-3 * state.impulse_scale / state.length)
-    return bool(flowed <= AGREEMENT and change <= small)
-
-
-@part_kernel
-def _share_left(moved: float, before: float) -> float:
-    """Return the share of a sweep's change that bounds the next one's, from the relative changes of two [1].
-
-    The iteration is linear near its end, and it is their ratio (Hairer and Wanner, Solving ODEs II, IV.8).
-    """
-    return min(CAUTION * moved / before, 1.0) if before > 0.0 else 1.0
 
 
 @inner_kernel
@@ -227,6 +222,8 @@ def _sweep_normal(
     """
     state, change, most = run.state, 0.0, 0.0
     slides = state.mode != STICK and state.law.friction_kind != RATE_DEPENDENT
+    # In turn, as Gauss and Seidel: a node sees the new forces of those before it. A Newton step needs all
+    # answers at one motion, so that the forces stay as they are until it is taken.
     for i in range(NODES):
         old_normal, old_friction = state.normal.node[i], state.friction.node[i]
         _law_at_node(run, law, level, i)
@@ -236,6 +233,7 @@ def _sweep_normal(
             run.step.system[i, BEFORE] = old_normal
             continue
         if slides:
+            # Eq. 3.5, about the middle of the bounds where a law has a lower one and an upper one.
             state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
         push_node(run, i)
         change = max(change, abs(state.normal.node[i] - old_normal))
@@ -256,8 +254,9 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
     state, system = run.state, run.step.system
     for i in range(NODES):
         for m in range(NODES):
+            # Row i of N - N(motion of N) = 0, linearised: the law's force falls as that of node m rises.
             # Where the law has no force it has no slope.
-            falls = _answered(run, level, known[5], known[6], lean, i, m)
+            falls = _answered(run, level, known.stiffness, known.damping, lean, i, m)
             falls = falls if state.normal.node[i] != 0.0 else 0.0
             system[i, m] = (1.0 if m == i else 0.0) + falls
         system[i, NODES] = state.normal.node[i] - system[i, BEFORE]
@@ -266,6 +265,8 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
     for i in range(NODES):
         of_law, change = state.normal.node[i], system[i, NODES]
         state.normal.node[i] = system[i, BEFORE] + change
+        # The law is not evaluated again for the corrected force: its bounds are taken as proportional to it,
+        # which the next sweep makes good.
         if slides:
             share = state.normal.node[i] / of_law if of_law != 0.0 else 1.0
             state.bound.node[i] *= share
@@ -282,10 +283,10 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
 def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
     """Set motion and forces of node i."""
     state, step = run.state, run.step
-    tip = pushed_tip(run, level, i)
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, tip)
+    gap, rate, slip = contact_at_node(run, level, i)
     recall(run, law, i)
     step.end[i] = end_at(run, law, law.memory, rate)
+    # What is left of the slip in stick is an error of the iteration: the law receives zero.
     seen = 0.0 if state.mode == STICK else slip
     # Friction without a normal force goes on beyond the release, which cuts the step: it has no jump there.
     closed = min(gap, step.end[i] + TOUCHED)
@@ -296,27 +297,8 @@ def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
         bias += beside_spring(run, law, (gap, rate, slip), step.end[i], normal)
     else:
         normal, loss = 0.0, 0.0
-    step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
-    step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
     step.loss[i] = loss
-
-
-@inner_kernel
-def pushed_tip(run: Run, level: int, i: int) -> Tip:
-    """Return the tip's motion at node i, under the nodal forces that there are."""
-    step, results = run.step, run.propagator.levels[level]
-    tip_q, tip_v = results.tip_q, results.tip_v
-    u, th = step.u[i], step.th[i]
-    u_rate, th_rate, rotor = step.u_rate[i], step.th_rate[i], step.rotor[i]
-    for m in range(NODES):
-        push_u, push_th = step.push_u.node[m], step.push_th.node[m]
-        u += tip_q[0, i, m] * push_u + tip_q[1, i, m] * push_th
-        th += tip_q[1, i, m] * push_u + tip_q[2, i, m] * push_th
-        u_rate += tip_v[0, i, m] * push_u + tip_v[1, i, m] * push_th
-        th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
-        rotor += tip_v[3, i, m] * step.push_r.node[m]
-    return u, th, u_rate, th_rate, rotor
 
 
 @inner_kernel

@@ -6,27 +6,26 @@ slip the friction is the law's bound against the slip; in stick it is the fricti
 at every node. Friction that is not set-valued is in `contactlab.engine.friction`.
 """
 
-from math import pi, sqrt
 from typing import Any
 
 import numpy as np
 
-from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.collocation import TOUCHED, Known, beside_spring, iterate, sound_normal
+from contactlab.engine.error_control import impulse_scale, lengthen
 from contactlab.engine.friction import (
-    FIRST,
     LEAST_SLIP,
     NUDGE,
     friction_and_steepness,
     missed_between,
     missed_past_limits,
     missed_rate,
-    mobility,
 )
-from contactlab.engine.kinematics import add_collocated, checked, contact_at, free_response, tip_motion
+from contactlab.engine.kinematics import add_collocated, checked, contact_at
 from contactlab.engine.memory import SLIP_ROUND_OFF, end_at, jump, missed_flow, open_step, recall_start
+from contactlab.engine.nodes import FIRST, mobility, open_nodes
 from contactlab.engine.plant import delassus
-from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.propagator import step_length
 from contactlab.engine.rootfinding import (
     CONE_ROUND_OFF,
     event_value,
@@ -58,16 +57,26 @@ from contactlab.laws.memory import AT_SLIP, AT_STICK
 HIGHEST_SHARE = 0.1
 """Error of a polynomial at the step's start over its highest coefficient, where no value is known [1]."""
 
-
 NODE_PRODUCT = 126.0
 """Reciprocal product of the Radau nodes, (2 n - 1)!/(n! (n - 1)!) of n = 5 [1]."""
 
 KINK = 1e3
 """Error over the tolerance of a step that cannot be judged: it has a kink that is not negligible."""
 
-
 LEAST_DEPTH = 1e-8
 """Scale of the difference of the gap for the normal stiffness near zero [m]."""
+
+CLOCK = 64.0 * np.finfo(np.float64).eps
+"""Shortest step over the time at which it begins: below it the clock decides, and no force."""
+
+FAR = 1e3
+"""Friction that a stick would need over its bound [1], beyond which a shorter step is not asked."""
+
+YIELDED = 1e-30
+"""Slip velocity [m/s] that no force leaves to a prescribed one, whose body is as heavy as can be."""
+
+REMEMBERED = 1e-2
+"""Share of the negligible impulse down to which a contact that remembers walks up to its release."""
 
 
 @inner_kernel
@@ -81,19 +90,14 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     them. A step in which the gap opens, or the force ends or begins before it, carries a kink, and stands
     only when the whole normal force left is negligible; friction that goes on without it is judged as ever.
     """
-    state, step = run.state, run.step
-    normal, bound, bias, friction, steepness = known[:5]
-    build_level(run.plant, run.propagator, level)
-    # The motion without contact at the nodes, from which eq. 3.4 starts.
-    free_response(run, level, FIRST)
-    for i in range(NODES):
-        tip = tip_motion(run.plant, i)
-        step.u[i], step.th[i], step.u_rate[i], step.th_rate[i], step.rotor[i] = tip
+    state = run.state
     depends = state.law.friction_kind == RATE_DEPENDENT
-    h = step_length(run.propagator, level)
+    h = open_nodes(run, level)
     stretch = h / state.length
     state.length = h
-    stiffness = steepness * mobility(run, level, FIRST, FIRST)
+    # -f_v dv/dF of eq. 3.9: above one sweeps diverge, and a small error of the force is a large one of the
+    # slip.
+    stiffness = known.steepness * mobility(run, level, FIRST, FIRST)
     sweeps = iterate(run, law, level, known, stretch, stiffness)
     state.accepted_length = 0.0
     state.sweeps += sweeps
@@ -102,19 +106,24 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     allowed = state.tolerance * state.impulse_scale
     kinked, beside = _kinked_force(run, known), _outweighed_error(run)
     if not depends:
-        beside = max(beside, abs(state.bias.coefficient[0] - bias))
+        beside = max(beside, abs(state.bias.coefficient[0] - known.bias))
+    # With a kink in it a step's error goes with no high power of h. It stands only where the whole force is
+    # negligible, and then counts as half of what is allowed.
     if kinked >= 0.0:
         return max(0.5, beside * h / allowed) if kinked * h <= allowed else KINK
     # Eq. 3.10: a polynomial through the nodes misses what is known at the step's start.
-    error = max(abs(state.normal.coefficient[0] - normal), beside)
+    error = max(abs(state.normal.coefficient[0] - known.normal), beside)
     if not depends:
-        error = max(error, abs(state.bound.coefficient[0] - bound))
+        error = max(error, abs(state.bound.coefficient[0] - known.bound))
     if state.law.friction_kind != SET_VALUED:
-        error = max(error, abs(state.friction.coefficient[0] - friction) / (1.0 + stiffness))
+        # Of steep friction counts what no change of the slip makes good.
+        error = max(error, abs(state.friction.coefficient[0] - known.friction) / (1.0 + stiffness))
+        # Eq. 3.11: the law is evaluated half-way between the nodes too, where a kink of a variable's rate
+        # shows.
         flows, yielding = depends or state.mode == STICK, mobility(run, level, FIRST, FIRST)
         error = missed_between(run, law, flows, yielding, error, allowed / h)
         if depends and error <= allowed / h:
-            error = missed_past_limits(run, law, normal, error)
+            error = missed_past_limits(run, law, known.normal, error)
     # In stick nothing is known of the friction at the start: its highest coefficient stands for the error.
     if state.mode == STICK:
         error = max(error, HIGHEST_SHARE * abs(_highest_coefficient(run, level)))
@@ -129,14 +138,15 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
     that does not depend on the coupled variable, as of a dashpot's spring while it slides. Else,
     and in a step that is too short to feel the normal force, it is zero.
     """
-    state, propagator, normal = run.state, run.propagator, known[0]
+    state, propagator, normal = run.state, run.propagator, known.normal
     allowed = state.tolerance * state.impulse_scale
     depends, pressed, missed = state.law.friction_kind == RATE_DEPENDENT, largest(state.normal.node), 0.0
+    # Without a normal force friction is zero whatever its variables are, and eq. 3.11 is zero.
     idle = normal == 0.0 == pressed
     if idle:
         missed = missed_flow(run, law.memory)
     if depends and (idle or max(normal, pressed) * h > allowed):
-        most = abs(known[3])
+        most = abs(known.friction)
         for i in range(NODES):
             most = max(most, abs(state.friction.node[i]))
         # A slider without a force keeps its spring, whatever rate the law has for it.
@@ -152,8 +162,11 @@ def _highest_coefficient(run: Run, level: int) -> float:
     The residue v_0 of the step before takes the impulse v_0/D_tt, whatever the length of the step.
     """
     highest = float(run.state.friction.coefficient[NODES - 1])
+    # A spring has no residue: it does not hold the slip at zero.
     if run.state.law.friction_kind != SET_VALUED:
         return highest
+    # The slip that begins at v_0 and is zero at all nodes is v_0 prod_i (1 - x/c_i). The friction behind it
+    # is its derivative over the mobility, with the highest coefficient -NODES v_0/prod_i c_i.
     slip, yielding = contact_at(run.plant, START)[2], 0.0
     for m in range(NODES):
         yielding += mobility(run, level, LAST, m)
@@ -163,13 +176,14 @@ def _highest_coefficient(run: Run, level: int) -> float:
 @inner_kernel
 def _kinked_force(run: Run, known: Known) -> float:
     """Return the largest force [N] of a step in which the gap opens, or the force ends or begins; else -1."""
-    normal, forces = known[0], run.state.normal.node
-    most, ends = max(abs(normal), abs(known[3])), False
+    normal, forces = known.normal, run.state.normal.node
+    most, ends = max(abs(normal), abs(known.friction)), False
     for i in range(NODES):
         most = max(most, abs(forces[i]))
         if run.state.law.friction_kind == RATE_DEPENDENT:
             # Friction that no bound ties to the normal force.
             most = max(most, abs(run.state.friction.node[i]))
+        # The force ends at a node, or a node is beyond the release: somewhere before it lies a kink.
         ends = ends or (normal > 0.0 and forces[i] == 0.0) or run.step.gap[i] >= run.step.end[i]
     begins = normal == 0.0 == forces[0] and largest(forces) > 0.0
     return most if ends or begins else -1.0
@@ -187,29 +201,10 @@ def _outweighed_error(run: Run) -> float:
         if step.gap[i] >= step.end[i]:
             return 0.0
         outweighed = outweighed or run.state.normal.node[i] == 0.0
+        # Highest coefficient of the loss's polynomial (eq. 3.2): over the fastest gap rate it is a force.
         highest += rule.lagrange[i, NODES - 1] * step.loss[i]
         fastest = max(fastest, abs(step.gap_rate[i]))
     return HIGHEST_SHARE * abs(highest) / fastest if outweighed and fastest > 0.0 else 0.0
-
-
-CLOCK = 64.0 * np.finfo(np.float64).eps
-"""Shortest step over the time at which it begins: below it the clock decides, and no force."""
-
-
-FAR = 1e3
-"""Friction that a stick would need over its bound [1], beyond which a shorter step is not asked."""
-
-YIELDED = 1e-30
-"""Slip velocity [m/s] that no force leaves to a prescribed one, whose body is as heavy as can be."""
-
-GROWTH = 2.0**6
-"""What the error of a step grows by where it doubles: it goes as h^(NODES + 1)."""
-
-REMEMBERED = 1e-2
-"""Share of the negligible impulse down to which a contact that remembers walks up to its release."""
-
-ROUND_OFF = 1e-13
-"""Relative impulse of the tip that is round-off of the forces which hold its slip."""
 
 
 @inner_kernel
@@ -220,24 +215,38 @@ def step_compliant(run: Run, law: Law) -> int:
     """
     state, step = run.state, run.step
     step.kind = COLLOCATED
+    # The directions where the step starts serve as first guess of those at its nodes.
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
     for i in range(NODES):
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
     known = _start_forces(run, law, gap, rate, slip)
-    open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+    open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known.normal)
+    # The impulse P of eq. 3.10, once for the whole contact: relative to forces that vanish as it ends, its
+    # last steps would have to be as exact as its peak.
     if state.contact.duration == 0.0 or state.impulse_scale == 0.0:
         mobility = delassus(run.plant, n_u, n_th, t_u, t_th)[0]
         # Where adhesion balances the elastic force there is friction, and a normal force on the way in.
         inward = law.force(0.5 * gap, rate, slip, state.impact_speed, law.parameters)[0]
-        load = max(abs(known[0]), abs(inward), known[1] + abs(known[2]), abs(known[3]))
+        load = max(abs(known.normal), abs(inward), known.bound + abs(known.bias), abs(known.friction))
         state.impulse_scale = impulse_scale(run, law, rate, load, mobility)
-    if known[1] == 0.0 and state.mode == SLIP and slip != 0.0:
+    if known.bound == 0.0 and state.mode == SLIP and slip != 0.0:
         # What has no say in the slip cannot have followed its sign.
         state.sign = 1 if slip > 0.0 else -1
-    _guess(run, known)
+    # The iteration begins with the last step's polynomials, on which this one starts at x = s/h. Where there
+    # is no such step, or a coarser one is to follow, it begins with constant forces.
+    if state.contact.duration > 0.0 and state.level >= state.level_before:
+        state.accepted_length /= state.length
+    else:
+        state.accepted_length = 0.0
+        hold(state.normal, known.normal)
+        hold(state.bound, known.bound)
+        hold(state.bias, known.bias)
+        hold(state.friction, known.friction)
+        hold(state.internal_rate, 0.0)
     level, error, normal = _solve(run, law, gap, rate, slip, known)
     if state.ending == UNSOLVED:
         return checked(run, NOTHING)
+    # The step is solved whole and then cut: an event at its zero, and what is left of run and waveform.
     remaining = min(state.end, state.piece_end) - state.time
     event, s = first_event(run, law, rate)
     event, s = first_guard(run, law, law.memory, event, s)
@@ -245,6 +254,7 @@ def step_compliant(run: Run, law: Law) -> int:
         event, s = NOTHING, remaining
     state.accepted_length = s
     track_extremes(run, law, gap, rate, normal)
+    # The motion at the nodes of a whole step; of a cut one the recorder goes to nodes of its own.
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
@@ -253,27 +263,15 @@ def step_compliant(run: Run, law: Law) -> int:
 
 
 @inner_kernel
-def lengthen(run: Run, level: int, error: float) -> None:
-    """Add up the error of a step over the tolerance, and choose the level of the next one by it."""
-    state = run.state
-    state.impulse_error += error * state.tolerance * state.impulse_scale
-    state.level = state.level_before = level
-    for _ in range(2):
-        if state.level > run.propagator.rule.contact_level and 2.0 * error * GROWTH < 1.0:
-            state.level -= 1
-            error *= GROWTH
-
-
-@inner_kernel
 def _solve(
     run: Run, law: Law, gap: float, rate: float, slip: float, known: Known
 ) -> tuple[int, float, float]:
     """Shorten a step until it is accepted; returns its level, relative error and first normal force."""
     state, step, rule = run.state, run.step, run.propagator.rule
-    level = _separation_level(
-        run, gap - end_at(run, law, law.memory, rate), rate, max(abs(known[0]), known[1])
-    )
+    largest_force = max(abs(known.normal), known.bound)
+    level = _separation_level(run, gap - end_at(run, law, law.memory, rate), rate, largest_force)
     # The shortest step at this time.
+    # The end of a step below some digits of the clock is round-off.
     finest = rule.level_count - 9
     while finest > rule.contact_level and step_length(run.propagator, finest) < CLOCK * state.time:
         finest -= 1
@@ -285,24 +283,28 @@ def _solve(
         overlong = step.gap[0] >= step.end[0] and rate * state.length < TOUCHED
         # A prescribed slip reverses where a piece of its path ends, and friction may have a kink there.
         overlong = overlong or (run.plant.wave.led_slip != 0 and step.slip[0] * step.slip[NODES - 1] < 0.0)
+        # At the shortest step a large error is accepted, which the ledger and the error of the run then
+        # contain; a step without a solution is not.
         refined = (error > 1.0 or overlong) and (level < finest or error == np.inf)
         if refined and not _denied_by_far(run):
             state.rejected_steps += 1
+            # Half the length has a sixty-fourth of the error: with more than 500 times what is allowed a
+            # quarter is surely needed.
             level += 2 if error > 500.0 or overlong else 1
             if error < np.inf:
                 level = min(level, finest)
-        elif _contradicted(run, law, slip, known[1], known[2]):
+        elif _contradicted(run, law, slip, known.bound, known.bias):
             # Neither slipping nor sticking fits at this length: look closer before trying again.
             flips += 1
             level += 2 * (flips // 2)
             jump(run, law, law.memory, AT_STICK if state.mode == STICK else AT_SLIP)
             known = _start_forces(run, law, gap, rate, slip)
-            open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known[0])
+            open_step(run, law, law.memory, gap, rate, 0.0 if state.mode == STICK else slip, known.normal)
         else:
             break
     else:
         state.ending = UNSOLVED
-    return level, error, known[0]
+    return level, error, known.normal
 
 
 @inner_kernel
@@ -321,24 +323,6 @@ def _denied_by_far(run: Run) -> bool:
     return True
 
 
-@part_kernel
-def _guess(run: Run, known: Known) -> None:
-    """Make `accepted_length` the place x = s/h of the step's start on the last step's force polynomial.
-
-    Where there is no such step, or a coarser one is to follow, the forces start constant.
-    """
-    state = run.state
-    if state.contact.duration > 0.0 and state.level >= state.level_before:
-        state.accepted_length /= state.length
-        return
-    state.accepted_length = 0.0
-    hold(state.normal, known[0])
-    hold(state.bound, known[1])
-    hold(state.bias, known[2])
-    hold(state.friction, known[3])
-    hold(state.internal_rate, 0.0)
-
-
 @inner_kernel
 def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> Known:
     """Return what is known of the forces where the step begins."""
@@ -347,13 +331,14 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     end = end_at(run, law, law.memory, rate)
     if gap >= end:
         if rate >= 0.0:
-            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            return Known(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
         gap = end + TOUCHED
+    # The slip that the law receives has the sign of the mode: for zero it would return the static bound, and
+    # for a residue of the wrong sign the friction of slip the other way.
     seen = slip
     if state.mode == STICK:
         seen = 0.0
     elif state.law.friction_kind == SET_VALUED and state.sign * slip < SLIP_ROUND_OFF:
-        # Slip that only begins: the law must not take it for stick.
         seen = state.sign * SLIP_ROUND_OFF
     normal, least, most, _, _ = law.force(gap, rate, seen, state.impact_speed, law.parameters)
     if least == most:
@@ -368,11 +353,12 @@ def _start_forces(run: Run, law: Law, gap: float, rate: float, slip: float) -> K
     steepness = steepness if state.law.friction_kind == RATE_DEPENDENT else 0.0
     # On the way of the gap, whose other side may be another branch of the law.
     way = -NUDGE if rate < 0.0 else NUDGE
+    # -dN/dg and -dN/dgdot by one-sided differences, for the choice between sweeps and Newton steps.
     dg, dr = way * (abs(gap) + LEAST_DEPTH), way * (abs(rate) + LEAST_SLIP)
     stiffness = (normal - law.force(gap + dg, rate, seen, state.impact_speed, law.parameters)[0]) / dg
     damping = (normal - law.force(gap, rate + dr, seen, state.impact_speed, law.parameters)[0]) / dr
     bias += beside_spring(run, law, (gap, rate, slip), end, normal)
-    return normal, bound, bias, friction, steepness, stiffness, damping
+    return Known(normal, bound, bias, friction, steepness, stiffness, damping)
 
 
 @inner_kernel
@@ -381,7 +367,9 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
     state, level = run.state, run.state.level
     if rate > 0.0 and gap < 0.0:
         h = step_length(run.propagator, level)
-        # What is remembered flows on past the release at another rate, whatever the force is by then.
+        # At most 0.7 of the way to the release at the present rate, geometrically: a step across it has a
+        # kink, and would be rejected. That ends once the force left is below tolerance as an impulse. What is
+        # remembered flows on past the release at another rate, whatever the force is by then.
         flows = state.law.variables > state.law.coupled
         small = state.tolerance * state.impulse_scale * (REMEMBERED if flows else 1.0)
         finest = run.propagator.rule.level_count - 1
@@ -389,45 +377,6 @@ def _separation_level(run: Run, gap: float, rate: float, normal: float) -> int:
             level += 1
             h *= 0.5
     return int(level)
-
-
-@inner_kernel
-def impulse_scale(run: Run, law: Law, rate: float, load: float, mobility: float) -> float:
-    """Return the impulse [N s] that scales errors in a contact which begins now, under a load [N].
-
-    It is the speed of the tip over its mobility D_nn [1/kg]: gap rate, vibration of its modes, and what drive
-    and weight add in one step. For a soft contact it is the impulse of half a swing to the end of the tip's
-    reach, down to round-off of the tip's motion; and at least that of the load in one step. Of a motion that
-    is prescribed it is that of its largest load in one step.
-    """
-    state, plant = run.state, run.plant
-    h = step_length(run.propagator, run.propagator.rule.contact_level)
-    if plant.wave.led_gap != 0 and state.law.compliant != 0:
-        depth, approach = plant.wave.depth, plant.wave.approach
-        normal, least, most, _, _ = law.force(-depth, -approach, 0.0, state.impact_speed, law.parameters)
-        return float(max(load, abs(normal), abs(least), abs(most)) * h)
-    speed, reach = 0.0, 0.0
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        swing = sqrt(mode.v[START] ** 2 + mode.stiffness * mode.q[START] ** 2)
-        for k in range(plant.tone_count):
-            phasor = plant.phasors[j, k]
-            swing += h * sqrt(phasor.force_re**2 + phasor.force_im**2)
-        swing += h * (abs(mode.constant) + abs(plant.forces[j, 0]))
-        part = abs(mode.row_u) * swing
-        speed += part
-        if part > 0.0:
-            # The way of a free mass has no end.
-            reach += part / sqrt(mode.stiffness) if mode.stiffness > 0.0 else np.inf
-    speed += abs(rate)
-    scale = speed / mobility
-    if 0.0 < reach < np.inf:
-        deep = law.force(-reach, -speed, 0.0, state.impact_speed, law.parameters)[0]
-        taken = max(abs(deep) * pi * reach / speed, ROUND_OFF / state.tolerance * scale)
-        # A law that has no force so deep has no say.
-        if deep != 0.0 and taken < scale:
-            scale = taken
-    return max(scale, load * h)
 
 
 @inner_kernel
@@ -458,6 +407,8 @@ def count_event(state: Any) -> None:
 @inner_kernel
 def switch_friction(state: Any, event: int) -> None:
     """Set the friction mode after a step that ended in REVERSAL or CONE; a rigid one has noted its sign."""
+    # The polynomials of a step are those of its mode: the friction at the event is the last that stick
+    # needed.
     x = state.accepted_length / state.length
     friction = value_at(state.friction, x) - value_at(state.bias, x)
     _switch(state, event, friction if state.law.constrained == 0 else -state.sign)
@@ -467,6 +418,7 @@ def switch_friction(state: Any, event: int) -> None:
 def _switch(state: Any, event: int, friction: float) -> None:
     """Let the contact stick, or slip against a friction [N] that it cannot hold, less the bound's middle."""
     state.mode = STICK
+    # Friction opposes the slip that it could not hold (eq. 3.5): at a positive one slip begins backwards.
     if event == CONE:
         state.mode, state.sign = SLIP, -1 if friction > 0.0 else 1
     state.friction_switches += 1
@@ -483,6 +435,7 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
     modes.
     """
     state, step = run.state, run.step
+    # Friction less the middle of its bounds, which is zero for most laws.
     friction, sticks = state.friction.node[0] - state.bias.node[0], state.mode == STICK
     if state.law.friction_kind == RATE_DEPENDENT:
         return False
@@ -491,15 +444,21 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
         state.sign = -state.sign if turned else state.sign
         return bool(turned)
     if sticks:
+        # The friction that stick demands lies outside of its bound at the first node and, by the polynomials,
+        # at the start.
         denied = abs(friction) > state.bound.node[0] * (1.0 + CONE_ROUND_OFF)
         demanded = value_at(state.friction, 0.0) - value_at(state.bias, 0.0)
         denied = denied and value_at(state.bound, 0.0) <= abs(demanded)
+        # A growing normal force may close the cone over the demand within the step: the law's static bound at
+        # the start decides. An excess counts as the impulse that it is, beyond the error of the friction.
         if not denied and bound > 0.0 and state.law.friction_kind == SET_VALUED:
             friction = value_at(state.friction, 0.0) - bias
             excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
             excess -= HIGHEST_SHARE * abs(state.friction.coefficient[NODES - 1])
             denied = excess * state.length > state.tolerance * state.impulse_scale
     else:
+        # The slip has turned by the first node. If it began with the sign of the mode, this is a reversal
+        # within the step, which is located as an event; if it began at zero, the mode was wrong.
         denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0
         if denied and state.law.friction_kind != SET_VALUED:
             slip = event_value(run, law, 0.0, REVERSAL) if state.contact.duration > 0.0 else 0.0

@@ -1,6 +1,6 @@
 """Rigid contact in the limit of no step: an impact at the located touch-down, then the constrained motion.
 
-An impact is the law's, with the Delassus matrix D of the contact as it stands. While the contact lasts, the
+While the contact lasts, the
 multipliers N and F of a collocated step hold at every node
 
     gdot = 0,   and in stick v = 0, |F| <= bound(N, 0), in slip F = -bound(N, v) sign(v) = r N
@@ -9,54 +9,46 @@ multipliers N and F of a collocated step hold at every node
 law's. A law that always slips holds the slip at zero as well, inside its bound: it is what its chattering in
 time stepping tends to (Filippov 1988, Differential Equations with Discontinuous Righthand Sides, sec. 4).
 
-After an impact with a rebound w the tip flies, as long as that matters: under a pressing
-acceleration a the flight takes 2 w/|a|, and with the restitution e = w/|w_before| the infinitely many that
-follow it T = 2 w/(|a| (1 - e)) in all. Where T is shorter than sqrt(tolerance) times the longest step,
-they are taken as one impulse that leaves no rebound: what they change beyond that is of second order in T.
-Nearly elastic rebounds, e > 0.99, never end; they count as none where a single flight is as short as that,
-which takes the velocity w from the motion. In plants so slow that all flights are shorter than a step, T is
-compared with the longest of them so far, whatever e is. A flight that is no digit of the gap high is none.
-
 Where slip presses the bodies together more than the normal force parts them, D_nn + r D_nt <= 0 (Painleve),
 a contact that opens by itself is released, and one that does not is stopped by an impact without approach.
 """
 
-from math import inf, sqrt
-from typing import Any
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.collocation import MOST_ITERATIONS, agree, pushed_tip
-from contactlab.engine.compliant import ROUND_OFF as IMPULSE_ROUND_OFF, impulse_scale, lengthen
-from contactlab.engine.flight import CLEAR, coarseness
-from contactlab.engine.friction import FIRST, push_node
+from contactlab.engine.error_control import IMPULSE_ROUND_OFF, impulse_scale, lengthen
+from contactlab.engine.impulses import apply_impact, become, matrix_of, settle
 from contactlab.engine.kinematics import (
-    Contact,
     add_collocated,
     checked,
     contact_after,
     contact_at,
-    contact_of,
     free_accelerations,
-    free_response,
-    modal_force,
-    tip_motion,
 )
 from contactlab.engine.memory import (
     SLIP_ROUND_OFF,
     correct_memory,
     guess_memory,
-    jump,
     memory_at,
     missed_flow,
     open_step,
     recall,
     recall_start,
+)
+from contactlab.engine.nodes import (
+    MOST_ITERATIONS,
+    agree,
+    contact_at_node,
+    fit_nodes,
+    open_nodes,
+    push_node,
     solve_linear,
 )
-from contactlab.engine.plant import delassus
-from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.plant import Matrix
+from contactlab.engine.propagator import step_length
 from contactlab.engine.rigid import ROUND_OFF, friction_ratio, sliding_ratio, step_in_time, wedges
 from contactlab.engine.rootfinding import CONE_ROUND_OFF, TIME_DIGIT, locate
 from contactlab.engine.state import (
@@ -66,7 +58,6 @@ from contactlab.engine.state import (
     FLIGHT,
     INCONSISTENT,
     NODES,
-    NOT_FINITE,
     NOTHING,
     PEAK,
     RELEASE,
@@ -76,13 +67,11 @@ from contactlab.engine.state import (
     UNSOLVED,
     Law,
     Run,
-    fit,
     slope_at,
     value_at,
 )
 from contactlab.laws.base import SLIP, STICK
 from contactlab.laws.lagrange import stick_impulse
-from contactlab.laws.memory import AT_SLIP, AT_STICK
 
 LASTING = 1e-6
 """Approach over slip of the impact that ends a sliding contact which presses itself together (Painleve)."""
@@ -93,60 +82,56 @@ POLISHES = 3
 MOST_HALVINGS = 100
 """Of the bracket around the instant of an event."""
 
-NEARLY_ELASTIC = 0.01
-"""Share of the speed, 1 - e, that impacts lose whose rebounds never end."""
 
-LEAST_HEIGHT = 10.0 * CLEAR
-"""Height [m] of a rebound whose flight the digits of the gap still resolve."""
+class Multipliers(NamedTuple):
+    """Normal force and friction [N] that hold gap and, in stick, slip."""
 
-Matrix = tuple[float, float, float]
-"""D_nn, D_nt, D_tt [1/kg]."""
-
-Known = tuple[float, float]
-"""Normal force and friction [N] where a step begins."""
+    normal: float
+    friction: float
 
 
 @inner_kernel
 def step_rigid(run: Run, law: Law) -> int:
-    """Take a step through a rigid contact, in its limit of no step or in time stepping; returns the event."""
-    return step_in_time(run, law) if run.state.law.stepped != 0 else _step_constrained(run, law)
-
-
-@inner_kernel
-def _step_constrained(run: Run, law: Law) -> int:
     """Take a step that `begin` made ready through a rigid contact; returns the event that ends it.
 
     A contact that approaches has its impact first, which takes no time; under a prescribed load it has none.
-    RELEASE is a normal force that falls
-    through zero, or a rebound.
+    RELEASE is a normal force that falls through zero, or a rebound. A law with a contact step is stepped in
+    time.
     """
+    if run.state.law.stepped != 0:
+        return step_in_time(run, law)
     state, step, contact = run.state, run.step, run.state.contact
     step.kind, state.accepted_length = COLLOCATED, 0.0
     state.length = step_length(run.propagator, state.level)
     _, rate, slip, _, _, _, _ = contact_at(run.plant, START)
+    # An approach at the start of a contact is an impact; later, gap rates are what collocation leaves.
     begins = contact.duration == 0.0 and contact.normal_impulse == 0.0 and run.plant.wave.led_slip == 0
     if begins and rate < 0.0:
-        if _impact(run, law, rate, slip):
-            return _at_once(run, RELEASE)
-        if state.ending != RUNNING:
-            return _at_once(run, NOTHING)
-    normal, friction = _start(run, law)
-    if state.ending != RUNNING:
-        return _at_once(run, NOTHING)
-    if normal <= 0.0:
-        return _at_once(run, RELEASE)
+        flies = apply_impact(run, law, rate, slip)
+        if flies or state.ending != RUNNING:
+            return _at_once(run, RELEASE if flies else NOTHING)
+    known = _start(run, law)
+    if state.ending != RUNNING or known.normal <= 0.0:
+        return _at_once(run, RELEASE if state.ending == RUNNING else NOTHING)
     if contact.duration == 0.0 or state.impulse_scale == 0.0:
-        state.impulse_scale = _momentum(run, law, normal)
-    level, error = _solve(run, law, (normal, friction))
+        state.impulse_scale = _momentum(run, law, known.normal)
+    level, error = _solve(run, law, known)
     if state.ending != RUNNING:
         return _at_once(run, NOTHING)
+    # The step is solved whole and then cut.
     remaining = min(state.end, state.piece_end) - state.time
     event, s = _first_event(run, law)
-    _note_sign(run, event, s)
-    if s > remaining:
-        event, s = NOTHING, remaining
+    if event == CONE:
+        # The slip that begins opposes the friction that stick would need there. The polynomials may give it
+        # another sign where the normal force is about to vanish.
+        state.sign = 1 if _multipliers(run, s)[1] < 0.0 else -1
+    event, s = (NOTHING, remaining) if s > remaining else (event, s)
     state.accepted_length = s
-    _note_peaks(run, law, normal)
+    _note_peak(run, law, contact, 0.0, known.normal)
+    if contact.start_time < state.run_start:
+        # The first step of a run that goes on is that of the run before.
+        first = max(state.run_start - state.time, 0.0)
+        _note_peak(run, law, state.contact_of_run, first, value_at(state.normal, first / state.length))
     if s == state.length:
         add_collocated(run, level)
     state.contact_steps += 1
@@ -156,28 +141,17 @@ def _step_constrained(run: Run, law: Law) -> int:
 
 @inner_kernel
 def _momentum(run: Run, law: Law, normal: float) -> float:
-    """Return the impulse [N s] that scales errors in a contact that begins with a normal force [N].
-
-    It is at least what round-off of the rates does to the forces of a stick, which no prescribed slip has.
-    """
+    """Return the impulse [N s] that scales errors in a contact that begins with a normal force [N]."""
     state = run.state
-    d_nn, d_nt, d_tt = _matrix_of(run, contact_at(run.plant, START))
+    d_nn, d_nt, d_tt = matrix_of(run, contact_at(run.plant, START))
     scale = impulse_scale(run, law, state.impact_speed, normal, d_nn)
+    # A prescribed slip has no forces of stick, and may have no mobility to divide by.
     if run.plant.wave.led_slip != 0:
         return scale
+    # At least what round-off of the rates does to the forces of a stick: D^-1 magnifies it the more, the
+    # closer normal and tangential answers are to the same one.
     magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     return float(scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified))
-
-
-@inner_kernel
-def _note_peaks(run: Run, law: Law, normal: float) -> None:
-    """Note the largest normal force of the contact, and of its part in a run that goes on."""
-    state = run.state
-    _note_peak(run, law, state.contact, 0.0, normal)
-    if state.contact.start_time < state.run_start:
-        # The first step of a run that goes on is that of the run before.
-        first = max(state.run_start - state.time, 0.0)
-        _note_peak(run, law, state.contact_of_run, first, value_at(state.normal, first / state.length))
 
 
 @inner_kernel
@@ -220,153 +194,10 @@ def _jumps(law: Law, side: float, normal: float, d: Matrix) -> bool:
     normal = normal if normal > 0.0 else 1.0
     static = law.bound(normal, 0.0, law.parameters)
     kinetic = law.bound(normal, -side * SLIP_ROUND_OFF, law.parameters)
+    # Slip against the friction `side`, r = side kinetic/N: D_nn + r D_nt <= 0 leaves no normal force to slide
+    # with.
     opens = d[0] + side * kinetic / normal * d[1] <= 0.0
     return bool(opens or abs(static - kinetic) > CONE_ROUND_OFF * static)
-
-
-@part_kernel
-def _matrix_of(run: Run, frame: Contact) -> Matrix:
-    """Return the Delassus matrix of a contact."""
-    _, _, _, n_u, n_th, t_u, t_th = frame
-    return delassus(run.plant, n_u, n_th, t_u, t_th)
-
-
-@inner_kernel
-def _move(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
-    """Change the rates at the step's start by impulses [N s]."""
-    _, _, _, n_u, n_th, t_u, t_th = frame
-    for j in range(run.plant.mode_count):
-        mode = run.plant.modes[j]
-        change = modal_force(mode, n_u * p_n + t_u * p_t, n_th * p_n + t_th * p_t, p_t)
-        mode.v[START] += change
-        mode.free_v += change
-
-
-@inner_kernel
-def _account(run: Run, before: Contact, after: Contact, p_n: float, p_t: float) -> float:
-    """Add impulses [N s] to the sums of contact and run, with their loss [J], which is returned."""
-    state, contact = run.state, run.state.contact
-    lost = -0.5 * p_n * (before[1] + after[1])
-    rubbed = -0.5 * p_t * (before[2] + after[2])
-    state.total.contact_loss += lost
-    state.total.friction_loss += rubbed
-    state.total.normal_impulse += p_n
-    state.total.friction_impulse += p_t
-    contact.energy_loss += lost + rubbed
-    contact.normal_impulse += p_n
-    contact.friction_impulse += p_t
-    return float(lost + rubbed)
-
-
-@inner_kernel
-def _push(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
-    """Let the impulses of an impact act [N s], and account for what they do."""
-    state, contact = run.state, run.state.contact
-    _move(run, frame, p_n, p_t)
-    lost = _account(run, frame, contact_at(run.plant, START), p_n, p_t)
-    contact.impact_energy_gain += max(-lost, 0.0)
-    _note_impact(contact, p_n)
-    if contact.start_time < state.run_start <= state.time:
-        _note_impact(state.contact_of_run, p_n)
-
-
-@inner_kernel
-def _note_impact(contact: Any, p_n: float) -> None:
-    """Note an impulse [N s] in a row of contacts; its force is the limit of impulse over step."""
-    contact.largest_impact = max(contact.largest_impact, p_n)
-    contact.peak_normal_force = inf
-
-
-@inner_kernel
-def _become(run: Run, law: Law, mode: int, slip: float) -> None:
-    """Set the friction mode and the sign of the slip, with the reset map of a change."""
-    state, before = run.state, run.state.mode
-    state.mode, state.sign = mode, 1 if slip > 0.0 else -1
-    if mode != before:
-        state.friction_switches += 1
-        jump(run, law, law.memory, AT_STICK if mode == STICK else AT_SLIP)
-
-
-@inner_kernel
-def _ends(run: Run, rebound: float, lost: float) -> bool:
-    """Return whether the flights after a rebound [m/s], which lost a share of the speed, count as none."""
-    state, longest = run.state, run.propagator.rule.longest
-    pressing = -free_accelerations(run, START, 0.0)[0]
-    if lost < NEARLY_ELASTIC and longest <= state.watchdog.longest_quiet:
-        lost = 1.0
-    high = coarseness(run, tip_motion(run.plant, START)[1]) * LEAST_HEIGHT * pressing
-    long = sqrt(state.tolerance) * min(longest, state.watchdog.longest_quiet) * pressing * lost
-    return bool(pressing > 0.0 and (2.0 * rebound <= long or 0.5 * rebound * rebound <= high))
-
-
-@inner_kernel
-def _impact(run: Run, law: Law, rate: float, slip: float) -> bool:
-    """Let the law answer an approach [m/s], and return whether the tip flies off; sets mode and sign.
-
-    An approach that it does not stop ends the run as INCONSISTENT.
-    """
-    state = run.state
-    frame = contact_at(run.plant, START)
-    d_nn, d_nt, d_tt = _matrix_of(run, frame)
-    recall_start(run, law)
-    p_n, p_t = law.impact(rate, slip, d_nn, d_nt, d_tt, law.parameters)
-    state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
-    if not p_n > 0.0 or not np.isfinite(p_n + p_t):
-        state.ending = INCONSISTENT if np.isfinite(p_n + p_t) else NOT_FINITE
-        return False
-    _push(run, frame, p_n, p_t)
-    after = contact_at(run.plant, START)
-    rebound, left = after[1], after[2]
-    if abs(left) <= ROUND_OFF * max(abs(rate), abs(slip), abs(d_tt * p_t)):
-        left = 0.0
-    _become(run, law, STICK if left == 0.0 else SLIP, left)
-    if rebound <= ROUND_OFF * abs(rate):
-        return False
-    # The flights that follow the rebound are taken one by one, unless they are short enough to count as none
-    # (docs/theory/rigid.md, "Rebounds").
-    if not _ends(run, rebound, 1.0 - rebound / abs(rate)):
-        return True
-    # One impulse takes the rebound back, in stick or with the friction of the slip.
-    if left == 0.0:
-        p_n, p_t = stick_impulse(rebound, 0.0, d_nn, d_nt, d_tt)
-    else:
-        pressing = free_accelerations(run, START, 0.0)[0]
-        ratio = sliding_ratio(law, pressing, left, (d_nn, d_nt, d_tt))
-        ratio = ratio if np.isfinite(ratio) else 0.0
-        p_n = -rebound / (d_nn + ratio * d_nt)
-        p_t = ratio * p_n
-    _push(run, after, p_n, p_t)
-    return False
-
-
-@inner_kernel
-def settle(run: Run) -> Contact:
-    """Take from the step's start what location and collocation left of gap and gap rate, in stick of slip.
-
-    It is along the gradient, by the masses, as the paper's corrector (eq. 57). What changes the rates are
-    impulses of the contact: a slip that is located up to SLIP_ROUND_OFF turns the rotor as it ends. A contact
-    without impulse so far may be a touch by round-off, which has none. Returns the contact.
-    """
-    contact = run.state.contact
-    frame = contact_at(run.plant, START)
-    _, _, _, n_u, n_th, _, _ = frame
-    shift = frame[0] / _matrix_of(run, frame)[0]
-    for j in range(run.plant.mode_count):
-        mode = run.plant.modes[j]
-        change = modal_force(mode, shift * n_u, shift * n_th, 0.0)
-        mode.q[START] -= change
-        mode.free_q -= change
-    # The displacement has turned the directions.
-    frame = contact_at(run.plant, START)
-    d_nn, d_nt, d_tt = _matrix_of(run, frame)
-    p_n, p_t = -frame[1] / d_nn, 0.0
-    if run.state.mode == STICK and run.plant.wave.led_slip == 0:
-        p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
-    _move(run, frame, p_n, p_t)
-    after = contact_at(run.plant, START)
-    if contact.duration > 0.0 or contact.normal_impulse != 0.0:
-        _account(run, frame, after, p_n, p_t)
-    return after
 
 
 @inner_kernel
@@ -380,63 +211,71 @@ def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bo
     bound = law.bound(normal, 0.0, law.parameters)
     if _jumps(law, side, normal, d):
         return bool(normal > 0.0 and abs(friction) <= bound * (1.0 + ROUND_OFF))
+    # Where friction merely leaves its bound, slip begins with the forces of stick: a small excess for a step
+    # is an error as any other.
     excess = abs(friction) - bound * (1.0 + CONE_ROUND_OFF)
     return bool(normal > 0.0 and excess * state.length <= state.tolerance * state.impulse_scale)
 
 
 @inner_kernel
-def _start(run: Run, law: Law) -> Known:
+def _start(run: Run, law: Law) -> Multipliers:
     """Return the forces where the step begins, a normal force of zero where the contact opens; sets mode.
 
     A slip that is at zero begins against the friction that stick would need.
     """
     state = run.state
+    # Twice at most: an impact that stops a slip (Painleve) leaves a contact that sticks or slides the other
+    # way.
     for _ in range(2):
         frame = settle(run)
-        d = _matrix_of(run, frame)
+        d = matrix_of(run, frame)
         d_nn, d_nt, d_tt = d
         # Eq. 4.13: the multipliers where the step starts are those of the accelerations without contact.
         a_n, a_t = free_accelerations(run, START, 0.0)
         recall_start(run, law)
         state.critical_friction = d_nn / abs(d_nt) if d_nt != 0.0 else inf
+        # Eq. 4.7, counted as a statistic: what slides is released and what sticks is held, as before.
         if wedges(a_n, a_t, d_nn, d_nt, d_tt, state.law.friction_limit):
             state.wedged_steps += 1
         slip = frame[2]
         if state.mode == STICK and abs(slip) > SLIP_ROUND_OFF:
             # `settle` leaves a slip that is prescribed.
-            _become(run, law, SLIP, slip)
+            become(run, law, SLIP, slip)
         if state.mode == STICK:
             normal, friction = stick_impulse(a_n, a_t, d_nn, d_nt, d_tt)
             if _sticks(run, law, normal, friction, d):
-                return normal, friction
+                return Multipliers(normal, friction)
             # Stick outside of its bound opens by itself or slides, against the friction that it would need.
             if normal <= 0.0 <= a_n:
-                return 0.0, 0.0
-            _become(run, law, SLIP, -friction)
+                return Multipliers(0.0, 0.0)
+            become(run, law, SLIP, -friction)
         elif state.sign * slip < -SLIP_ROUND_OFF:
             state.sign = -state.sign
+        # Eq. 4.13 in slip: a_n + (D_nn + r D_nt) N = 0, the ratio r itself a function of N.
         ratio = sliding_ratio(law, a_n, state.sign * max(abs(slip), SLIP_ROUND_OFF), d)
         if np.isfinite(ratio):
-            normal = -a_n / (d_nn + ratio * d_nt)
-            return max(normal, 0.0), ratio * max(normal, 0.0)
+            normal = max(-a_n / (d_nn + ratio * d_nt), 0.0)
+            return Multipliers(normal, ratio * normal)
         # Slip that presses the bodies together parts where it opens by itself; else an impact without
         # approach stops it (Painleve), and the contact is looked at once more.
-        if a_n >= 0.0 or _impact(run, law, -LASTING * abs(slip), slip) or state.ending != RUNNING:
-            return 0.0, 0.0
+        if a_n >= 0.0 or apply_impact(run, law, -LASTING * abs(slip), slip) or state.ending != RUNNING:
+            return Multipliers(0.0, 0.0)
     state.ending = INCONSISTENT
-    return 0.0, 0.0
+    return Multipliers(0.0, 0.0)
 
 
 @inner_kernel
-def _solve(run: Run, law: Law, known: Known) -> tuple[int, float]:
+def _solve(run: Run, law: Law, known: Multipliers) -> tuple[int, float]:
     """Shorten a step until it is accepted; returns its level and its error over the tolerance."""
     state, rule = run.state, run.propagator.rule
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, START)
     # A slip that begins at zero has the rates of slip, as at the nodes: those of stick are of another flow,
     # and no step is short enough to go on from them.
     sliding = 0.0 if state.mode == STICK else state.sign * max(abs(slip), SLIP_ROUND_OFF)
-    open_step(run, law, law.memory, gap, rate, sliding, known[0])
+    open_step(run, law, law.memory, gap, rate, sliding, known.normal)
     level, error = state.level, 0.0
+    # Where no step is good, the shortest eight levels are accepted with any finite error, which the ledger
+    # then contains.
     while level < rule.level_count:
         error = _attempt(run, law, level, known)
         # A slip that begins at rest and is over before the first node.
@@ -452,26 +291,21 @@ def _solve(run: Run, law: Law, known: Known) -> tuple[int, float]:
 
 
 @inner_kernel
-def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
+def _attempt(run: Run, law: Law, level: int, known: Multipliers) -> float:
     """Solve a step at a level; returns its error over the tolerance, infinite where it has no solution.
 
     The error is what the polynomials of the multipliers miss of their values at the step's start, as an
     impulse, and those of the internal variables of their rates.
     """
     state, step = run.state, run.step
-    build_level(run.plant, run.propagator, level)
-    free_response(run, level, FIRST)
-    for i in range(NODES):
-        tip = tip_motion(run.plant, i)
-        step.u[i], step.th[i], step.u_rate[i], step.th_rate[i], step.rotor[i] = tip
-    _, _, _, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
-    h = step_length(run.propagator, level)
+    h = open_nodes(run, level)
     state.length = h
+    _, _, _, n_u, n_th, t_u, t_th = contact_at(run.plant, START)
     for i in range(NODES):
         # The iteration starts from the forces known at the step's start, held over the step.
         step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
-        state.normal.node[i], state.friction.node[i] = known
-        state.bias.node[i] = known[1] / known[0]
+        state.normal.node[i], state.friction.node[i] = known.normal, known.friction
+        state.bias.node[i] = known.friction / known.normal
         step.loss[i], step.end[i] = 0.0, 0.0
         push_node(run, i)
     guess_memory(run, law.memory)
@@ -480,7 +314,10 @@ def _attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state.sweeps += sweeps
     if sweeps == 0:
         return inf
-    error = max(abs(state.normal.coefficient[0] - known[0]), abs(state.friction.coefficient[0] - known[1]))
+    # As eq. 3.10, with the multipliers of eq. 4.13 as what is known. No node is at the start of the step, so
+    # that they are independent of what the collocation has solved.
+    missed_normal = abs(state.normal.coefficient[0] - known.normal)
+    error = max(missed_normal, abs(state.friction.coefficient[0] - known.friction))
     # The multipliers may not depend on the internal variables, as at rest: these have an error of their own.
     flowed = missed_flow(run, law.memory) / state.tolerance
     return float(max(error * h / (state.tolerance * state.impulse_scale), flowed))
@@ -492,19 +329,17 @@ def _collocate(run: Run, law: Law, level: int) -> int:
 
     The system is linear but for the directions of the contact, which hardly turn within a step.
     """
-    state, step, rule = run.state, run.step, run.propagator.rule
+    state, step = run.state, run.step
     sticks = state.mode == STICK
     size = 2 * NODES if sticks else NODES
     for sweep in range(1, MOST_ITERATIONS + 1):
         most = 0.0
         for i in range(NODES):
-            tip = pushed_tip(run, level, i)
-            gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, tip)
-            step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
-            step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
+            slip = contact_at_node(run, level, i)[2]
             most = max(most, abs(state.normal.node[i]), abs(state.friction.node[i]))
             recall(run, law, i)
             if not sticks:
+                # `bias` has r = F/N in a rigid slip; as N changes with every sweep, so does r.
                 slides = state.sign * max(state.sign * slip, SLIP_ROUND_OFF)
                 state.bias.node[i] = friction_ratio(law, abs(state.normal.node[i]), slides)
         # Eq. 4.12 at all nodes: gap rates, and in stick slips, to zero by the multipliers.
@@ -513,29 +348,18 @@ def _collocate(run: Run, law: Law, level: int) -> int:
         if not np.isfinite(change):
             return 0
         if agree(state, change, most, flowed):
+            # The cone is a matter of events: the bound and its middle, zero, are noted for them. In slip the
+            # friction is its own bound.
             for i in range(NODES):
-                _bound_node(run, law, i, sticks)
-            fit(rule, state.normal)
-            fit(rule, state.friction)
-            fit(rule, state.bound)
-            fit(rule, state.bias)
-            fit(rule, step.push_u)
-            fit(rule, step.push_th)
-            fit(rule, step.push_r)
+                bound = abs(state.friction.node[i])
+                if sticks:
+                    recall(run, law, i)
+                    bound = law.bound(max(state.normal.node[i], 0.0), 0.0, law.parameters)
+                    step.slip[i] = 0.0
+                state.bound.node[i], state.bias.node[i] = bound, 0.0
+            fit_nodes(run)
             return sweep
     return 0
-
-
-@inner_kernel
-def _bound_node(run: Run, law: Law, i: int, sticks: bool) -> None:
-    """Set the bound of the friction at a node [N], and its middle to zero."""
-    state, step = run.state, run.step
-    bound = abs(state.friction.node[i])
-    if sticks:
-        recall(run, law, i)
-        bound = law.bound(max(state.normal.node[i], 0.0), 0.0, law.parameters)
-        step.slip[i] = 0.0
-    state.bound.node[i], state.bias.node[i] = bound, 0.0
 
 
 @inner_kernel
@@ -549,6 +373,7 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
     tip_v, system = run.propagator.levels[level].tip_v, step.system
     for i in range(NODES):
         n_u, n_th, t_u, t_th = step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i]
+        # Rates at node i by unit multipliers at node m: eq. 3.7 with both directions, the counterpart of D.
         for m in range(NODES):
             uu, mixed, thth = tip_v[0, i, m], tip_v[1, i, m], tip_v[2, i, m]
             m_u, m_th, s_u, s_th = step.n_u[m], step.n_th[m], step.t_u[m], step.t_th[m]
@@ -595,7 +420,9 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
 @inner_kernel
 def _multipliers(run: Run, s: float) -> tuple[float, float, Matrix]:
     """Return the forces that hold gap and slip at time s of the step [N], and the Delassus matrix there."""
-    d = _matrix_of(run, contact_after(run, s))
+    # Eq. 4.13 in stick at any time of the step: the flow to it is exact, where the polynomials of N and F
+    # have an error of their own.
+    d = matrix_of(run, contact_after(run, s))
     a_n, a_t = free_accelerations(run, BETWEEN, s)
     normal, friction = stick_impulse(a_n, a_t, d[0], d[1], d[2])
     return normal, friction, d
@@ -617,6 +444,7 @@ def _margin(run: Run, law: Law, event: int, s: float) -> float:
         return -a_n / (d[0] + ratio * d[1])
     if event == RELEASE:
         return float(normal)
+    # Room in the cone. The bound is that of the multiplier's own N, and not of the polynomial's.
     return float(law.bound(max(normal, 0.0), 0.0, law.parameters) - abs(friction))
 
 
@@ -630,6 +458,7 @@ def _edge(run: Run, law: Law, event: int, left: float, right: float) -> float:
     if not at_left > 0.0 > at_right:
         return left if abs(at_left) <= abs(at_right) else right
     stayed = 0
+    # An end that stays twice has its value halved, or the secant would creep along a curved margin.
     for _ in range(MOST_HALVINGS):
         before, s = s, (at_left * right - at_right * left) / (at_left - at_right)
         margin = _margin(run, law, event, s)
@@ -649,6 +478,8 @@ def _least_margin(run: Run, left: float, right: float) -> float:
     """Return where a margin of stick that falls at left and grows at right is least, else right [s]."""
     state, side = run.state, 1.0 if value_at(run.state.friction, right / run.state.length) > 0.0 else -1.0
     low, high = left / state.length, right / state.length
+    # A zero of the margin's derivative, by secants that keep the bracket: bound and friction are polynomials,
+    # and their difference is smooth as long as friction keeps its sign.
     before = slope_at(state.bound, low) - side * slope_at(state.friction, low)
     after = slope_at(state.bound, high) - side * slope_at(state.friction, high)
     if not before < 0.0 < after:
@@ -665,16 +496,6 @@ def _least_margin(run: Run, left: float, right: float) -> float:
 
 
 @inner_kernel
-def _note_sign(run: Run, event: int, s: float) -> None:
-    """Note the sign of the slip that begins where a stick leaves its cone at time s of the step.
-
-    The polynomials may have another one where the normal force is about to vanish.
-    """
-    if event == CONE:
-        run.state.sign = 1 if _multipliers(run, s)[1] < 0.0 else -1
-
-
-@inner_kernel
 def _first_event(run: Run, law: Law) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length."""
     state, step = run.state, run.step
@@ -682,13 +503,15 @@ def _first_event(run: Run, law: Law) -> tuple[int, float]:
     exact = False
     if sticks:
         recall_start(run, law)
-        d = _matrix_of(run, contact_at(run.plant, START))
+        d = matrix_of(run, contact_at(run.plant, START))
         normal = value_at(state.normal, 0.0)
+        # Where the forces jump as the cone is left, no excess over it is negligible.
         exact = _jumps(law, 1.0, normal, d) or _jumps(law, -1.0, normal, d)
     # From node to node: the first interval in which a margin changes its sign has the earliest event.
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         first, s = NOTHING, right
+        # A pull at a node: the normal force has fallen through zero before it.
         if state.normal.node[i] < 0.0:
             first, s = RELEASE, _edge(run, law, RELEASE, left, right)
         until, leaves = right, abs(state.friction.node[i]) > state.bound.node[i] * (1.0 + CONE_ROUND_OFF)

@@ -9,7 +9,8 @@ import scipy
 from contactlab.arrays import Array
 from contactlab.checks import checked_arguments
 from contactlab.engine.binding import FORCE
-from contactlab.engine.preparation import AT_REST, take_in
+from contactlab.engine.initial_state import AT_REST
+from contactlab.engine.preparation import take_in
 from contactlab.laws.base import ContactLaw, PenaltyLaw
 from contactlab.motor.motor import ModalState, Motor
 
@@ -41,6 +42,8 @@ def at_rest(motor: Motor, law: ContactLaw) -> Motor:
     """
     modes, geometry = motor.modes, motor.geometry
     k, row, clearance = modes.stiffness, -motor.rows_at_rest[0], geometry.clearance
+    # The gap is linear in q but for a tip that leans: solved for its tangent, g = clearance - row q, and once
+    # more about the tilt that this gives.
     for _ in range(MOST_CORRECTIONS):
         q, force = _balanced(motor, law, row, clearance)
         u, th = float(modes.approach @ q), float(modes.tip_slope @ q)
@@ -69,6 +72,9 @@ def _balanced(motor: Motor, law: ContactLaw, row: Array, clearance: float) -> tu
         return float(penetrations(law, np.array([force]))[0]) if isinstance(law, PenaltyLaw) else -OPEN
 
     force = 0.0
+    # A coordinate without stiffness is held by the contact alone: the force is what its own preload asks for.
+    # Else tip and rotor meet if the preload closes the gap, and the force is that at which elastic
+    # displacement and penetration add up to what it closes.
     if free.size:
         force = float(preload[free[0]] / row[free[0]]) if row[free[0]] else 0.0
     elif comes > clearance:
@@ -98,6 +104,7 @@ def penetrations(law: PenaltyLaw, forces: Array) -> Array:
         with errors():
             return float(bound.kernels[FORCE](-depth, 0.0, 0.0, 0.0, parameters)[0]) - force
 
+    # Each force once: brentq takes some ten answers of the law for it.
     distinct, places = np.unique(forces, return_inverse=True)
     result = np.empty_like(distinct)
     for i, force in enumerate(distinct):

@@ -1,7 +1,5 @@
 """How a run ended, in a sentence: the value, the bound and the way out."""
 
-from collections.abc import Callable
-from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -32,6 +30,12 @@ FARTHEST: Final = 1.0
 DIGITS: Final = 32.0 * float(np.finfo(np.float64).eps)
 """Round-off of a velocity that a step's forces make, over what each of them does by itself."""
 
+RESOLVED: Final = 0.1
+"""Angle [rad] by which the fastest vibration may turn within a step of first order."""
+
+NEGLIGIBLE: Final = 1e-6
+"""Share of the energy turned over below which the ledger of a contact is not judged."""
+
 STATES: Final = 9
 """States at which a law is evaluated along the step that it did not solve."""
 
@@ -42,10 +46,6 @@ OF_FRICTION: Final = (
     "stored energy of the friction",
     "tangential stiffness",
 )
-Contact = tuple[float, float, float]
-"""Arguments of a law's kernels: gap [m], gap rate [m/s] and slip [m/s]."""
-
-Forces = Callable[[Contact], dict[str, float]]
 
 
 def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step: float) -> tuple[Ending, str]:
@@ -91,9 +91,8 @@ def explain(run: Run, kernels: tuple[Any, ...], parameters: Array, contact_step:
     }
     if state.ending in endings:
         return endings[int(state.ending)]
-    forces = partial(_forces_by_name, run, kernels, parameters)
     reach = rule.longest * 0.5**rule.contact_level
-    fault = _not_finite(run, forces, reach)
+    fault = _not_finite(run, kernels, parameters, reach)
     if fault or state.ending == NOT_FINITE:
         fault = fault or f"a value that is not finite near {_contact_text(_contact_after(run, 0.0))}"
         return Ending.DIVERGED, (
@@ -125,16 +124,23 @@ def balanced(
 ) -> tuple[Ending, str]:
     """Return the ending of a run that reached its end: complete, or unbalanced with a sentence."""
     state = run.state
+    # Eq. 6.4.
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_remainder, state.most_remainder]) - start
     residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
     share = openness(max(float(residual) - _round_off(run), 0.0), float(state.turnover), 0.0, start)
+    swing, unresolved = contact_step * resolved_rate(run.plant), ""
+    if swing > RESOLVED:
+        unresolved = (
+            f"A step holds the contact's force, and the fastest mode or tone turns by {swing:.2g} rad "
+            f"meanwhile: the error is of first order in this angle, and more than {RESOLVED:g} rad is long. "
+        )
     way_out = (
         "Choose a smaller solver.tolerance; if that does not close it, the energy that the law stores and "
         "loses does not fit its force."
         if state.law.compliant or state.law.constrained
-        else f"{_unresolved(run, contact_step)}Choose a shorter solver.contact_step than {contact_step:.3g} "
+        else f"{unresolved}Choose a shorter solver.contact_step than {contact_step:.3g} "
         "s, or leave it out: the law is solved in its limit then."
     )
     # A ledger that is no number is not closed.
@@ -165,6 +171,8 @@ def _round_off(run: Run) -> float:
         t_u * modes["row_u"] + t_th * modes["row_th"] + modes["row_r"],
     )
     impulses = float(state.total.normal_impulse), float(state.total.friction_impulse)
+    # D p of a step is that of the whole impulse over the number of steps; its round-off then adds up over all
+    # of them.
     share = DIGITS / max(int(state.contact_steps), 1)
     return float(
         sum(
@@ -172,24 +180,6 @@ def _round_off(run: Run) -> float:
             for p, row in zip(impulses, rows, strict=True)
         )
     )
-
-
-def _unresolved(run: Run, contact_step: float) -> str:
-    """Return a sentence on a step in time [s] that is no small part of the fastest vibration; else none."""
-    swing = contact_step * resolved_rate(run.plant)
-    if swing <= RESOLVED:
-        return ""
-    return (
-        f"A step holds the contact's force, and the fastest mode or tone turns by {swing:.2g} rad meanwhile: "
-        f"the error is of first order in this angle, and more than {RESOLVED:g} rad is long. "
-    )
-
-
-RESOLVED: Final = 0.1
-"""Angle [rad] by which the fastest vibration may turn within a step of first order."""
-
-NEGLIGIBLE: Final = 1e-6
-"""Share of the energy turned over below which the ledger of a contact is not judged."""
 
 
 def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8], turned_over: float) -> float:
@@ -227,7 +217,7 @@ def _runaway(run: Run) -> str:
     )
 
 
-def _not_finite(run: Run, forces: Forces, reach: float) -> str:
+def _not_finite(run: Run, kernels: tuple[Any, ...], parameters: Array, reach: float) -> str:
     """Return the first inadmissible value along the step, in words; empty for none."""
     state = run.state
     if not state.law.compliant:
@@ -236,34 +226,26 @@ def _not_finite(run: Run, forces: Forces, reach: float) -> str:
         return f"{' and '.join(values)} at {_contact_text(_contact_after(run, 0.0))}" if values else ""
     for time in np.linspace(0.0, reach, STATES):
         contact = _contact_after(run, time)
-        for name, value in forces(contact).items():
+        if not contact[0] < 0.0:
+            continue
+        values = kernels[0](*contact, state.impact_speed, parameters)
+        forces = dict(zip(OF_FORCE, values, strict=True))
+        if state.law.friction_kind != SET_VALUED:
+            forces |= zip(OF_FRICTION, kernels[1](*contact, values[0], parameters), strict=True)
+        for name, value in forces.items():
             if not np.isfinite(value) or (name == "friction bound" and value < 0.0):
                 return f"{name} {value} at {_contact_text(contact)}"
     return ""
 
 
-def _contact_after(run: Run, time: float) -> Contact:
-    """Return the contact after a time of straight motion from where the run ended [s]."""
+def _contact_after(run: Run, time: float) -> tuple[float, float, float]:
+    """Return gap [m], gap rate and slip [m/s] after some time [s] of straight motion from the run's end."""
     modes = modes_of(run.plant)
     q, v = modes["q"][:, START] + time * modes["v"][:, START], modes["v"][:, START]
     gap, rate, slip = contact_from(run.plant, q, v)
     return gap, rate, 0.0 if run.state.mode == STICK else slip
 
 
-def _contact_text(contact: Contact) -> str:
+def _contact_text(contact: tuple[float, float, float]) -> str:
     """Return gap, gap rate and slip as text."""
     return "a gap of {:.6g} m, a gap rate of {:.6g} m/s and a slip of {:.6g} m/s".format(*contact)
-
-
-def _forces_by_name(
-    run: Run, kernels: tuple[Any, ...], parameters: Array, contact: Contact
-) -> dict[str, float]:
-    """Return the results of a penalty law's kernels by name; empty where the contact is open."""
-    if not contact[0] < 0.0:
-        return {}
-    values = kernels[0](*contact, run.state.impact_speed, parameters)
-    forces = dict(zip(OF_FORCE, values, strict=True))
-    if run.state.law.friction_kind != SET_VALUED:
-        friction = kernels[1](*contact, values[0], parameters)
-        forces |= zip(OF_FRICTION, friction, strict=True)
-    return forces

@@ -103,6 +103,7 @@ def step_flight(run: Run, law: Law) -> int:
             bound = curvature_bound(run, tip, h)
             opening = _certain_opening(before, widens, bound, h, coarse)
     state.length = h
+    # The motion at the end is exact; all that follows is what happens on the way to it.
     build_level(run.plant, run.propagator, level)
     free_response(run, level, LAST)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
@@ -119,10 +120,12 @@ def step_flight(run: Run, law: Law) -> int:
     state.flight_steps += 1
     touch = NO_TOUCH
     if state.phase == OPEN:
+        # Open at the start: searched from there.
         start = 0.0, before, rate_before, limit, limit_rate
         touch = _first_touch(run, law, start, end, bound, coarse)
     elif opening > 0.0:
         state.phase = OPEN
+        # Just released: searched from the highest point of the lower bound, where it is open for certain.
         before, rate_before, slip, _, _, _, _ = contact_after(run, opening)
         limit, limit_rate = limit_at(run, law, law.memory, opening, (before, rate_before, slip))
         opened = opening, before - limit, rate_before, limit, limit_rate
@@ -138,18 +141,12 @@ def step_flight(run: Run, law: Law) -> int:
     state.level = max(level - 1, coarsest) if level > coarsest else level
     # The end cuts a flight that was searched as if it went on: a run that goes on finds the same touch-down.
     s = h if touch == NO_TOUCH else max(touch, 0.0)
-    state.accepted_length = _until_end(run, s, follows, coarse * CLEAR + limit)
-    return TOUCH if touch >= 0.0 and state.accepted_length == s else NOTHING
-
-
-@inner_kernel
-def _until_end(run: Run, s: float, follows: bool, clear: float) -> float:
-    """Return the time up to s that is left of run and piece [s]; a gap not clear then is followed further."""
-    state = run.state
     remaining = min(state.end, state.piece_end) - state.time
-    if follows and remaining < s and contact_after(run, remaining)[0] <= clear:
-        state.phase = SEPARATING
-    return float(min(s, remaining))
+    # A gap that is not clear yet where the run ends is followed further by one that goes on.
+    unclear = follows and remaining < s and contact_after(run, remaining)[0] <= coarse * CLEAR + limit
+    state.phase = SEPARATING if unclear else state.phase
+    state.accepted_length = min(s, remaining)
+    return TOUCH if touch >= 0.0 and state.accepted_length == s else NOTHING
 
 
 @part_kernel
@@ -181,6 +178,8 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         k, c = mode.stiffness, mode.damping
+        # Eq. 2.8 for the free part, and for its jerk once more: a, adot and addot all obey the oscillator's
+        # equation.
         acceleration = -c * mode.free_v - k * mode.free_q
         jerk = -c * acceleration - k * mode.free_v
         reach = h if k * h * h < 1.0 else 1.0 / sqrt(k)
@@ -195,14 +194,18 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
             th_jerk += abs(mode.row_th) * bound
     for i in range(plant.tone_count):
         tone = plant.tones[i]
+        # All modes' steady states together: tones add their amplitudes whatever their phases.
         u_acc += tone.omega**2 * tone.steady_u
         th_acc += tone.omega**2 * tone.steady_th
         if short:
             u_jerk += tone.omega**3 * tone.steady_u
             th_jerk += tone.omega**3 * tone.steady_th
+    # Bounds within the step of what the geometry depends on: rates by accelerations, displacements by rates.
     u_rate, th_rate = abs(u_rate) + u_acc * h, abs(th_rate) + th_acc * h
     u, th = abs(u) + u_rate * h, abs(th) + th_rate * h
     length, radius = lengths.tip_length, lengths.radius
+    # Eq. 2.9. The lever of the slope grows with the slope and with how far the tip lies below the rotor's
+    # edge.
     excess = lengths.clearance + u + 0.5 * length * th * th
     lever = length * th * (length + radius + excess) / radius
     lever += length * abs(lengths.sine) * (radius + lengths.clearance) / radius
@@ -213,6 +216,8 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
         # gdddot = n.Ldddot + 3 (v_T.Lddot - gdot |v_T|^2 / |d|) / |d|, with |d| >= R.
         jerk = u_jerk + lever * th_jerk + length * th_rate * (3.0 * th_acc + th_rate * th_rate)
         jerk += 3.0 * speed * (u_acc + length * th_acc + whirl + speed * speed / radius) / radius
+        # Eq. 2.9a, where it says more. The first bound, in a small part, covers the round-off of a curvature
+        # that nearly vanishes.
         at_start = abs(free_accelerations(run, START, 0.0)[0])
         bound = min(bound, at_start + jerk * h + ROUGH * bound)
     return float(bound)
@@ -221,6 +226,8 @@ def curvature_bound(run: Run, tip: Tip, h: float) -> float:
 @inner_kernel
 def _from_rest(plant: Plant, j: int, h: float) -> tuple[float, float]:
     """Return bounds of the acceleration by forces without a steady state, and of the rate of these forces."""
+    # The impulse response is nowhere steeper than at its start, |wdot| <= 1, so that an acceleration is at
+    # most |f(0)| + int |fdot| (docs/theory/flight.md, "Waveforms").
     forced, rate = abs(plant.modes[j].constant), 0.0
     if plant.wave.electrodes > 0:
         power = 1.0
@@ -269,6 +276,8 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
     waiting, halvings = 0, 0
     while halvings < MOST_HALVINGS:
         h = b - a
+        # Slopes of lines above the gap at which contact begins: the gap over it is bounded below by the
+        # parabolas of eq. 2.10 with these rates taken off.
         chord = (limit_b - limit_a) / h if step.limit_moves != 0 else 0.0
         rate_a = gap_rate_a - max(limit_rate_a, chord)
         rate_b = gap_rate_b - min(limit_rate_b, chord)
@@ -276,6 +285,8 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
         indistinct = (bound * h + bend) * h < coarse * RESOLUTION or waiting >= step.wait_time.size
         # Two lower bounds of the gap, with the largest curvature from either end; docs/theory/flight.md.
         # The parabolas from both ends have the same curvature, so they cross once.
+        # Where they cross: eq. 2.10 is linear in s there. The larger of the two is least at the crossing, or
+        # at an end, which is known.
         slope = bound * h - rate_a + rate_b
         least = gap_a + rate_a * h - 0.5 * bound * h * h
         # Only round-off or a zero bound makes it negative: the left parabola lies above all along.
@@ -285,6 +296,8 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
             least = max(falling, gap_b - rate_b * (h - s) - 0.5 * bound * (h - s) * (h - s))
         proven = least > 0.0 and gap_a > 0.0 and gap_b > 0.0
         if proven or (indistinct and gap_b > 0.0):
+            # Proven open: on with the piece that waits next, from left to right, so that the first zero is
+            # found first.
             if waiting == 0:
                 return NO_TOUCH
             waiting -= 1

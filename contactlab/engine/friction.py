@@ -12,7 +12,6 @@ crosses the creep velocity and up again. A slider keeps F on the bound; its spri
 """
 
 from math import copysign
-from typing import Final, cast
 
 import numpy as np
 
@@ -27,15 +26,12 @@ from contactlab.engine.memory import (
     missed_flow_of,
     recall,
     recall_start,
-    solve_linear,
 )
+from contactlab.engine.nodes import mobility, push_node, solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
 from contactlab.laws.memory import EVEN
-
-FIRST: Final = cast(int, np.int64(0))
-"""The first node, as a number that no kernel is copied for."""
 
 NUDGE = 1e-7
 """Relative difference for the derivatives of the law; it sets the pace of Newton, not its end."""
@@ -51,28 +47,6 @@ DIGITS = 64.0 * np.finfo(np.float64).eps
 
 HELD_SLIP = 1e-9
 """Slip scale of the finite difference where steep friction keeps the slip near zero [m/s]."""
-
-
-@part_kernel
-def push_node(run: Run, i: int) -> None:
-    """Set the generalised forces of node i from its normal force and friction."""
-    step, normal, friction = run.step, run.state.normal.node[i], run.state.friction.node[i]
-    step.push_u.node[i] = normal * step.n_u[i] + friction * step.t_u[i]
-    step.push_th.node[i] = normal * step.n_th[i] + friction * step.t_th[i]
-    step.push_r.node[i] = friction
-
-
-@inner_kernel
-def mobility(run: Run, level: int, i: int, m: int) -> float:
-    """Return d slip_i / d friction_m [m/s/N]."""
-    step, tip_v = run.step, run.propagator.levels[level].tip_v
-    t_u, t_th = step.t_u[i], step.t_th[i]
-    s_u, s_th = step.t_u[m], step.t_th[m]
-    return float(
-        t_u * (tip_v[0, i, m] * s_u + tip_v[1, i, m] * s_th)
-        + t_th * (tip_v[1, i, m] * s_u + tip_v[2, i, m] * s_th)
-        + tip_v[3, i, m]
-    )
 
 
 @inner_kernel
@@ -97,6 +71,7 @@ def friction_and_steepness(
     """Return friction [N], and how steeply it falls with the slip [N s/m], zero where it rises."""
     gap, rate, slip = at
     friction = friction_at(law, at, end, normal)[0]
+    # -f_v by a difference, of a slip so small that the steep part of the law near zero is seen.
     dv = _nudge_of(slip, HELD_SLIP)
     steeper = friction_at(law, (gap, rate, slip + dv), end, normal)[0]
     return friction, max((friction - steeper) / dv, 0.0)
@@ -109,6 +84,7 @@ def slip_digits(run: Run, i: int) -> float:
     Forces that hold a slip far below that motion cancel it, so that they are as large.
     """
     step = run.step
+    # Eq. 1.10 of the motion without contact: the largest terms that the forces cancel.
     moved = abs(step.t_u[i] * step.u_rate[i]) + abs(step.t_th[i] * step.th_rate[i]) + abs(step.rotor[i])
     return float(DIGITS * moved)
 
@@ -137,6 +113,8 @@ def missed_rate(run: Run, law: Law, normal: float, unfelt: bool) -> float:
     if not unfelt and (normal == 0.0 or friction_at(law, (gap, rate, slip), end, normal)[0] != friction):
         return 0.0
     law.row[HEAD] = z
+    # What round-off of the slip does to the rate is no error of the polynomial: shorter steps would not
+    # lessen it.
     rounded = slip + (1.0 if slip >= 0.0 else -1.0) * slip_digits(run, 0)
     digits = abs(friction_at(law, (gap, rate, rounded), end, normal)[1] - first)
     size = max(abs(z), abs(state.length * first))
@@ -167,6 +145,8 @@ def missed_past_limits(run: Run, law: Law, normal: float, error: float) -> float
         missed = missed_flow_of(run, k) * longest / state.length
         if z == 0.0 or missed * normal * state.law.friction_limit <= most:
             continue
+        # Past its limit a slider that is stretched a little further has the same friction. It then counts in
+        # proportion, |f(z) - f(0)| dz/z.
         law.row[HEAD + k] = z + copysign(FELT * abs(z), z)
         past = friction_at(law, at, end, normal)[0] == friction
         law.row[HEAD + k] = 0.0
@@ -206,6 +186,8 @@ def _derivatives(run: Run, law: Law, i: int, least: float) -> tuple[float, float
     dz = way * (abs(z) + LEAST_INTERNAL)
     normal, end = state.normal.node[i], step.end[i]
     recall(run, law, i)
+    # f and r of eq. 3.8 and the four derivatives of eq. 3.9, by one-sided differences: Newton's pace depends
+    # on them, its end does not.
     f, g, _, _ = friction_at(law, (gap, rate, slip), end, normal)
     f_v, g_v, _, _ = friction_at(law, (gap, rate, slip + dv), end, normal)
     f_z, g_z = f, g
@@ -256,6 +238,8 @@ def correct_friction(
             system[NODES + i, m] = -h * g_v * s
             system[NODES + i, NODES + m] = derivative[i, m] - h * g_z * same
         system[i, right] = f - state.friction.node[i]
+        # What the slip's round-off does to f, directly and by the variable. Below that the residual f - F is
+        # round-off.
         felt = (abs(f_v) + h * abs(g_v * f_z)) * slip_digits(run, i)
         most = max(most, abs(system[i, right]) - felt)
         system[NODES + i, right] = h * (g - _internal_rate(run, i))
@@ -286,6 +270,8 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
         recall(run, law, i)
         law.row[HEAD] = 0.0
         beside, _, _, stiffness = friction_at(law, at, step.end[i], state.normal.node[i])
+        # Friction on its bound (eq. 3.5) is the spring's, -k_t z, and what acts beside it: the stretch
+        # follows by that, whatever its rate.
         bound = sign * state.bound.node[i] - state.bias.node[i] + beside
         step.memory[i, 0] = bound / stiffness if stiffness > 0.0 else 0.0
     for i in range(NODES):
@@ -293,6 +279,8 @@ def follow_bound(run: Run, law: Law, sign: float) -> None:
         state.internal_rate.node[i] = _internal_rate(run, i)
         if step.gap[i] < step.end[i]:
             recall(run, law, i)
+            # The slip is what stretches the spring and what slides: a slider stays at its bound as long as it
+            # slides the same way.
             stretching = friction_at(law, at, step.end[i], state.normal.node[i])[1]
             step.sliding[i] = stretching - state.internal_rate.node[i]
 
@@ -322,6 +310,7 @@ def jump_at_guard(run: Run, law: Law) -> bool:
     shrinks; stiffness that it loses takes its share of the force along, which then lies below the bound.
     """
     state = run.state
+    # Eq. 3.12, k^- before the reset map and k^+ after it.
     friction, before = _spring_at_start(run, law)
     jump(run, law, law.memory, state.guard)
     after = _spring_at_start(run, law)[1]
@@ -346,6 +335,7 @@ def _missed_stretch(
         z = law.row[HEAD]
         dz = (NUDGE if at[2] >= 0.0 or run.state.law.parity == EVEN else -NUDGE) * (abs(z) + LEAST_INTERNAL)
         law.row[HEAD] = z + dz
+        # Eq. 3.11 for the coupled variable, whose rate is friction's own.
         forgetting = max((flow - friction_at(law, at, end, normal)[1]) / dz, 0.0)
         missed = flow - value_at(run.state.internal_rate, x)
         law.row[HEAD] = z + missed * longest / (1.0 + longest * forgetting)
@@ -368,6 +358,8 @@ def missed_between(run: Run, law: Law, flows: bool, yielding: float, error: floa
     state, nodes = run.state, run.propagator.rule.nodes
     most = error
     for i in range(NODES):
+        # Between two nodes the polynomials are furthest from what the nodes hold them to. The first interval
+        # has no node at its left end, so that its start is looked at.
         x = 0.5 * (nodes[i - 1] + nodes[i]) if i > 0 else 0.0
         gap, rate, slip, _, _, _, _ = contact_after(run, x * state.length)
         memory_at(run, law, law.memory, x * state.length)

@@ -68,11 +68,22 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law) -> None:
     """Evaluate the kernel of a rigid law for every impact."""
     for i in range(impacts.outcomes.size):
-        contact = impacts.contacts[i]
+        contact, outcome = impacts.contacts[i], impacts.outcomes[i]
         for k in range(state.law.variables):
             law.row[HEAD + k] = run.step.memory_first[k]
         _touch(run, state, law, law.memory, contact)
-        _evaluate_impact(contact, impacts.outcomes[i], law)
+        rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
+        p_n, p_t = law.impact(rate, slip, nn, nt, tt, law.parameters)
+        # Eq. 4.2 with the D of an impulse that takes no time.
+        outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
+        outcome.normal_impulse, outcome.friction_impulse = p_n, p_t
+        outcome.mode = STICK if remaining_slip(slip, p_n, p_t, nt, tt) == 0.0 else SLIP
+        outcome.ending, outcome.released = RUNNING, 1
+        outcome.peak_normal_force = np.nan
+        if not np.isfinite(p_n + p_t):
+            _give_up(outcome, NOT_FINITE)
+        elif not p_n > 0.0:
+            _give_up(outcome, INCONSISTENT)
 
 
 @part_kernel
@@ -86,21 +97,6 @@ def _touch(run: Run, state: Any, law: Law, memory: Memory | None, contact: Array
         )
     for k in range(state.law.variables):
         law.row[HEAD + k] = run.step.memory[BETWEEN, k]
-
-
-@inner_kernel
-def _evaluate_impact(contact: Array, outcome: Any, law: Law) -> None:
-    rate, slip, nn, nt, tt = contact[0], contact[1], contact[2], contact[3], contact[4]
-    p_n, p_t = law.impact(rate, slip, nn, nt, tt, law.parameters)
-    outcome.normal_rate, outcome.slip = rate + nn * p_n + nt * p_t, slip + nt * p_n + tt * p_t
-    outcome.normal_impulse, outcome.friction_impulse = p_n, p_t
-    outcome.mode = STICK if remaining_slip(slip, p_n, p_t, nt, tt) == 0.0 else SLIP
-    outcome.ending, outcome.released = RUNNING, 1
-    outcome.peak_normal_force = np.nan
-    if not np.isfinite(p_n + p_t):
-        _give_up(outcome, NOT_FINITE)
-    elif not p_n > 0.0:
-        _give_up(outcome, INCONSISTENT)
 
 
 @inner_kernel
@@ -125,14 +121,23 @@ def integrate_impacts(
     count = impacts.histories.shape[1]
     for i in range(impacts.outcomes.size):
         contact, outcome, state = impacts.contacts[i], impacts.outcomes[i], states[1]
-        _set_body(run, contact)
+        # The rows of D's Cholesky factor: u falls with the gap, and the way is -WAY sin(theta).
+        a, b, c = _rows(contact)
+        first, second = run.plant.modes[0], run.plant.modes[1]
+        first.row_u, first.row_th, second.row_th = -a, -b / WAY, -c / WAY
+        # Steps in units of this impact's own time: the same law in other units, or a hundred times as slow,
+        # has the same steps.
         unit = _time_scale(run, law, contact, states[0].limits.contact_gap)
         _set_ladder(run, STEP_SHARE * unit)
         # One pass tells how long the contact lasts, the other one records it.
         for k in range(2 if count > 0 else 1):
             states[1] = states[0]
             state.end = state.watchdog.window = LONGEST * unit
-            _throw(motions, contact, state.limits.contact_gap)
+            # The touch-down, at the gap where contacts of the law begin, without a tangential displacement.
+            begins = state.limits.contact_gap
+            motions[0, 0, 0], motions[0, 1, 0] = begins / a, contact[0] / a
+            motions[0, 0, 1] = -b * motions[0, 0, 0] / c
+            motions[0, 1, 1] = (contact[1] - b * motions[0, 1, 0]) / c
             written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
@@ -142,15 +147,6 @@ def integrate_impacts(
                 break
         if count > 0:
             _keep(records.series, impacts.histories[i], outcome, contact, motions)
-
-
-@inner_kernel
-def _set_body(run: Run, contact: Array) -> None:
-    """Return the body the rows of its Delassus matrix."""
-    a, b, c = _rows(contact)
-    first, second = run.plant.modes[0], run.plant.modes[1]
-    # u falls with the gap, and the way is -WAY sin(theta).
-    first.row_u, first.row_th, second.row_th = -a, -b / WAY, -c / WAY
 
 
 @inner_kernel
@@ -170,6 +166,8 @@ def _time_scale(run: Run, law: Law, contact: Array, begins: float) -> float:
     for k in range(run.state.law.variables):
         law.row[HEAD + k] = run.step.memory_first[k]
     rate, slip, mobility = contact[0], contact[1], contact[2]
+    # Depths doubled from below any contact until the work N d, at the approach's speed, is the energy that
+    # the normal impulse has to stop. The force is smaller on the way, which a unit of time may ignore.
     energy, most, before = 0.5 * rate * rate / mobility, 0.0, 0.0
     depth = 0.5**HALVINGS
     for _ in range(HALVINGS):
@@ -196,19 +194,11 @@ def _set_ladder(run: Run, longest: float) -> None:
         level = run.propagator.levels[k]
         level.length = longest
         longest *= 0.5
+        # What the nodes see of all coordinates is summed up as a level is built, so that it begins at zero.
         if level.built == 1:
             level.built = 0
             level.tip_q[:] = 0.0
             level.tip_v[:] = 0.0
-
-
-@inner_kernel
-def _throw(motions: Array, contact: Array, begins: float) -> None:
-    """Set the motion at the touch-down, where contacts begin at a gap [m]."""
-    a, b, c = _rows(contact)
-    motions[0, 0, 0], motions[0, 1, 0] = begins / a, contact[0] / a
-    motions[0, 0, 1] = -b * motions[0, 0, 0] / c
-    motions[0, 1, 1] = (contact[1] - b * motions[0, 1, 0]) / c
 
 
 @inner_kernel
@@ -217,6 +207,7 @@ def _read(motions: Array, contact: Array, state: Any, outcome: Any) -> None:
     a, b, c = _rows(contact)
     end_with_forces(state)
     v, met = motions[0, 1], state.contact
+    # Eq. 1.10 by the rows of the module.
     outcome.normal_rate, outcome.slip = a * v[0], b * v[0] + c * v[1]
     outcome.normal_impulse, outcome.friction_impulse = met.normal_impulse, met.friction_impulse
     outcome.duration, outcome.stick_duration = met.duration, met.stick_duration

@@ -43,6 +43,7 @@ Contact = tuple[float, float, float, float, float, float, float]
 @part_kernel
 def tip_motion(plant: Plant, place: int) -> Tip:
     """Return the tip's motion at a place of the step."""
+    # Eq. 1.7: the rows that apply the contact's force read the motion.
     u, th, u_rate, th_rate, rotor = 0.0, 0.0, 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
@@ -63,6 +64,7 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
     gap, n_u, n_th, t_u, t_th = contact_frame(
         u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
     )
+    # Eq. 1.10; positive where the gap opens, and where the tip runs ahead of the rotor's surface.
     rate = n_u * u_rate + n_th * th_rate
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 
@@ -110,6 +112,7 @@ def rates_in_frame(run: Run, place: int) -> tuple[float, float]:
 @part_kernel
 def _turn(tone: Any, origin: int, place: int, cosine: float, sine: float) -> None:
     """Leave at a place cosine and sine of omega t, from those at another and those of omega s in between."""
+    # Addition theorems: a cosine of omega t itself, a large angle, is computed once a step.
     tone.cosine[place] = tone.cosine[origin] * cosine - tone.sine[origin] * sine
     tone.sine[place] = tone.cosine[origin] * sine + tone.sine[origin] * cosine
 
@@ -142,6 +145,7 @@ def _piece_at(run: Run, waves: Array) -> tuple[int, float]:
     if wave.period > 0.0:
         turns = np.floor((clock - waves[0, 0]) / wave.period) * wave.period
     piece, beyond = 0, count
+    # Bisection for the last piece that has begun. A periodic waveform is read within its period.
     while beyond - piece > 1:
         middle = (piece + beyond) // 2
         if waves[middle, 0] <= clock - turns:
@@ -183,6 +187,7 @@ def _follow_wave(run: Run, waves: Array) -> None:
     for e in range(wave.electrodes):
         for m in range(ORDERS):
             total, power = 0.0, 1.0
+            # Derivatives of the piece's polynomial at the step's start: its Taylor series about there.
             for d in range(m, ORDERS):
                 total += waves[piece, 1 + e * ORDERS + d] * power
                 power *= since / (d - m + 1)
@@ -190,6 +195,8 @@ def _follow_wave(run: Run, waves: Array) -> None:
     for j in range(plant.mode_count):
         mode = plant.modes[j]
         for m in range(ORDERS):
+            # A led coordinate is its path: the force that takes it along is the path's acceleration, two
+            # orders on.
             plant.forces[j, m] = _by_electrodes(plant, j, m if mode.led == 0 else m + 2)
         if mode.led != 0:
             mode.free_q, mode.free_v = _by_electrodes(plant, j, 0), _by_electrodes(plant, j, 1)
@@ -225,6 +232,7 @@ def begin(run: Run, waves: Array) -> None:
             mode.free_q = mode.free_v = 0.0
             mode.q[START], mode.v[START] = _add_steady(plant, j, START, 0.0, 0.0, 1.0)
             continue
+        # Eq. 2.2: what is left of the state without the steady state vibrates freely.
         q, v = mode.q[START], mode.v[START]
         mode.free_q, mode.free_v = _add_steady(plant, j, START, q, v, -1.0)
     if plant.wave.electrodes > 0:
@@ -244,6 +252,7 @@ def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
     u_acc, th_acc, rotor_acc = 0.0, 0.0, 0.0
     for j in range(plant.mode_count):
         mode = plant.modes[j]
+        # Eq. 1.6 without the contact's forces.
         acceleration = mode.constant - mode.damping * mode.v[place] - mode.stiffness * mode.q[place]
         for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
@@ -258,6 +267,8 @@ def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
     gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(plant, tip)
     turning, passing = plant.geometry.tip_length * th_rate * th_rate, slip - rotor
     distance = plant.geometry.radius + gap
+    # The directions turn with the tip: its centripetal acceleration, and that of its motion along the rotor's
+    # rim, need no force.
     normal = n_u * u_acc + n_th * th_acc + turning * (t_u * sin(th) - n_u * cos(th))
     tangential = t_u * u_acc + t_th * th_acc + rotor_acc - turning * (n_u * sin(th) + t_u * cos(th))
     return normal + passing * passing / distance, tangential - passing * rate / distance
@@ -270,6 +281,7 @@ def _add_driven(
     """Add what a tone did to a nearly resonant mode since another place, from `response_from_rest`."""
     mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
     cosine, sine = tone.cosine[origin], tone.sine[origin]
+    # The force's phase where the answer from rest began (eq. 2.7).
     re = phasor.force_re * cosine - phasor.force_im * sine
     im = phasor.force_re * sine + phasor.force_im * cosine
     mode.q[place] += re * response[0] - im * response[1]
@@ -295,6 +307,7 @@ def flow_to(run: Run, s: float) -> None:
     degree = step.kind
     h = state.length
     waves = plant.wave.electrodes > 0
+    # A force s^m/m! has the answer I_(m+1) (eq. 2.1): as many integrals as its polynomial has powers.
     top = ORDERS if waves else max(degree + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
@@ -304,6 +317,8 @@ def flow_to(run: Run, s: float) -> None:
         c, stiffness = mode.damping, mode.stiffness
         impulse_integrals(stiffness, c, s, top, integrals)
         rate, w = integrals[0], integrals[1]
+        # Eqs. 2.3 and 2.4, then the waveform's answer (2.7a), that of the contact's polynomial, and the
+        # steady state.
         q = (rate + c * w) * mode.free_q + w * mode.free_v
         v = -stiffness * w * mode.free_q + rate * mode.free_v
         q += mode.constant * integrals[2]
@@ -351,31 +366,14 @@ def free_response(run: Run, level: int, first: int) -> None:
             q0, v0 = mode.free_q, mode.free_v
             v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
             v += response.hold[i, 1] * mode.constant + _by_wave(plant, response, i, j, 0)
+            # Displacements are read at the last node alone in flight, whose ledger needs rates: the rest is
+            # left out.
             q, mode.v[i] = _add_steady(plant, j, i, 0.0, v, 1.0)
             if i >= first:
                 q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
                 q += response.hold[i, 0] * mode.constant
                 mode.q[i] = q + _by_wave(plant, response, i, j, 1)
             _add_near(run, level, j, i, START, i)
-
-
-@part_kernel
-def _leave_record(run: Run, s: float) -> None:
-    """Leave the motion BETWEEN without its steady state RECORDED, and the forces of a record interval."""
-    plant, step, rule = run.plant, run.step, run.propagator.rule
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
-        mode.q[RECORDED], mode.v[RECORDED] = q, v
-    for k in range(plant.tone_count):
-        tone = plant.tones[k]
-        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
-    if step.kind == COLLOCATED:
-        for m in range(NODES):
-            x = (s + rule.nodes[m] * run.state.interval) / run.state.length
-            step.push_u.node[m] = value_at(step.push_u, x)
-            step.push_th.node[m] = value_at(step.push_th, x)
-            step.push_r.node[m] = value_at(step.push_r, x)
 
 
 @part_kernel
@@ -407,8 +405,21 @@ def flow_on(run: Run, s: float) -> None:
     The state at the nodes of the interval is left at theirs, the last of which is BETWEEN again. The force
     polynomial is that through its values at these nodes; there is no waveform.
     """
-    plant, propagator = run.plant, run.propagator
-    _leave_record(run, s)
+    plant, propagator, step = run.plant, run.propagator, run.step
+    # What is free and what acts, where the interval begins: a step's start that is none of its own.
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        q, v = _add_steady(plant, j, BETWEEN, mode.q[BETWEEN], mode.v[BETWEEN], -1.0)
+        mode.q[RECORDED], mode.v[RECORDED] = q, v
+    for k in range(plant.tone_count):
+        tone = plant.tones[k]
+        tone.cosine[RECORDED], tone.sine[RECORDED] = tone.cosine[BETWEEN], tone.sine[BETWEEN]
+    if step.kind == COLLOCATED:
+        for m in range(NODES):
+            x = (s + propagator.rule.nodes[m] * run.state.interval) / run.state.length
+            step.push_u.node[m] = value_at(step.push_u, x)
+            step.push_th.node[m] = value_at(step.push_th, x)
+            step.push_r.node[m] = value_at(step.push_r, x)
     for i in range(NODES):
         place = i if i < LAST else BETWEEN
         for k in range(plant.tone_count):
@@ -464,6 +475,7 @@ def checked(run: Run, event: int) -> int:
                 total += abs(step.loss[i]) + abs(step.gap[i]) + abs(step.slip[i])
         if not np.isfinite(total):
             state.ending = NOT_FINITE
+    # The run ends where the step began, a state that has numbers.
     if state.ending == NOT_FINITE or state.ending == UNSOLVED:
         step.kind = FLIGHT
         state.accepted_length = 0.0

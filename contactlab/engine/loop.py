@@ -5,9 +5,9 @@ from typing import Any
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel
 from contactlab.engine.compliant import count_event, switch_friction
-from contactlab.engine.constrained import settle
 from contactlab.engine.flight import RESOLUTION, step_flight
 from contactlab.engine.friction import jump_at_guard
+from contactlab.engine.impulses import settle
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
 from contactlab.engine.propagator import step_length
@@ -48,7 +48,7 @@ def run_law(
     budget: int,
     waves: Array,
 ) -> None:
-    """Run a law from starts, see `contactlab.engine.preparation`; `step_contact` takes a step in contact."""
+    """Run a law from starts, at most `budget` steps from each; `step_contact` takes a step in contact."""
     for i in range(states.size):
         each, left = Run(run.plant, run.propagator, states[i], run.step), budget
         for j in range(run.plant.mode_count):
@@ -56,7 +56,17 @@ def run_law(
             mode.q[START], mode.v[START] = motions[i, 0, j], motions[i, 1, j]
         law.row[SPEED] = each.state.impact_speed
         while left > 0 and _opens_step(each, law, waves):
-            event = step_contact(each, law) if each.state.phase == TOUCHING else _step_free(each, law)
+            if each.state.phase == TOUCHING:
+                event = step_contact(each, law)
+            elif each.state.phase == PRESSED:
+                # A rigid contact from the start on: its touch-down takes no time, and what is recorded there
+                # is before the impact.
+                each.step.kind, each.state.accepted_length = FLIGHT, 0.0
+                event = TOUCH
+            else:
+                event = step_flight(each, law)
+            # Ledger, records and clock are those of the mode that the step was solved in; only then does the
+            # event change it.
             commit(each, law, records)
             _act(each, law, records.ends, event)
             left -= 1
@@ -66,21 +76,10 @@ def run_law(
 
 
 @inner_kernel
-def _step_free(run: Run, law: Law) -> int:
-    """Take a step without contact, of no time where a rigid contact is there from the start on.
-
-    What is recorded there is before its impact.
-    """
-    if run.state.phase == PRESSED:
-        run.step.kind, run.state.accepted_length = FLIGHT, 0.0
-        return TOUCH
-    return step_flight(run, law)
-
-
-@inner_kernel
 def _opens_step(run: Run, law: Law, waves: Array) -> bool:
     """Make a step ready, and tell whether there is one to take."""
     state, step = run.state, run.step
+    # A full store is emptied by the caller, which goes on from here.
     full = state.contact_count >= step.contacts.size - 1
     if state.time >= state.end or state.ending != RUNNING or full:
         return False
@@ -187,6 +186,7 @@ def _open_contact(run: Run, law: Law) -> None:
     state.normal_before, state.friction_before = 0.0, 0.0
     state.phase, state.impact_speed = TOUCHING, max(-rate, 0.0)
     law.row[SPEED] = state.impact_speed
+    # A touch-down without slip begins in stick; if the bound is exceeded, its first step finds that out.
     slides = slip != 0.0 or state.law.friction_kind == RATE_DEPENDENT or keeps_slip(run)
     state.mode = SLIP if slides else STICK
     state.sign = 1 if slip > 0.0 else -1

@@ -13,9 +13,9 @@ from math import copysign
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.engine.kinematics import contact_after, contact_at
+from contactlab.engine.nodes import solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import (
     BETWEEN,
@@ -34,28 +34,6 @@ from contactlab.engine.state import (
 )
 from contactlab.laws.base import SET_VALUED, SLIP, STICK
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
-
-
-@inner_kernel
-def solve_linear(system: Array, n: int) -> None:
-    """Solve n linear equations in place, their right side in column n, with row pivots."""
-    for p in range(n):
-        best = p
-        for row in range(p + 1, n):
-            if abs(system[row, p]) > abs(system[best, p]):
-                best = row
-        if best != p:
-            for column in range(p, n + 1):
-                system[p, column], system[best, column] = system[best, column], system[p, column]
-        for row in range(p + 1, n):
-            ratio = system[row, p] / system[p, p]
-            for column in range(p + 1, n + 1):
-                system[row, column] -= ratio * system[p, column]
-    for p in range(n - 1, -1, -1):
-        for column in range(p + 1, n):
-            system[p, n] -= system[p, column] * system[column, n]
-        system[p, n] /= system[p, p]
-
 
 NUDGE = 1e-7
 """Relative difference of a variable for the derivative of its rate; it sets Newton's pace, not its end."""
@@ -118,6 +96,8 @@ def correct_memory(run: Run, law: Law, memory: Memory | None, h: float) -> float
     for k in range(state.law.coupled, state.law.variables):
         if flies and step.memory_lasts[k] == 0.0:
             continue
+        # One variable after the other, each with its own derivative alone: a stiff relaxation is solved at
+        # once, and the coupling of two variables is left to the next sweep.
         first, size, moves = state.memory[k], abs(state.memory[k]), False
         for i in range(NODES):
             z, g_z = step.memory[i, k], 0.0
@@ -173,6 +153,8 @@ def _memory_at(run: Run, law: Law, memory: Memory, s: float) -> None:
                     rate = 0.0
                     for i in range(NODES):
                         rate += rule.derivative[m, i] * (step.memory[i, k] - first)
+                    # The polynomial of the rate through its values at the nodes, integrated: at x = 0 it is
+                    # the first value by itself.
                     coefficient += rate * rule.lagrange[m, d]
                 total = (total + coefficient / (d + 1)) * x
             step.memory[BETWEEN, k] = first + total
@@ -201,6 +183,8 @@ def _flow_again(run: Run, law: Law, memory: Memory, s: float) -> None:
             step.memory[i, k] = state.memory[k] + nodes[i] * (step.memory[BETWEEN, k] - state.memory[k])
     for i in range(NODES):
         at = nodes[i] * s
+        # Nodes of the part that is taken: motion and force are known there; only the variables were solved
+        # together with what lies beyond the event.
         step.gap[i], step.gap_rate[i], step.slip[i], _, _, _, _ = contact_after(run, at)
         state.normal.node[i] = value_at(state.normal, at / state.length)
     _flow_out(run, law, memory, s)
@@ -237,6 +221,8 @@ def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float
         for k in range(state.law.variables):
             step.memory[LAST, k] = state.memory[k]
         return
+    # The motion is frozen at what the contact is at the end, in flight without a force: an error of first
+    # order, as that of time stepping, and in flight none where a rate does not depend on the gap.
     normal = state.normal.node[0] if step.kind == HELD else 0.0
     recall_start(run, law)
     for i in range(NODES):
@@ -246,6 +232,8 @@ def _relax(run: Run, law: Law, memory: Memory, s: float, gap: float, rate: float
             step.memory[i, k] = state.memory[k]
     left, h = s, s
     if step.kind == FLIGHT:
+        # The collocation holds a stiff decay only where its steps follow it: the first one is a quarter of
+        # the shortest relaxation time.
         fastest = _fastest_relaxation(run, law, memory, s, gap, rate, slip)
         h = RELAXED / fastest if fastest * s > RELAXED else s
     # Steps grow geometrically from half the fastest relaxation: a decay is over before they are too long.
@@ -271,6 +259,7 @@ def _fastest_relaxation(
     for k in range(run.state.law.coupled, run.state.law.variables):
         if run.step.memory_lasts[k] == 0.0:
             continue
+        # -dr/dz of eq. 5.1 by a difference; a variable whose life is the contact does not flow in flight.
         z, g = law.row[HEAD + k], memory.rate(k, gap, rate, slip, 0.0, law.parameters)
         dz = NUDGE * (abs(z) + abs(s * g))
         if dz != 0.0:
@@ -341,6 +330,8 @@ def missed_flow_of(run: Run, k: int) -> float:
         size = max(size, abs(step.memory[m, k]))
         for i in range(NODES):
             slope += rule.lagrange[m, 0] * rule.derivative[m, i] * (step.memory[i, k] - first)
+    # As eq. 3.10 for a force: an extrapolation of the collocated rates to the start, against the law's rate
+    # there.
     missed = abs(slope - flow)
     return float(missed / size if missed > 0.0 else 0.0)
 
@@ -377,12 +368,15 @@ def add_missed_flow(
             at_x = 0.0
             for d in range(NODES - 1, -1, -1):
                 at_x = at_x * x + rule.lagrange[m, d]
+            # l_m(x) times row m of delta: weights of the values in the rate of the polynomial at x.
             weights[i] += at_x * rule.derivative[m, i]
     for k in range(state.law.coupled, state.law.variables):
         missed = memory.rate(k, gap, rate, slip, normal, law.parameters)
         z, flow = law.row[HEAD + k], missed
         for i in range(NODES):
             missed -= weights[i] * (step.memory[i, k] - state.memory[k]) / state.length
+        # Eq. 3.11: a rate that is missed displaces the variable for a step, or for as long as the variable
+        # remembers.
         dz = copysign(NUDGE * (abs(z) + abs(state.length * flow)), z if z != 0.0 else flow)
         if dz != 0.0:
             law.row[HEAD + k] = z + dz
@@ -468,10 +462,13 @@ def jump(run: Run, law: Law, memory: Memory | None, event: int) -> None:
     recall_start(run, law)
     normal, stored = state.normal.node[0], 0.0
     if state.law.compliant != 0:
+        # A located release may be clear of the contact by round-off, where the law has no force.
         gap = min(gap, end_at(run, law, memory, rate))
         normal, _, _, before, _ = law.force(gap, rate, slip, state.impact_speed, law.parameters)
         stored = state.limits.stored_energy if event == AT_TOUCH else before
     for k in range(state.law.coupled, state.law.variables):
+        # Eq. 5.3. Every variable jumps from the values before the event: the law reads the row, which is not
+        # written until all are known.
         state.memory[k] = memory.jump(k, event, gap, rate, slip, normal, law.parameters)
     recall_start(run, law)
     # Eq. 5.4: what the jump takes from the stored energy is lost; at a release all but what stays stored
@@ -492,6 +489,8 @@ def note_release(run: Run, law: Law, memory: Memory | None) -> None:
         return
     gap, rate, _, _, _, _, _ = contact_at(run.plant, START)
     recall_start(run, law)
+    # A contact may end at a gap below that at which the next one would begin, which would then begin at once:
+    # it begins where this one ended.
     begins, ends = memory.limits(rate, law.parameters)
     run.state.limits.release_gap = gap if ends < begins and gap < begins else np.inf
 
@@ -507,6 +506,8 @@ def _is_clear(run: Run, law: Law, memory: Memory | None) -> bool:
     begins = min(memory.limits(rate, law.parameters)[0], state.limits.release_gap)
     for k in range(state.law.variables):
         law.row[HEAD + k] = run.step.memory[BETWEEN, k]
+    # Where a first contact would begin: with the variables of the contact reset. Once the gap exceeds that,
+    # nothing of the last contact can be met again.
     anew = memory.limits(rate, law.parameters)[0]
     if anew <= begins or gap > anew:
         state.limits.contact_gap, state.limits.remembered, state.limits.release_gap = anew, 0, np.inf

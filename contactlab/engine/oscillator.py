@@ -37,6 +37,8 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
 
     k [1/s^2] and c [1/s] are stiffness and damping over mass, not negative; s is the time [s].
     """
+    # c + sqrt k bounds the rate of any motion, under- or overdamped: over a time that is short against its
+    # reciprocal the series is short.
     reach, d, doublings = (c + sqrt(k)) * s, s, 0
     while reach > REACH:
         reach *= 0.5
@@ -47,6 +49,8 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
     for i in range(1, top + 1):
         factorial *= i
         power *= d
+    # The derivatives of w at zero obey the oscillator's equation, w^(n+2) = -c w^(n+1) - k w^(n). A term
+    # s^n/n! of w is s^(n+m)/(n+m)! after m integrations.
     cd, kdd = c * d, k * d * d
     before, now = 0.0, 1.0
     lower = 1.0 / factorial
@@ -70,6 +74,8 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
     # From I(d) to I(2 d): the flow of what the first half answers, and what the second does.
     for _ in range(doublings):
         rate, w = out[0], out[1]
+        # Eq. 2.6: I_m(2 d) is the free flow from displacement I_m and rate I_(m-1) at d, and the answer to
+        # the force from there on. Downwards in m, so that every line reads values at d.
         keep = rate + c * w
         for m in range(top, 0, -1):
             # The force (d + s)^(m-1) / (m-1)! of the second half, expanded about its start.
@@ -99,9 +105,11 @@ def response_from_rest(k: float, c: float, omega: float, s: float) -> tuple[floa
     """
     sigma = 0.5 * c
     nu = sqrt(k - sigma * sigma)
+    # Eq. 2.7 without exp(i omega s), by which it is turned in the end.
     beat_re, beat_im = _faded(sigma, omega - nu, s)
     fast_re, fast_im = _faded(sigma, omega + nu, s)
     q_re, q_im = (beat_im - fast_im) / (2.0 * nu), (fast_re - beat_re) / (2.0 * nu)
+    # The rate has w' in place of w: the cosine is the mean of both terms, and the decay takes sigma R.
     v_re = 0.5 * (beat_re + fast_re) - sigma * q_re
     v_im = 0.5 * (beat_im + fast_im) - sigma * q_im
     cosine, sine = cos(omega * s), sin(omega * s)
@@ -116,6 +124,7 @@ def response_from_rest(k: float, c: float, omega: float, s: float) -> tuple[floa
 @inner_kernel
 def _faded(a: float, b: float, s: float) -> tuple[float, float]:
     """Return Re and Im of (1 - exp(-z s)) / z for z = a + i b, not zero."""
+    # 1 - exp(-a s) cos(b s) without cancellation, by expm1 of the decay and the half-angle of the turn.
     left = exp(-a * s)
     half = sin(0.5 * b * s)
     real = 2.0 * left * half * half - expm1(-a * s)

@@ -73,6 +73,10 @@ couplings[j, e] [N/V kg^-1/2]; forces[j, m], derivatives of the modal force.
 """
 
 
+Matrix = tuple[float, float, float]
+"""Delassus matrix: D_nn, D_nt, D_tt [1/kg]."""
+
+
 @cache
 def plant_record(modes: int, tones: int, electrodes: int = ELECTRODES) -> np.dtype[Any]:
     """Declare the record of a plant with room for so many coordinates, tones and electrodes."""
@@ -133,6 +137,7 @@ def plant_of(motor: Motor) -> Plant:
     made["row_r"][-1] = -geometry.rotor_radius / root
     force = np.zeros((count, omega.size), complex)
     force[:-1] = motor.force_phasors
+    # Eq. 2.2: the steady state is the force over k - omega^2 + i c omega.
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
     margin = np.abs(dynamic[:-1]) / (stiffness[:-1, None] + omega**2)
     if margin.size and margin.min() < RESONANCE_MARGIN:
@@ -142,6 +147,7 @@ def plant_of(motor: Motor) -> Plant:
             f"{modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
             "bound. Give the resonator damping or move the tone."
         )
+    # The rotor has no stiffness and so no resonance: only modes can be near one.
     near = np.zeros(force.shape, bool)
     near[:-1] = margin < NEARLY_RESONANT
     steady = np.where(near, 0.0, force / dynamic)
@@ -156,8 +162,10 @@ def plant_of(motor: Motor) -> Plant:
     wave = plant["wave"]
     if prescribed.any():
         made["led"][:-1], wave["led"] = prescribed, 1
+        # Where no free mode moves the gap, no force does: there is no mass behind the contact, and no impact.
         wave["led_gap"] = not motor.rows_at_rest[0][~prescribed].any()
         wave["led_slip"] = motor.slip_is_prescribed and waveform is not None and not omega.size
+        # Without a mass behind the contact no impulse scales its errors: forces at these bounds do.
         wave["depth"], wave["approach"] = _reach(motor)
     if waveform is not None:
         wave["electrodes"], wave["offset"] = electrodes, waveform.start
@@ -191,6 +199,7 @@ def resolved_rate(plant: Plant) -> float:
 
 def persisting_rates(stiffness: Array, damping: Array) -> Array:
     """Return the rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
+    # An overdamped mode has a fast root, c, which is over at once, and a slow one, k/c, which lasts.
     slow = np.full(stiffness.shape, np.inf)
     np.divide(stiffness, damping, out=slow, where=damping > 0.0)
     return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
@@ -204,6 +213,7 @@ def pace_of(plant: Plant, contact_step: float, stepped: bool) -> tuple[float, in
     of an event every fifth step, and at most five periods.
     """
     phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
+    # A tone that no mode feels sets no pace.
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
     turns = 2.0 * pi / plant["wave"]["period"] if plant["wave"]["period"] > 0.0 else 0.0
@@ -222,7 +232,7 @@ def fastest_rate(plant: Plant) -> float:
 
 
 @kernel
-def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> tuple[float, float, float]:
+def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> Matrix:
     """Return D_nn, D_nt, D_tt [1/kg] of D = G M^-1 G', rotor included, for directions of `contact_frame`.
 
     A led coordinate yields to no force, so that what its mass would be has no say.
@@ -234,6 +244,8 @@ def delassus(plant: Plant, n_u: float, n_th: float, t_u: float, t_th: float) -> 
             continue
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
+        # Eq. 1.12: with unit masses D is a sum of products of the rows. D_tt is positive by the rotor, D_nt
+        # has any sign.
         nn += normal * normal
         nt += normal * tangential
         tt += tangential * tangential

@@ -1,67 +1,53 @@
-"""Preparation of a run: checks, bound law, plant, step responses, compiled loop and state."""
+"""A motor and a law made ready to run: bound law, plant, step responses and compiled loop."""
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from functools import partial
 from hashlib import sha256
-from math import inf
 from typing import Any, Final, NamedTuple, final
-from zlib import crc32
 
 import numba
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.checks import ON_GRID, SMALLEST_STEP, check_kind, check_number, check_records, shown
-from contactlab.compiler.kernels import INTERPRETED, inner_kernel, kernel
+from contactlab.checks import ON_GRID, SMALLEST_STEP
+from contactlab.compiler.kernels import INTERPRETED
 from contactlab.compiler.notice import telling
-from contactlab.engine.binding import (
-    FORCE,
-    FRICTION,
-    IMPACT,
-    LIMITS,
-    SIGNATURES,
-    Bound,
-    bind,
-    law_errors,
-    row_of,
+from contactlab.engine.arguments import check_kinds, check_numbers
+from contactlab.engine.binding import FORCE, FRICTION, LIMITS, SIGNATURES, Bound, bind, law_errors, row_of
+from contactlab.engine.compiled_loops import (
+    NO_IMPACTS,
+    SECONDS,
+    LoopData,
+    evaluate_rigid,
+    kind_of,
+    run_compliant,
+    run_rigid,
 )
-from contactlab.engine.compliant import kinked_variables, step_compliant
-from contactlab.engine.constrained import step_rigid
+from contactlab.engine.compliant import kinked_variables
+from contactlab.engine.defaults import DEFAULT_TOLERANCE, default_contact_step
 from contactlab.engine.explanation import explain
-from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
-from contactlab.engine.loop import TOUCH_REFINEMENT, run_law
-from contactlab.engine.plant import Plant, modes_of, pace_of, persisting_rates, plant_of, resolved_rate
+from contactlab.engine.initial_state import memory_mark
+from contactlab.engine.loop import TOUCH_REFINEMENT
+from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
     HEAD,
-    NAMES,
     NO_INSTANTS,
     NO_OUTPUTS,
-    OPEN,
-    PRESSED,
-    RELEASED,
-    RUNNING,
     STATE,
     STEP,
     TOUCHING,
-    EndState,
     ImpactBatch,
-    Law,
-    Memory,
     Read,
     Records,
     Run,
-    State,
     new_record,
-    state_as_value,
-    state_from_value,
 )
 from contactlab.interrupts import signals_wait
 from contactlab.laws.base import SET_VALUED, ContactLaw, MultiplierLaw, PenaltyLaw, is_stepped
 from contactlab.laws.consistency import CANARIES, check_declarations, check_kernels, guarded
-from contactlab.laws.declaration import refuse_unsound
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of
 from contactlab.motor.motor import Motor
@@ -71,295 +57,11 @@ from contactlab.trajectory import Ending
 SMALLEST: Final = float(np.finfo(np.float64).tiny)
 """Duration of a contact that goes on, of which nothing is counted yet [s]."""
 
-GOES_ON: Final = (
-    *("phase", "mode", "sign", "impact_speed", "memory", "law.variables_mark"),
-    *("limits.release_gap", "limits.remembered", "normal_before", "friction_before"),
-)
-"""What a contact, or the residual indentation that the last one has left, is continued from."""
-
-AT_REST: Final = 1e-14
-"""Gap [m] up to which a run begins at rest in contact, not in flight."""
-
-RECORD_INTERVAL: Final = 1e-6
-"""Shortest default time between records [s]."""
-
-RECORD_TURN, CONTACT_TURN = 1.0 / 32.0, 1.0 / 512.0
-"""Longest default record interval and step in contact, times the fastest rate that persists [rad]."""
-
-DEFAULT_COUNT: Final = 1e5
-"""Number of records, and of longest steps in contact, beyond which their defaults shorten no more."""
-
 IDLE_LIMIT: Final = 1000
 """Steps in a row that hardly move the clock, of a law without kinks between which its steps shrink."""
 
-
-def default_record_interval(motor: Motor, duration: float) -> float:
-    """Return the time between records [s] of a run that has none of its own.
-
-    It is a microsecond for fast motors and short runs, a share of the shortest period for slow ones, see
-    `for_slow`, and at most the duration.
-    """
-    return min(for_slow(RECORD_INTERVAL, RECORD_TURN, motor, duration), duration)
-
-
-def default_contact_step(motor: Motor, law: ContactLaw, duration: float) -> float | None:
-    """Return the step in contact [s] of a law on a motor; None of a rigid law, which is solved in its limit.
-
-    Of a compliant law, whose error does not depend on it, it is the law's `default_contact_step`, or longer
-    for slow motors, see `for_slow`, and for runs of which it would be no part that moves the clock.
-    """
-    if isinstance(law, PenaltyLaw):
-        shortest = max(law.default_contact_step, SMALLEST_STEP * duration)
-        return for_slow(shortest, CONTACT_TURN, motor, duration)
-    return None
-
-
-def for_slow(shortest: float, turn: float, motor: Motor, duration: float) -> float:
-    """Return a time [s] by which the fastest rate that persists turns by an angle [rad].
-
-    It is at most the duration over `DEFAULT_COUNT`, as where nothing vibrates, and at least the shortest.
-    """
-    rates = persisting_rates(motor.modes.stiffness, motor.modes.damping)
-    rate = max(rates.max(initial=0.0), motor.drive.angular_frequency.max(initial=0.0))
-    longest = duration / DEFAULT_COUNT
-    return max(shortest, float(min(turn / rate, longest)) if rate > 0.0 else longest)
-
-
-def check_kinds(motor: Motor, law: ContactLaw) -> None:
-    """Refuse what is no motor, or no law of either family, by a TypeError."""
-    check_kind("The motor", motor, Motor)
-    check_law(law)
-
-
-def check_law(law: ContactLaw) -> None:
-    """Refuse what is no law of either family by a TypeError."""
-    if isinstance(law, str):
-        raise TypeError(
-            f"The law is the text {law!r}; it must be a law and not its name. "
-            f"Make it: contactlab.law({law!r})."
-        )
-    check_kind("The law", law, ContactLaw)
-    refuse_unsound(type(law))
-    if not isinstance(law, PenaltyLaw | MultiplierLaw):
-        raise TypeError(
-            f"{type(law).__name__} is neither a PenaltyLaw nor a MultiplierLaw; derive it from one."
-        )
-
-
-def check_numbers(
-    law: ContactLaw, duration: float, interval: float, step: float | None, tolerance: float | None
-) -> None:
-    """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
-    times = {"duration": duration} | ({} if step is None else {"contact step": step})
-    for name, value in times.items():
-        check_number(f"The {name}", value)
-        if not 0.0 < value < inf:
-            raise ValueError(f"The {name} is {value} s; it must be positive and finite.")
-    check_number("The record interval", interval)
-    if not 0.0 < interval <= duration:
-        raise ValueError(
-            f"The record interval is {interval} s; it must be positive and at most the duration, "
-            f"{duration} s."
-        )
-    name = "The record interval, record_interval,"
-    check_records(duration, interval, name, len(law.internal_variables))
-    if step is not None and step < SMALLEST_STEP * duration:
-        raise ValueError(
-            f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
-            f"{SMALLEST_STEP:g} of the duration: shorter steps do not move the clock. Leave it out for the "
-            "law's own default."
-        )
-    idle = f"{law.name} is stepped by {step} s, which sets its error" if is_stepped(law, step) else ""
-    check_tolerance(tolerance, idle)
-
-
-def check_tolerance(tolerance: float | None, idle: str = "") -> None:
-    """Refuse a tolerance that no step can have, and any that is idle, for a reason; None is the default."""
-    if tolerance is None:
-        return
-    if idle:
-        raise ValueError(f"The tolerance is {tolerance}, but {idle}. Leave the tolerance out.")
-    check_number("The tolerance", tolerance)
-    if not 0.0 < tolerance < 1.0:
-        raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
-
-
-def memory_mark(law: ContactLaw) -> int:
-    """Return a number that identifies the internal variables of a law; zero for none."""
-    names = ",".join(f"{each.name} {each.life}" for each in law.internal_variables)
-    return crc32(names.encode())
-
-
-def check_start(start: object, plant: Plant, law: ContactLaw) -> None:
-    """Refuse what is no state, another motor's, a failed run's, or in contact under another kind of law."""
-    if not isinstance(start, Mapping) or not (isinstance(start, EndState) or set(start) >= NAMES):
-        raise TypeError(
-            f"The start is {shown(start)}; it must be the state of a trajectory, `trajectory.state`."
-        )
-    count = np.size(start["q"])
-    if count != plant.mode_count:
-        raise ValueError(
-            f"The start is a state of {count - 1} modes, and the motor has {plant.mode_count - 1}; go on "
-            "with a motor of as many."
-        )
-    if start["ending"] != RUNNING:
-        raise ValueError(
-            f"The start is the state of a run that failed at {start['time']:.6g} s; it cannot go on. Take a "
-            "state of before."
-        )
-    friction = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
-    kind = isinstance(law, PenaltyLaw), friction, memory_mark(law)
-    state = start["law.compliant"], start["law.friction_kind"], start["law.variables_mark"]
-    if start["phase"] == TOUCHING and state != kind:
-        raise ValueError(
-            f"The start is a state in contact under a law of another kind than {law.name}; cut the run in "
-            "flight to go on with another kind."
-        )
-
-
 _compiled: set[object] = set()
 """Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
-
-SECONDS: Final = {
-    "compliant laws": 18.0,
-    "rigid laws": 20.0,
-    "compliant laws with internal variables": 24.0,
-    "rigid laws with internal variables": 27.0,
-    "impacts under rigid laws": 1.0,
-    "impacts under rigid laws with internal variables": 1.0,
-}
-"""What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""
-
-
-def kind_of(bound: Bound, impacts: bool) -> str:
-    """Return what the loop is compiled for; that of a compliant law serves runs and impacts."""
-    rigid = bound.kernels[IMPACT] is not None
-    family = "compliant laws" if not rigid else "impacts under rigid laws" if impacts else "rigid laws"
-    return family if bound.plain else f"{family} with internal variables"
-
-
-class LoopData(NamedTuple):
-    """All that the compiled loops read and write beside the kernels of a law.
-
-    Plant, propagator and scratch of a step, each the only record of an array: of a record by itself the
-    compiler would ask for a description of its fields at every call, which takes longer than the rest of it.
-    States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
-    that another call continues the runs, by `budget` steps of each start. Where there are impacts, they are
-    integrated or evaluated instead.
-    """
-
-    plant: Any
-    propagator: Any
-    step: Any
-    states: Any
-    motions: Array
-    records: Records
-    waves: Array
-    parameters: Array
-    row: Array
-    budget: int
-    impacts: ImpactBatch
-
-
-NO_IMPACTS: Final = ImpactBatch(
-    np.zeros((0, 5)), np.zeros(0, OUTCOME), np.zeros((0, 0), MOMENT), Records.of(0, 0, 0).series
-)
-"""Impacts of a run: none."""
-
-
-@inner_kernel
-def law_of(
-    data: LoopData,
-    force: Any,
-    friction: Any,
-    impact: Any,
-    bound: Any,
-    rate: Any,
-    guard: Any,
-    jump: Any,
-    limits: Any,
-) -> Law:
-    """Return a law's kernels with its parameters."""
-    memory = _memory_of(rate, guard, jump, limits)
-    return Law(force, friction, impact, bound, data.parameters, data.row, memory)
-
-
-@inner_kernel
-def _memory_of(rate: Any, guard: Any, jump: Any, limits: Any) -> Memory | None:
-    if rate is None:
-        return None
-    return Memory(rate, guard, jump, limits)
-
-
-@kernel
-def run_compliant(
-    data: LoopData,
-    force: Any,
-    friction: Any,
-    impact: Any,
-    bound: Any,
-    rate: Any,
-    guard: Any,
-    jump: Any,
-    limits: Any,
-) -> None:
-    """Run a compliant law until the end, an ending, full contact storage or so many steps of each start.
-
-    Impacts under it are integrated by the same code, most of which is that of a contact.
-
-    Each of these functions is compiled for laws with internal variables, and for those without, whose last
-    four kernels are None.
-    """
-    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    if data.impacts.outcomes.size > 0:
-        integrate_impacts(run, data.states, data.motions, data.records, data.impacts, law, data.waves)
-    else:
-        run_law(run, data.states, data.motions, data.records, law, step_compliant, data.budget, data.waves)
-
-
-@kernel
-def run_rigid(
-    data: LoopData,
-    force: Any,
-    friction: Any,
-    impact: Any,
-    bound: Any,
-    rate: Any,
-    guard: Any,
-    jump: Any,
-    limits: Any,
-) -> None:
-    """Run a rigid law in its limit of no step or in time stepping, see `run_compliant`."""
-    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    run_law(run, data.states, data.motions, data.records, law, step_rigid, data.budget, data.waves)
-
-
-@kernel
-def evaluate_rigid(
-    data: LoopData,
-    force: Any,
-    friction: Any,
-    impact: Any,
-    bound: Any,
-    rate: Any,
-    guard: Any,
-    jump: Any,
-    limits: Any,
-) -> None:
-    """Evaluate impacts of a rigid law."""
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
-    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    evaluate_impacts(run, data.states[0], data.impacts, law)
-
-
-LOOPS: Final = {"run_compliant", "run_rigid", "evaluate_rigid"}
-"""Names of the compiled loops, one for each kind of contact."""
-
-DEFAULT_TOLERANCE = 1e-7
-"""Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
-converges with nearly twice the order of this estimate."""
 
 _sound: deque[object] = deque(maxlen=64)
 """Kernels and parameters of the last laws that passed the consistency check."""
@@ -424,6 +126,7 @@ class Prepared(NamedTuple):
             for each, signature in zip(self.bound.kernels, SIGNATURES.values(), strict=True)
         ]
         data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0, NO_IMPACTS)
+        # Compiled by types alone, with values that are never run.
         loop: Any = self._loop(impacts is not None)
         with telling(kind, SECONDS[kind]):
             loop.disable_compile(False)
@@ -528,6 +231,8 @@ class Prepared(NamedTuple):
         """
         law, rule, known, limits = self.law, self.propagator.rule, state["law"], state["limits"]
         begins, compliant = float(state["end"]), isinstance(law, PenaltyLaw)
+        # Records of a run that goes on lie on the grid of the run before, if that has one there: both
+        # together are those of one run.
         state["first"] = round((begins - state["origin"]) / interval)
         if abs(begins - (state["origin"] + state["first"] * interval)) > ON_GRID * interval:
             state["origin"], state["first"] = begins, 0
@@ -536,6 +241,8 @@ class Prepared(NamedTuple):
         state["earlier_loss"] = 0.0
         known["compliant"], known["friction_limit"] = compliant, law.friction_limit
         anew = state["signature"] != self.signature
+        # The first step under another motor, law or step sizes begins as after an event: there is no
+        # polynomial to go on from, and no impulse that errors were relative to.
         if anew:
             touching = state["phase"] == TOUCHING
             state["level"] = (
@@ -569,6 +276,7 @@ class Prepared(NamedTuple):
         # Rebounds without an end are taken as none by a rigid law itself.
         watchdog = state["watchdog"]
         watchdog["window"] = 0.0 if self.constrained else pace[0]
+        # Each variable with kinks of its own has as many events and short steps as a law without.
         kinked = kinked_variables(state)
         watchdog["most_steps"], watchdog["most_idle"] = kinked * pace[1], kinked * IDLE_LIMIT
         state["tolerance"] = self.tolerance
@@ -596,6 +304,7 @@ def prepared(
             "rigid contact needs one that a force moves. Take a compliant law, or leave that mode free."
         )
     stepped = is_stepped(law, contact_step)
+    # A step follows the fastest vibration, and none may be so short that it does not move the clock.
     rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(
@@ -654,39 +363,3 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
     row = guarded(parameters)
     memory: Any = row.base
     return row, memory[CANARIES:-CANARIES], bound, errors
-
-
-def phase_at(gap: float, rate: float) -> int:
-    """Return the first phase of a motion from its gap [m], over that of a touch-down, and gap rate [m/s]."""
-    if gap < 0.0 or (gap == 0.0 and rate < 0.0):
-        return PRESSED
-    return OPEN if gap > 0.0 else RELEASED
-
-
-def overlap_at(gap: float, law: ContactLaw) -> str:
-    """Return why a law cannot start at a gap [m]; nothing where it can."""
-    if gap >= 0.0 or isinstance(law, PenaltyLaw):
-        return ""
-    return (
-        f"The gap is {gap} m at the start; it must not be negative where the law is rigid: tip and rotor "
-        "would overlap."
-    )
-
-
-def fresh_state() -> Any:
-    """Return the state of a run at t = 0, whose phase is not set yet."""
-    # A first step continues a polynomial of zeros, of some length.
-    unknown = {"least_remainder": np.inf, "most_remainder": -np.inf, "initial_energy": np.nan}
-    state = new_record(STATE, length=1.0, **unknown)
-    state["limits"]["release_gap"] = np.inf
-    return state
-
-
-def state_in_contact(contact: State) -> Any:
-    """Return the state of a run at t = 0 that goes on in the contact of another's `Trajectory.state`.
-
-    Its motion is free, and so are its internal variables, see `Prepared.begin_with`.
-    """
-    nothing = np.zeros(0)
-    value = state_as_value(fresh_state(), nothing, nothing)
-    return state_from_value(value | {name: contact[name] for name in GOES_ON})[0]

@@ -94,9 +94,12 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
     nodes = np.sort(0.5 * (difference.roots().real + 1.0))
     nodes[-1] = 1.0
     lagrange = np.zeros((count, count))
+    # l_m of eq. 3.2: one at its own node and zero at the others.
     for m in range(count):
         others = np.delete(nodes, m)
         lagrange[m] = (Polynomial.fromroots(others) / np.prod(nodes[m] - others)).coef
+    # delta = A^-1 of eq. 3.8, from values at the nodes to rates there, of a polynomial that is zero at the
+    # start.
     powers = np.arange(1, count + 1)
     derivative = np.linalg.inv((nodes[:, None] ** powers) @ (lagrange / powers).T)
     return nodes, lagrange @ (1.0 / powers), lagrange, np.asarray(derivative, np.float64)
@@ -128,11 +131,15 @@ class Workspace:
         Steps in contact have that length at most, or `exact`ly.
         """
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
+        # All lengths are one length halved: the responses to each are computed once, however often a contact
+        # refines its steps.
         doublings = floor(log2(resolving_step(resolved_rate(plant), duration) / contact_step))
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
         names = ["stiffness", "damping", "row_u", "row_th", "row_r", "led"]
         modes = [plant.modes[name].tobytes() for name in names]
         waves = bool(plant.wave["electrodes"])
+        # All that a response depends on. The amplitudes of the tones are none of it, so that a sweep of
+        # voltages shares them.
         key = (*modes, plant.tones["omega"].tobytes(), longest, doublings, waves)
         if key == self._key:
             return self._propagator
@@ -143,6 +150,8 @@ class Workspace:
         rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
         rule.longest, rule.contact_level = longest, max(doublings, 0)
         rule.level_count = max(LEVELS, rule.contact_level + ROOM)
+        # A release leaves transients of all modes: the first step turns the fastest by a quarter of a radian
+        # at most, and later ones double.
         rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), rule.level_count - 8)
         self._key, self._propagator = key, propagator
         return propagator
@@ -188,12 +197,15 @@ def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
     """Fill the responses of one coordinate at one node, and add what the contact sees of them."""
     integrals, tip_q, tip_v = rule.integrals, results.tip_q, results.tip_v
     w = integrals[1]
+    # Eqs. 2.3 and 2.4: what the free part of the state becomes, and what a constant force does.
     response.flow[i, 0] = integrals[0] + mode.damping * w
     response.flow[i, 1] = w
     response.flow[i, 2] = -mode.stiffness * w
     response.flow[i, 3] = integrals[0]
     response.hold[i, 0] = integrals[2]
     response.hold[i, 1] = w
+    # Eq. 3.3, the answers to the Lagrange polynomials. Summed with the rows over all coordinates they are the
+    # matrices T of eqs. 3.4 and 3.7, so that an iteration costs as much with fifty modes as with two.
     u, th, r = mode.row_u, mode.row_th, mode.row_r
     for m in range(NODES):
         q, v, scale = 0.0, 0.0, 1.0

@@ -86,6 +86,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
     state, plant = run.state, run.plant
     s = state.accepted_length
     whole = s == state.length
+    # Nodes of a whole step have their motion already; a part that an event cuts off has nodes of its own.
     added = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
     if not whole:
         # The records below leave another state there.
@@ -119,7 +120,7 @@ def commit(run: Run, law: Law, records: Records) -> None:
         mode = plant.modes[j]
         mode.q[START], mode.v[START] = mode.q[LAST], mode.v[LAST]
     _watch(run, s)
-    _weigh(run)
+    _note_balance(run)
 
 
 @part_kernel
@@ -158,6 +159,7 @@ def _write_forces(run: Run, records: Records, s: float, now: float) -> None:
     left at its end, and from the right at its start.
     """
     state, start, index = run.state, run.state.time, records.passed[0]
+    # An instant at the boundary of two steps has a limit from each: the force may jump there.
     while start < now and index < records.instants.size and records.instants[index] <= now:
         due, normal, friction = records.instants[index], 0.0, 0.0
         if run.step.kind != FLIGHT:
@@ -174,6 +176,8 @@ def _write_forces(run: Run, records: Records, s: float, now: float) -> None:
 def _add_to_contact(run: Run, law: Law, s: float, p_n: float, p_t: float, lost: float) -> None:
     """Add a time [s], impulses [N s] and a loss [J] to the contact; time stepping begins with an impact."""
     state, row = run.state, run.state.contact
+    # Time stepping has its impact in the first step, whose force, impulse
+    # over step, has no limit.
     if run.step.kind == HELD and row.duration == 0.0:
         row.largest_impact, row.impact_energy_gain = p_n, max(-lost, 0.0)
     acting = _acting_time(run, law, s) if state.law.compliant != 0 else s
@@ -194,6 +198,8 @@ def _terms_until(run: Run, law: Law, last: float, s: float, apart: bool, before:
     From the record before, at time `last`, if that lies in this step and has the terms `before`: every step
     begins anew, so that no round-off builds up. The last record of a run may lie `apart` from the grid.
     """
+    # The first record in a step is read from its start. Those that follow lie one interval on, whose
+    # responses are computed once for the run; a waveform's forces change with every step.
     if last < 0.0 or apart or run.plant.wave.electrodes > 0:
         return _terms(run, law, 0.0, s, BY_FLOW)
     results, interval = run.propagator.levels[BY_RECORD], run.state.interval
@@ -246,6 +252,7 @@ def _energy(plant: Plant, place: int) -> float:
 def _explains(terms: Terms, before: float, after: float) -> bool:
     """Return whether terms explain that an energy before has become one after [J]."""
     drive, damping, friction, contact, load, _, _ = terms
+    # Eq. 6.2 over the step: for an exact motion the remainder is the error of the quadrature (6.3) alone.
     missing = after - before - drive + damping + friction + contact + load
     size = abs(drive) + damping + abs(friction) + abs(contact) + abs(load)
     return bool(abs(missing) <= UNRESOLVED * max(size, NEGLIGIBLE * max(before, after)))
@@ -267,6 +274,7 @@ def _refined_terms(run: Run, law: Law, start: float, end: float) -> Terms:
     while True:
         added = _terms(run, law, left, right - left, BY_FLOW)
         if pieces < PIECES and waiting < waiting_end.size and not _explains(added, before, after):
+            # Halved, the left part first: the right end waits with the energy that is known there.
             waiting_end[waiting], waiting_energy[waiting] = right, after
             waiting += 1
             pieces += 1
@@ -302,6 +310,7 @@ def _write_record(run: Run, law: Law, records: Records, s: float, terms: Terms) 
         normal, _, _, stored, _ = law.force(closed, rate, slip, state.impact_speed, law.parameters)
         if state.law.friction_kind != SET_VALUED:
             recovered = law.friction(closed, rate, slip, normal, law.parameters)[2]
+    # The rotor's angle and its way on a bearing: coordinates beside the tip's.
     angle, lift = 0.0, 0.0
     for j in range(run.plant.mode_count):
         mode = run.plant.modes[j]
@@ -346,6 +355,7 @@ def _powers(plant: Plant, place: int) -> tuple[float, float, float]:
     """Return the powers of drive, damping and load [W] at a place."""
     drive, damping, load = 0.0, 0.0, 0.0
     for k in range(plant.tone_count):
+        # W_d of eq. 6.2: Re(f exp(i omega t)) v, cosine and sine of the tone once for all modes.
         in_phase, quadrature = 0.0, 0.0
         for j in range(plant.mode_count):
             if plant.modes[j].led != 0:
@@ -385,6 +395,7 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
     state, step, rule = run.state, run.step, run.propagator.rule
     drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in range(NODES):
+        # Eq. 6.3: weights b_i of the Radau nodes.
         at, place = start + rule.nodes[i] * length, i
         weight = rule.weights[i] * length
         if motion == BY_FLOW:
@@ -411,6 +422,7 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
             else:
                 slip = contact_at(run.plant, place)[2]
                 loss = _forces_at(run, law, place, at)[4]
+        # Friction is the force on the tip: where it opposes the slip, its loss -F v is positive.
         friction -= weight * tangential * slip
         contact += weight * loss
         p_n += weight * normal
@@ -469,6 +481,7 @@ def _acting_time(run: Run, law: Law, s: float) -> float:
         return max(left, 0.0)
     if right == s and _acts(run, law, s - ENDING * (s - left)):
         return s
+    # Forces act or do not, with nothing that tells how far they are from ending: bisection.
     for _ in range(HALVINGS):
         middle = 0.5 * (left + right)
         if _acts(run, law, middle):
@@ -495,12 +508,14 @@ def _energies(plant: Plant, place: int) -> tuple[float, float]:
 
 
 @part_kernel
-def _weigh(run: Run) -> None:
+def _note_balance(run: Run) -> None:
     """Update the extremes of work and ledger residual after a step; the residual in free flight only."""
     state, total = run.state, run.state.total
     state.turnover = max(state.turnover, abs(total.drive_work), abs(total.load_work))
     if state.mode != FREE:
         return
+    # Eq. 6.2 solved for r, less the energy at the start. In contact the law's stored energy is evaluated at
+    # records alone.
     kinetic, strain = _energies(run.plant, START)
     left = total.load_work - total.drive_work + total.damping_loss
     left += total.friction_loss + total.contact_loss + kinetic + strain + state.limits.stored_energy
@@ -518,29 +533,29 @@ def _watch(run: Run, s: float) -> None:
     if state.law.compliant == 0 and state.watchdog.longest_quiet > 0.0:
         usual = min(step, state.watchdog.longest_quiet)
     state.watchdog.idle_steps = state.watchdog.idle_steps + 1 if s <= CRAWL * usual else 0
+    # A healthy contact takes some hundred steps in a window; one whose steps shrink without end takes them
+    # all.
     steps = state.contact_steps + state.rejected_steps
     if state.time == state.piece_end:
         state.watchdog.steps_before = min(steps, state.watchdog.steps_before + PIECE_STEPS)
+    # The window of time stepping hangs on the step alone; else intervals shrink where a contact chatters, and
+    # the window is at most some times the longest of them.
+    calm = max(state.watchdog.longest_quiet, state.time - state.watchdog.last_event, step)
+    window = state.watchdog.window
+    window = window if state.law.stepped != 0 else min(window, CALMS * calm)
     if state.watchdog.idle_steps > state.watchdog.most_idle:
         state.ending = CHATTERED if state.watchdog.events > IDLE_EVENTS else STALLED
-    elif state.time - state.watchdog.start > _window(state, step):
+    elif state.time - state.watchdog.start > window:
         state.watchdog.start, state.watchdog.events, state.watchdog.steps_before = state.time, 0, steps
     elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
     tip = tip_motion(run.plant, START)
     gap = contact_at(run.plant, START)[0]
+    # No equation here is meant for a motion that overflows, a tip that leans by a radian or one deep inside
+    # of the rotor.
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
         state.ending = DIVERGED
-
-
-@inner_kernel
-def _window(state: Any, step: float) -> float:
-    """Return the present window of the stall watchdog [s]: of time stepping it hangs on the step alone."""
-    calm = max(state.watchdog.longest_quiet, state.time - state.watchdog.last_event, step)
-    return float(
-        state.watchdog.window if state.law.stepped != 0 else min(state.watchdog.window, CALMS * calm)
-    )
 
 
 def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArray[np.int8]]:
@@ -562,6 +577,7 @@ def take_series(run: Run, records: Any) -> tuple[Array, dict[str, Array], NDArra
         impulse[:1] = state[name]
     energy = series["kinetic_energy"] + series["strain_energy"] + series["contact_energy"]
     losses = sum(series[name] for name in ("damping_loss", "friction_loss", "contact_loss", "load_work"))
+    # Eq. 6.2: what has come in, less what is lost or done on the load.
     received = series["drive_work"] - losses
     if np.isnan(state["initial_energy"]) and energy.size:
         # What another motor or law stores where it takes over was there from the start.

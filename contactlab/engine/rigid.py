@@ -23,7 +23,6 @@ from math import inf
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.friction import push_node
 from contactlab.engine.kinematics import (
     add_constant,
     checked,
@@ -33,7 +32,8 @@ from contactlab.engine.kinematics import (
     rates_in_frame,
 )
 from contactlab.engine.memory import SLIP_ROUND_OFF, recall_start
-from contactlab.engine.plant import delassus
+from contactlab.engine.nodes import push_node
+from contactlab.engine.plant import Matrix, delassus
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import HELD, INCONSISTENT, LAST, NOTHING, RELEASE, START, Law, Run, hold
 from contactlab.laws.base import SLIP, STICK
@@ -48,9 +48,6 @@ ROUND_OFF = 1e-12
 
 MOST_ITERATIONS = 50
 """Iterations of the ratio of friction to the normal force that it depends on."""
-
-Matrix = tuple[float, float, float]
-"""D_nn, D_nt, D_tt [1/kg]."""
 
 Answer = tuple[float, float, int, int]
 """Normal and friction impulse [N s], the mode, and how many answers there are."""
@@ -133,6 +130,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
     _turn_frame(run, START)
     free_response(run, level, LAST)
     if state.law.projects != 0:
+        # Predict (eqs. 49 to 51 of the paper): a pull is no contact force, and nothing is predicted with it.
         p_n, p_t, _, _ = _impulses(run, law, level, gap_rate, slip)
         _hold_forces(run, max(p_n, 0.0) / h, p_t / h if p_n > 0.0 else 0.0)
         add_constant(run, level, True, False)
@@ -144,6 +142,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
             mode = plant.modes[j]
             mode.q[LAST] -= modal_force(mode, shift * n_u, shift * n_th, 0.0)
     _turn_frame(run, LAST)
+    # Correct (eqs. 58-59): the impulses by the directions at the corrected place.
     return _impulses(run, law, level, gap_rate, slip)
 
 
@@ -171,6 +170,8 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
             continue
         normal = n_u * mode.row_u + n_th * mode.row_th
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
+        # Eq. 4.1: w_j(h)/h in place of one over the mass. A mode that turns within the step yields less, an
+        # overdamped one hardly at all.
         mobility = run.propagator.responses[level, j].hold[LAST, 1] / state.length
         nn += mobility * normal * normal
         nt += mobility * normal * tangential
@@ -183,6 +184,7 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
     else:
         p_n, p_t, friction_mode = lasting_impulses(run, law, rates, slip, d)
     state.critical_friction = nn / abs(nt) if nt != 0.0 else inf
+    # An approach that no positive impulse meets has no answer, and eq. 4.7 has several (both Painleve).
     round_off = ROUND_OFF * max(abs(gap_rate), abs(slip), abs(tangential_rate))
     count = ONE
     if p_n <= 0.0 and normal_rate < -round_off:
@@ -239,6 +241,7 @@ def lasting_impulses(
     """
     h = run.state.length
     p_n, p_t = stick_impulse(rates[0], rates[1], d[0], d[1], d[2])
+    # Slip opposes the friction of stick (eq. 4.6); a law that always slips has the sign at the step's start.
     s = -1.0 if p_t > 0.0 else 1.0 if p_t < 0.0 else 0.0
     if run.state.law.sticks == 0:
         s = 1.0 if slip > 0.0 else -1.0 if slip < 0.0 else 0.0
@@ -248,6 +251,8 @@ def lasting_impulses(
         if abs(p_t) <= h * law.bound(p_n / h, 0.0 if rests else slip, law.parameters):
             return p_n, p_t, STICK
     for side in (s, -s):
+        # The other sign only where slip of the first presses the bodies together (Painleve): then its
+        # friction parts them.
         sliding = side * max(abs(slip), SLIP_ROUND_OFF)
         ratio = sliding_ratio(law, rates[0] / h, sliding, d) if s != 0.0 else 0.0
         if np.isfinite(ratio):
@@ -282,6 +287,7 @@ def sliding_ratio(law: Law, acceleration: float, slip: float, d: Matrix) -> floa
             return np.nan
         if abs(ratio - before) <= ROUND_OFF * abs(ratio):
             break
+        # The ratio depends on N and N on the ratio; of Coulomb's law the first answer stays.
         normal = abs(acceleration) / parting
     return ratio
 

@@ -40,6 +40,7 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     state = run.state
     x = s / state.length
     if event == CONE:
+        # Room in the cone, |F| <= b about the middle of the bounds: positive in stick.
         return value_at(state.bound, x) - abs(value_at(state.friction, x) - value_at(state.bias, x))
     if event == PEAK:
         return slope_at(state.normal, x)
@@ -59,6 +60,8 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     if state.law.friction_kind == SET_VALUED or gap >= end:
         return slip
     normal = max(value_at(state.normal, x), 0.0)
+    # A slider slips by what its spring does not take: the difference of the rate with which it would stretch
+    # and that with which its bound lets it.
     stretching = friction_at(law, (gap, rate, slip), end, normal)[1]
     return stretching - value_at(state.internal_rate, x)
 
@@ -79,6 +82,8 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
     before = left
     s = right
     for _ in range(100):
+        # The secant through both ends, which keeps the bracket. Round-off may put it onto an end, or NaN
+        # anywhere: then the middle.
         s = (at_left * right - at_right * left) / (at_left - at_right)
         if not left < s < right:
             s = 0.5 * (left + right)
@@ -86,6 +91,8 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
         if abs(value) <= digit or abs(s - before) <= TIME_DIGIT * run.state.length:
             break
         before = s
+        # The new value replaces the end of its sign. An end that stays a second time has its value halved:
+        # for a curved function the secants would otherwise approach the zero from one side, and slowly.
         if value * at_right > 0.0:
             right, at_right = s, value
             if stayed < 0:
@@ -124,6 +131,8 @@ def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     slides = slides and not keeps_slip(run)
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
+        # From node to node, as the values there are known already: an event is looked for where one of its
+        # signs has changed. All that happens in one interval is located, and the earliest is taken.
         opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
         first, s, until = NOTHING, right, right
         for event in (CONE, REVERSAL, SUMMIT, RELEASE):
@@ -163,6 +172,7 @@ def first_guard(run: Run, law: Law, memory: Memory | None, event: int, s: float)
     state, chosen = run.state, run.state.guard
     for guard in range(state.law.guards):
         state.guard = guard
+        # Only up to the earliest event so far: what lies behind it does not happen.
         left, before = 0.0, guard_at(run, law, memory, 0.0)
         for i in range(NODES):
             right = min(run.propagator.rule.nodes[i] * state.length, s)
@@ -221,6 +231,8 @@ def _track(run: Run, law: Law, contact: Any, first: float, gap: float, rate: flo
         if right == s:
             break
         left, before = right, now
+    # A peak of the polynomial itself: nodes would miss it by the square of their distance, and differently
+    # for every length of steps.
     if slope_at(state.normal, first / h) > 0.0 > slope_at(state.normal, s / h):
         at = locate(run, law, PEAK, first, s, 0.0)
         peak = max(peak, value_at(state.normal, at / h))

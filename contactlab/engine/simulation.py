@@ -11,18 +11,17 @@ from contactlab.arrays import Array
 from contactlab.checks import ON_GRID
 from contactlab.engine.explanation import balanced
 from contactlab.engine.flight import CLEAR
-from contactlab.engine.kinematics import contact_from, contacts_from
-from contactlab.engine.plant import modes_of, root_inertia
-from contactlab.engine.preparation import (
+from contactlab.engine.initial_state import (
     AT_REST,
-    Prepared,
     check_start,
     fresh_state,
     overlap_at,
     phase_at,
-    prepared,
     state_in_contact,
 )
+from contactlab.engine.kinematics import contact_from, contacts_from
+from contactlab.engine.plant import modes_of, root_inertia
+from contactlab.engine.preparation import Prepared, prepared
 from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     BEFORE,
@@ -82,7 +81,7 @@ def simulate(
         duration: [s], positive; after the start that is continued.
         record_interval: [s], positive and at most the duration. The last record lies at the end.
         contact_step: longest step in contact of a penalty law [s], or the step of the time stepping of a
-            multiplier law; None takes that of `contactlab.engine.preparation.default_contact_step`.
+            multiplier law; None takes that of `contactlab.engine.defaults.default_contact_step`.
         tolerance: error of a collocated step [1]; None takes the default. Time stepping has none.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
         memory: values at t = 0 of the law's internal variables whose life is the run, in the order of
@@ -221,8 +220,10 @@ def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
         state["earlier_loss"] = start["limits.stored_energy"] - state["limits"]["stored_energy"]
         return none
     inertia = root_inertia(ready.plant) / start["root_inertia"]
+    # The rotor's coordinate is sqrt(J) alpha (eq. 1.8): with another J the same angle is another number.
     q[-1], v[-1] = inertia * q[-1], inertia * v[-1]
     gap, rate, _ = contact_from(ready.plant, q, v)
+    # Another clearance or geometry moves the contact: what touched may be open, and the reverse.
     moved, compliant = gap != state["gap"], state["law"]["compliant"] != 0
     if moved and (fault := overlap_at(gap, ready.law)):
         raise ValueError(fault)
@@ -271,6 +272,7 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any
     if not ending.reached_end:
         state["end"] = state["time"]
         run.step["saved"][0], modes["saved_q"], modes["saved_v"] = state, q, v
+    # What a run under another motor needs to know of this one.
     state["gap"], state["root_inertia"] = contact_from(run.plant, q, v)[0], root_inertia(run.plant)
     for name in ("normal_force", "friction_force", "energy_residual"):
         if series[name].size:
@@ -372,6 +374,8 @@ class Flow:
             some["contact_count"] = 0
             whole[going], motions[going] = some.view(BYTES), moved
             going = going[(some["time"] < some["end"]) & (some["ending"] == RUNNING)]
+        # A sentence is made from the motor's state where its run ended, which the plant holds for one run at
+        # a time.
         for i in np.flatnonzero(states["ending"] != RUNNING):
             made["q"][:, START], made["v"][:, START] = motions[i]
             messages[i] = ready.explain(ready.run_of(states[i]))[1]

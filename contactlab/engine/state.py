@@ -111,7 +111,7 @@ LAW: Final = record(
     ("variables", int),  # number of internal variables
     ("coupled", int),  # number of those that are solved together with the friction, 0 or 1
     ("parity", int),  # ODD or EVEN, of the coupled one
-    ("variables_mark", int),  # identifies the internal variables, see `preparation.memory_mark`
+    ("variables_mark", int),  # identifies the internal variables, see `initial_state.memory_mark`
     ("guards", int),  # number of guards
     ("has_limits", int),  # whether contact begins and ends at gaps of the law's own
 )

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.checks import check_kind, checked_arguments
-from contactlab.engine.preparation import check_law
+from contactlab.engine.arguments import check_law
 from contactlab.impacts import FASTEST, NORMAL, delassus_of, normal_quantities
 from contactlab.inference.free_parameters import (
     FreeParameter,

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import Flow, simulate
-from contactlab.engine.preparation import memory_mark
+from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.state import TOUCHING, State
 from contactlab.laws.base import SET_VALUED, STICK, ContactLaw, MultiplierLaw
 from contactlab.laws.memory import InternalVariable

@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
-from contactlab.engine.preparation import memory_mark
+from contactlab.engine.initial_state import memory_mark
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson

@@ -10,7 +10,7 @@ from support.command_line import Command, left_behind
 
 from contactlab.compiler import notice as compilation
 from contactlab.compiler.notice import Compiled
-from contactlab.engine.preparation import SECONDS
+from contactlab.engine.compiled_loops import SECONDS
 
 
 @pytest.fixture

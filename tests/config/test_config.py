@@ -12,7 +12,7 @@ from contactlab.checks import MOST_RECORDS
 from contactlab.config import ConfigurationError, build, rebuild, validate
 from contactlab.config.groups import BASES, keys_of_law
 from contactlab.config.options import groups, known_keys
-from contactlab.engine.preparation import DEFAULT_TOLERANCE
+from contactlab.engine.defaults import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, hertz_stiffness
 
 

@@ -20,6 +20,8 @@ SCRIPT = re.compile(r"\bpython ((?:experiments|benchmarks|docs/tools|validation)
 MODULE = re.compile(r"`((?:contactlab|experiments|benchmarks|docs|tests|conf)/[\w/]*(?:/|\.\w+))`")
 COMMAND = re.compile(r"`contactlab (?:-m )?([a-z][\w-]*)[ `]")
 SHELL = re.compile(r"^```bash\n(.*?)^```", re.DOTALL | re.MULTILINE)
+TAG = re.compile(r"\\tag\{(\d\.\d+[a-z]?)\}")
+EQUATION = re.compile(r"\beqs?\. \(?(\d\.\d+[a-z]?)\)?(?:,? (?:and|or|to) \(?(\d\.\d+[a-z]?))?", re.I)
 LINE = re.compile(r"^contactlab (?:-m )?([a-z][\w-]*)(?= |$)", re.MULTILINE)
 
 
@@ -36,3 +38,11 @@ def test_what_a_page_refers_to_exists(page: Path) -> None:
     verbs = COMMAND.findall(text) + LINE.findall("".join(SHELL.findall(text)))
     missing += [verb for verb in verbs if verb not in {*VERBS, *studies(), "help"}]
     assert not missing
+
+
+def test_equations_that_comments_of_the_engine_name_stand_in_the_theory() -> None:
+    tags = {tag for page in (ROOT / "docs/theory").glob("*.md") for tag in TAG.findall(page.read_text())}
+    sources = (re.sub(r"\s+#?\s*", " ", file.read_text()) for file in ROOT.glob("contactlab/engine/*.py"))
+    named = {number for source in sources for pair in EQUATION.findall(source) for number in pair} - {""}
+    assert len(named) >= 40
+    assert not named - tags

@@ -7,7 +7,7 @@ from support.motors import case_a, every_law, hertz, run
 
 from contactlab.config import Setup, build
 from contactlab.engine import simulate
-from contactlab.engine.preparation import default_contact_step
+from contactlab.engine.defaults import default_contact_step
 from contactlab.laws import ContactLaw, LagrangeSlip, LagrangeStick, MultiplierLaw, Newton, Poisson, Stronge
 from contactlab.motor.drive import Drive
 from contactlab.motor.motor import Motor

@@ -9,9 +9,10 @@ from support.motors import default_motor, hertz, random_motor
 
 import contactlab as cl
 from contactlab.engine.flight import curvature_bound
+from contactlab.engine.initial_state import fresh_state
 from contactlab.engine.kinematics import begin, flow_to, free_accelerations, tip_motion
 from contactlab.engine.plant import modes_of
-from contactlab.engine.preparation import fresh_state, prepared
+from contactlab.engine.preparation import prepared
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import BETWEEN, FLIGHT, START
 from contactlab.motor.motor import Motor

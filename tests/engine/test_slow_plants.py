@@ -12,7 +12,7 @@ import contactlab as cl
 from contactlab import checks
 from contactlab.checks import MOST_RECORDS
 from contactlab.config import ConfigurationError
-from contactlab.engine.preparation import (
+from contactlab.engine.defaults import (
     CONTACT_TURN,
     DEFAULT_COUNT,
     RECORD_INTERVAL,

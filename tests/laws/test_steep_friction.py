@@ -15,7 +15,7 @@ from scipy.interpolate import PPoly
 import contactlab as cl
 from contactlab.checks import SMALLEST_STEP
 from contactlab.engine import simulate
-from contactlab.engine.preparation import default_contact_step
+from contactlab.engine.defaults import default_contact_step
 from contactlab.motor.bodies import way_of
 from contactlab.trajectory import Trajectory
 

@@ -1,0 +1,53 @@
+"""Record interval, step in contact and tolerance of a run that is given none."""
+
+from typing import Final
+
+from contactlab.checks import SMALLEST_STEP
+from contactlab.engine.plant import persisting_rates
+from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.motor.motor import Motor
+
+DEFAULT_TOLERANCE = 1e-7
+"""Error of the force at a compliant step's start, as an impulse over that of the contact; the step's end
+converges with nearly twice the order of this estimate."""
+
+RECORD_INTERVAL: Final = 1e-6
+"""Shortest default time between records [s]."""
+
+RECORD_TURN, CONTACT_TURN = 1.0 / 32.0, 1.0 / 512.0
+"""Longest default record interval and step in contact, times the fastest rate that persists [rad]."""
+
+DEFAULT_COUNT: Final = 1e5
+"""Number of records, and of longest steps in contact, beyond which their defaults shorten no more."""
+
+
+def default_record_interval(motor: Motor, duration: float) -> float:
+    """Return the time between records [s] of a run that has none of its own.
+
+    It is a microsecond for fast motors and short runs, a share of the shortest period for slow ones, see
+    `for_slow`, and at most the duration.
+    """
+    return min(for_slow(RECORD_INTERVAL, RECORD_TURN, motor, duration), duration)
+
+
+def default_contact_step(motor: Motor, law: ContactLaw, duration: float) -> float | None:
+    """Return the step in contact [s] of a law on a motor; None of a rigid law, which is solved in its limit.
+
+    Of a compliant law, whose error does not depend on it, it is the law's `default_contact_step`, or longer
+    for slow motors, see `for_slow`, and for runs of which it would be no part that moves the clock.
+    """
+    if isinstance(law, PenaltyLaw):
+        shortest = max(law.default_contact_step, SMALLEST_STEP * duration)
+        return for_slow(shortest, CONTACT_TURN, motor, duration)
+    return None
+
+
+def for_slow(shortest: float, turn: float, motor: Motor, duration: float) -> float:
+    """Return a time [s] by which the fastest rate that persists turns by an angle [rad].
+
+    It is at most the duration over `DEFAULT_COUNT`, as where nothing vibrates, and at least the shortest.
+    """
+    rates = persisting_rates(motor.modes.stiffness, motor.modes.damping)
+    rate = max(rates.max(initial=0.0), motor.drive.angular_frequency.max(initial=0.0))
+    longest = duration / DEFAULT_COUNT
+    return max(shortest, float(min(turn / rate, longest)) if rate > 0.0 else longest)
