@@ -16,23 +16,13 @@ from contactlab.inference.paired import EQUAL, GREATER, INCONCLUSIVE, LESS, NONE
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
 from contactlab.steady_state import NotSettledError
-from contactlab.studies.compare.draws import (
-    USUAL,
-    Distribution,
-    Drawn,
-    Factor,
-    Posteriors,
-    Prior,
-    as_configured,
-    configuration_of,
-    damped,
-    drawn,
-    factors_of,
-    left_fixed,
-    on_other_basis,
-)
+from contactlab.studies.compare.factors import USUAL, Factor, as_configured, factors_of, left_fixed
+from contactlab.studies.compare.hypercube import drawn
 from contactlab.studies.compare.laws import run_of_setup
+from contactlab.studies.compare.motors import Drawn, configuration_of, damped, on_other_basis
 from contactlab.studies.compare.pairs import Settled, population_of
+from contactlab.studies.compare.posteriors import Posteriors
+from contactlab.studies.compare.priors import Distribution, Prior
 
 EXACT: dict[str, Distribution] = {factor.keys[0]: 0.0 for factor in USUAL}
 """The usual parameters, known exactly: only the start is drawn."""
@@ -189,12 +179,12 @@ def test_a_motor_without_a_steady_state_is_an_outcome(
 
     def observed(setup: cl.Setup, names: Any) -> tuple[str, dict[str, cl.Estimate]]:
         value, number = next(values), next(count)
-        # The first sixteen are eight motors as configured.
-        if number % 2 and number >= 16 and number // 2 % 16 < 9:
+        # The first eight are four motors as configured, those of `REPEATS`.
+        if number % 2 and number >= 8 and number // 2 % 16 < 9:
             raise NotSettledError("It drifts.")
         return "periodic", dict.fromkeys(names, value)
 
-    monkeypatch.setattr("contactlab.studies.compare.draws.observed", observed)
+    monkeypatch.setattr("contactlab.studies.compare.observables.observed", observed)
     result = cl.compare(setups, samples=16, starts=1, vary=EXACT, observe=["rotor_velocity"], workers=1)
     here = pair(result)
     assert int((here["outcome"] == NONE).sum()) == 9
@@ -440,7 +430,7 @@ def test_what_a_law_of_ones_own_declares_is_varied_and_the_rest_is_left_fixed(
         "law.k1": Parameter("k1", "N m-1", "stiffness", above=0.0, spread=0.4),
         "law.k2": Parameter("k2", "N m-1", "stiffness", above=0.0),
     }
-    monkeypatch.setattr("contactlab.studies.compare.draws.declared_in", lambda _: declared)
+    monkeypatch.setattr("contactlab.studies.compare.factors.declared_in", lambda _: declared)
     factors = factors_of([own], {})
     named = {factor.name: (factor.keys, factor.a) for factor in factors}
     assert named["law.k1"] == (("law.k1",), 0.4)

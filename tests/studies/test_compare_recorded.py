@@ -13,7 +13,7 @@ from support.configurations import LAWS, leave, leave_all
 
 import contactlab as cl
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, assess, read_run
-from contactlab.metrics.convergence import richardson
+from contactlab.refinement import richardson
 from contactlab.studies.compare.figures import contacts_of, draw_energy
 from contactlab.studies.compare.laws import read_runs
 from contactlab.studies.compare.scorecard import Reruns, energy_flow, motion
