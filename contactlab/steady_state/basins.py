@@ -82,6 +82,7 @@ def attractors(
     velocity: float | None = None,
     excitation: Annotated[float, not_negative("", "1", "largest amplitude of a mode")] = 2.0,
     longest: int = LONGEST,
+    own: Steady | None = None,
 ) -> tuple[Attractor, ...]:
     """Compute the steady states that a motor reaches from its own start and from others drawn at random.
 
@@ -105,6 +106,7 @@ def attractors(
         velocity: [rad/s]; None is the largest with which the tip moves along the rotor without contact.
         excitation: [1].
         longest: as of `contactlab.steady`.
+        own: the steady state that the motor reaches from its own start; None computes it.
 
     Returns:
         What was reached, by falling share. The shares sum to less than 1 where runs broke off or came to no
@@ -116,9 +118,9 @@ def attractors(
     """
     setup = steady_setup(motor, law)
     states: list[tuple[Steady, int]] = []
-    for start in _starts(setup, count, seed, velocity, excitation):
+    for number, start in enumerate(_starts(setup, count, seed, velocity, excitation)):
         try:
-            reached = steady(start, longest=longest)
+            reached = own if own is not None and number == 0 else steady(start, longest=longest)
         except UnboundedError:
             raise
         except (BrokenOffError, NotSettledError):

@@ -49,11 +49,16 @@ class Means:
 
 def settled(setup: Setup) -> Steady:
     """Compute the steady state that a setup reaches from its own start; errors as of `contactlab.steady`."""
+    return settled_soon(setup)[0]
+
+
+def settled_soon(setup: Setup) -> tuple[Steady, bool]:
+    """Compute the steady state of `settled`, and return whether it was reached within `LONGEST`."""
     try:
-        return steady(setup, longest=LONGEST)
+        return steady(setup, longest=LONGEST), True
     # A light contact takes its time.
     except NotSettledError:
-        return steady(setup)
+        return steady(setup), False
 
 
 def means_of(state: Steady) -> Means:

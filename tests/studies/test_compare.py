@@ -1,5 +1,6 @@
 """The study `compare` on settled motors: pairs of laws in motors that are drawn alike for all laws."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from contactlab.inference.calibration import Datum
 from contactlab.inference.paired import EQUAL, GREATER, INCONCLUSIVE, LESS, NONE
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
-from contactlab.steady_state import NotSettledError
+from contactlab.steady_state import NotSettledError, Steady, steady
 from contactlab.studies.compare.factors import USUAL, Factor, as_configured, factors_of, left_fixed
 from contactlab.studies.compare.hypercube import drawn
 from contactlab.studies.compare.laws import run_of_setup
@@ -190,6 +191,26 @@ def test_a_motor_without_a_steady_state_is_an_outcome(
     assert int((here["outcome"] == NONE).sum()) == 9
     assert float(here["outcome_share"].max()) == pytest.approx(9 / 16)
     assert int(here["order"]) == INCONCLUSIVE
+
+
+def test_every_steady_state_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps, basis and start as configured serve scorecard and pairs; no law's number moves the other law."""
+    computed: Counter[tuple[str, ...]] = Counter()
+
+    def counted(setup: cl.Setup, **options: Any) -> Steady:
+        start = setup.motor.start
+        computed[str(setup.configuration), str(start), str(options.get("belt"))] += 1
+        return steady(setup, **options)
+
+    for module in ("steady_state.means", "steady_state.basins", "studies.compare.observables"):
+        monkeypatch.setattr(f"contactlab.{module}.steady", counted)
+    setups = [setup_of(law) for law in ("lagrange_stick", "hertz_penalty")]
+    quantities, vary = ["rotor_velocity", "stall_torque"], EXACT | {"law.stiffness": 0.3}
+    cl.compare(setups, samples=1, starts=2, vary=vary, observe=quantities, workers=1)
+    # Three steps, basis, friction, another start, four repeats, a draw; the rotor at rest in nine of them.
+    assert {*computed.values()} == {1}
+    # Of Hertz's law one with another stiffness, moving and at rest.
+    assert computed.total() == 2 * (11 + 9) + 2
 
 
 def test_another_start_shows_that_a_response_is_no_function_of_its_inputs() -> None:

@@ -43,12 +43,12 @@ def compared(
     design, parts = Design.of(grid, vary, samples, quantities, None), {}
     for key, motor in (design.nominal() | design.drawn(0, samples)).items():
         drawn = dict(zip([factor.name for factor in motor.factors], motor.draw.tolist(), strict=True))
-        values = np.array([value(law, drawn) for law in grid.laws], float)
+        values = np.array([value(law, drawn) for law in motor.laws], float)
         both = {
             "value": (("law", "quantity"), values),
             "error": (("law", "quantity"), np.zeros(values.shape)),
         }
-        dataset = xarray.Dataset(both | {"failure": ("law", [""] * len(laws))})
+        dataset = xarray.Dataset(both | {"failure": ("law", [""] * len(values))})
         parts[key] = xarray.DataTree(dataset)
     card = scorecard([Reruns(run_of_setup(law, x, law)) for law, x in grid.first.items()], [])
     return with_pairs(card.assign_attrs(limits=""), design, parts, margin)

@@ -106,6 +106,14 @@ def on_other_basis(setup: Setup) -> tuple[dict[str, Any], str]:
     return {**configuration, "resonator": other, "drive": drive | frequency}, change
 
 
+def is_changed(setup: Setup, factor: Factor, posterior: Posteriors | None) -> bool:
+    """Return whether a factor changes a law's motor; numbers and posteriors of other laws do not."""
+    if factor.name == POSTERIOR and posterior:
+        return bool(posterior.values(setup, 0.0))
+    settings = flat(setup.configuration)
+    return any(key in settings or not key.startswith("law.") for key in factor.keys)
+
+
 @final
 class Drawn(NamedTuple):
     """A motor to be computed under every law.
@@ -114,12 +122,14 @@ class Drawn(NamedTuple):
         laws: setups, or their configurations, by law.
         factors, draw: what is changed, and where to; nothing of a motor as configured.
         posterior: of the laws' numbers.
+        others: key of the motor as configured, which stands for the laws that are not here.
     """
 
     laws: Mapping[str, Any]
     factors: tuple[Factor, ...] = ()
     draw: Array = np.empty(0)
     posterior: "Posteriors | None" = None
+    others: str = ""
 
     def under(self, law: str) -> Setup:
         """Return the motor under a law."""

@@ -1,6 +1,6 @@
 """The paired comparison: motors as configured and drawn, and outcomes of pairs of laws over the draws."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import product
@@ -34,11 +34,11 @@ from contactlab.refinement import LEVELS, Refinement
 from contactlab.studies.compare.factors import POSTERIOR, START, Factor, factors_of
 from contactlab.studies.compare.hypercube import SEED, drawn
 from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
-from contactlab.studies.compare.motors import Drawn, on_other_basis
-from contactlab.studies.compare.observables import OBSERVABLES, do_draw, observation, under_laws
+from contactlab.studies.compare.motors import Drawn, is_changed, on_other_basis
+from contactlab.studies.compare.observables import OBSERVABLES, do_draw, under_laws
 from contactlab.studies.compare.posteriors import Posteriors
 from contactlab.studies.compare.priors import Distribution
-from contactlab.studies.compare.scorecard import OBSERVED_IN, task_key
+from contactlab.studies.compare.scorecard import OBSERVED_IN, observation_in, task_key
 from contactlab.studies.study import Task
 
 CLEAR: Final = 3.0
@@ -151,8 +151,8 @@ class Design:
     def nominal(self) -> dict[str, Drawn]:
         """Return the motors as configured by key: at each step, on the other basis, and `REPEATS`.
 
-        Those of which motors are drawn are also computed with one factor at `FAR` of its range. Motors made
-        in Python have the steps alone.
+        Those of which motors are drawn are also computed with one factor at `FAR` of its range, under the
+        laws that it changes. Motors made in Python have the steps alone.
         """
         works: dict[str, Callable[[Setup], Any]] = {
             f"step {step}": partial(_refined, step=step) for step in range(LEVELS)
@@ -168,10 +168,15 @@ class Design:
         }
         return configured | {
             _configured(cell, f"with {factor.name} {digest}"): Drawn(
-                {law: self.grid.setups[law, cell] for law in self.grid.laws},
+                {
+                    law: setup
+                    for law in self.grid.laws
+                    if is_changed(setup := self.grid.setups[law, cell], factor, self.posterior)
+                },
                 (factor,),
                 factor.at(np.array([FAR])),
                 self.posterior,
+                _configured(cell, "step 0"),
             )
             for factor in self.moved
             for cell in self.grid.cells
@@ -204,19 +209,24 @@ class Design:
             if key not in self.reruns:
                 yield Task(key, do_draw, (motor, self.names))
 
-    def _observed(self, parts: Mapping[str, xarray.DataTree], key: str) -> xarray.Dataset:
-        """Return the quantities of a motor under every law."""
-        if key in parts:
-            return parts[key].to_dataset()
-        trees = [parts[rerun] for rerun in self.reruns[key]]
-        return under_laws(
-            [
-                tree["observed"].to_dataset()
-                if "observed" in tree.children
-                else observation(self.names, failure=tree.attrs["failure"])
-                for tree in trees
-            ]
-        )
+    def _observed(
+        self, parts: Mapping[str, xarray.DataTree], motors: Mapping[str, Drawn]
+    ) -> Iterator[xarray.Dataset]:
+        """Yield the quantities of each motor under every law."""
+        for key, motor in motors.items():
+            if key in self.reruns and key not in parts:
+                reruns = [parts[rerun] for rerun in self.reruns[key]]
+                yield under_laws([observation_in(rerun, self.names) for rerun in reruns])
+                continue
+            data, laws = parts[key].to_dataset(), [*motor.laws]
+            if motor.others and len(laws) < len(self.grid.laws):
+                (others,) = self._observed(parts, {motor.others: motors[motor.others]})
+                rows = [
+                    data.isel(law=laws.index(law)) if law in laws else others.isel(law=place)
+                    for place, law in enumerate(self.grid.laws)
+                ]
+                data = under_laws(rows)
+            yield data
 
     def spent(self, parts: Mapping[str, xarray.DataTree]) -> int:
         """Return the number of draws that are finished: a look's, or none."""
@@ -226,12 +236,12 @@ class Design:
         """Return the settled motors of a number of draws."""
         laws, cells, quantities = len(self.grid.laws), len(self.grid.cells), len(self.names)
 
-        def every(name: str, motors: Iterable[str], number: int) -> Array:
-            values = np.array([self._observed(parts, key)[name].values for key in motors])
+        def every(name: str, motors: Mapping[str, Drawn], number: int) -> Array:
+            values = np.array([data[name].values for data in self._observed(parts, motors)])
             return np.moveaxis(values.reshape(number, cells, laws, quantities), 2, 0)
 
         def by_draw(name: str) -> Array:
-            motors = [key for n in range(count) for key in self.drawn(n, n + 1)]
+            motors = {key: motor for n in range(count) for key, motor in self.drawn(n, n + 1).items()}
             return np.moveaxis(every(name, motors, count), 1, 3)
 
         configured = every("value", nominal := self.nominal(), len(nominal) // cells)
@@ -245,7 +255,7 @@ class Design:
     def failures(self, parts: Mapping[str, xarray.DataTree], count: int) -> str:
         """Return a sentence on the motors without a steady state; empty where there are none."""
         motors = self.nominal() | self.drawn(0, count)
-        reasons = np.array([self._observed(parts, key)["failure"].values for key in motors], str)
+        reasons = np.array([data["failure"].values for data in self._observed(parts, motors)], str)
         failed = reasons != ""
         if not failed.any():
             return ""

@@ -17,8 +17,8 @@ from contactlab.metrics.balances import SPENT, STORED
 from contactlab.refinement import LEVELS, Refinement
 from contactlab.results.netcdf import cf_attributes, to_datatree
 from contactlab.settling.statistics import PERIODIC, WITHOUT_CONTACT
-from contactlab.steady_state import NotSettledError, attractors
-from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled
+from contactlab.steady_state import NotSettledError, Steady, attractors
+from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled_soon
 from contactlab.studies.compare.motors import on_other_basis
 from contactlab.studies.compare.observables import observation, quantities_of
 from contactlab.studies.study import Part, Task
@@ -84,7 +84,7 @@ def reruns_of(setup: Setup, *, refine: bool) -> Iterator[Rerun]:
 def tasks_of(
     label: str, setup: Setup, *, refine: bool, starts: int, observe: Sequence[str] = ()
 ) -> dict[str, Task]:
-    """Return the tasks of a law by name: settled motions, and steady states from several starts.
+    """Return the tasks of a law by name: settled motions, the first with steady states of several starts.
 
     Args:
         label: of the law.
@@ -93,13 +93,19 @@ def tasks_of(
         starts: initial conditions.
         observe: quantities of the reruns of `OBSERVED_IN`, that the paired comparison takes from them.
     """
-    works: dict[str, tuple[Any, ...]] = {
-        name: (settled_motion, rerun, observe if name in OBSERVED_IN else ())
+    return {
+        name: Task(
+            task_key(label, name),
+            attempt,
+            (
+                settled_motion,
+                rerun,
+                observe if name in OBSERVED_IN else (),
+                starts if name == OBSERVED_IN[0] else 1,
+            ),
+        )
         for name, _, rerun in reruns_of(setup, refine=refine)
     }
-    if refine and starts > 1:
-        works["starts"] = steady_states, setup, starts
-    return {name: Task(task_key(label, name), attempt, work) for name, work in works.items()}
 
 
 def task_key(label: str, name: str) -> str:
@@ -116,20 +122,24 @@ def attempt(work: Callable[..., xarray.DataTree], *arguments: Any) -> Part:
         return Part(xarray.DataTree(xarray.Dataset(attrs={"failure": failure_of(error), "settles": settles})))
 
 
-def settled_motion(rerun: Setup | dict[str, Any], observe: Sequence[str] = ()) -> xarray.DataTree:
-    """Return the settled motion with its means, and the quantities that are observed of it."""
+def settled_motion(
+    rerun: Setup | dict[str, Any], observe: Sequence[str] = (), starts: int = 1
+) -> xarray.DataTree:
+    """Return the settled motion with its means, quantities that are observed, and those from other starts."""
     setup = rerun if isinstance(rerun, Setup) else build(rerun)
-    state = settled(setup)
+    state, soon = settled_soon(setup)
     tree = to_datatree(motion_of(state), setup.configuration)
     tree["means"] = _tree_of([means_of(state)])
     if observe:
         tree["observed"] = xarray.DataTree(observation(observe, lambda: quantities_of(state, observe)))
+    if starts > 1:
+        tree["starts"] = attempt(steady_states, setup, starts, state if soon else None).data
     return tree
 
 
-def steady_states(setup: Setup, starts: int) -> xarray.DataTree:
+def steady_states(setup: Setup, starts: int, own: Steady | None) -> xarray.DataTree:
     """Return the steady states that a motor reaches from several initial conditions."""
-    return _tree_of([means_of(a.steady) for a in attractors(setup, starts, longest=LONGEST)])
+    return _tree_of([means_of(a.steady) for a in attractors(setup, starts, longest=LONGEST, own=own)])
 
 
 def _tree_of(means: Sequence[Means]) -> xarray.DataTree:
@@ -146,6 +156,13 @@ def means_in(tree: xarray.DataTree) -> list[Means]:
     data = tree.to_dataset()
     kinds = data.attrs["kinds"].split("|")
     return [Means(*each) for each in zip(kinds, data["value"].values, data["error"].values, strict=False)]
+
+
+def observation_in(tree: xarray.DataTree, names: Sequence[str]) -> xarray.Dataset:
+    """Return the quantities that a part has observed; those of one that fails are NaN."""
+    if "observed" in tree.children:
+        return tree.children["observed"].to_dataset()
+    return observation(names, failure=tree.attrs["failure"])
 
 
 @final
@@ -194,11 +211,12 @@ class Reruns:
                 return cls(run, setup, notes=[note])
         if refine and "friction" not in parts:
             law.notes.append(f"{run.label} has no friction coefficient to change.")
-        if "starts" in parts:
-            if failure := parts["starts"].attrs.get("failure", ""):
+        first = parts.get(OBSERVED_IN[0], xarray.DataTree())
+        if "starts" in first.children:
+            if failure := first.children["starts"].attrs.get("failure", ""):
                 law.notes.append(f"{run.label} fails from other starts: {failure}")
             else:
-                law.states["starts"] = means_in(parts["starts"])
+                law.states["starts"] = means_in(first.children["starts"])
         return law
 
     @property
