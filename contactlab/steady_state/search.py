@@ -61,6 +61,7 @@ def steady(
     begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None, None
     if isinstance(start, Steady):
         begins = start.end
+        # Internal variables and a contact that lasts are those of one law.
         if memory_mark(start.setup.law) != memory_mark(setup.law):
             begins = *begins[:3], None, None
     elif start is not None:
@@ -116,12 +117,14 @@ def _loaded(setup: Setup, torque: float) -> Setup:
 
 def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
     """Compute the steady state without load, then that with the brake against its rotation."""
+    # The brake acts against the rotation that there is without load, once that is known.
     free = settled(_loaded(setup, 0.0), None, begins, longest)
     assert free is not None
     sense = float(np.sign(free.velocity[0])) if free.kind != WITHOUT_CONTACT else 0.0
     loaded = _loaded(setup, sense * brake)
     state = _turning(loaded, free, longest, sense) if sense else None
     if state is None:
+        # The rotor stands: hold it there, and see what the contact would turn it with.
         still = settled(loaded, 0.0, free.end, longest)
         assert still is not None
         state = replace(still, kind=STANDING)
@@ -221,6 +224,7 @@ def converged(
     steps: list[Steady] = []
     for value, finer in zip(values, refinement.setups(setup), strict=True):
         tell_progress(f"{control} {value:.3g}", len(steps) / len(values))
+        # Each step starts in the state of the one before, so that all are of one orbit.
         steps.append(steady(finer, **arguments))
         arguments["start"] = steps[-1]
     return Converged(refinement, tuple(steps))
