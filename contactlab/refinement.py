@@ -52,11 +52,11 @@ class Refinement:
 
         >>> import contactlab as cl
         >>> from contactlab.refinement import Refinement
-        >>> refinement = Refinement.of(cl.build(["law=lagrange_stick"]))
+        >>> refinement = Refinement.of(cl.build(["law=lagrange_stick", "solver.contact_step=4 us"]))
         >>> refinement.control, refinement.values
         ('contact_step', (4e-06, 2e-06, 1e-06))
-        >>> refinement.error([1.0 + h for h in (0.4, 0.2, 0.1)])
-        0.1
+        >>> refinement.error([9.0, 7.0, 6.0])
+        1.0
 
     Args:
         factor: r, ratio of successive steps.

@@ -193,6 +193,23 @@ def test_a_motor_without_a_steady_state_is_an_outcome(
     assert int(here["order"]) == INCONCLUSIVE
 
 
+def test_a_law_without_a_steady_state_as_configured_has_no_numbers_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def drifting(setup: cl.Setup) -> tuple[Steady, bool]:
+        if setup.law.name == "newton":
+            raise NotSettledError("It drifts.")
+        return steady(setup), True
+
+    monkeypatch.setattr("contactlab.studies.compare.scorecard.settled_soon", drifting)
+    setups = [setup_of(law) for law in ("newton", "hertz_penalty")]
+    data = cl.compare(setups, samples=0, starts=1, observe=["rotor_velocity"], workers=1).data.to_dataset()
+    for name in ("nominal", "other_basis"):
+        known = np.isfinite(data[name]).all([dim for dim in data[name].dims if dim != "law"])
+        assert known.values.tolist() == [False, True]
+    assert "newton 4" in data.attrs["notes"]
+
+
 def test_every_steady_state_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps, basis and start as configured serve scorecard and pairs; no law's number moves the other law."""
     computed: Counter[tuple[str, ...]] = Counter()
@@ -204,13 +221,13 @@ def test_every_steady_state_is_computed_once(monkeypatch: pytest.MonkeyPatch) ->
 
     for module in ("steady_state.means", "steady_state.basins", "studies.compare.observables"):
         monkeypatch.setattr(f"contactlab.{module}.steady", counted)
-    setups = [setup_of(law) for law in ("lagrange_stick", "hertz_penalty")]
+    setups = [setup_of(law) for law in ("lagrange_stick", "hertz_penalty", "newton")]
     quantities, vary = ["rotor_velocity", "stall_torque"], EXACT | {"law.stiffness": 0.3}
     cl.compare(setups, samples=1, starts=2, vary=vary, observe=quantities, workers=1)
     # Three steps, basis, friction, another start, four repeats, a draw; the rotor at rest in nine of them.
     assert {*computed.values()} == {1}
     # Of Hertz's law one with another stiffness, moving and at rest.
-    assert computed.total() == 2 * (11 + 9) + 2
+    assert computed.total() == 3 * (11 + 9) + 2
 
 
 def test_another_start_shows_that_a_response_is_no_function_of_its_inputs() -> None:

@@ -150,15 +150,13 @@ def _applies(factor: Factor, runs: Sequence[Run]) -> bool:
     """Return whether a run has what a factor changes."""
     if factor.kind not in ("share", "shift") or DAMPING in factor.keys:
         return True
-    return any(
-        is_scalable(run, key, factor.kind) and _counts(run, key) for run in runs for key in factor.keys
-    )
-
-
-def _counts(run: Run, key: str) -> bool:
-    """Return whether a motor depends on a number: on the clearance it does not if a preload closes it."""
-    closed = run.settings.get("contact.preload") and not run.settings.get("rotor.bearing_stiffness")
-    return key != "contact.clearance" or not closed
+    for run in runs:
+        # A preload that closes the clearance leaves nothing of it, but where a bearing yields.
+        closed = run.settings.get("contact.preload") and not run.settings.get("rotor.bearing_stiffness")
+        keys = [key for key in factor.keys if is_scalable(run, key, factor.kind)]
+        if any(key != "contact.clearance" or not closed for key in keys):
+            return True
+    return False
 
 
 def _factor(usual: Factor, key: str, prior: Distribution, declared: Parameter) -> Factor | None:

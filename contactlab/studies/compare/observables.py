@@ -42,7 +42,7 @@ def do_draw(motor: Drawn, names: Sequence[str]) -> Part:
         return observed(motor.under(law), names)[1]
 
     rows = [observation(names, partial(of_law, law)) for law in motor.laws]
-    return Part(xarray.DataTree(under_laws(rows)))
+    return Part(xarray.DataTree(xarray.concat(rows, "law")))
 
 
 def observation(
@@ -65,11 +65,6 @@ def observation(
     values, errors = np.transpose([numbers[name] for name in names])
     data = {"value": ("quantity", values), "error": ("quantity", errors), "failure": ((), failure)}
     return xarray.Dataset(data)
-
-
-def under_laws(rows: Sequence[xarray.Dataset]) -> xarray.Dataset:
-    """Return the observations of a motor under every law, over the dimension `law`."""
-    return xarray.concat(rows, "law")
 
 
 def observed(setup: Setup, names: Sequence[str]) -> tuple[str, dict[str, Estimate]]:

@@ -35,7 +35,7 @@ from contactlab.studies.compare.factors import POSTERIOR, START, Factor, factors
 from contactlab.studies.compare.hypercube import SEED, drawn
 from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
 from contactlab.studies.compare.motors import Drawn, is_changed, on_other_basis
-from contactlab.studies.compare.observables import OBSERVABLES, do_draw, under_laws
+from contactlab.studies.compare.observables import OBSERVABLES, do_draw
 from contactlab.studies.compare.posteriors import Posteriors
 from contactlab.studies.compare.priors import Distribution
 from contactlab.studies.compare.scorecard import OBSERVED_IN, observation_in, task_key
@@ -216,16 +216,17 @@ class Design:
         for key, motor in motors.items():
             if key in self.reruns and key not in parts:
                 reruns = [parts[rerun] for rerun in self.reruns[key]]
-                yield under_laws([observation_in(rerun, self.names) for rerun in reruns])
+                yield xarray.concat([observation_in(rerun, self.names) for rerun in reruns], "law")
                 continue
             data, laws = parts[key].to_dataset(), [*motor.laws]
             if motor.others and len(laws) < len(self.grid.laws):
+                # The factor is a number of other laws: these have the motor as configured.
                 (others,) = self._observed(parts, {motor.others: motors[motor.others]})
                 rows = [
                     data.isel(law=laws.index(law)) if law in laws else others.isel(law=place)
                     for place, law in enumerate(self.grid.laws)
                 ]
-                data = under_laws(rows)
+                data = xarray.concat(rows, "law")
             yield data
 
     def spent(self, parts: Mapping[str, xarray.DataTree]) -> int:

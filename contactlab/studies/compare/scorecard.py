@@ -93,19 +93,12 @@ def tasks_of(
         starts: initial conditions.
         observe: quantities of the reruns of `OBSERVED_IN`, that the paired comparison takes from them.
     """
-    return {
-        name: Task(
-            task_key(label, name),
-            attempt,
-            (
-                settled_motion,
-                rerun,
-                observe if name in OBSERVED_IN else (),
-                starts if name == OBSERVED_IN[0] else 1,
-            ),
-        )
-        for name, _, rerun in reruns_of(setup, refine=refine)
-    }
+    tasks = {}
+    for name, _, rerun in reruns_of(setup, refine=refine):
+        quantities = observe if name in OBSERVED_IN else ()
+        work = settled_motion, rerun, quantities, starts if name == OBSERVED_IN[0] else 1
+        tasks[name] = Task(task_key(label, name), attempt, work)
+    return tasks
 
 
 def task_key(label: str, name: str) -> str:
@@ -161,7 +154,7 @@ def means_in(tree: xarray.DataTree) -> list[Means]:
 def observation_in(tree: xarray.DataTree, names: Sequence[str]) -> xarray.Dataset:
     """Return the quantities that a part has observed; those of one that fails are NaN."""
     if "observed" in tree.children:
-        return tree.children["observed"].to_dataset()
+        return tree.children["observed"].to_dataset(inherit=False)
     return observation(names, failure=tree.attrs["failure"])
 
 
