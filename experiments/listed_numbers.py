@@ -18,7 +18,7 @@ from dependencies import ROOT
 
 import contactlab as cl
 from contactlab.config.nesting import flat
-from contactlab.studies.compare.draws import USUAL
+from contactlab.studies.compare.factors import USUAL
 
 LISTED: Final = "experiments/numbers.yaml"
 ORIGINS: Final = ("shown", "code", "cited")

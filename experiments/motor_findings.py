@@ -30,11 +30,13 @@ from contactlab.inference.paired import (
     orders,
 )
 from contactlab.inference.repeats import MARGIN
-from contactlab.metrics.convergence import FINER, control_of
 from contactlab.processes import processors
+from contactlab.refinement import Refinement
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import START, Factor, do_draw, drawn, observed
+from contactlab.studies.compare.factors import START, Factor
+from contactlab.studies.compare.hypercube import drawn
 from contactlab.studies.compare.laws import grid_of
+from contactlab.studies.compare.observables import do_draw, observed
 from contactlab.studies.compare.pairs import Design, with_pairs
 
 LAWS: Final = {
@@ -136,10 +138,9 @@ DESIGNS: Final = 1000
 def settled(overrides: list[str], names: tuple[str, ...] = ("rotor_velocity",)) -> dict[str, Any]:
     """Return kind and quantities of a settled motor at the finest of three steps, with numerical errors."""
     setup = cl.build(overrides)
-    control = control_of(setup)
-    steps = []
-    for divisor in FINER[control]:
-        key = f"solver.{control}={getattr(setup, control) / divisor!r}"
+    refinement, steps = Refinement.of(setup), []
+    for value in refinement.values:
+        key = f"solver.{refinement.control}={value!r}"
         try:
             kind, numbers = observed(cl.build([*overrides, key]), names)
         except (BrokenOffError, NotSettledError) as error:

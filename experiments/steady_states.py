@@ -30,7 +30,7 @@ from variations import changed
 
 import contactlab as cl
 from contactlab.config import compose
-from contactlab.metrics.convergence import richardson
+from contactlab.refinement import richardson
 from contactlab.settling.statistics import mean_with_error
 from contactlab.steady_state import BrokenOffError, NotSettledError
 from contactlab.steady_state.period_map import period_of

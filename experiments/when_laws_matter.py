@@ -31,8 +31,8 @@ from contactlab.inference.calibration import Datum, calibrated
 from contactlab.inference.multiple import holm
 from contactlab.inference.paired import binomial_interval
 from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import observed
 from contactlab.studies.compare.laws import delassus_at_rest
+from contactlab.studies.compare.observables import observed
 from contactlab.studies.study import Part, Setups, Task
 
 RESTITUTION: Final = Datum("restitution", 0.6, 0.1)
@@ -78,7 +78,7 @@ MOTORS, NEIGHBOURS = 16, 8
 """Motors, and motors around each; powers of two."""
 
 QUANTITIES: Final = ("rotor_velocity", "stall_torque", "start_time", "normal_impulse")
-"""Of `contactlab.studies.compare.draws.OBSERVABLES`."""
+"""Of `contactlab.studies.compare.observables.OBSERVABLES`."""
 
 GROUPS: Final = (
     "friction coefficient",

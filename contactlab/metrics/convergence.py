@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import log
-from typing import TYPE_CHECKING, Any, Final
+from math import isfinite, nan
+from typing import TYPE_CHECKING, Any, Final, NamedTuple, final
 
 import numpy as np
 
-from contactlab.arrays import Array
-from contactlab.laws.base import is_stepped
 from contactlab.metrics.catalogue import SENSITIVITIES, STEP_METRICS, measured, metric, of_steps
 from contactlab.metrics.response import finite_peak, peak_force, rotor_velocity, total_impulse
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+from contactlab.refinement import LEVELS, Refinement
 
 if TYPE_CHECKING:
     import xarray
-
-    from contactlab.config import Setup
 
 SAME_RATIO: Final = 1e-6  # relative difference of ratios of steps that count as equal
 
@@ -26,45 +23,24 @@ LEAST_ORDER: Final = 0.5
 """Smallest observed order that is extrapolated: below it the extrapolation exceeds two of the differences
 (Oberkampf and Roy 2010, Verification and Validation in Scientific Computing, sec. 8.7)."""
 
-Ladder = Sequence[tuple[float, Run]]
-"""Step [s] or tolerance [1] and run, of one law on one motor, coarsest first."""
 
-FINER: Final = {"contact_step": (1.0, 2.0, 4.0), "tolerance": (1.0, 10.0, 100.0)}
-"""Divisors of the contact step of time stepping, of the tolerance of collocated contact."""
+@final
+class Ladder(NamedTuple):
+    """Runs of one law on one motor at successive contact steps or tolerances, coarsest first."""
 
+    refinement: Refinement
+    runs: Sequence[Run]
 
-def control_of(setup: Setup) -> str:
-    """Return the option of the solver that is refined in a setup."""
-    return "contact_step" if is_stepped(setup.law, setup.contact_step) else "tolerance"
-
-
-SLOWEST: Final = 0.9
-"""Ratio of successive differences of a sequence that does not converge."""
 
 ROACHE: Final = "Roache (1998), Verification and Validation in Computational Science, ch. 5"
 
 
-def richardson(values: Sequence[Any], factor: float, order: float) -> Array:
-    """Return the error of the last of three values from steps that fall by a factor.
-
-    With differences that fall by the ratio q the error is q / (1 - q) times the last of them, where q is the
-    observed ratio, at least that of the declared order and at most `SLOWEST`: the error of a sequence that
-    does not converge is nine times its last change.
-    """
-    before, last = np.abs(np.diff(np.asarray(values, dtype=np.float64), axis=0))
-    # A whole series has one ratio: where a difference passes through zero there is none.
-    whole = float(np.sum(before))
-    seen = float(np.sum(last)) / whole if whole > 0.0 else 0.0
-    ratio = float(np.clip(seen, factor**-order, SLOWEST))
-    return np.asarray(last * ratio / (1.0 - ratio))
-
-
 def _exponent(ladder: Ladder, value: Callable[[Run], float], form: Any = float) -> float:
     """Return the slope of the line through the logarithms of values over steps, or its size."""
-    needed(len(ladder) > 1)
-    values = np.array([value(run) for _, run in ladder])
+    needed(len(ladder.runs) > 1)
+    values = np.array([value(run) for run in ladder.runs])
     needed(np.isfinite(values).all() and (values > 0.0).all())
-    x = np.log([step for step, _ in ladder])
+    x = np.log(ladder.refinement.values)
     x -= x.mean()
     return float(form(x @ np.log(values) / positive(float(x @ x))))
 
@@ -102,13 +78,12 @@ for _value, _judged, _key, _symbol, _name, _except in (
     )(partial(_exponent, value=_judged, form=abs))
 
 
-def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
-    """Return the rotor velocities of the three finest steps [rad/s], and the ratio of the steps."""
-    needed(len(ladder) > 2)
-    (coarse, first), (middle, second), (fine, third) = ladder[-3:]
-    needed(coarse > middle > fine > 0.0)
+def _velocities(ladder: Ladder) -> list[float]:
+    """Return the rotor velocities of the three finest steps [rad/s], whose ratios must be equal."""
+    needed(len(ladder.runs) >= LEVELS)
+    coarse, middle, fine = ladder.refinement.values[-LEVELS:]
     needed(abs(coarse * fine / middle**2 - 1.0) <= SAME_RATIO)
-    return rotor_velocity(first), rotor_velocity(second), rotor_velocity(third), middle / fine
+    return [rotor_velocity(run) for run in ladder.runs[-LEVELS:]]
 
 
 @of_steps(
@@ -117,11 +92,9 @@ def _velocities(ladder: Ladder) -> tuple[float, float, float, float]:
     source=ROACHE,
 )
 def velocity_order(ladder: Ladder) -> float:
-    first, second, third, ratio = _velocities(ladder)
-    before, after = first - second, second - third
-    # Round-off has no order; converging differences have one sign and decrease.
-    needed(abs(after) > 1e-12 * abs(third) and before * after > 0.0 and abs(before) > abs(after))
-    return log(before / after) / log(ratio)
+    order = ladder.refinement.observed_order(_velocities(ladder))
+    needed(isfinite(order))
+    return order
 
 
 @of_steps(
@@ -131,10 +104,10 @@ def velocity_order(ladder: Ladder) -> float:
     source=ROACHE,
 )
 def extrapolated_rotor_velocity(ladder: Ladder) -> float:
-    _, second, third, ratio = _velocities(ladder)
+    _, second, third = _velocities(ladder)
     order = velocity_order(ladder)
     needed(order >= LEAST_ORDER)
-    return third - (second - third) / (float(ratio**order) - 1.0)
+    return third - (second - third) / (float(ladder.refinement.factor**order) - 1.0)
 
 
 @of_steps(
@@ -143,11 +116,12 @@ def extrapolated_rotor_velocity(ladder: Ladder) -> float:
     source=ROACHE,
 )
 def velocity_error(ladder: Ladder) -> float:
-    *coarser, finest, _ = _velocities(ladder)
+    velocities = _velocities(ladder)
+    finest = velocities[-1]
     try:
         error = abs(finest - extrapolated_rotor_velocity(ladder))
     except NotApplicableError:
-        error = float(np.ptp([*coarser, finest]))
+        error = float(np.ptp(velocities))
     needed(finest != 0.0)
     return error / abs(finest)
 
@@ -169,7 +143,9 @@ def assess_steps(runs: Sequence[tuple[float, xarray.DataTree | Run]]) -> dict[st
         raise ValueError(
             f"The steps are {steps}; they must be positive and fall from run to run, coarsest first."
         )
-    return measured(STEP_METRICS, [(float(step), Run.of(run)) for step, run in runs])
+    factor = steps[-2] / steps[-1] if len(steps) > 1 else nan
+    refinement = Refinement(factor, order=nan, values=tuple(steps))
+    return measured(STEP_METRICS, Ladder(refinement, [Run.of(run) for _, run in runs]))
 
 
 def _sensitivity(runs: Mapping[str, tuple[float, Run]], thing: str, value: Callable[[Run], float]) -> float:

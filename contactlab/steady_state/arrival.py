@@ -107,40 +107,52 @@ def settled(
     z = clock.state_of(modal or ModalState(nothing, nothing), velocity, memory)
     # What no spring holds does not swing.
     swings = modes.stiffness > 0.0
+    # A mode falls with d/2, or overdamped with d/2 - sqrt(d^2/4 - omega^2). The transient lasts until the
+    # slowest one has fallen to `FORGOTTEN`, within bounds.
     half, stiffness = 0.5 * modes.damping[swings], modes.stiffness[swings]
     slowest = float((half - np.sqrt(np.maximum(half**2 - stiffness, 0.0))).min(initial=inf))
     decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
     run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
     orbit, done = None, 0
     while done < longest:
+        # The load has turned the rotor back.
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
             return None
         samples = _stroboscopic_samples(run)
         states = np.hstack([samples, _remembered(run)])
+        # No contact in the second half of the run: the tip vibrates freely.
         touches = run.contacts["start_time"] + run.contacts["duration"]
         if touches.max(initial=-inf) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run)
         if orbit is None:
             clock, run = _at_section(clock, run)
+            # Shoot from the motor's state at the section, for one period of the drive or for as many as a
+            # long run shows the motion to have.
             count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
             orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
         if orbit is not None:
+            # Does the motor go to this orbit? Two test runs of an eighth of the settling time decide by
+            # (7.5); a rotor too slow for these by the drift along its slowest direction.
             lasts, most = TEST_RUN * orbit.settling_time, longest * clock.period
             times = ceil(min(lasts, most) / orbit.map.period) or 1
             periods, z = times * orbit.map.periods, clock.end_of(run)
             if _drifts_to(orbit, z) if lasts > most else _goes_to(orbit, z, times):
                 return _on_orbit(clock, orbit, round(run.state["end"] / clock.period) + periods)
+            # Not yet: the motor runs on, and the orbit stays a candidate while the motor comes nearer to it.
             run = _on(run, periods)
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
             if distance < far:
                 far = distance
             else:
                 orbit = None
+        # No orbit is closed next to the motion, though its samples repeat themselves to round-off: the last
+        # repetitions are the steady state.
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
             done, run = round(run.state["end"] / clock.period), _on(run, TAIL // count * count)
             _check_balance(clock, run)
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
+        # Look again after three times as long.
         if done < longest:
             run = _on(run, min(2 * done, longest - done))
     return _long_run(clock, run, orbit, longest // 2)
@@ -171,6 +183,7 @@ def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
     try:
         orbit = orbit_from(section, z)
         if section.periods > 1:
+            # An orbit of several periods may be one of fewer, run through several times.
             twice = _stroboscopic_samples(section.run(orbit.state, 2.0, section.periods))
             if 0 < (count := repeats_after(twice, SAME)) < section.periods:
                 orbit = Orbit.at(replace(section, periods=count), orbit.state)
@@ -189,7 +202,14 @@ def _goes_to(orbit: Orbit, z: Array, times: int) -> bool:
     ends = orbit.map.ends(starts, times)
     if orbit.is_near(ends[0], ARRIVED):
         return True
-    return all(_as_predicted(orbit, *pair, times) for pair in zip(starts, ends, strict=True))
+    for before, after in zip(starts, ends, strict=True):
+        # (7.5): |P^m(z) - z* - A^m (z - z*)| <= 0.2 |A^m (z - z*) - (z - z*)|.
+        deviation = before - orbit.state
+        predicted = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
+        missed = np.linalg.norm(after - orbit.state - predicted)
+        if not missed <= DEVIATION * np.linalg.norm(predicted - deviation):
+            return False
+    return True
 
 
 def _on_orbit(clock: PeriodMap, orbit: Orbit, done: int) -> Steady:
@@ -207,25 +227,21 @@ def _drifts_to(orbit: Orbit, z: Array) -> bool:
     All but its velocity is forgotten within some periods; then the distance along the slowest direction, by
     its left eigenvector, must fall at each of some places between.
     """
+    # With the left eigenvector w of the largest multiplier, w^T (z - z*) is the distance along the slowest
+    # direction alone, once the others have decayed to `FORGOTTEN`.
     values, vectors = np.linalg.eig(orbit.jacobian.T)
     others = np.sort(np.abs(np.where(orbit.neutral, 0.0, orbit.multipliers)))[:-1]
     times = ceil(log(FORGOTTEN) / log(max(others.max(initial=0.0), FORGOTTEN)))
     along = vectors[:, np.abs(np.abs(values) - orbit.largest).argmin()]
     if times > MOST_WARM_UP or along.imag.any():
         return False
+    # From each place between: first the decay of the other directions, then as long again for the drift, in
+    # which the distance must fall without a change of sign.
     places = np.linspace(0.0, 1.0, BETWEEN + 1)[1:, None]
     before = orbit.map.ends(orbit.state + places * (z - orbit.state), times)
     after = orbit.map.ends(before, times)
     here, there = (before - orbit.state) @ along.real, (after - orbit.state) @ along.real
     return bool(np.all((np.abs(there) < np.abs(here)) & (here * there > 0.0)))
-
-
-def _as_predicted(orbit: Orbit, before: Array, after: Array, times: int) -> bool:
-    """Return whether a deviation from an orbit evolves by the linearised map."""
-    deviation = before - orbit.state
-    predicted = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
-    missed = np.linalg.norm(after - orbit.state - predicted)
-    return bool(missed <= DEVIATION * np.linalg.norm(predicted - deviation))
 
 
 def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: int) -> Steady:
@@ -236,6 +252,7 @@ def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: i
     done = round(run.state["end"] / clock.period)
     if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
         return _on_orbit(clock, orbit, done)
+    # A motion with no orbit has the means of another run. First, nothing in it may still grow or drift.
     late = _on(run, periods)
     for variable, name, values in zip(late.law.lasting, late.lasting, _remembered(late).T, strict=True):
         if _grows(values) or _drifts(values):
@@ -255,6 +272,7 @@ def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: i
             "rad/s. Run it longer, by `longest`; a load that drives it, without damping of the rotor, may do "
             "so for ever."
         )
+    # A velocity that stays the same to round-off may be that of a rotor too heavy to be seen moving.
     if np.ptp(velocity) <= SETTLED * np.abs(velocity).max():
         _check_balance(clock, late)
     samples = _stroboscopic_samples(late)
@@ -274,6 +292,8 @@ def _check_balance(clock: PeriodMap, run: Trajectory) -> None:
         return
     velocity = np.diff(run.series["rotor_angle"]) / np.diff(run.time)
     rotor, radius, rows = run.motor.rotor, run.motor.geometry.rotor_radius, run.contacts_within
+    # On a motion that repeats itself the contact's torque -R F and what brakes balance in the mean: tau + C_r
+    # Omega. The scale is friction of either sense, which may cancel.
     pushed = -radius * float(run.series["friction_force"][1:].mean())
     braked = rotor.load_torque + rotor.damping * float(velocity.mean())
     rubbed = radius * float(np.abs(rows["friction_impulse"]).sum()) / run.duration
@@ -288,6 +308,7 @@ def _check_balance(clock: PeriodMap, run: Trajectory) -> None:
 def _grows(values: Array) -> bool:
     """Return whether a sequence is monotonic and changes by more than round-off."""
     steps = np.diff(values)
+    # As the depth of wear: it never turns.
     monotonic = bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
     return monotonic and bool(abs(values[-1] - values[0]) > SETTLED * np.abs(values).max())
 
@@ -300,6 +321,7 @@ def _drifts(values: Array) -> bool:
 
 def _without_contact(clock: PeriodMap, run: Trajectory) -> Steady:
     """Return the free vibration, with the rotor velocity at which load and damping balance."""
+    # Without contact load and damping balance: C_r Omega = -tau.
     clock, done = clock.at_end_of(run, clock.phase), round(run.state["end"] / clock.period)
     rotor, z = clock.setup.motor.rotor, clock.end_of(run)
     if clock.belt is None and rotor.damping > 0.0:
@@ -316,6 +338,8 @@ def _without_contact(clock: PeriodMap, run: Trajectory) -> Steady:
 
 def _at_section(clock: PeriodMap, run: Trajectory) -> tuple[PeriodMap, Trajectory]:
     """Continue a run to a section: the middle of its longest flight, or of its longest stretch in contact."""
+    # In flight the whole state is free. A contact that hardly opens has its section where the state of the
+    # contact lasts longest, seen in a period with fine records.
     part, seen = flight_of(run, clock.period), run
     if part is None:
         seen = run = _on(run, 1.0, RECORDS)
@@ -327,6 +351,7 @@ def _at_section(clock: PeriodMap, run: Trajectory) -> tuple[PeriodMap, Trajector
 
 def flight_of(run: Trajectory, period: float) -> float | None:
     """Return the middle of the longest free flight of a run's last period; None where there is none."""
+    # Begin and end of each contact in the last period, in its parts.
     begin, rows = float(run.time[-1]) - period, run.contacts
     touched = np.clip((rows["start_time"] - begin) / period, 0.0, 1.0)
     released = np.clip((rows["start_time"] + rows["duration"] - begin) / period, 0.0, 1.0)
@@ -348,6 +373,7 @@ def stretches_of(run: Trajectory) -> Array:
 
     It is free, sticks, slips one way or the other, and has the values of the discrete internal variables.
     """
+    # Slip in either sense is another state, but where friction passes zero slip smoothly.
     mode = run.contact_mode[1:].astype(float)
     if getattr(run.law, "friction_kind", None) != RATE_DEPENDENT:
         mode[(mode == SLIP) & (run.series["slip_velocity"][1:] < 0.0)] = -SLIP
@@ -362,6 +388,7 @@ def stretch_of(run: Trajectory) -> float:
     bound holds the spring's stretch.
     """
     state = stretches_of(run)
+    # Stretches of a period go round: the last one continues in the first.
     changes = np.flatnonzero((state != np.roll(state, 1, axis=0)).any(axis=1))
     if not changes.size:
         return 0.0
@@ -385,6 +412,7 @@ def _stroboscopic_samples(run: Trajectory) -> Array:
     series = {name: values[1:] for name, values in run.series.items()}
     energy = series["kinetic_energy"] + series["strain_energy"]
     inertia, most = run.motor.rotor.inertia, float(energy.max())
+    # The rotor counts by its energy: sqrt(J/2) Omega over the root of the largest energy of the resonator.
     moves = most > 0.0 and run.motor.belt_velocity is None
     moving = series["rotor_velocity"] * (np.sqrt(0.5 * inertia / most) if moves else 0.0)
     tip = np.array([series["tip_normal_displacement"], series["tip_tangential_displacement"]])

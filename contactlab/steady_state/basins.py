@@ -82,6 +82,7 @@ def attractors(
     velocity: float | None = None,
     excitation: Annotated[float, not_negative("", "1", "largest amplitude of a mode")] = 2.0,
     longest: int = LONGEST,
+    own: Steady | None = None,
 ) -> tuple[Attractor, ...]:
     """Compute the steady states that a motor reaches from its own start and from others drawn at random.
 
@@ -105,6 +106,7 @@ def attractors(
         velocity: [rad/s]; None is the largest with which the tip moves along the rotor without contact.
         excitation: [1].
         longest: as of `contactlab.steady`.
+        own: the steady state that the motor reaches from its own start; None computes it.
 
     Returns:
         What was reached, by falling share. The shares sum to less than 1 where runs broke off or came to no
@@ -116,9 +118,10 @@ def attractors(
     """
     setup = steady_setup(motor, law)
     states: list[tuple[Steady, int]] = []
-    for start in _starts(setup, count, seed, velocity, excitation):
+    for number, start in enumerate(_starts(setup, count, seed, velocity, excitation)):
         try:
-            reached = steady(start, longest=longest)
+            # The motor's own start is the first, and may be known.
+            reached = own if own is not None and number == 0 else steady(start, longest=longest)
         except UnboundedError:
             raise
         except (BrokenOffError, NotSettledError):
@@ -139,9 +142,12 @@ def same(first: Steady, second: Steady) -> bool:
         return True
     if (first.kind, first.periods) != (second.kind, second.periods):
         return False
+    # Means without an orbit are equal within their statistical errors.
     if first.orbit is None or second.orbit is None:
         (a, error_a), (b, error_b) = first.velocity, second.velocity
         return bool(abs(a - b) <= SIGMA * np.hypot(error_a, error_b))
+    # Follow the first orbit to the section of the second in each of its periods: if they are one orbit, one
+    # of these states is that of the second.
     section, target = first.orbit.map, second.orbit
     part = (target.map.phase - section.phase) % 1.0 or 1.0
     for passed in range(first.periods):
@@ -159,6 +165,7 @@ def touches(state: Steady) -> bool:
 def amplitudes(setup: Setup) -> Array:
     """Return the amplitude of every mode's velocity without contact, tones added up [m/s kg^1/2]."""
     modes, drive = setup.motor.modes, setup.motor.drive
+    # |i omega f / (omega_j^2 - omega^2 + i d_j omega)|, tone by tone.
     rate = drive.angular_frequency
     stiffness, damping = modes.stiffness[:, None], modes.damping[:, None]
     tones = np.abs(setup.motor.force_phasors * rate / (stiffness - rate**2 + 1j * damping * rate))
@@ -168,6 +175,7 @@ def amplitudes(setup: Setup) -> Array:
 def reach(setup: Setup) -> float:
     """Return a bound of the free tip's velocity along the rotor, over the rotor's radius [rad/s]."""
     motor = setup.motor
+    # All modes at once and in phase: no tip moves faster.
     along = np.abs(motor.rows_at_rest[1]) @ amplitudes(setup)
     return float(along / motor.geometry.rotor_radius)
 
@@ -177,6 +185,7 @@ def _starts(
 ) -> Iterator[Setup]:
     """Yield the setup itself, and then with other starts."""
     rng, motor = np.random.default_rng(seed), setup.motor
+    # The seed gives the same starts for every law of a motor.
     fastest = reach(setup) if velocity is None else velocity
     modal = excitation * amplitudes(setup)
     at = np.zeros(modal.size) if motor.start is None else motor.start.displacement
@@ -211,15 +220,20 @@ class Ball:
         times = max(1.0, np.ceil(orbit.settling_time / orbit.map.period))
         if times > LONGEST or orbit.roughness > SMOOTH or orbit.neutral.any():
             return cls(orbit, np.eye(orbit.state.size), 0.0)
+        # (7.10): A^T M A / rho^2 - M + 1 = 0, which has a solution for rho above the largest multiplier.
         rho = 0.5 * (1.0 + abs(orbit.multipliers[0]))
         norm = solve_discrete_lyapunov(orbit.jacobian.T / rho, np.eye(orbit.state.size))
         # The longest axis of an ellipsoid is that of the smallest eigenvalue, which comes first.
         size, axes = np.linalg.eigh(norm)
+        # The ends of the axes of |x|_M = 1, either side.
         ends = [side * axis for axis in (axes / np.sqrt(size)).T for side in (-1.0, 1.0)]
         ball = cls(orbit, norm, 0.0)
+        # Begin where the longest axis has half the length of the orbit's state, and try smaller balls in
+        # turn.
         radius = LARGEST * float(np.linalg.norm(orbit.state) * np.sqrt(size[0]))
         least = radius * SMALLEST / LARGEST
         while radius > least:
+            # From the ends of its axes, and of the axes of the ball half as large, motions must come nearer.
             if all(ball._comes_nearer(part * radius * end, times) for end in ends for part in (1.0, 0.5)):
                 return replace(ball, radius=radius)
             radius *= SMALLER
@@ -352,6 +366,8 @@ def basins(
     labels = np.full(shape, CANNOT_TELL, dtype=np.int8)
     states: list[Steady] = []
     balls: list[Ball | None] = []
+    # Start by start: the ball that the motion enters decides. Where there is none the motor runs until it has
+    # settled; an attractor that is not known yet joins the others, with a ball of its own.
     for done, place in enumerate(np.ndindex(*shape)):
         start = {name: float(values[i]) for (name, values), i in zip(coordinates.items(), place, strict=True)}
         try:
@@ -387,6 +403,7 @@ def started(setup: Setup, start: Mapping[str, float]) -> tuple[PeriodMap, Array]
     """Return the section and the state in which a motor starts that has these coordinates."""
     motor = setup.motor
     modes = motor.modes
+    # The tip moves in the first mode alone: q_1 = u / phi_1, on top of the motor's own start.
     zero = np.zeros(modes.stiffness.size)
     own = motor.start or ModalState(zero, zero)
     displacement, velocity = own.displacement.copy(), own.velocity.copy()
@@ -414,6 +431,7 @@ def _ball_reached(balls: list[Ball | None], section: PeriodMap, z: Array) -> int
     """Return the ball that a motion enters first."""
     known = [(i, ball) for i, ball in enumerate(balls) if ball is not None and ball.radius > 0.0]
     for periods in LOOKS if known else ():
+        # Run until the section of each orbit, where its ball lies.
         for i, ball in known:
             target = ball.orbit.map
             # From the start each time: a run continued within a contact is another one.

@@ -130,12 +130,14 @@ def branch(
     setup = steady_setup(motor, law)
     unit, meaning = _declared(setup, parameter)
     at = family(setup, parameter, belt)
+    # G(y) = P(z; parameter) - z needs one state z all along.
     sizes = [len(at(value).setup.law.lasting) for value in (start, end)]
     if sizes[0] != sizes[1]:
         raise NoBranchError(
             f"The law has {sizes[0]} internal variables of the run at {parameter}={start:g} and {sizes[1]} "
             f"at {end:g}; a branch needs the same state all along. Choose a range within which they stay."
         )
+    # The first orbit is the one that the motor settles in; continuation needs it closed, and its own.
     first = steady(at(start).setup, belt=start if parameter == BELT else belt)
     if first.orbit is None:
         raise NoBranchError(
@@ -149,6 +151,7 @@ def branch(
             "Hold the rotor by `belt`, or give it friction or damping."
         )
     followed = follow(at, first.orbit, start, end, step)
+    # Where the branch ends within its range, see what the motor itself does a hundredth of the range on.
     beyond = "" if followed.points[-1].value == end else _beyond(at, followed.points, 0.01 * abs(end - start))
     return Branch(first.setup, parameter, unit, meaning, followed.points, followed.end + beyond)
 
@@ -156,11 +159,13 @@ def branch(
 def _beyond(at: MapAt, points: tuple[BranchPoint, ...], ahead: float) -> str:
     """Return what the motor comes to a little beyond a branch that ends in its range, in a sentence."""
     last, section = points[-1], points[-1].orbit.map
+    # The parameter goes on as at the end, which may be backwards.
     heading = np.sign(last.value - points[-2].value) if len(points) > 1 else 0.0
     value = float(last.value + heading * ahead)
     if not heading:
         return ""
     try:
+        # The motor starts in the branch's last orbit, with the parameter a little beyond it.
         begins = section.phase, *section.parts_of(last.orbit.state), section.contact
         state = settled(at(value).setup, at(value).belt, begins, LONGEST)
         assert state is not None
@@ -227,6 +232,7 @@ def _has(setup: Setup, key: str) -> bool:
     value = flat(setup.configuration).get(key)
     if value is None or isinstance(value, int):
         return False
+    # A number at a bound has a neighbour on one side.
     for near in (value - ASIDE * (abs(value) or 1.0), value + ASIDE * (abs(value) or 1.0)):
         with suppress(ValueError):
             family(setup, key, None)(near)

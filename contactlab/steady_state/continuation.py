@@ -112,6 +112,7 @@ class BranchPoint:
     @property
     def softest(self) -> float:
         """The smallest speed with which they meet [m/s]; 0 where they do not."""
+        # A contact that goes on at the section has begun before the run.
         begun = self.run.contacts["start_time"] > (self.run.time[0] if self.orbit.map.touches else -np.inf)
         speeds = np.abs(self.run.contacts["approach_velocity"][begun])
         return float(speeds.min()) if speeds.size else 0.0
@@ -127,6 +128,7 @@ class BranchPoint:
         """What the orbit's closure leaves of the mean rotor velocity [rad/s]; none of a belt's."""
         if self.orbit.map.belt is not None:
             return 0.0
+        # The run is the orbit's period: its end shows how far it is from closed.
         closure = self.orbit.closure(self.orbit.map.end_of(self.run))
         return self.orbit.velocity(self.velocity, closure).error
 
@@ -215,6 +217,7 @@ class Place:
 
 def place_at(curve: Curve, y: Array, heading: Array) -> Place:
     """Return the place of a point, its tangent in the direction of the heading."""
+    # G_y of (7.8): dP/dz - 1, the same in z and z / size, and beside it the derivative along the parameter.
     section = curve.map_at(y)
     orbit = Orbit.at(section, y[:-1] * curve.size)
     count = orbit.state.size
@@ -222,6 +225,7 @@ def place_at(curve: Curve, y: Array, heading: Array) -> Place:
     derivative = np.column_stack([orbit.jacobian - np.eye(count), along])
     # What no row of the derivative sees.
     tangent = np.linalg.svd(derivative)[2][-1]
+    # Of both senses the one that goes on.
     tangent = tangent if tangent @ heading >= 0.0 else -tangent
     return Place(curve, y, BranchPoint(curve.value(y), orbit, section.run(orbit.state)), derivative, tangent)
 
@@ -230,6 +234,7 @@ def corrected(
     gap: Callable[[Array], Array], derivative: Array, tangent: Array, guess: Array, within: float
 ) -> tuple[Array, int] | None:
     """Bring a predicted point onto the curve, across the tangent; give it and the corrections it took."""
+    # Newton's method on (7.8): the gap closes on the plane through the prediction across the tangent.
     y, left = guess, gap(guess)
     for count in range(MOST_CORRECTIONS):
         if not np.all(np.isfinite(left)) or np.linalg.norm(y - guess) > within:
@@ -239,6 +244,7 @@ def corrected(
         move = -np.linalg.solve(np.vstack([derivative, tangent]), np.append(left, tangent @ (y - guess)))
         y, before = y + move, left
         left = gap(y)
+        # Broyden's correction (7.3) in place of a new derivative.
         derivative = updated(derivative, move, left - before)
     return None
 
@@ -291,6 +297,7 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
     step = first
     yield place.point
     while True:
+        # One step: a section away from contacts that come near, the next point, the events up to it.
         last = _resectioned(place)
         if (result := _next(last, step, first)) is None:
             return end_of(last, SHORTEST * first, CLOSELY * first)
@@ -299,12 +306,14 @@ def _walk(curve: Curve, y: Array, first: float) -> Generator[BranchPoint, None, 
         yield place.point
         if end := _why_it_ends(last, place):
             return end
+        # Only short steps lead on, and the map is not smooth here: the branch ends.
         if step < CLOSELY * first and place.point.orbit.roughness > SMOOTH:
             return end_of(place, SHORTEST * first, CLOSELY * first)
 
 
 def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
     """Return the next place and the step to try from there, or None where there is no step to it."""
+    # The range of the parameter is 0 to 1 in y; the length to its edge is that along the tangent.
     over = 1.0 if last.tangent[-1] > 0.0 else 0.0
     to_edge = (over - last.y[-1]) / last.tangent[-1] if last.tangent[-1] else np.inf
     while step >= SHORTEST * first:
@@ -315,10 +324,13 @@ def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
             edge, within = np.eye(guess.size)[-1], max(to_edge, CLOSED)
             result = corrected(last.curve.gap, last.derivative, edge, guess, within)
         else:
+            # Predict along the tangent, correct across it.
             result = last.ahead(step)
         step = min(step, to_edge)
         if result is not None:
             place = place_at(last.curve, result[0], last.tangent)
+            # A step is taken if no contact came or went and the tangent turned little. The next is longer
+            # after few corrections, at most twice the first one.
             same = last.point.stretches == place.point.stretches
             if same and last.tangent @ place.tangent > LEAST_COSINE:
                 return place, min(LONGER * step, 2.0 * first) if result[1] <= EASY else step
@@ -346,6 +358,7 @@ def _why_it_ends(last: Place, place: Place) -> str:
 def _resectioned(place: Place) -> Place:
     """Return the same point at another section, where a contact or a change of friction came near."""
     curve, section = place.curve, place.point.orbit.map
+    # How far along the orbit is a better section?
     later, seen = _another_section(place)
     if not later:
         return place
@@ -366,6 +379,8 @@ def _another_section(place: Place) -> tuple[float, Trajectory]:
     if not begins.size:
         return 0.0, run
     if not section.touches:
+        # In flight: as long as the contacts on either side are far enough, the section stays; else it goes to
+        # the middle of the longest flight, if that is one.
         ends = begins + run.contacts["duration"]
         if min(begins[0], run.duration - ends[-1]) >= NEAREST * run.duration:
             return 0.0, run
@@ -376,6 +391,7 @@ def _another_section(place: Place) -> tuple[float, Trajectory]:
             return float(later % section.periods), run
     run = section.run(place.point.orbit.state, 1.0, RECORDS)
     state = stretches_of(run)
+    # In contact: the section stays while the contact has one state for a while before and after it.
     near = int(np.ceil(NEAREST * len(state)))
     if section.touches and np.all(np.roll(state, near, axis=0)[: 2 * near] == state[-1]):
         return 0.0, run
@@ -385,6 +401,7 @@ def _another_section(place: Place) -> tuple[float, Trajectory]:
 def _tests(place: Place) -> dict[Mark, float]:
     """Return what is zero where a multiplier is +1, where one is -1, and where two have the product 1."""
     multipliers = place.point.orbit.multipliers
+    # (7.9): prod (lambda_i - 1), prod (lambda_i + 1), prod (1 - lambda_i lambda_j) over i < j.
     products = [1.0 - a * b for a, b in combinations(multipliers, 2)] or [1.0]
     return {
         Mark.FOLD: float(np.prod(multipliers - 1.0).real),
@@ -399,6 +416,8 @@ def events_between(last: Place, place: Place) -> Iterator[BranchPoint]:
     result: list[tuple[float, BranchPoint]] = []
     if last.point.stretches != place.point.stretches:
         result.append(_grazing(last, place, length))
+    # A test function that changes its sign has a zero between. At +1 the branch folds if it turns back, else
+    # another branch crosses it.
     before, after = _tests(last), _tests(place)
     for mark in before:
         if before[mark] * after[mark] < 0.0 and (event := _crossing(last, mark, length, before, after)):
@@ -423,12 +442,14 @@ def _crossing(
         return np.nan if reached is None else _tests(reached)[mark]
 
     try:
+        # Brent's method on the length along the tangent; each trial is an orbit of its own, or there is none.
         ahead = brentq(test, 0.0, length, xtol=LOCATED)
     except (ValueError, RuntimeError):
         return None
     reached = last.further(float(ahead))
     if reached is None or reached.point.orbit.roughness > SMOOTH:
         return None
+    # Little is left of the function at a zero; at a grazing it jumps past it.
     left = abs(_tests(reached)[mark])
     if not left <= THROUGH_ZERO * min(abs(before[mark]), abs(after[mark])):
         return None
@@ -442,6 +463,8 @@ def _crossing(
 
 def _grazing(last: Place, place: Place, length: float) -> tuple[float, BranchPoint]:
     """Locate where the number of contacts changes, by halving."""
+    # Lengths along the tangent: up to `low` there are as many contacts as before, at `high` others, counted
+    # at the orbits that lie ahead.
     low, high, at = 0.0, length, place.y
     while high - low > LOCATED:
         middle = 0.5 * (low + high)
@@ -468,9 +491,11 @@ def end_of(place: Place, least: float, reach: float) -> str:
     # The tangent at a rough orbit leads astray, but for one without contact.
     if point.orbit.roughness <= SMOOTH or not point.contacts:
         low, high = 0.0, least
+        # Ahead on the tangent, with steps that double: where does the number of contacts change?
         while (beyond := place.count_ahead(high)) == point.stretches and high < reach:
             low, high = high, 2.0 * high
         if beyond not in (point.stretches, -1):
+            # There, by halving.
             while high - low > LOCATED * reach:
                 middle = 0.5 * (low + high)
                 low, high = (middle, high) if place.count_ahead(middle) == point.stretches else (low, middle)
@@ -484,6 +509,7 @@ def end_of(place: Place, least: float, reach: float) -> str:
             f"It ends at {point.value:.9g}, beyond which no orbit was found near the last one with steps "
             f"down to {least:.1e}."
         )
+    # The map is not smooth: what do motions next to the orbit meet?
     others = set()
     length = NEARBY * float(np.linalg.norm(point.orbit.state))
     for move in length * np.vstack([np.eye(point.orbit.state.size), -np.eye(point.orbit.state.size)]):
@@ -498,6 +524,8 @@ def end_of(place: Place, least: float, reach: float) -> str:
 def without_speed(points: Sequence[BranchPoint]) -> float:
     """Return where the softest contact of a branch's last orbits would be without speed; NaN for nowhere."""
     last = points[-1]
+    # A straight line through the speeds of the softest contact at the last orbit and at one where it is
+    # clearly faster; orbits with another number of contacts say nothing of it.
     for point in reversed(points):
         if point.contacts != last.contacts:
             break

@@ -49,11 +49,16 @@ class Means:
 
 def settled(setup: Setup) -> Steady:
     """Compute the steady state that a setup reaches from its own start; errors as of `contactlab.steady`."""
+    return settled_soon(setup)[0]
+
+
+def settled_soon(setup: Setup) -> tuple[Steady, bool]:
+    """Compute the steady state of `settled`, and return whether it was reached within `LONGEST`."""
     try:
-        return steady(setup, longest=LONGEST)
+        return steady(setup, longest=LONGEST), True
     # A light contact takes its time.
     except NotSettledError:
-        return steady(setup)
+        return steady(setup), False
 
 
 def means_of(state: Steady) -> Means:
@@ -61,6 +66,7 @@ def means_of(state: Steady) -> Means:
     run = Run.of_trajectory(state.motion, state.setup.configuration)
     metrics = assess(run, QUANTITIES)
     velocity, error = state.velocity
+    # The velocity as of the steady state, with its error; the others are metrics of its motion.
     values = np.array([velocity, *(metrics[key] for key in QUANTITIES[1:])])
     # Without an orbit the mean is that of the contacts and periods of the run.
     repeats = state.periods > 0 or not run.touches("duration")
@@ -71,6 +77,7 @@ def means_of(state: Steady) -> Means:
 def _statistical_errors(run: Run, stick: float, friction: float) -> list[float]:
     """Return those of the largest force, between both halves of the run, and of the two ratios."""
     peaks, durations = run.rows["peak_normal_force"], run.rows["duration"]
+    # The largest force of either half of the run; too few contacts show no scatter.
     middle = np.searchsorted(run.rows["start_time"], 0.5 * (run.time[0] + run.time[-1]))
     if durations.size < FEWEST or not 0 < middle < durations.size:
         return [np.nan] * 3

@@ -89,6 +89,7 @@ class PeriodMap:
     @cached_property
     def scale(self) -> Array:
         """omega_j, or that of the drive's period for a rigid body [rad/s], shape (mode,)."""
+        # A displacement in units of a velocity, omega q; a rigid body has the drive's omega.
         rates = np.sqrt(self.setup.motor.modes.stiffness)
         return np.where(rates > 0.0, rates, 2.0 * np.pi / period_of(self.setup.motor.drive))
 
@@ -111,6 +112,7 @@ class PeriodMap:
     def rotor_scale(self) -> float:
         """Root of J', the rotor's velocity in the state over Omega [kg^1/2 m]."""
         motor = self.setup.motor
+        # The tip's mass along the rotor is 1 / sum t_j^2; J' <= J and J' <= 1000 of these masses times R^2.
         mobility = float(np.sum(motor.rows_at_rest[1][~self._led] ** 2))
         most = motor.geometry.rotor_radius * np.sqrt(HEAVIEST / mobility) if mobility > 0.0 else np.inf
         return float(min(np.sqrt(motor.rotor.inertia), most))
@@ -135,8 +137,10 @@ class PeriodMap:
         """The motor whose clock starts at the section."""
         motor, drive = self.setup.motor, self.setup.motor.drive
         if self.belt is not None and motor.belt_velocity is None:
+            # A belt is a rotor so heavy that no contact changes its velocity.
             inertia = BELT * max(motor.geometry.rotor_radius, 1.0) ** 2
             motor = replace(motor, rotor=replace(motor.rotor, inertia=inertia, damping=0.0, load_torque=0.0))
+        # The clock of a run is zero at the section, where the drive has its phase.
         return replace(motor, drive=drive.delayed(self.phase * period_of(drive)))
 
     @cached_property
@@ -156,6 +160,7 @@ class PeriodMap:
         """
         if not self.variables:
             return replace(self, weights=())
+        # w_k of (7.1), the power of two next to |z| / |m_k|.
         size = float(np.linalg.norm(self.mechanical(self.end_of(run))))
         largest = [float(np.abs(run.series[INTERNAL + each.name]).max()) for each in self.variables]
         weights = (2.0 ** round(log2(size / most)) if size and most else 1.0 for most in largest)
@@ -172,6 +177,7 @@ class PeriodMap:
         """
         if memory is None:
             memory = np.array([each.initial for each in self.variables])
+        # z of (7.1): omega_j q_j, the rates of the modes, w_k m_k, sqrt(J') Omega.
         placed = (self.scale * modal.displacement)[self._kept]
         parts = [placed, modal.velocity[~self._led], self._weights * memory]
         if self.belt is None:
@@ -188,11 +194,13 @@ class PeriodMap:
 
     def _parts_of(self, starts: Array) -> tuple[Array, Array, Array, Array]:
         """Return those of many states, shape (start, state), projected onto the section, q and v apart."""
+        # (7.1) backwards. Displacements that are no part of z are zero.
         count, placed, weights = self._modes_size, int(self._kept.sum()), self._weights
         q, v = np.zeros((2, len(starts), self.scale.size))
         q[:, self._kept] = starts[:, :placed] / self.scale[self._kept]
         v[:, ~self._led] = starts[:, placed:count]
         if self._led.any():
+            # Prescribed modes are where the clock says.
             for values, first in zip((q, v), self._motor.first_motion, strict=True):
                 values[:, self._led] = first[self._led]
         memory = starts[:, count : count + weights.size] / weights
@@ -200,10 +208,12 @@ class PeriodMap:
         if self.belt is None:
             velocities = starts[:, -1] / self.rotor_scale
         if self.touches:
+            # In contact a state counts by its projection onto what the contact holds.
             rows = [self._projected(*row) for row in zip(q, v, velocities.tolist(), strict=True)]
             q, v, turned = map(np.array, zip(*rows, strict=True))
             velocities = velocities if self.belt is not None else turned
         if self.contact is not None:
+            # Discrete internal variables are those at the section.
             every = np.repeat(self.contact["memory"][None, : self._continuous.size], len(starts), axis=0)
             every[:, self._continuous] = memory
             memory = every
@@ -222,15 +232,20 @@ class PeriodMap:
         sticks = sticks and (rigid or getattr(law, "friction_kind", None) == SET_VALUED)
         if not (rigid or sticks):
             return q, v, velocity
+        # The displacement onto g = 0 along the masses: q <- q - n g / (n n), n the row of the gap.
         for _ in range(PROJECTIONS if rigid else 1):
             gap, n_u, n_th, t_u, t_th = geometry.frame(float(modes.approach @ q), float(modes.tip_slope @ q))
             normal = n_u * modes.approach + n_th * modes.tip_slope
             moved = np.where(self._led, 0.0, normal)
             if rigid:
                 q = q - moved * (gap / (moved @ moved))
+        # The rows G of what is held, in sqrt(mass) coordinates: the gap rate under a rigid law, and the slip,
+        # of which the rotor's part is -R Omega, in stick.
         turning = -geometry.rotor_radius / np.sqrt(rotor.inertia)
         rows = [np.append(normal, 0.0), np.append(t_u * modes.approach + t_th * modes.tip_slope, turning)]
         constraints = np.array(rows[0 if rigid else 1 : 2 if sticks else 1])
+        # The rates onto G qdot = 0 along the masses: qdot <- qdot - G^T (G G^T)^-1 G qdot. Prescribed modes
+        # are not moved, but count in G qdot.
         rates = np.append(v, np.sqrt(rotor.inertia) * velocity)
         moving = np.where(np.append(self._led, False), 0.0, constraints)
         rates = rates - moving.T @ np.linalg.solve(moving @ moving.T, constraints @ rates)
@@ -287,6 +302,7 @@ class PeriodMap:
         end = contact_at_end(run)
         if end is None or self.contact is None:
             return end is self.contact
+        # The contact is that of the section if phase, mode and discrete variables are.
         count = np.flatnonzero(~self._continuous)
         same = all(end[name] == self.contact[name] for name in ("phase", "mode"))
         return same and np.array_equal(end["memory"][count], self.contact["memory"][count])
@@ -312,6 +328,7 @@ class PeriodMap:
 
     def _sent(self, starts: Array, times: int = 1) -> tuple[Array, tuple[str, ...]]:
         """Return the states after others, and why one is no number."""
+        # All starts in one call of the compiled loop, and z of (7.1) at their ends.
         ends = self._flow(*self._parts_of(starts), times)
         placed = (self.scale * ends.displacement)[:, self._kept]
         memory = ends.memory if self.contact is None else ends.memory[:, self._continuous]
@@ -337,6 +354,7 @@ def memory_at_end(run: Trajectory, variables: Sequence[InternalVariable] | None 
 def contact_at_end(run: Trajectory) -> State | None:
     """Return the contact in which a run ended, or whose indentation is still there; None in free flight."""
     state = run.state
+    # A residual indentation under the tip is part of a contact, though the tip is off it.
     dented = state["limits.remembered"] and state["limits.release_gap"] == np.inf
     return state if state["phase"] == TOUCHING or dented else None
 
@@ -345,6 +363,7 @@ def continues(contact: State | None, law: ContactLaw) -> State | None:
     """Return a contact that goes on under a law, or None where it is another law's."""
     if contact is None:
         return None
+    # What the contact's state was of: kind of law, kind of friction, internal variables.
     kind = not isinstance(law, MultiplierLaw), getattr(law, "friction_kind", SET_VALUED), memory_mark(law)
     names = "law.compliant", "law.friction_kind", "law.variables_mark"
     return contact if kind == tuple(contact[name] for name in names) else None

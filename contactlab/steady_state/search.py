@@ -12,9 +12,9 @@ from contactlab.config import Setup
 from contactlab.engine.initial_state import memory_mark
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
-from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.motor import ModalState, Motor
 from contactlab.progress import tell_progress
+from contactlab.refinement import FACTORS, LEVELS, Refinement
 from contactlab.settling.statistics import STANDING, WITHOUT_CONTACT
 from contactlab.simulation import setup_of
 from contactlab.steady_state.arrival import TAIL, NotSettledError, Start, settled
@@ -61,6 +61,7 @@ def steady(
     begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None, None
     if isinstance(start, Steady):
         begins = start.end
+        # Internal variables and a contact that lasts are those of one law.
         if memory_mark(start.setup.law) != memory_mark(setup.law):
             begins = *begins[:3], None, None
     elif start is not None:
@@ -116,12 +117,14 @@ def _loaded(setup: Setup, torque: float) -> Setup:
 
 def _braked(setup: Setup, brake: float, begins: Start, longest: int) -> Steady:
     """Compute the steady state without load, then that with the brake against its rotation."""
+    # The brake acts against the rotation that there is without load, once that is known.
     free = settled(_loaded(setup, 0.0), None, begins, longest)
     assert free is not None
     sense = float(np.sign(free.velocity[0])) if free.kind != WITHOUT_CONTACT else 0.0
     loaded = _loaded(setup, sense * brake)
     state = _turning(loaded, free, longest, sense) if sense else None
     if state is None:
+        # The rotor stands: hold it there, and see what the contact would turn it with.
         still = settled(loaded, 0.0, free.end, longest)
         assert still is not None
         state = replace(still, kind=STANDING)
@@ -155,17 +158,25 @@ class Converged:
         '-2.19111 rad/s'
 
     Args:
-        control: what is refined, 'tolerance', or 'contact_step' of time stepping.
-        values: of it, coarsest first.
+        refinement: the steps or tolerances, coarsest first.
         steps: the steady states, in the same order.
     """
 
-    control: str
-    values: tuple[float, ...]
+    refinement: Refinement
     steps: tuple[Steady, ...]
 
     def __repr__(self) -> str:
         return f"<Converged: {self.best.kind}, {self.velocity.text()} rad/s over {self.control}>"
+
+    @property
+    def control(self) -> str:
+        """What is refined, 'tolerance', or 'contact_step' of time stepping."""
+        return self.refinement.control
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Values of `control`, coarsest first."""
+        return self.refinement.values
 
     @property
     def best(self) -> Steady:
@@ -178,14 +189,7 @@ class Converged:
         Args:
             of: gives number and statistical error of a steady state, as `lambda each: each.velocity`.
         """
-        numbers, statistical = np.transpose([of(each) for each in self.steps])
-        # The force of an impact is infinite at every step.
-        left = float(np.ptp(numbers)) if np.isfinite(numbers).all() else 0.0
-        # What statistics blur has no order to be seen, and a single step none at all.
-        if numbers.size > 2 and left > np.nan_to_num(statistical).max():
-            order = self.best.setup.law.convergence_order
-            left = float(richardson(numbers, self.values[0] / self.values[1], order))
-        return Estimate(float(numbers[-1]), left + float(statistical[-1]))
+        return self.refinement.estimate(*np.transpose([of(each) for each in self.steps]))
 
     @property
     def velocity(self) -> Estimate:
@@ -213,15 +217,14 @@ def converged(
     Raises:
         NoPeriodError, NotSettledError, BrokenOffError: as of `contactlab.steady`.
     """
-    coarsest = {name: arguments.pop(name) for name in FINER if name in arguments}
+    coarsest = {name: arguments.pop(name) for name in FACTORS if name in arguments}
     setup = steady_setup(motor, law, **coarsest)
-    control = control_of(setup)
-    divisors = FINER[control] if refine else (1.0,)
-    values = tuple(getattr(setup, control) / divisor for divisor in divisors)
+    refinement = Refinement.of(setup, LEVELS if refine else 1)
+    control, values = refinement.control.replace("_", " "), refinement.values
     steps: list[Steady] = []
-    for value in values:
-        finer: dict[str, Any] = arguments | {control: value}
-        tell_progress(f"{control.replace('_', ' ')} {value:.3g}", len(steps) / len(values))
-        steps.append(steady(setup, **finer))
+    for value, finer in zip(values, refinement.setups(setup), strict=True):
+        tell_progress(f"{control} {value:.3g}", len(steps) / len(values))
+        # Each step starts in the state of the one before, so that all are of one orbit.
+        steps.append(steady(finer, **arguments))
         arguments["start"] = steps[-1]
-    return Converged(control, values, tuple(steps))
+    return Converged(refinement, tuple(steps))

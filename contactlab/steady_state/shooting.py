@@ -86,16 +86,20 @@ class Orbit:
         if not z.size:
             # All that moves is led.
             return cls(section, z, np.zeros((0, 0)), 0.0)
+        # One step along each coordinate, and one along the diagonal that is `ROUGH` times as long.
         length, along = STEP * _size(z), np.full(z.size, z.size**-0.5)
         steps = length * np.vstack([np.eye(z.size), ROUGH * along])
         ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
+        # Central differences, dP/dz e_j = (P(z + h e_j) - P(z - h e_j)) / 2 h.
         every = (ahead - behind).T / (2.0 * length)
         jacobian, coarse = every[:, :-1], every[:, -1] / ROUGH
         fine = jacobian @ along
         if is_slow(section, jacobian):
+            # What a slow rotor changes in a period is below the round-off of a short difference.
             steps = ROUGH * length * np.eye(z.size)
             ahead, behind = np.split(_ends(section, np.vstack([z + steps, z - steps])), 2)
             jacobian[-1] = (ahead - behind)[:, -1] / (2.0 * ROUGH * length)
+        # A smooth map has the same derivative along the diagonal with the long step as with the short one.
         changed = float(np.linalg.norm(coarse - fine))
         # A map that forgets everything has no derivative, and none that changes.
         roughness = changed / max(float(np.linalg.norm(fine)), np.finfo(float).tiny)
@@ -144,6 +148,8 @@ class Orbit:
         """
         if not (size := float(np.linalg.norm(self.state))):
             return REACHED
+        # The step that would close the orbit is the distance from it. Round-off of P(z) - z hides a distance
+        # that grows with the inverse of the least singular value of 1 - A.
         away = float(np.linalg.norm(_newton_step(self.jacobian, end - self.state)))
         return max(2.0 * away / size, REACHED, ROUND_OFF / _slowest(self.jacobian))
 
@@ -165,25 +171,41 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     """
     if not z.size:
         return Orbit.at(section, z)
+    # Begin with the gap P(z) - z and with A = dP/dz, by forward differences, at the motor's state.
     image = section(z)
     left, jacobian = image - z, _forward(section, z, image)
     fresh, radius, slowest = True, FARTHEST * _size(z), _slowest(jacobian)
     for _ in range(MOST_ITERATIONS):
+        # Newton's step (7.2): (1 - A) dz = P(z) - z.
         move = _newton_step(jacobian, left)
         length, gap = float(np.linalg.norm(move)), float(np.linalg.norm(left))
+        # The orbit is closed if the gap is small and the step too: beside a multiplier close to one the gap
+        # is small far from the orbit. Round-off of the gap limits how small the step gets.
         if gap <= CLOSED * _size(z) and length <= max(REACHED, LEARNED * ROUND_OFF / slowest) * _size(z):
             return _resolved(Orbit.at(section, z))
+        # The trust region: the derivative is believed no farther than the radius.
         move *= min(1.0, radius / length)
-        after = _gap(section, z + move)
-        share = float(np.linalg.norm(_newton_step(jacobian, after))) / length if _is_finite(after) else np.inf
+        try:
+            after = section(z + move) - (z + move)
+        # A rigid law refuses a start inside the rotor.
+        except (BrokenOffError, ValueError):
+            after = np.full(z.size, np.inf)
+        # A step is worth what the same derivative asks for next, |(1 - A)^-1 (P(z + dz) - z - dz)|, over the
+        # length of Newton's step: the share of the distance to the orbit that is left.
+        runs = np.isfinite(after).all()
+        share = float(np.linalg.norm(_newton_step(jacobian, after))) / length if runs else np.inf
+        # It is nearer: go there. Broyden's correction (7.3) makes A foretell what the move changed, unless
+        # that is round-off along the slowest direction, and the next step may be twice as long.
         if share < 1.0:
             if np.linalg.norm(move) * slowest > LEARNED * ROUND_OFF * _size(z):
                 jacobian = updated(jacobian, move, np.asarray(after - left + move))
             z, left, fresh = z + move, after, False
             radius = max(radius, 2.0 * float(np.linalg.norm(move)))
+        # A step that gained little with a corrected derivative gets a new one.
         if share > WORTH and not fresh:
             jacobian, fresh = _forward(section, z, left + z), True
             slowest = _slowest(jacobian)
+        # With a new derivative it is the step that was too long.
         elif share > WORTH:
             radius = 0.25 * min(radius, length)
             if radius < STEP * _size(z):
@@ -207,12 +229,14 @@ def is_slow(section: PeriodMap, jacobian: Array) -> bool:
 
 def _slowest(jacobian: Array) -> float:
     """Return the least singular value of 1 - dP/dz that is not neutral."""
+    # The distance to an orbit is at most the gap over this value.
     values = np.linalg.svd(np.eye(len(jacobian)) - jacobian, compute_uv=False)
     return float(values[values > NEUTRAL * values.max(initial=1.0)].min(initial=1.0))
 
 
 def _newton_step(jacobian: Array, left: Array) -> Array:
     """Return the step that closes a gap, the shortest where nothing brings a coordinate back."""
+    # Singular values of 1 - A below `NEUTRAL` belong to neutral directions, along which nothing is moved.
     return np.asarray(np.linalg.lstsq(np.eye(left.size) - jacobian, left, NEUTRAL)[0], np.float64)
 
 
@@ -232,6 +256,7 @@ def _forward(section: PeriodMap, z: Array, image: Array) -> Array:
     length = STEP * _size(z)
     jacobian = np.asarray((_ends(section, z + length * np.eye(z.size)) - image).T / length)
     if is_slow(section, jacobian):
+        # The rotor's row again, by a step that moves more than round-off.
         length *= ROUGH
         jacobian[-1] = (_ends(section, z + length * np.eye(z.size)) - image)[:, -1] / length
     return jacobian
@@ -243,19 +268,6 @@ def _ends(section: PeriodMap, starts: Array) -> Array:
     if not np.isfinite(ends).all():
         raise NoOrbitError("the motor breaks off or does not run from next to it")
     return ends
-
-
-def _gap(section: PeriodMap, z: Array) -> Array:
-    """Return P(z) - z; endless where the motor does not run from there."""
-    try:
-        return section(z) - z
-    # A rigid law refuses a start inside the rotor.
-    except (BrokenOffError, ValueError):
-        return np.full(z.size, np.inf)
-
-
-def _is_finite(z: Array) -> bool:
-    return bool(np.isfinite(z).all())
 
 
 def _size(z: Array) -> float:

@@ -100,9 +100,11 @@ class Steady:
         `contactlab.steady_state.converged`.
         """
         if self.orbit is not None or rates.size == 1:
+            # An orbit closes: its mean has no other error than what is left of the closing.
             mean = float(rates.mean())
             return Estimate(mean, self.closure * abs(mean))
         if self.periods:
+            # Whole repetitions, the last one for its value and all for the error.
             cycles = rates[rates.size % self.periods :].reshape(-1, self.periods).mean(axis=1)
             return Estimate(float(cycles[-1]), float(np.ptp(cycles)))
         return mean_with_error(rates)
@@ -171,6 +173,7 @@ class Steady:
             return Estimate(largest, self.closure * largest)
         if not self.periods:
             return Estimate(largest, np.nan)
+        # The largest force of each repetition; their range is its error.
         passed = (rows["start_time"] - self.motion.time[0]) / (self.periods * self.period)
         cycles = pandas.Series(peaks).groupby(np.floor(passed)).max()
         return Estimate(largest, float(np.ptp(cycles)))
@@ -190,6 +193,7 @@ class Steady:
     @property
     def end(self) -> tuple[float, ModalState, float, Array, State | None]:
         """Where another motion may go on, as `contactlab.steady_state.arrival.Start`."""
+        # Periods since the section, without the round-off of the clock.
         passed = (self.motion.time[-1] - self.motion.time[0]) / self.period
         velocity, contact = float(self.motion.series["rotor_velocity"][-1]), contact_at_end(self.motion)
         memory = memory_at_end(self.motion, variables_in(self.motion.law, contact))

@@ -29,7 +29,8 @@ from contactlab.inference.paired import (
     orders,
     power,
 )
-from contactlab.studies.compare.draws import START, Factor, drawn
+from contactlab.studies.compare.factors import START, Factor
+from contactlab.studies.compare.hypercube import drawn
 
 
 def verdict_of_equal_draws(outcome: int, count: int = 32) -> int:

@@ -1,5 +1,6 @@
 """The study `compare` on settled motors: pairs of laws in motors that are drawn alike for all laws."""
 
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -15,24 +16,14 @@ from contactlab.inference.calibration import Datum
 from contactlab.inference.paired import EQUAL, GREATER, INCONCLUSIVE, LESS, NONE
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
-from contactlab.steady_state import NotSettledError
-from contactlab.studies.compare.draws import (
-    USUAL,
-    Distribution,
-    Drawn,
-    Factor,
-    Posteriors,
-    Prior,
-    as_configured,
-    configuration_of,
-    damped,
-    drawn,
-    factors_of,
-    left_fixed,
-    on_other_basis,
-)
+from contactlab.steady_state import NotSettledError, Steady, steady
+from contactlab.studies.compare.factors import USUAL, Factor, as_configured, factors_of, left_fixed
+from contactlab.studies.compare.hypercube import drawn
 from contactlab.studies.compare.laws import run_of_setup
+from contactlab.studies.compare.motors import Drawn, configuration_of, damped, on_other_basis
 from contactlab.studies.compare.pairs import Settled, population_of
+from contactlab.studies.compare.posteriors import Posteriors
+from contactlab.studies.compare.priors import Distribution, Prior
 
 EXACT: dict[str, Distribution] = {factor.keys[0]: 0.0 for factor in USUAL}
 """The usual parameters, known exactly: only the start is drawn."""
@@ -189,17 +180,54 @@ def test_a_motor_without_a_steady_state_is_an_outcome(
 
     def observed(setup: cl.Setup, names: Any) -> tuple[str, dict[str, cl.Estimate]]:
         value, number = next(values), next(count)
-        # The first sixteen are eight motors as configured.
-        if number % 2 and number >= 16 and number // 2 % 16 < 9:
+        # The first eight are four motors as configured, those of `REPEATS`.
+        if number % 2 and number >= 8 and number // 2 % 16 < 9:
             raise NotSettledError("It drifts.")
         return "periodic", dict.fromkeys(names, value)
 
-    monkeypatch.setattr("contactlab.studies.compare.draws.observed", observed)
+    monkeypatch.setattr("contactlab.studies.compare.observables.observed", observed)
     result = cl.compare(setups, samples=16, starts=1, vary=EXACT, observe=["rotor_velocity"], workers=1)
     here = pair(result)
     assert int((here["outcome"] == NONE).sum()) == 9
     assert float(here["outcome_share"].max()) == pytest.approx(9 / 16)
     assert int(here["order"]) == INCONCLUSIVE
+
+
+def test_a_law_without_a_steady_state_as_configured_has_no_numbers_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def drifting(setup: cl.Setup) -> tuple[Steady, bool]:
+        if setup.law.name == "newton":
+            raise NotSettledError("It drifts.")
+        return steady(setup), True
+
+    monkeypatch.setattr("contactlab.studies.compare.scorecard.settled_soon", drifting)
+    setups = [setup_of(law) for law in ("newton", "hertz_penalty")]
+    data = cl.compare(setups, samples=0, starts=1, observe=["rotor_velocity"], workers=1).data.to_dataset()
+    for name in ("nominal", "other_basis"):
+        known = np.isfinite(data[name]).all([dim for dim in data[name].dims if dim != "law"])
+        assert known.values.tolist() == [False, True]
+    assert "newton 4" in data.attrs["notes"]
+
+
+def test_every_steady_state_is_computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps, basis and start as configured serve scorecard and pairs; no law's number moves the other law."""
+    computed: Counter[tuple[str, ...]] = Counter()
+
+    def counted(setup: cl.Setup, **options: Any) -> Steady:
+        start = setup.motor.start
+        computed[str(setup.configuration), str(start), str(options.get("belt"))] += 1
+        return steady(setup, **options)
+
+    for module in ("steady_state.means", "steady_state.basins", "studies.compare.observables"):
+        monkeypatch.setattr(f"contactlab.{module}.steady", counted)
+    setups = [setup_of(law) for law in ("lagrange_stick", "hertz_penalty", "newton")]
+    quantities, vary = ["rotor_velocity", "stall_torque"], EXACT | {"law.stiffness": 0.3}
+    cl.compare(setups, samples=1, starts=2, vary=vary, observe=quantities, workers=1)
+    # Three steps, basis, friction, another start, four repeats, a draw; the rotor at rest in nine of them.
+    assert {*computed.values()} == {1}
+    # Of Hertz's law one with another stiffness, moving and at rest.
+    assert computed.total() == 3 * (11 + 9) + 2
 
 
 def test_another_start_shows_that_a_response_is_no_function_of_its_inputs() -> None:
@@ -440,7 +468,7 @@ def test_what_a_law_of_ones_own_declares_is_varied_and_the_rest_is_left_fixed(
         "law.k1": Parameter("k1", "N m-1", "stiffness", above=0.0, spread=0.4),
         "law.k2": Parameter("k2", "N m-1", "stiffness", above=0.0),
     }
-    monkeypatch.setattr("contactlab.studies.compare.draws.declared_in", lambda _: declared)
+    monkeypatch.setattr("contactlab.studies.compare.factors.declared_in", lambda _: declared)
     factors = factors_of([own], {})
     named = {factor.name: (factor.keys, factor.a) for factor in factors}
     assert named["law.k1"] == (("law.k1",), 0.4)

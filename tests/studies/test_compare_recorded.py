@@ -13,7 +13,6 @@ from support.configurations import LAWS, leave, leave_all
 
 import contactlab as cl
 from contactlab.metrics import METRICS, SENSITIVITIES, STEP_METRICS, Run, assess, read_run
-from contactlab.metrics.convergence import richardson
 from contactlab.studies.compare.figures import contacts_of, draw_energy
 from contactlab.studies.compare.laws import read_runs
 from contactlab.studies.compare.scorecard import Reruns, energy_flow, motion
@@ -186,17 +185,6 @@ def test_runs_in_memory_are_compared(sweep: Path) -> None:
     assert energy_flow(Run.of(trees[2]))["contact_loss"] == 0.0
     with pytest.raises(cl.ComparisonError):
         cl.compare([])
-
-
-def test_richardson_gives_the_error_of_a_known_series() -> None:
-    steps = np.array([4.0, 2.0, 1.0])
-    for order in (1.0, 2.0):
-        values = [np.asarray(5.0 + h**order) for h in steps]
-        assert float(richardson(values, 2.0, order)) == pytest.approx(1.0)
-        # What converges more slowly than declared does not have the declared error.
-        assert float(richardson(values, 2.0, order + 1.0)) == pytest.approx(1.0)
-    growing = [np.asarray(x) for x in (1.0, 2.0, 4.0)]
-    assert float(richardson(growing, 2.0, 1.0)) == pytest.approx(18.0)
 
 
 @pytest.mark.long

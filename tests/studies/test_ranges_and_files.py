@@ -3,7 +3,7 @@
 import pytest
 
 from contactlab.cli.study import as_overrides
-from contactlab.studies.compare.draws import Prior
+from contactlab.studies.compare.priors import Prior
 from contactlab.studies.study import Range
 
 

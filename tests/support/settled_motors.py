@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 
 import contactlab as cl
-from contactlab.metrics.convergence import richardson
 from contactlab.motor.drive import period_of
+from contactlab.refinement import richardson
 from contactlab.settling.statistics import mean_with_error
 from contactlab.steady_state.arrival import _grows
 

@@ -87,21 +87,21 @@ def operate(setup: Setup, belt: float | None = None) -> Point:
         recorded = [Periods.of(each) for each in result.steps]
     except (BrokenOffError, NotSettledError) as error:
         return Point(belt, "none", message=str(error))
-    steps = {id(each): periods.numbers() for each, periods in zip(result.steps, recorded, strict=True)}
+    steps = [periods.numbers() for periods in recorded]
     kinds = {each.kind for each in result.steps}
     kind = result.best.kind if len(kinds) == 1 or "periodic" not in kinds else "periodic at some steps"
 
     def limit(name: str) -> Estimate:
-        levels = {key: every[name] for key, every in steps.items()}
-        value, error = result.value(lambda each: levels[id(each)])
+        numbers, statistical = np.transpose([each[name] for each in steps])
+        value, error = result.refinement.estimate(numbers, statistical)
         if np.isinf(value):
             return Estimate(value, np.inf)
-        before, last = np.diff([abs(number) for number, _ in levels.values()])
+        before, last = np.diff(np.abs(numbers))
         diverges = last > GROWS * before > 0.0
-        threshold = NOTABLE * abs(value) + levels[id(result.best)].error
+        threshold = NOTABLE * abs(value) + statistical[-1]
         return Estimate(value, np.inf if diverges and last > threshold else error)
 
-    numbers = {name: limit(name) for name in steps[id(result.best)]}
+    numbers = {name: limit(name) for name in steps[-1]}
     return Point(belt, kind, numbers, run=recorded[-1].run)
 
 

@@ -10,9 +10,8 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine.state import State
 from contactlab.estimate import Estimate
-from contactlab.metrics.convergence import FINER, control_of
 from contactlab.motor import ModalState, Motor
-from contactlab.simulation import changed
+from contactlab.refinement import Refinement
 from contactlab.steady_state.period_map import PeriodMap
 
 STARTED: Final = 0.9
@@ -128,11 +127,9 @@ def _until(clock: PeriodMap, z: Array, target: float) -> tuple[float, bool, floa
 
 
 def _at_two_steps(setup: Setup, once: Callable[[Setup], float]) -> Estimate:
-    """Return a number at half the step, and its error by extrapolation with the law's order."""
-    control = control_of(setup)
-    factor = FINER[control][1]
-    finer = changed(setup, {control: getattr(setup, control) / factor})
-    before, last = once(setup), once(finer)
-    if not np.isfinite([before, last]).all():
-        return Estimate(last, 0.0)
-    return Estimate(last, abs(last - before) / (factor**setup.law.convergence_order - 1.0))
+    """Return a number at half the step, or a tenth of the tolerance, and its error by the law's order.
+
+    A run may last for `LONGEST` periods: there is no third step whose difference shows the order.
+    """
+    refinement = Refinement.of(setup, levels=2)
+    return refinement.estimate([once(each) for each in refinement.setups(setup)])

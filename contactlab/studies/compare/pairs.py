@@ -1,7 +1,7 @@
 """The paired comparison: motors as configured and drawn, and outcomes of pairs of laws over the draws."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cached_property, partial
 from itertools import product
 from typing import Any, Final, NamedTuple, final
@@ -30,23 +30,15 @@ from contactlab.inference.paired import (
 )
 from contactlab.inference.repeats import NEGLIGIBLE, REPEATS, repeated, spread_of
 from contactlab.laws import MultiplierLaw
-from contactlab.metrics.convergence import FINER, control_of, richardson
-from contactlab.studies.compare.draws import (
-    OBSERVABLES,
-    POSTERIOR,
-    SEED,
-    START,
-    STEPS,
-    Distribution,
-    Drawn,
-    Factor,
-    Posteriors,
-    do_draw,
-    drawn,
-    factors_of,
-    on_other_basis,
-)
+from contactlab.refinement import LEVELS, Refinement
+from contactlab.studies.compare.factors import POSTERIOR, START, Factor, factors_of
+from contactlab.studies.compare.hypercube import SEED, drawn
 from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
+from contactlab.studies.compare.motors import Drawn, is_changed, on_other_basis
+from contactlab.studies.compare.observables import OBSERVABLES, do_draw
+from contactlab.studies.compare.posteriors import Posteriors
+from contactlab.studies.compare.priors import Distribution
+from contactlab.studies.compare.scorecard import OBSERVED_IN, observation_in, task_key
 from contactlab.studies.study import Task
 
 CLEAR: Final = 3.0
@@ -159,29 +151,32 @@ class Design:
     def nominal(self) -> dict[str, Drawn]:
         """Return the motors as configured by key: at each step, on the other basis, and `REPEATS`.
 
-        Those of which motors are drawn are also computed with one factor at `FAR` of its range. Motors made
-        in Python have the steps alone.
+        Those of which motors are drawn are also computed with one factor at `FAR` of its range, under the
+        laws that it changes. Motors made in Python have the steps alone.
         """
         works: dict[str, Callable[[Setup], Any]] = {
-            f"step {step}": partial(_refined, step=step) for step in range(STEPS)
+            f"step {step}": partial(_refined, step=step) for step in range(LEVELS)
         }
         if self.grid.whole:
-            works |= {"other basis": lambda setup: on_other_basis(setup)[0]}
+            works |= {"basis": lambda setup: on_other_basis(setup)[0]}
             works |= {name: partial(repeated, repeat=name) for name in REPEATS}
         digest = self.posterior.digest if self.posterior else ""
         configured = {
-            f"as configured {cell} {name}": Drawn(
-                {law: work(self.grid.setups[law, cell]) for law in self.grid.laws}
-            )
+            _configured(cell, name): Drawn({law: work(self.grid.setups[law, cell]) for law in self.grid.laws})
             for name, work in works.items()
             for cell in self.grid.cells
         }
         return configured | {
-            f"as configured {cell} with {factor.name} {digest}": Drawn(
-                {law: self.grid.setups[law, cell] for law in self.grid.laws},
+            _configured(cell, f"with {factor.name} {digest}"): Drawn(
+                {
+                    law: setup
+                    for law in self.grid.laws
+                    if is_changed(setup := self.grid.setups[law, cell], factor, self.posterior)
+                },
                 (factor,),
                 factor.at(np.array([FAR])),
                 self.posterior,
+                _configured(cell, "step 0"),
             )
             for factor in self.moved
             for cell in self.grid.cells
@@ -200,10 +195,39 @@ class Design:
             for cell, number in product(self.grid.cells, range(since, count))
         }
 
+    @property
+    def reruns(self) -> dict[str, list[str]]:
+        """Keys of the scorecard's reruns, one of each law, that observe motors as configured."""
+        return {
+            _configured(self.grid.cells[0], name): [task_key(law, name) for law in self.grid.laws]
+            for name in OBSERVED_IN
+        }
+
     def tasks(self, motors: Mapping[str, Drawn]) -> Iterator[Task]:
-        """Yield the tasks of motors by key: each is one motor under every law."""
+        """Yield the tasks of motors by key, without those that `reruns` observe."""
         for key, motor in motors.items():
-            yield Task(key, do_draw, (motor, self.names))
+            if key not in self.reruns:
+                yield Task(key, do_draw, (motor, self.names))
+
+    def _observed(
+        self, parts: Mapping[str, xarray.DataTree], motors: Mapping[str, Drawn]
+    ) -> Iterator[xarray.Dataset]:
+        """Yield the quantities of each motor under every law."""
+        for key, motor in motors.items():
+            if key in self.reruns and key not in parts:
+                reruns = [parts[rerun] for rerun in self.reruns[key]]
+                yield xarray.concat([observation_in(rerun, self.names) for rerun in reruns], "law")
+                continue
+            data, laws = parts[key].to_dataset(), [*motor.laws]
+            if motor.others and len(laws) < len(self.grid.laws):
+                # The factor is a number of other laws: these have the motor as configured.
+                (others,) = self._observed(parts, {motor.others: motors[motor.others]})
+                rows = [
+                    data.isel(law=laws.index(law)) if law in laws else others.isel(law=place)
+                    for place, law in enumerate(self.grid.laws)
+                ]
+                data = xarray.concat(rows, "law")
+            yield data
 
     def spent(self, parts: Mapping[str, xarray.DataTree]) -> int:
         """Return the number of draws that are finished: a look's, or none."""
@@ -213,16 +237,16 @@ class Design:
         """Return the settled motors of a number of draws."""
         laws, cells, quantities = len(self.grid.laws), len(self.grid.cells), len(self.names)
 
-        def every(name: str, motors: Iterable[str], number: int) -> Array:
-            values = np.array([parts[key].to_dataset()[name].values for key in motors])
+        def every(name: str, motors: Mapping[str, Drawn], number: int) -> Array:
+            values = np.array([data[name].values for data in self._observed(parts, motors)])
             return np.moveaxis(values.reshape(number, cells, laws, quantities), 2, 0)
 
         def by_draw(name: str) -> Array:
-            motors = [key for n in range(count) for key in self.drawn(n, n + 1)]
+            motors = {key: motor for n in range(count) for key, motor in self.drawn(n, n + 1).items()}
             return np.moveaxis(every(name, motors, count), 1, 3)
 
         configured = every("value", nominal := self.nominal(), len(nominal) // cells)
-        places = [STEPS, STEPS + 1, STEPS + 1 + len(REPEATS)]
+        places = [LEVELS, LEVELS + 1, LEVELS + 1 + len(REPEATS)]
         known = np.full((laws, places[-1] + len(self.moved), cells, quantities), np.nan)
         known[:, : configured.shape[1]] = configured
         steps, other, repeats, moved = np.split(np.moveaxis(known, 1, 2), places, axis=2)
@@ -232,7 +256,7 @@ class Design:
     def failures(self, parts: Mapping[str, xarray.DataTree], count: int) -> str:
         """Return a sentence on the motors without a steady state; empty where there are none."""
         motors = self.nominal() | self.drawn(0, count)
-        reasons = np.array([parts[key]["failure"].values for key in motors], str)
+        reasons = np.array([data["failure"].values for data in self._observed(parts, motors)], str)
         failed = reasons != ""
         if not failed.any():
             return ""
@@ -242,10 +266,14 @@ class Design:
         return f"{failed.sum()} of {failed.size} motors have no steady state ({numbers}): {reason}."
 
 
+def _configured(cell: str, name: str) -> str:
+    """Return the key of a motor as configured at an operating point, or changed as the name states."""
+    return f"as configured {cell} {name}"
+
+
 def _refined(setup: Setup, step: int) -> Setup:
     """Return a setup at one of three steps or tolerances."""
-    control = control_of(setup)
-    return replace(setup, **{control: getattr(setup, control) / FINER[control][step]})
+    return Refinement.of(setup).setups(setup)[step]
 
 
 def step_errors(nominal: Array, orders: Sequence[float]) -> Array:
@@ -261,9 +289,8 @@ def step_errors(nominal: Array, orders: Sequence[float]) -> Array:
     difference = nominal[:, None] - nominal[None]
     error = np.full_like(difference, np.nan)
     for a, b, cell, quantity in np.ndindex(*difference.shape[:3], difference.shape[4]):
-        steps = difference[a, b, cell, :, quantity]
-        finest = float(richardson(list(steps), FINER["contact_step"][1], min(orders[a], orders[b])))
-        error[a, b, cell, :, quantity] = np.abs(steps - steps[-1]) + finest
+        refinement = Refinement.of_difference([orders[a], orders[b]])
+        error[a, b, cell, :, quantity] = refinement.errors(difference[a, b, cell, :, quantity])
     return error
 
 

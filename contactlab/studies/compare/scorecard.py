@@ -14,12 +14,13 @@ from contactlab.config import Setup, build
 from contactlab.config.faults import failure_of
 from contactlab.metrics import VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
-from contactlab.metrics.convergence import FINER, control_of, richardson
+from contactlab.refinement import LEVELS, Refinement
 from contactlab.results.netcdf import cf_attributes, to_datatree
 from contactlab.settling.statistics import PERIODIC, WITHOUT_CONTACT
-from contactlab.steady_state import NotSettledError, attractors
-from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled
-from contactlab.studies.compare.draws import on_other_basis
+from contactlab.steady_state import NotSettledError, Steady, attractors
+from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled_soon
+from contactlab.studies.compare.motors import on_other_basis
+from contactlab.studies.compare.observables import observation, quantities_of
 from contactlab.studies.study import Part, Task
 
 VARIANTS: Final = {"friction": 0.01, "basis": 1.0}
@@ -56,25 +57,22 @@ CONTACTS: Final = ("start_time", "duration", "normal_impulse", "peak_normal_forc
 
 SHOWN: Final = {each.name: each for each in (*variables.SERIES, *variables.CONTACTS)}
 
+OBSERVED_IN: Final = (*(f"step {n}" for n in range(LEVELS)), "basis")
+"""Reruns whose motors the paired comparison has, too."""
+
 Rerun = tuple[str, str, Setup | dict[str, Any]]
 """Name, change in words, and the setup or its configuration."""
 
 
 def reruns_of(setup: Setup, *, refine: bool) -> Iterator[Rerun]:
     """Yield the reruns of a law; a setup that was made in Python has no configuration to change."""
-    configuration = setup.configuration
+    configuration, refinement = setup.configuration, Refinement.of(setup)
     if not refine:
         yield CONFIGURED, CONFIGURED, setup
         return
-    control = control_of(setup)
-    whole = "resonator" in configuration
-    for number, divisor in enumerate(FINER[control]):
-        step = getattr(setup, control) / divisor
-        finer: Setup | dict[str, Any] = replace(setup, **{control: step})
-        if whole:
-            finer = configuration | {"solver": configuration["solver"] | {control: step}}
-        yield f"step {number}", f"at {control} {step:.3g}", finer
-    if whole:
+    for number, (step, finer) in enumerate(zip(refinement.values, refinement.setups(setup), strict=True)):
+        yield f"step {number}", f"at {refinement.control} {step:.3g}", finer
+    if "resonator" in configuration:
         contact = configuration["contact"]
         if coefficient := contact["friction_coefficient"] * (1.0 + VARIANTS["friction"]):
             changed = configuration | {"contact": contact | {"friction_coefficient": coefficient}}
@@ -83,14 +81,29 @@ def reruns_of(setup: Setup, *, refine: bool) -> Iterator[Rerun]:
         yield "basis", f"with {change}", other
 
 
-def tasks_of(label: str, setup: Setup, *, refine: bool, starts: int) -> dict[str, Task]:
-    """Return the tasks of a law by name: settled motions, and steady states from several starts."""
-    works: dict[str, tuple[Any, ...]] = {
-        name: (settled_motion, rerun) for name, _, rerun in reruns_of(setup, refine=refine)
-    }
-    if refine and starts > 1:
-        works["starts"] = steady_states, setup, starts
-    return {name: Task(f"{label} {name}", attempt, work) for name, work in works.items()}
+def tasks_of(
+    label: str, setup: Setup, *, refine: bool, starts: int, observe: Sequence[str] = ()
+) -> dict[str, Task]:
+    """Return the tasks of a law by name: settled motions, the first with steady states of several starts.
+
+    Args:
+        label: of the law.
+        setup: of the law.
+        refine: whether there are reruns and starts.
+        starts: initial conditions.
+        observe: quantities of the reruns of `OBSERVED_IN`, that the paired comparison takes from them.
+    """
+    tasks = {}
+    for name, _, rerun in reruns_of(setup, refine=refine):
+        quantities = observe if name in OBSERVED_IN else ()
+        work = settled_motion, rerun, quantities, starts if name == OBSERVED_IN[0] else 1
+        tasks[name] = Task(task_key(label, name), attempt, work)
+    return tasks
+
+
+def task_key(label: str, name: str) -> str:
+    """Return the key of a task of a law by its name."""
+    return f"{label} {name}"
 
 
 def attempt(work: Callable[..., xarray.DataTree], *arguments: Any) -> Part:
@@ -102,18 +115,24 @@ def attempt(work: Callable[..., xarray.DataTree], *arguments: Any) -> Part:
         return Part(xarray.DataTree(xarray.Dataset(attrs={"failure": failure_of(error), "settles": settles})))
 
 
-def settled_motion(rerun: Setup | dict[str, Any]) -> xarray.DataTree:
-    """Return the settled motion with its means."""
+def settled_motion(
+    rerun: Setup | dict[str, Any], observe: Sequence[str] = (), starts: int = 1
+) -> xarray.DataTree:
+    """Return the settled motion with its means, quantities that are observed, and those from other starts."""
     setup = rerun if isinstance(rerun, Setup) else build(rerun)
-    state = settled(setup)
+    state, soon = settled_soon(setup)
     tree = to_datatree(motion_of(state), setup.configuration)
     tree["means"] = _tree_of([means_of(state)])
+    if observe:
+        tree["observed"] = xarray.DataTree(observation(observe, lambda: quantities_of(state, observe)))
+    if starts > 1:
+        tree["starts"] = attempt(steady_states, setup, starts, state if soon else None).data
     return tree
 
 
-def steady_states(setup: Setup, starts: int) -> xarray.DataTree:
+def steady_states(setup: Setup, starts: int, own: Steady | None) -> xarray.DataTree:
     """Return the steady states that a motor reaches from several initial conditions."""
-    return _tree_of([means_of(a.steady) for a in attractors(setup, starts, longest=LONGEST)])
+    return _tree_of([means_of(a.steady) for a in attractors(setup, starts, longest=LONGEST, own=own)])
 
 
 def _tree_of(means: Sequence[Means]) -> xarray.DataTree:
@@ -130,6 +149,13 @@ def means_in(tree: xarray.DataTree) -> list[Means]:
     data = tree.to_dataset()
     kinds = data.attrs["kinds"].split("|")
     return [Means(*each) for each in zip(kinds, data["value"].values, data["error"].values, strict=False)]
+
+
+def observation_in(tree: xarray.DataTree, names: Sequence[str]) -> xarray.Dataset:
+    """Return the quantities that a part has observed; those of one that fails are NaN."""
+    if "observed" in tree.children:
+        return tree.children["observed"].to_dataset(inherit=False)
+    return observation(names, failure=tree.attrs["failure"])
 
 
 @final
@@ -178,23 +204,26 @@ class Reruns:
                 return cls(run, setup, notes=[note])
         if refine and "friction" not in parts:
             law.notes.append(f"{run.label} has no friction coefficient to change.")
-        if "starts" in parts:
-            if failure := parts["starts"].attrs.get("failure", ""):
+        first = parts.get(OBSERVED_IN[0], xarray.DataTree())
+        if "starts" in first.children:
+            if failure := first.children["starts"].attrs.get("failure", ""):
                 law.notes.append(f"{run.label} fails from other starts: {failure}")
             else:
-                law.states["starts"] = means_in(parts["starts"])
+                law.states["starts"] = means_in(first.children["starts"])
         return law
+
+    @property
+    def refinement(self) -> Refinement:
+        """The steps or tolerances of a setup."""
+        assert self.setup is not None
+        return Refinement.of(self.setup)
 
     @property
     def steps(self) -> list[tuple[float, Run]]:
         """Values of the solver's option that is refined, and the runs, coarsest first."""
         if self.setup is None or CONFIGURED in self.runs or not self.runs:
             return []
-        control = control_of(self.setup)
-        return [
-            (getattr(self.setup, control) / divisor, self.runs[f"step {number}"])
-            for number, divisor in enumerate(FINER[control])
-        ]
+        return [(step, self.runs[f"step {n}"]) for n, step in enumerate(self.refinement.values)]
 
     @property
     def means(self) -> list[Means]:
@@ -211,31 +240,27 @@ class Reruns:
         """Period of the drive's first tone [s]; a tenth of the run where it is not known."""
         return self.run.period or 0.1 * float(np.ptp(self.best.time))
 
-    def error(self, values: Sequence[float]) -> float:
-        """Return the numerical error of the last of the values, one for each step."""
-        assert self.setup is not None
-        (coarse, _), (fine, _), *_ = self.steps
-        return float(richardson(values, coarse / fine, self.setup.law.convergence_order))
-
     def assessed(self) -> tuple[dict[str, float], dict[str, float]]:
         """Return values and errors by metric, numerical and, of means, statistical."""
         means = dict(zip(QUANTITIES, self.means[-1].values.tolist(), strict=True)) if self.means else {}
         if not self.steps:
             return (_assessed(self.best, bool(self.means)) if self.best.columns else {}) | means, {}
         steps = [_assessed(run, True) for _, run in self.steps]
-        errors = {key: self.error([each[key] for each in steps]) for key in steps[-1]}
+        error = self.refinement.error
+        errors = {key: error([each[key] for each in steps]) for key in steps[-1]}
         columns = np.transpose([each.values for each in self.means])
-        both = np.array([self.error([*column]) for column in columns]) + self.means[-1].errors
+        both = np.array([error(column) for column in columns]) + self.means[-1].errors
         errors |= dict(zip(QUANTITIES, both.tolist(), strict=True))
         variants = {name: (size, self.runs[name]) for name, size in VARIANTS.items() if name in self.runs}
         values = steps[-1] | metrics.assess_steps(self.steps) | means
         return values | metrics.assess_variants(self.steps[0][1], **variants), errors
 
     @property
-    def refinement(self) -> str:
+    def refined(self) -> str:
         """The steps at which the values were computed."""
-        if self.setup and self.steps:
-            return f"settled, {control_of(self.setup)} {', '.join(f'{step:.3g}' for step, _ in self.steps)}"
+        if self.steps:
+            steps = ", ".join(f"{step:.3g}" for step, _ in self.steps)
+            return f"settled, {self.refinement.control} {steps}"
         return "settled, steps as configured" if self.means else "as recorded"
 
 
@@ -277,7 +302,7 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
     of_laws = {
         "kind": [law.means[-1].kind if law.means else NOT_KNOWN for law in laws],
         "run": [law.run.source for law in laws],
-        "refined": [law.refinement for law in laws],
+        "refined": [law.refined for law in laws],
         "configuration": [safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
         "law_parameters": [str(law.run.attributes.get("law_parameters", "")) for law in laws],
         "contactlab_version": [str(law.run.attributes.get("contactlab_version", "")) for law in laws],

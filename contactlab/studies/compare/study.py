@@ -22,17 +22,8 @@ from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.simulation import Solution
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.compare.draws import (
-    CONVERGED,
-    OBSERVABLES,
-    OBSERVED,
-    SEED,
-    Distribution,
-    Posteriors,
-    Prior,
-    as_configured,
-    left_fixed,
-)
+from contactlab.studies.compare.factors import as_configured, left_fixed
+from contactlab.studies.compare.hypercube import SEED
 from contactlab.studies.compare.laws import (
     ComparisonError as ComparisonError,
     Grid,
@@ -43,8 +34,12 @@ from contactlab.studies.compare.laws import (
     run_of_setup,
     unchecked,
 )
+from contactlab.studies.compare.motors import CONVERGED
+from contactlab.studies.compare.observables import OBSERVABLES, OBSERVED
 from contactlab.studies.compare.page import few_draws, findings, tables
 from contactlab.studies.compare.pairs import Design, population_of, undecided, with_pairs
+from contactlab.studies.compare.posteriors import Posteriors
+from contactlab.studies.compare.priors import Distribution, Prior
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
 from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
 
@@ -182,7 +177,7 @@ class Compare(Study):
     def _scored(self, grid: Grid) -> dict[str, dict[str, Task]]:
         """Return the tasks for the scorecard by law and name."""
         return {
-            law: tasks_of(law, setup, refine=self.refine, starts=self.starts)
+            law: tasks_of(law, setup, refine=self.refine, starts=self.starts, observe=self.observe)
             for law, setup in grid.first.items()
         }
 
