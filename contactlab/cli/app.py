@@ -22,7 +22,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
 from contactlab.cli.collect import collect_swept
-from contactlab.cli.start import of_command, of_run
+from contactlab.cli.sections import of_command, of_run
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
 from contactlab.config import ConfigurationError, Setup, rebuild

@@ -22,14 +22,13 @@ def main(arguments: list[str]) -> int:
     with terminal.progress(1.0, "tasks"), terminal.raising():
         # Imported here: they bring the compiler, which --help does not need.
         from contactlab.studies.reading import load
-        from contactlab.studies.report import save
         from contactlab.studies.study import Result
 
         try:
             result = load(chosen.file)
             if not isinstance(result, Result):
                 raise RefusalError(f"FILE is '{chosen.file}', a run; it must be the dataset of a study.")
-            files = save(result, folder)
+            files = result.save(folder)
         except ValueError as error:
             raise RefusalError(f"FILE: {error}") from error
         except OSError as error:

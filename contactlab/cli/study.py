@@ -276,7 +276,7 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         KeyboardInterrupt: with a sentence; finished tasks are kept.
         RefusalError: nothing can be written, or the result does not exist.
     """
-    from contactlab.studies.runner import finish, run
+    from contactlab.studies.study import finish, run
 
     try:
         if notice := study.notice(setups):

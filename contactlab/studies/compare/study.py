@@ -60,7 +60,7 @@ STARTS: Final = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Compare(Study):
-    """In which motors does the difference of contact laws survive?
+    """Does the difference of contact laws survive where the motor is not exactly known?
 
     Laws are chosen by law=A,B; other listed values, drive.phase=-1,0,1, are operating points. The motors are
     compared once they have settled, in pairs: a draw of all that is uncertain serves every law. Drawn are
