@@ -11,6 +11,7 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
@@ -24,7 +25,8 @@ from hydra.core.object_type import ObjectType
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from contactlab.cli.arguments import for_hydra
+from contactlab.cli import verbs
+from contactlab.cli.arguments import for_hydra, refuse_dashed
 from contactlab.cli.completion import print_candidates, queried_shell
 from contactlab.cli.sections import SECTIONS
 from contactlab.cli.terminal import COMPLETE, RefusalError, refuse, unwritable
@@ -40,6 +42,7 @@ from contactlab.config.composition import (
     started,
 )
 from contactlab.config.options import conf_directory, declare, groups
+from contactlab.config.schema import KEYS
 from contactlab.results.provenance import versions
 
 # Workers of a launcher compose the command's configuration too: the task's module brings this with it.
@@ -70,6 +73,7 @@ def main(arguments: list[str]) -> int:
     _begun.clear()
     HydraConfig.instance().cfg = None
     try:
+        refuse_dashed(arguments, (*KEYS, "experiment", *SECTIONS))
         refuse_lines(line for line in arguments if not line.startswith("-"))
         refuse_expansions(_folders(lines))
         with (
@@ -173,3 +177,4 @@ def folder_name(overrides: str) -> str:
 
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
 register_resolver("folder_name", folder_name)
+register_resolver("help_on_verbs", partial(verbs.lines, "    "))

@@ -32,6 +32,7 @@ from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml
+from contactlab.studies.docstrings import question_in
 from contactlab.studies.tables import as_html, as_text, with_unit
 from contactlab.studies.task import TASKS, Part as Part, Progress as Progress, Setups as Setups, Task as Task
 from contactlab.variables import Variable
@@ -438,11 +439,6 @@ def finish(result: Result, folder: Path) -> list[str]:
     files = result.save(folder)
     shutil.rmtree(folder / TASKS, ignore_errors=True)
     return files
-
-
-def question_in(docstring: str | None) -> str:
-    """Return the question of a study on one line, the first paragraph of its docstring."""
-    return " ".join((docstring or "").partition("\n\n")[0].split())
 
 
 def plain(value: Any) -> Any:

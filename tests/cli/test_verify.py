@@ -9,7 +9,7 @@ from support.command_line import Command
 from contactlab.testing import Claim, at_most, close
 from contactlab.testing.contract import REFERENCES
 
-GROUPS = "contactlab.cli.verify.all_claims"
+GROUPS = "contactlab.cli.verbs.verify.all_claims"
 
 
 @pytest.mark.long

@@ -1,4 +1,9 @@
-"""`contactlab verify [RUN ...]`: every claim with what is expected, what is found, tolerance and verdict."""
+"""Print what is claimed of the engine and the laws, and what is computed.
+
+Claims are closed forms on small plants, numbers of independent solvers for the paper's motor, random flights,
+and the contract of every law; or, given RUNs, whether what each recorded agrees with itself. Exit status 1 if
+a claim fails.
+"""
 
 import shutil
 from functools import partial
@@ -21,19 +26,9 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: a source is no run.
     """
-    parser = Parser(
-        "verify",
-        ": closed forms on small plants, numbers of independent solvers for the paper's motor, random "
-        "flights, and the contract of every law; or, given RUNs, whether what each recorded agrees with "
-        "itself. Exit status 1 if a claim fails.",
-    )
-    parser.add_argument(
-        "runs",
-        metavar="RUN",
-        nargs="*",
-        help="a folder with run.nc, or a dataset in its layout: checked alone, by its numbers",
-    )
-    runs = [Path(source) for source in parser.read(arguments).runs]
+    meaning = "a folder with run.nc, or a dataset in its layout: checked alone, by its numbers"
+    words, _ = Parser(__name__, __doc__, "[RUN ...]", meaning).read(arguments)
+    runs = [*map(Path, words)]
     try:
         trees = [read_run(path / "run.nc" if path.is_dir() else path) for path in runs]
     except ValueError as fault:

@@ -1,0 +1,43 @@
+"""Docstrings of studies and verbs, which are their help: question, text, examples and sections."""
+
+import re
+from importlib.util import find_spec
+from inspect import cleandoc
+from pathlib import Path
+from typing import Final
+
+_AT_FIRST: Final = r'\A"""(.*?)"""'
+_OF_CLASS: Final = r'^class {}\b[^:]*:\n\s+"""(.*?)"""'
+_SECTION: Final = re.compile(r"^(Returns|Raises):\n", re.MULTILINE)
+
+
+def docstring_of(module: str, name: str = "") -> str:
+    """Return the docstring of a module, or of a class of it; empty where its source does not contain one.
+
+    It is read from the source: to import every study takes seconds.
+    """
+    try:
+        spec = find_spec(module)
+        source = Path(str(spec and spec.origin)).read_text(encoding="utf-8")
+    # A package that contains the module is imported, and may fail in any way.
+    except Exception:
+        return ""
+    match = re.search(_OF_CLASS.format(name) if name else _AT_FIRST, source, re.DOTALL | re.MULTILINE)
+    return cleandoc(match[1]) if match else ""
+
+
+def question_in(docstring: str | None) -> str:
+    """Return the first paragraph on one line: the question of a study, or what a verb does."""
+    return " ".join(cleandoc(docstring or "").partition("\n\n")[0].split())
+
+
+def paragraphs_in(docstring: str | None) -> list[str]:
+    """Return the paragraphs before the sections; those of examples are indented."""
+    text = _SECTION.split(cleandoc(docstring or ""))[0].strip("\n")
+    return text.split("\n\n")
+
+
+def sections_in(docstring: str | None) -> dict[str, str]:
+    """Return the text of the sections `Returns` and `Raises`, each with its indentation."""
+    _, *parts = _SECTION.split(cleandoc(docstring or ""))
+    return {title: text.rstrip() for title, text in zip(parts[::2], parts[1::2], strict=True)}
