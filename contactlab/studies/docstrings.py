@@ -8,7 +8,7 @@ from typing import Final
 
 _AT_FIRST: Final = r'\A"""(.*?)"""'
 _OF_CLASS: Final = r'^class {}\b[^:]*:\n\s+"""(.*?)"""'
-_SECTION: Final = re.compile(r"^(Returns|Raises):\n", re.MULTILINE)
+_SECTION: Final = re.compile(r"^(Args|Returns|Raises):\n", re.MULTILINE)
 
 
 def docstring_of(module: str, name: str = "") -> str:
@@ -38,6 +38,12 @@ def paragraphs_in(docstring: str | None) -> list[str]:
 
 
 def sections_in(docstring: str | None) -> dict[str, str]:
-    """Return the text of the sections `Returns` and `Raises`, each with its indentation."""
+    """Return the text of the sections `Args`, `Returns` and `Raises`, each with its indentation."""
     _, *parts = _SECTION.split(cleandoc(docstring or ""))
     return {title: text.rstrip() for title, text in zip(parts[::2], parts[1::2], strict=True)}
+
+
+def entries_in(docstring: str | None) -> dict[str, str]:
+    """Return the entries of the section `Args` by their first names; one may describe several arguments."""
+    entries = re.split(r"\n(?=    \S)", sections_in(docstring).get("Args", ""))
+    return {re.split(r"\W", each.strip(), maxsplit=1)[0]: each for each in entries if each}
