@@ -33,19 +33,19 @@ _NUMBER_WITH_UNIT: Final = re.compile(r"[\d.]\s*(?:(?![eE][-+\d])[^\W\d_]|[°%]|
 
 @final
 class Parser:
-    """Arguments of a verb that is no study: words, such as files, and options NAME=VALUE.
+    """Arguments of a verb that is no study: operands, such as files, and options NAME=VALUE.
 
     Args:
         module: of the verb, its `__name__`.
         about: docstring of the module.
-        word: what the words are, as the usage shows it: FILE is one, [FILE] one at most, [FILE ...] any
+        operand: what an operand is, as the usage shows it: FILE is one, [FILE] one at most, [FILE ...] any
             number.
-        meaning: of the words.
+        meaning: of the operands.
     """
 
-    def __init__(self, module: str, about: str | None, word: str = "", meaning: str = "") -> None:
+    def __init__(self, module: str, about: str | None, operand: str = "", meaning: str = "") -> None:
         self._verb, self._about = module.rpartition(".")[2].replace("_", "-"), about
-        self._word, self._meaning = word, meaning
+        self._operand, self._meaning = operand, meaning
         self._options: dict[str, tuple[str, str]] = {}
 
     def option(self, name: str, value: str, meaning: str) -> None:
@@ -53,22 +53,22 @@ class Parser:
         self._options[name] = value, meaning
 
     def read(self, arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
-        """Return the words, and the options by name that have a value.
+        """Return the operands, and the options by name that have a value.
 
         Raises:
             SystemExit: help was printed.
-            RefusalError: an argument is no option, or there are too few or too many words.
+            RefusalError: an argument is no option, or there are too few or too many operands.
         """
         if not HELP.isdisjoint(arguments):
             print(self.help())
             sys.exit(0)
         refuse_dashed(arguments, self._options)
-        words, options = list[str](), list[str]()
+        operands, options = list[str](), list[str]()
         for text in arguments:
             name, sign, _ = text.partition("=")
             # What is there is a file, or the folder of a sweep's run, law=newton.
             is_option = (text.startswith("-") or (sign and name.isidentifier())) and not Path(text).exists()
-            (options if is_option or (sign and name in self._options) else words).append(text)
+            (options if is_option or (sign and name in self._options) else operands).append(text)
         for name in (text.partition("=")[0] for text in options):
             if name not in self._options:
                 hint = suggestion(
@@ -76,22 +76,22 @@ class Parser:
                 )
                 raise RefusalError(f"{name} is no option. {hint}")
         refuse_repeated(options)
-        most = (len(words) if "..." in self._word else 1) if self._word else 0
-        if len(words) > most:
-            raise RefusalError(f"{words[most]} is one argument too many: {self._usage}.")
-        if not words and self._word and "[" not in self._word:
-            raise RefusalError(f"{self._word} is missing: {self._usage}.")
+        most = (len(operands) if "..." in self._operand else 1) if self._operand else 0
+        if len(operands) > most:
+            raise RefusalError(f"{operands[most]} is one argument too many: {self._usage}.")
+        if not operands and self._operand and "[" not in self._operand:
+            raise RefusalError(f"{self._operand} is missing: {self._usage}.")
         pairs = (text.partition("=") for text in options)
-        return words, {name: value for name, _, value in pairs}
+        return operands, {name: value for name, _, value in pairs}
 
     @property
     def _usage(self) -> str:
         options = (f"[{name}={value}]" for name, (value, _) in self._options.items())
-        return " ".join(filter(None, ["contactlab", self._verb, self._word, *options]))
+        return " ".join(filter(None, ["contactlab", self._verb, self._operand, *options]))
 
     def help(self) -> str:
         """Return the help of the verb."""
-        rows = {self._word.strip("[] ."): self._meaning} if self._word else {}
+        rows = {self._operand.strip("[] ."): self._meaning} if self._operand else {}
         rows |= {f"{name}={value}": meaning for name, (value, meaning) in self._options.items()}
         return "\n".join(
             [f"usage: {self._usage}", "", cleandoc(self._about or ""), "", *table_of(rows)]

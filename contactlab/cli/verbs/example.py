@@ -51,8 +51,8 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: there is no such example, its copy would overwrite something or cannot be written.
     """
-    words, _ = Parser(__name__, __doc__, "[NAME]", "of the example to copy").read(arguments)
-    wanted = words[0] if words else None
+    operands, _ = Parser(__name__, __doc__, "[NAME]", "of the example to copy").read(arguments)
+    wanted = operands[0] if operands else None
     known = {each.name: each for each in examples()}
     if wanted is None:
         width = max(map(len, known))

@@ -50,10 +50,10 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: no law or part has the name.
     """
-    words, _ = Parser(__name__, __doc__, "[NAME]", "of a law, or of a part (friction/coulomb)").read(
+    operands, _ = Parser(__name__, __doc__, "[NAME]", "of a law, or of a part (friction/coulomb)").read(
         arguments
     )
-    wanted = words[0] if words else None
+    wanted = operands[0] if operands else None
     listing = _listing()
     titles, known = [title for entries in listing.values() for title, _ in entries], names()
     if wanted is not None and wanted not in known:

@@ -27,8 +27,8 @@ def main(arguments: list[str]) -> int:
         RefusalError: a source is no run.
     """
     meaning = "a folder with run.nc, or a dataset in its layout: checked alone, by its numbers"
-    words, _ = Parser(__name__, __doc__, "[RUN ...]", meaning).read(arguments)
-    runs = [*map(Path, words)]
+    operands, _ = Parser(__name__, __doc__, "[RUN ...]", meaning).read(arguments)
+    runs = [*map(Path, operands)]
     try:
         trees = [read_run(path / "run.nc" if path.is_dir() else path) for path in runs]
     except ValueError as fault:
