@@ -17,7 +17,8 @@ def docstring_of(module: str, name: str = "") -> str:
     It is read from the source, and nothing is imported: every study would take seconds.
     """
     package, *inner = module.split(".")
-    spec = find_spec(package)
+    # A script has no specification.
+    spec = None if package == "__main__" else find_spec(package)
     folders = (spec.submodule_search_locations or ()) if inner and spec else ()
     places = [Path(folder, *inner) for folder in folders] or [Path(str(spec and spec.origin)).with_suffix("")]
     files = (file for x in places for file in (x.with_suffix(".py"), x / "__init__.py") if file.is_file())
