@@ -24,7 +24,7 @@ import numpy as np
 
 from contactlab.config import Setup
 from contactlab.processes import forked_pool
-from contactlab.studies.runner import run
+from contactlab.studies.study import run
 from contactlab.studies.sweep.plan import Outputs, Plan, planned
 from contactlab.studies.sweep.study import Sweep, composing
 

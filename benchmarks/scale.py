@@ -31,8 +31,7 @@ from contactlab.estimate import Estimate
 from contactlab.laws import LAWS
 from contactlab.metrics import METRICS
 from contactlab.studies.run_state import Status
-from contactlab.studies.runner import run
-from contactlab.studies.study import Part, Setups, Study, Task
+from contactlab.studies.study import Part, Setups, Study, Task, run
 from contactlab.studies.sweep.dataset import Outcome
 
 WORKERS = 1, 2, 4, 8

@@ -27,8 +27,7 @@ from contactlab.cli.main import main as command
 from contactlab.processes import processors
 from contactlab.results.provenance import versions
 from contactlab.studies.registry import register
-from contactlab.studies.runner import finish, run
-from contactlab.studies.study import Part, Result, Setups, Study, Task, option
+from contactlab.studies.study import Part, Result, Setups, Study, Task, finish, option, run
 from contactlab.studies.tables import table
 
 CONF: Final = Path(__file__).resolve().parents[1] / "conf" / "experiment"

@@ -9,7 +9,7 @@ from all import BEYOND, PAPER, numbers_of
 from dependencies import ROOT, Recorder
 from experiment import class_of, setup_of
 
-from contactlab.studies.runner import finish, run
+from contactlab.studies.study import finish, run
 
 PICTURES: Final = {
     **{name: "docs/paper" for name in PAPER if name.startswith("fig")},

@@ -21,10 +21,10 @@ from omegaconf import DictConfig, OmegaConf, read_write
 from omegaconf.errors import OmegaConfBaseException
 
 from contactlab.cli import terminal
-from contactlab.cli.collect import collect_swept
-from contactlab.cli.start import of_command, of_run
+from contactlab.cli.sections import of_command, of_run
 from contactlab.cli.study import perform_study, setups_of, without_effect
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, refuse, tell
+from contactlab.cli.verbs.collect import collect_swept
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import faults_of
 from contactlab.config.faults import faults_added, one_line

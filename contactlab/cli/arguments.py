@@ -1,25 +1,23 @@
 """Arguments of the command: parsers of the verbs that are no studies, and arguments as Hydra reads them."""
 
 import re
-from argparse import ArgumentParser, Namespace
-from collections.abc import Iterable, Sequence
+import sys
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from inspect import cleandoc
+from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from shlex import quote
+from textwrap import fill
+from typing import Final, final
 
 from contactlab.cli.terminal import RefusalError
 from contactlab.config.nesting import quoted
 from contactlab.suggestion import suggestion
 
-VERBS: Final = {
-    "animate": "show tip, rotor and contact force of a run in slow motion, as GIF or MP4",
-    "collect": "put the runs of a sweep into one dataset over their parameters",
-    "example": "copy a script, measured impacts, or the package of a law or study, to begin from",
-    "laws": "list every installed law and part, with all that it declares",
-    "report": "make page, figures and tables of a study anew from its dataset",
-    "verify": "print the contract of every law, or check what runs recorded",
-    "warm-up": "compile the engine ahead, for laws of every kind, so that no run has to wait for it",
-}
-"""What each verb does; it is `main(arguments)` in the module beside this one of its name, - as _."""
+HELP: Final = frozenset({"--help", "-h"})
+
+HELP_WIDTH: Final = 100
+"""Of the lines of a help's list."""
 
 VALUED: Final = frozenset(
     {
@@ -33,38 +31,101 @@ _SPREAD: Final = re.compile(r"(?P<key>[^=]+)=\s*'?(?P<value>(?P<name>linspace|ge
 _NUMBER_WITH_UNIT: Final = re.compile(r"[\d.]\s*(?:(?![eE][-+\d])[^\W\d_]|[°%]|\s1\s*/)")
 
 
-class Parser(ArgumentParser):
-    """Parser of one verb, whose options are written NAME=VALUE or, as usual elsewhere, --NAME VALUE.
+@final
+class Parser:
+    """Arguments of a verb that is no study: operands, such as files, and options NAME=VALUE.
 
     Args:
-        verb: a key of `VERBS`.
-        about: follows on the sentence that says what the verb does.
+        module: of the verb, its `__name__`.
+        about: docstring of the module.
+        operand: what an operand is, as the usage shows it: FILE is one, [FILE] one at most, [FILE ...] any
+            number.
+        meaning: of the operands.
     """
 
-    def __init__(self, verb: str, about: str) -> None:
-        self._options: set[str] = set()
-        description = f"{VERBS[verb].capitalize()}{about} An option may be written NAME=VALUE."
-        super().__init__(prog=f"contactlab {verb}", description=description, allow_abbrev=False)
+    def __init__(self, module: str, about: str | None, operand: str = "", meaning: str = "") -> None:
+        self._verb, self._about = module.rpartition(".")[2].replace("_", "-"), about
+        self._operand, self._meaning = operand, meaning
+        self._options: dict[str, tuple[str, str]] = {}
 
-    def option(self, name: str, **about: Any) -> None:
-        """Declare an option, as `add_argument`."""
-        self._options.add(name)
-        self.add_argument(f"--{name}", **about)
+    def option(self, name: str, value: str, meaning: str) -> None:
+        """Declare an option; `value` is what its value is, as the help shows it."""
+        self._options[name] = value, meaning
 
-    def read(self, arguments: Sequence[str]) -> Namespace:
-        """Return the arguments, options among them wherever they stand.
+    def read(self, arguments: Sequence[str]) -> tuple[list[str], dict[str, str]]:
+        """Return the operands, and the options by name that have a value.
 
         Raises:
-            SystemExit: a fault in the arguments, or only help was wanted.
+            SystemExit: help was printed.
+            RefusalError: an argument is no option, or there are too few or too many operands.
         """
+        if not HELP.isdisjoint(arguments):
+            print(self.help())
+            sys.exit(0)
+        refuse_dashed(arguments, self._options)
+        operands, options = list[str](), list[str]()
         for text in arguments:
             name, sign, _ = text.partition("=")
             # What is there is a file, or the folder of a sweep's run, law=newton.
-            if sign and name.isidentifier() and name not in self._options and not Path(text).exists():
-                known = ", ".join(sorted(self._options))
-                self.error(f"{name} is no option. {suggestion(name, self._options, f'Options are {known}.')}")
-        texts = (f"--{t}" if t.partition("=")[0] in self._options and "=" in t else t for t in arguments)
-        return self.parse_intermixed_args([*texts])
+            is_option = (text.startswith("-") or (sign and name.isidentifier())) and not Path(text).exists()
+            (options if is_option or (sign and name in self._options) else operands).append(text)
+        for name in (text.partition("=")[0] for text in options):
+            if name not in self._options:
+                hint = suggestion(
+                    name, self._options, f"It must be {', '.join(self._options) or 'left out'}."
+                )
+                raise RefusalError(f"{name} is no option. {hint}")
+        refuse_repeated(options)
+        most = (len(operands) if "..." in self._operand else 1) if self._operand else 0
+        if len(operands) > most:
+            raise RefusalError(f"{operands[most]} is one argument too many: {self._usage}.")
+        if not operands and self._operand and "[" not in self._operand:
+            raise RefusalError(f"{self._operand} is missing: {self._usage}.")
+        pairs = (text.partition("=") for text in options)
+        return operands, {name: value for name, _, value in pairs}
+
+    @property
+    def _usage(self) -> str:
+        options = (f"[{name}={value}]" for name, (value, _) in self._options.items())
+        return " ".join(filter(None, ["contactlab", self._verb, self._operand, *options]))
+
+    def help(self) -> str:
+        """Return the help of the verb."""
+        rows = {self._operand.strip("[] ."): self._meaning} if self._operand else {}
+        rows |= {f"{name}={value}": meaning for name, (value, meaning) in self._options.items()}
+        return "\n".join(
+            [f"usage: {self._usage}", "", cleandoc(self._about or ""), "", *table_of(rows)]
+        ).rstrip()
+
+
+def table_of(rows: Mapping[str, str]) -> Iterator[str]:
+    """Yield the lines of a help's list: names, and what each is."""
+    width = max(map(len, rows), default=0) + 2
+    for name, meaning in rows.items():
+        yield fill(
+            f"  {name:<{width}}{meaning}",
+            HELP_WIDTH,
+            subsequent_indent=" " * (width + 2),
+            break_long_words=False,
+            break_on_hyphens=False,
+        )
+
+
+def refuse_dashed(arguments: Sequence[str], names: Container[str]) -> None:
+    """Refuse --NAME of an option, or of a group of keys, by a RefusalError that says how it is written."""
+    for word, follower in pairwise([*arguments, ""]):
+        if not word.startswith("--"):
+            continue
+        key, sign, value = word.partition("=")
+        name = key.removeprefix("--").replace("-", "_")
+        if not sign:
+            value = "" if "=" in follower or re.match("-+[a-z]", follower) else follower
+        # As --no-refine.
+        if name.partition(".")[0] not in names and name.startswith("no_"):
+            name, value = name.removeprefix("no_"), "false"
+        if name.partition(".")[0] in names:
+            written = quote(f"{name}={value or 'VALUE'}")
+            raise RefusalError(f"{word} is no option; write {written}.")
 
 
 def refuse_repeated(lines: Iterable[str]) -> None:

@@ -8,15 +8,17 @@ completed here.
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from importlib import import_module
 from types import NoneType
 from typing import Final, get_args
 
 from hydra.plugins.completion_plugin import CompletionPlugin, DefaultCompletionPlugin
 
-from contactlab.cli.arguments import VERBS, for_hydra
+from contactlab.cli import verbs
+from contactlab.cli.arguments import for_hydra
 from contactlab.config.composition import COMMAND, RUN, started
 from contactlab.parameter import DeclaredField, declared_fields
-from contactlab.studies.registry import SIMULATE, studies, study_class
+from contactlab.studies.registry import studies, study_class
 
 _FLAG: Final = "query="
 _BETWEEN: Final = {"fish": "\n"}
@@ -47,13 +49,16 @@ def candidates(line: str) -> list[str]:
     """
     arguments = line.split()
     word = "" if not line or line[-1].isspace() else arguments.pop()
-    verbs = sorted({*VERBS, *studies(), "help"} - {SIMULATE})
     if not arguments:
-        return _beginning(verbs, word) + _of_configuration(COMMAND, arguments, word)
+        return _beginning(sorted([*verbs.names(), "help"]), word) + _of_configuration(
+            COMMAND, arguments, word
+        )
     if arguments == ["help"]:
-        return _beginning(verbs, word)
-    if arguments[0] in VERBS:
-        return _beginning(_names(arguments[0]), word)
+        return _beginning(verbs.names(), word)
+    if arguments[0] in verbs.modules():
+        # Of a verb that takes files there are none: the shell completes them.
+        module = import_module(verbs.modules()[arguments[0]])
+        return _beginning(module.names() if hasattr(module, "names") else (), word)
     if arguments[0] not in studies():
         return [] if arguments[0].isidentifier() else _of_configuration(COMMAND, arguments, word)
     study = study_class(arguments[0])
@@ -71,18 +76,6 @@ def candidates(line: str) -> list[str]:
 
 def _beginning(candidates: Iterable[str], start: str) -> list[str]:
     return [each for each in candidates if each.startswith(start)]
-
-
-def _names(verb: str) -> Iterator[str]:
-    """Yield the names that a verb takes; of one that takes files, none: the shell completes them."""
-    if verb == "laws":
-        from contactlab.cli.laws import listed_names
-
-        yield from listed_names()
-    elif verb == "example":
-        from contactlab.cli.example import examples
-
-        yield from (each.name for each in examples())
 
 
 def _values(field: DeclaredField) -> Iterator[str]:

@@ -7,12 +7,19 @@ import signal
 import sys
 from importlib import import_module
 from io import TextIOWrapper
+from typing import Final
 
-from contactlab.cli import terminal
-from contactlab.cli.arguments import VERBS, refuse_repeated
+from contactlab.cli import terminal, verbs
+from contactlab.cli.arguments import HELP, refuse_repeated
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
-from contactlab.studies.registry import SIMULATE, question_of, studies
+from contactlab.studies.registry import SIMULATE, studies
 from contactlab.suggestion import suggestion
+
+LISTING: Final = """\
+contactlab [KEY=VALUE ...] simulates a motor; contactlab -m KEY=A,B ... simulates all combinations.
+contactlab VERB ...:
+  {}
+contactlab help VERB lists the options of a verb, contactlab --help all groups and keys of a run."""
 
 
 def main() -> int:
@@ -55,24 +62,22 @@ def _perform(*line: str) -> int:
     verb, arguments = line[0] if line else "", line[1:]
     if verb == "help":
         if not arguments:
-            print(*_verbs(), sep="\n")
+            print(LISTING.format(verbs.lines()))
             return 0
         verb, arguments = arguments[0], ("--help",)
-    if verb in VERBS:
-        module = verb.replace("-", "_")
-        return int(import_module(f"contactlab.cli.{module}").main(list(arguments)))
+    if verb in verbs.modules():
+        return int(import_module(verbs.modules()[verb]).main(list(arguments)))
     if verb in studies() and verb != SIMULATE:
         # Imported here: it brings the engine, which may take seconds.
         with terminal.progress(1.0, "tasks"):
             from contactlab.cli.study import as_overrides, help_on
 
-        if {"--help", "-h"} & {*arguments}:
+        if not HELP.isdisjoint(arguments):
             print(help_on(verb))
             return 0
         arguments = tuple(as_overrides(verb, arguments))
     elif verb.isidentifier() and verb != SIMULATE:
-        known = sorted({*VERBS, *studies()})
-        hint = suggestion(verb, known, f"It must be one of {', '.join(known)}.")
+        hint = suggestion(verb, verbs.names(), f"It must be one of {', '.join(verbs.names())}.")
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
     else:
         arguments = line if verb != SIMULATE else arguments
@@ -84,16 +89,3 @@ def _perform(*line: str) -> int:
         if not any(argument.startswith("-") for argument in arguments):
             import_module("contactlab.cli.app")
     return start.main(list(arguments))
-
-
-def _verbs() -> list[str]:
-    """Return the lines that list every verb with what it does."""
-    questions = {name: question_of(name) for name in studies() if name != SIMULATE}
-    every = dict(sorted((VERBS | questions).items()))
-    width = max(map(len, every))
-    return [
-        "contactlab [KEY=VALUE ...] simulates a motor; contactlab -m KEY=A,B ... simulates all combinations.",
-        "contactlab VERB ...:",
-        *(f"  {verb:{width}}  {text}" for verb, text in every.items()),
-        "contactlab help VERB lists the options of a verb, contactlab --help all groups and keys of a run.",
-    ]

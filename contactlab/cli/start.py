@@ -9,16 +9,15 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from itertools import pairwise
 from pathlib import Path
 from shutil import rmtree
 from string import Template
-from typing import Annotated, Any, Final, Literal, final
+from typing import Final
 
 import hydra
 from hydra.core.hydra_config import HydraConfig
@@ -26,9 +25,10 @@ from hydra.core.object_type import ObjectType
 from hydra.types import RunMode
 from omegaconf import DictConfig, OmegaConf
 
-from contactlab.checks import Checked
-from contactlab.cli.arguments import for_hydra
+from contactlab.cli import verbs
+from contactlab.cli.arguments import for_hydra, refuse_dashed
 from contactlab.cli.completion import print_candidates, queried_shell
+from contactlab.cli.sections import SECTIONS
 from contactlab.cli.terminal import COMPLETE, RefusalError, refuse, unwritable
 from contactlab.config.composition import (
     COMMAND,
@@ -39,76 +39,14 @@ from contactlab.config.composition import (
     refuse_expansions,
     refuse_lines,
     register_resolver,
-    resolved,
     started,
 )
-from contactlab.config.faults import faults_added, raise_faults
-from contactlab.config.groups import Section, keys_of
 from contactlab.config.options import conf_directory, declare, groups
-from contactlab.config.schema import Examination
-from contactlab.parameter import Parameter
+from contactlab.config.schema import KEYS
 from contactlab.results.provenance import versions
-from contactlab.studies.keys import STUDIES, study_in
-from contactlab.studies.study import Study
-
-_declared = partial(Parameter, "", "1")
-_Names = list[str] | str | None
-
-
-@final
-@dataclass(frozen=True)
-class Sweep(Checked):
-    """How the runs of a sweep are made, and what is kept of them."""
-
-    keep: Annotated[Literal["runs", "metrics"], _declared("a folder a run, or numbers alone")] = "runs"
-    metrics: Annotated[_Names, _declared("names of metrics that are kept, or all")] = None
-    series: Annotated[_Names, _declared("names of time series that are kept as well")] = None
-    samples: Annotated[str | None, _declared("table whose columns are keys and whose rows are runs")] = None
-    over: Annotated[_Names, _declared("values by which the setups of one study differ, as law=A,B")] = None
-    chunk: Annotated[int | None, _declared("runs of a task, which one process does", at_least=1)] = None
-    workers: Annotated[int | None, _declared("processes at work", at_least=1, at_most=1000)] = None
-
-
-SECTIONS: Final[dict[str, Section]] = {"sweep": Section({"default": keys_of(Sweep)}), "study": STUDIES}
 
 # Workers of a launcher compose the command's configuration too: the task's module brings this with it.
 declare(SECTIONS)
-
-
-def of_run(config: DictConfig) -> dict[str, Any]:
-    """Return the configuration of the run that a command composes, not yet checked.
-
-    Raises:
-        ConfigurationError: a reference has no value.
-    """
-    return {group: keys for group, keys in resolved(config).items() if group not in SECTIONS}
-
-
-def sweep_in(section: Mapping[str, Any]) -> Sweep:
-    """Return how the runs of a command are made.
-
-    Raises:
-        ConfigurationError: with every fault.
-    """
-    examined = Examination({"sweep": section}, {"sweep": SECTIONS["sweep"]}, ())
-    raise_faults(examined.faults)
-    return Sweep(**examined.values["sweep"])
-
-
-def of_command(config: DictConfig) -> tuple[Study, Sweep]:
-    """Return the study of a command, and how its runs are made.
-
-    Raises:
-        ConfigurationError: with every fault.
-    """
-    sections, faults = resolved(config), list[str]()
-    with faults_added(faults):
-        study = study_in(sections["study"])
-    with faults_added(faults):
-        sweep = sweep_in(sections["sweep"])
-    raise_faults(faults)
-    return study, sweep
-
 
 _begun: Final[list[bool]] = []
 """Jobs of this process that have begun: Hydra has written the copies of their configuration."""
@@ -135,6 +73,7 @@ def main(arguments: list[str]) -> int:
     _begun.clear()
     HydraConfig.instance().cfg = None
     try:
+        refuse_dashed(arguments, (*KEYS, "experiment", *SECTIONS))
         refuse_lines(line for line in arguments if not line.startswith("-"))
         refuse_expansions(_folders(lines))
         with (
@@ -238,3 +177,4 @@ def folder_name(overrides: str) -> str:
 
 # Workers of a launcher compose configurations too: whatever they import brings this with it.
 register_resolver("folder_name", folder_name)
+register_resolver("help_on_verbs", partial(verbs.lines, "    "))

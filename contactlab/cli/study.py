@@ -12,18 +12,18 @@ from dataclasses import MISSING
 from itertools import product
 from operator import itemgetter
 from pathlib import Path
-from textwrap import fill
 from types import NoneType
 from typing import Any, Final, get_args, get_origin
 
 from contactlab.cli import terminal
-from contactlab.cli.arguments import refuse_repeated
+from contactlab.cli.arguments import refuse_dashed, refuse_repeated, table_of
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell, unwritable
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.nesting import flat, quoted
 from contactlab.config.options import known_keys
 from contactlab.config.schema import FRICTION, KEYS
 from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.studies.docstrings import paragraphs_in
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
 from contactlab.studies.sweep.values import listed
@@ -35,9 +35,6 @@ LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 FILE: Final = re.compile(r"(?!-)[^=]+|(?![-+~]|law/|hydra/)[^=]*/.*")
 """A word that is neither an option nor an override; a folder of a sweep is named by them, two/law=newton."""
 
-HELP_WIDTH: Final = 100
-"""Of the lines of a verb's help."""
-
 FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 """Keys that name the folder of the files, of a single study and of a sweep."""
 
@@ -45,11 +42,10 @@ FOLDER: Final = "hydra.run.dir", "hydra.sweep.dir"
 def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     """Return the arguments of a verb as Hydra reads them.
 
-    An option of the study may be written NAME=VALUE, --NAME VALUE or --NAME=VALUE, one that is true or
-    false --NAME or --no-NAME, and the folder of the files output=DIR.
+    An option of the study is written NAME=VALUE, and the folder of the files output=DIR.
 
     Raises:
-        RefusalError: an option lacks its value, or a key has two.
+        RefusalError: an option is written --NAME, or a key has two values.
     """
     study = study_class(verb)
     options = declared_fields(study)
@@ -58,7 +54,8 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     lines, single, others = [f"study={verb}"], list[str](), list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
     patterns = {**dict(_patterns(options)), **({study.files: FILE} if study.files else {})}
-    for word in _without_dashes(arguments, options):
+    refuse_dashed(arguments, (*options, "output", *KEYS))
+    for word in arguments:
         name, sign, value = word.partition("=")
         if word == "output=":
             raise RefusalError("output is empty; it must be a folder.")
@@ -118,26 +115,6 @@ def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:
     listing = [line for line in overrides if study.several and LISTED.match(line)]
     own = ("law/", "law.") if any(line.startswith("law=") for line in listing) else ()
     return [line for line in overrides if line in listing or line.startswith(own)]
-
-
-def _without_dashes(arguments: Sequence[str], options: Mapping[str, DeclaredField]) -> Iterator[str]:
-    """Yield words with NAME=VALUE in place of --NAME VALUE, --NAME and --no-NAME; flags are left."""
-    rest = list(arguments)
-    while rest:
-        word = rest.pop(0)
-        key, sign, value = word.partition("=")
-        name = key.removeprefix("--").replace("-", "_")
-        switch = options.get(name.removeprefix("no_"))
-        if not word.startswith("--") or name not in (*options, "output", f"no_{name.removeprefix('no_')}"):
-            yield word
-        elif switch and bool in switch.kinds and not sign:
-            yield f"{name.removeprefix('no_')}={not name.startswith('no_')}".lower()
-        elif name not in (*options, "output"):
-            raise RefusalError(f"{word} is no option; it must be one of {', '.join([*options, 'output'])}.")
-        elif not sign and not rest:
-            raise RefusalError(f"{word} has no value; one must follow it.")
-        else:
-            yield f"{name}={value if sign else rest.pop(0)}"
 
 
 def _values(field: DeclaredField, value: str) -> list[str]:
@@ -233,26 +210,16 @@ def _sets(line: str, key: str) -> bool:
 def help_on(verb: str) -> str:
     """Return the help of a study's verb, made from its declaration."""
     study = study_class(verb)
-    fields = declared_fields(study)
-    width = max(map(len, fields)) + 2
+    rows = {name: _described(field) for name, field in declared_fields(study).items()}
+    text = (each for each in paragraphs_in(study.__doc__) if not each.startswith(" "))
     return "\n".join(
         [
             f"usage: contactlab {verb} [NAME=VALUE | KEY=VALUE | GROUP=OPTION ...] [output=DIR] [-m]",
             "",
-            re.sub(r"\n +", "\n", (study.__doc__ or "").strip()),
+            "\n\n".join(text),
             "",
             "Options:",
-            *(
-                fill(
-                    f"  {name:<{width}}{_described(field)}",
-                    HELP_WIDTH,
-                    subsequent_indent=" " * (width + 2),
-                    break_long_words=False,
-                    break_on_hyphens=False,
-                )
-                for name, field in fields.items()
-            ),
-            f"  {'output':<{width}}folder of the files; {verb}",
+            *table_of({**rows, "output": f"folder of the files; {verb}"}),
             "",
             "KEY=VALUE and GROUP=OPTION are those of a run (contactlab --help). With -m every combination of",
             "listed values, KEY=A,B or KEY=linspace(FIRST,LAST,COUNT), leaves its numbers in one dataset.",
@@ -276,7 +243,7 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         KeyboardInterrupt: with a sentence; finished tasks are kept.
         RefusalError: nothing can be written, or the result does not exist.
     """
-    from contactlab.studies.runner import finish, run
+    from contactlab.studies.study import finish, run
 
     try:
         if notice := study.notice(setups):

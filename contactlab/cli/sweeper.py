@@ -26,9 +26,9 @@ from omegaconf.errors import OmegaConfBaseException
 from contactlab.checks import check_declared
 from contactlab.cli import terminal
 from contactlab.cli.app import announce, choices_of, idle_friction, refusals, status_of_runs
-from contactlab.cli.collect import collect_swept
-from contactlab.cli.start import SECTIONS, sweep_in
+from contactlab.cli.sections import SECTIONS, sweep_in
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, refuse, tell
+from contactlab.cli.verbs.collect import collect_swept
 from contactlab.config import ConfigurationError
 from contactlab.config.composition import as_written, faults_of, resolved, written
 from contactlab.config.faults import faults_added, one_line, raise_faults

@@ -2,17 +2,15 @@
 
 from dataclasses import is_dataclass, replace
 from functools import reduce
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final, Protocol, TypeVar
 
 from contactlab.config.faults import ConfigurationError
 from contactlab.config.groups import GROUPS
-from contactlab.motor import Drive
+from contactlab.laws import ContactLaw
+from contactlab.motor import Drive, Motor
 from contactlab.motor.drive import TwoMode
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.quantity import UnitError, number_of
-
-if TYPE_CHECKING:
-    from contactlab.config.setup import Setup
 
 KEYS: Final = {
     "duration": ("solver", "duration"),
@@ -26,7 +24,22 @@ PLACES: Final = KEYS | {"until": ("solver", "until"), "precision": ("solver", "p
 """Configuration keys of all arguments of `simulate` that say how a run is made."""
 
 
-def variable_numbers(setup: "Setup") -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
+class MotorUnderLaw(Protocol):
+    """A motor and a law, as `contactlab.Setup` has them."""
+
+    @property
+    def motor(self) -> Motor:
+        """What moves."""
+
+    @property
+    def law(self) -> ContactLaw:
+        """What acts between tip and rotor."""
+
+
+Made = TypeVar("Made", bound=MotorUnderLaw)
+
+
+def variable_numbers(setup: MotorUnderLaw) -> dict[str, tuple[tuple[str, ...], DeclaredField]]:
     """Return paths and declarations of the numbers of a motor and a law made in Python, by keys.
 
     Beam and voltages are not among them: such a motor has modes and phasors alone. Of its tones it is the
@@ -57,7 +70,7 @@ def variable_numbers(setup: "Setup") -> dict[str, tuple[tuple[str, ...], Declare
     return numbers
 
 
-def with_number(setup: "Setup", key: str, value: object) -> "Setup":
+def with_number(setup: Made, key: str, value: object) -> Made:
     """Return the setup of a motor and a law made in Python with another number, of motor, law or solver.
 
     Raises:

@@ -1,3 +1,4 @@
+from contactlab.studies.function import function_of as function_of
 from contactlab.studies.study import (
     Part as Part,
     Result as Result,

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
@@ -10,7 +9,7 @@ import pandas
 import xarray
 
 from contactlab.arrays import Array
-from contactlab.checks import as_array, checked_arguments
+from contactlab.checks import as_array
 from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -19,7 +18,8 @@ from contactlab.parameter import from_cf
 from contactlab.quantity import UnitError
 from contactlab.steady_state.basins import COORDINATES, basins as mapped, default_axes
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.study import LENGTH, Part, Progress, Range, Result, Setups, Study, Task, option
+from contactlab.studies.function import Put, function_of
+from contactlab.studies.study import LENGTH, Part, Range, Setups, Study, Task, option
 from contactlab.studies.tables import table, with_unit
 from contactlab.variables import Variable
 
@@ -32,6 +32,11 @@ class Basins(Study):
     are tip_displacement and tip_velocity, in the first mode: contactlab basins rotor_velocity=-3..3
     'tip_displacement=0..1 um'. A start is assigned as soon as the motor is in a neighbourhood of an orbit
     that it does not leave.
+
+    Raises:
+        ValueError: the axes are not two coordinates.
+        NoPeriodError: the drive does not repeat itself.
+        UnboundedError: an internal variable of the law comes to no steady value.
     """
 
     name: ClassVar[str] = "basins"
@@ -124,31 +129,22 @@ def _map(setup: Setup, axes: Mapping[str, Array]) -> Part:
     return Part(xarray.DataTree(details.to_xarray()), details)
 
 
-@checked_arguments()
-def basins(
-    motor: Motor | Setup,
-    axes: Mapping[str, Array] | None = None,
-    *,
-    law: ContactLaw | None = None,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-) -> Result:
-    """Map which of its steady states a motor comes to: the study `Basins`.
+def _starts(
+    motor: Motor | Setup, axes: Mapping[str, Array] | None = None, *, law: ContactLaw | None = None
+) -> Put:
+    """Put the map to a motor.
 
     Args:
         motor: what moves, or a whole setup.
         axes: values of two coordinates of the start, keys of `COORDINATES` in
-            `contactlab.steady_state.basins`; None takes the default ones.
+            `contactlab.steady_state.basins`; None takes `count` values of the default ones.
         law: what acts between tip and rotor; a setup has its own.
-        output, progress: as of every study.
-
-    Raises:
-        ValueError: the axes are not two coordinates.
-        NoPeriodError: the drive does not repeat itself.
-        UnboundedError: an internal variable of the law comes to no steady value.
     """
     over = None
     if axes is not None:
         units = {name: unit for name, (unit, _) in COORDINATES.items()}
         over = {name: as_array(name, values, units.get(name, "1")) for name, values in axes.items()}
-    return Basins(over=over)(steady_setup(motor, law), output=output, progress=progress)
+    return {"": steady_setup(motor, law)}, {"over": over}
+
+
+basins = function_of(Basins, _starts, without=["over"])

@@ -2,13 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Annotated, Any, ClassVar
 
 import pandas
 import xarray
 
-from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -17,7 +15,8 @@ from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, in_si
 from contactlab.steady_state.branches import branch as followed, unit_of
 from contactlab.steady_state.search import steady_setup
-from contactlab.studies.study import LENGTH, Part, Progress, Range, Result, Setups, Study, Task, option
+from contactlab.studies.function import Put, function_of
+from contactlab.studies.study import LENGTH, Part, Range, Setups, Study, Task, option
 from contactlab.studies.tables import table, with_unit
 from contactlab.variables import Variable
 
@@ -29,6 +28,16 @@ class Branch(Study):
     The branch begins with the orbit in which the motor settles at START and continues through folds and
     along unstable orbits. KEY is a configuration key that holds a number, or belt, the velocity at which the
     rotor is held: contactlab branch 'contact.clearance=1 um..4 um'.
+
+        >>> import contactlab as cl
+        >>> result = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6)
+        >>> result["rotor_velocity"].values[[0, -1]].round(3)
+        array([-2.191, -2.142])
+
+    Raises:
+        ConfigurationError: there is no such key, or it does not take one of the values.
+        NoBranchError: the motor settles in no periodic orbit at the start, or there is no range.
+        NoPeriodError, BrokenOffError: as of `contactlab.steady`.
     """
 
     name: ClassVar[str] = "branch"
@@ -124,25 +133,10 @@ def _branch(setup: Setup, key: str, start: float, end: float, belt: float | None
     return Part(xarray.DataTree(details.to_xarray()), details)
 
 
-@checked_arguments(belt="rad/s", step="1")
-def branch(
-    motor: Motor | Setup,
-    parameter: str,
-    start: float,
-    end: float,
-    *,
-    law: ContactLaw | None = None,
-    belt: float | None = None,
-    step: float = 0.02,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-) -> Result:
-    """Follow the periodic orbits of a motor while one number changes: the study `Branch`.
-
-        >>> import contactlab as cl
-        >>> result = cl.branch(cl.build(), "contact.clearance", 1e-6, 1.05e-6)
-        >>> result["rotor_velocity"].values[[0, -1]].round(3)
-        array([-2.191, -2.142])
+def _range(
+    motor: Motor | Setup, parameter: str, start: float, end: float, *, law: ContactLaw | None = None
+) -> Put:
+    """Put the continuation to a motor.
 
     Args:
         motor: what moves, or a whole setup.
@@ -151,17 +145,11 @@ def branch(
             law, and drive.frequency, the first tone, to which others keep their ratios.
         start, end: of the range, in SI.
         law: what acts between tip and rotor; a setup has its own.
-        belt: velocity at which the rotor is held while another number changes [rad/s]; None is free.
-        step: first step, in parts of the range and of the state; the longest is twice that.
-        output, progress: as of every study.
-
-    Raises:
-        ConfigurationError: there is no such key, or it does not take one of the values.
-        NoBranchError: the motor settles in no periodic orbit at the start, or there is no range.
-        NoPeriodError, BrokenOffError: as of `contactlab.steady`.
     """
     setup = steady_setup(motor, law)
     unit = unit_of(setup, parameter)
     over = Range(parameter, in_si("start", start, unit), in_si("end", end, unit))
-    study = Branch(over=over, belt=belt, step=step)
-    return study(setup, output=output, progress=progress)
+    return {"": setup}, {"over": over}
+
+
+branch = function_of(Branch, _range, without=["over"])

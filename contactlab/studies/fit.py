@@ -1,7 +1,7 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -14,8 +14,7 @@ import pandas
 import xarray
 import yaml
 
-from contactlab.checks import checked_arguments
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError, build
 from contactlab.driving import DEGREE
 from contactlab.estimate import Estimate
 from contactlab.inference.fit import (
@@ -33,14 +32,14 @@ from contactlab.inference.fit import (
 from contactlab.inference.held_out import HeldOut, folds_of
 from contactlab.inference.nested_sampling import POINTS, available
 from contactlab.inference.synthetic import with_noise, without_errors
-from contactlab.laws import ContactLaw
 from contactlab.measured.files import read_measurements
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.measured.series import MeasuredSeries
 from contactlab.results.files import digest_of_file
-from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
+from contactlab.studies.function import function_of, of_laws
+from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, read_file
 from contactlab.studies.run_state import code_in
-from contactlab.studies.study import LENGTH, Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import LENGTH, Part, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table, with_unit
 
 OrFree = float | Literal["free"] | None
@@ -56,6 +55,14 @@ class Fit(Study):
     starts are followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are
     compared by their evidence, each with its own numbers free besides. Keys are those of the motor that the
     data state, and go before them.
+
+        >>> import contactlab as cl
+        >>> newton = cl.build(["law=newton"])
+        >>> cl.fit(newton, data="impacts.csv", free={"law.restitution": (0.0, 1.0)})  # doctest: +SKIP
+
+    Raises:
+        ConfigurationError, ValueError: data, laws or options cannot be used.
+        NoSamplerError: dynesty is not installed.
     """
 
     name: ClassVar[str] = "fit"
@@ -326,27 +333,4 @@ def _ending(data: xarray.DataTree, label: str) -> str:
     return f"_{label.replace(' + ', '_').replace(' ', '_')}" if len(data.children) > 1 else ""
 
 
-@checked_arguments()
-def fit(
-    setups: Setup | ContactLaw | Sequence[Setup | ContactLaw] | Mapping[str, Setup | ContactLaw] = (),
-    *,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-    **options: Any,
-) -> Result:
-    """Fit laws to measurements: the study `Fit`.
-
-        >>> import contactlab as cl
-        >>> newton = cl.build(["law=newton"])
-        >>> cl.fit(newton, data="impacts.csv", free={"law.restitution": (0.0, 1.0)})  # doctest: +SKIP
-
-    Args:
-        setups: whose laws are fitted; none is that of the motor in the data.
-        output, progress: as of every study.
-        options: fields of `Fit`: data, free and others.
-
-    Raises:
-        ConfigurationError, ValueError: data, laws or options cannot be used.
-        NoSamplerError: dynesty is not installed.
-    """
-    return Fit(**options)(by_label(setups), output=output, progress=progress)
+fit = function_of(Fit, of_laws)

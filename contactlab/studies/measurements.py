@@ -1,15 +1,12 @@
 """Measurements and free numbers as options of the studies `fit` and `validate`."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Final, TypeVar
 
-from contactlab.checks import check_kind
-from contactlab.config import ConfigurationError, Setup, build
+from contactlab.config import ConfigurationError
 from contactlab.inference.law_numbers import Free
-from contactlab.laws import ContactLaw
-from contactlab.studies.study import Range, Setups
+from contactlab.studies.study import Range
 
 _Data = TypeVar("_Data")
 
@@ -52,18 +49,3 @@ def read_file(data: str | Path, read: Callable[[Path], _Data]) -> _Data:
         ) from error
     except ValueError as error:
         raise ConfigurationError([f"data: {line}" for line in str(error).splitlines()]) from error
-
-
-def by_label(setups: Setup | ContactLaw | Sequence[Any] | Mapping[str, Any]) -> Setups:
-    """Return setups by label; a law alone stands for the default motor under it.
-
-    Raises:
-        TypeError: one is neither setup nor law.
-    """
-    if isinstance(setups, Setup | ContactLaw):
-        setups = [setups]
-    if not isinstance(setups, Mapping):
-        setups = {"" if len(setups) == 1 else str(place): each for place, each in enumerate(setups, 1)}
-    for label, each in setups.items():
-        check_kind(f"setups[{label!r}]", each, Setup | ContactLaw)
-    return {x: replace(build(), law=y) if isinstance(y, ContactLaw) else y for x, y in setups.items()}

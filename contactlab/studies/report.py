@@ -4,10 +4,15 @@ The same result leaves the same bytes: no file contains a date or a path.
 """
 
 from base64 import b64encode
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, final
 
+import pandas
+import xarray
 import yaml
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -18,8 +23,6 @@ from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import write_tree
 from contactlab.results.provenance import versions
-from contactlab.studies.registry import question_of
-from contactlab.studies.study import Result
 from contactlab.studies.tables import as_csv, as_html, as_latex
 
 PAGE: Final = "report.html"
@@ -31,38 +34,82 @@ FORMATS: Final[dict[str, Any]] = {"png": {"Software": None}, "pdf": {"CreationDa
 """Formats of figures, each with the metadata that would differ from run to run."""
 
 
-def drawn(result: Result) -> dict[str, Figure]:
-    """Return the figures of a result in the style of the package."""
-    with context(STYLE):
-        return result.study.figures(result.data)
+def styled() -> AbstractContextManager[None]:
+    """Return the context in which figures are drawn in the style of the package."""
+    return context(STYLE)
 
 
-def save(result: Result, folder: Path) -> list[str]:
-    """Write the files of a result, each whole or not at all, and return their names.
+@final
+@dataclass(frozen=True)
+class Report:
+    """What is written of a result.
 
-    Raises:
-        OSError: the folder cannot be written to.
+    Args:
+        name: of the study and of the dataset's file.
+        question: the title of the page, unless the data have one.
+        data: the dataset.
+        findings, tables: what the page shows of it.
+        draw: makes the figures by name, once the dataset is written.
+        options: of the study, by name.
+        configurations: of the setups, by label.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    files = [f"{result.study.name}.nc"]
-    write_tree(result.data, folder / files[0])
-    pictures = {}
-    for name, figure in drawn(result).items():
-        files += save_figure(figure, folder, name)
-        caption = str(figure.get_label() or name.replace("_", " "))
-        pictures[caption] = (folder / f"{name}.png").read_bytes()
-    texts = {PAGE: page(result, pictures)}
-    for name, frame in result.tables.items():
-        texts |= {f"{name}.csv": as_csv(frame), f"{name}.tex": as_latex(frame)}
-    for name, text in texts.items():
-        with whole_file(folder / name) as partial:
-            partial.write_text(text, encoding="utf-8")
-    return [*files, *texts]
+
+    name: str
+    question: str
+    data: xarray.DataTree
+    findings: list[str]
+    tables: Mapping[str, pandas.DataFrame]
+    draw: Callable[[], Mapping[str, Figure]]
+    options: Mapping[str, Any]
+    configurations: Mapping[str, Any]
+
+    def save(self, folder: Path) -> list[str]:
+        """Write the files, each whole or not at all, and return their names.
+
+        Raises:
+            OSError: the folder cannot be written to.
+        """
+        folder.mkdir(parents=True, exist_ok=True)
+        files = [f"{self.name}.nc"]
+        write_tree(self.data, folder / files[0])
+        pictures = {}
+        for name, figure in self.draw().items():
+            files += save_figure(figure, folder, name)
+            caption = str(figure.get_label() or name.replace("_", " "))
+            pictures[caption] = (folder / f"{name}.png").read_bytes()
+        texts = {PAGE: self.page(pictures)}
+        for name, frame in self.tables.items():
+            texts |= {f"{name}.csv": as_csv(frame), f"{name}.tex": as_latex(frame)}
+        for name, text in texts.items():
+            with whole_file(folder / name) as partial:
+                partial.write_text(text, encoding="utf-8")
+        return [*files, *texts]
+
+    def page(self, pictures: Mapping[str, bytes]) -> str:
+        """Return a page that contains its pictures, PNG files by caption, and refers to nothing else."""
+        attributes = self.data.attrs
+        return _template().render(
+            title=attributes.get("title") or self.question,
+            question=self.question,
+            findings=self.findings,
+            tables=[
+                (frame.attrs.get("caption") or name, as_html(frame), _is_open(frame))
+                for name, frame in sorted(self.tables.items(), key=lambda pair: _is_reference(pair[1]))
+            ],
+            pictures=[(caption, b64encode(data).decode()) for caption, data in pictures.items()],
+            options=yaml.safe_dump({"study": {"name": self.name, **self.options}}, sort_keys=False),
+            configurations={
+                label or "configuration": yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
+                for label, configuration in self.configurations.items()
+            },
+            versions="; ".join(f"{name.removesuffix('_version')} {attributes[name]}" for name in versions()),
+            revision=attributes["git_revision"],
+        )
 
 
 def save_figure(figure: Figure, folder: Path, name: str) -> list[str]:
     """Write a figure as PNG and PDF, and return the names of the files."""
-    with context(STYLE):
+    with styled():
         FigureCanvasAgg(figure)
         # The layout is computed once for both formats.
         figure.draw_without_rendering()
@@ -71,30 +118,6 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[str]:
             with whole_file(folder / f"{name}.{kind}") as partial:
                 figure.savefig(partial, format=kind, metadata=metadata)
     return [f"{name}.{kind}" for kind in FORMATS]
-
-
-def page(result: Result, pictures: dict[str, bytes]) -> str:
-    """Return a page that contains its pictures, PNG files by caption, and refers to nothing else."""
-    study = result.study
-    question = question_of(study.name)
-    attributes = result.data.attrs
-    return _template().render(
-        title=attributes.get("title") or question,
-        question=question,
-        findings=result.findings,
-        tables=[
-            (frame.attrs.get("caption") or name, as_html(frame), _is_open(frame))
-            for name, frame in sorted(result.tables.items(), key=lambda pair: _is_reference(pair[1]))
-        ],
-        pictures=[(caption, b64encode(data).decode()) for caption, data in pictures.items()],
-        options=yaml.safe_dump({"study": {"name": study.name, **study.options}}, sort_keys=False),
-        configurations={
-            label or "configuration": yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
-            for label, configuration in result.configurations.items()
-        },
-        versions="; ".join(f"{name.removesuffix('_version')} {attributes[name]}" for name in versions()),
-        revision=attributes["git_revision"],
-    )
 
 
 def _is_reference(frame: Any) -> bool:

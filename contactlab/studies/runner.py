@@ -8,7 +8,6 @@ configuration or version are never taken for its own. They are removed when the 
 
 import errno
 import json
-import shutil
 import socket
 import sys
 from collections import deque
@@ -21,7 +20,7 @@ from hashlib import sha256
 from multiprocessing import parent_process
 from pathlib import Path
 from time import process_time
-from typing import Any, Final, final
+from typing import Any, Protocol, final
 from urllib.parse import urlsplit
 
 import xarray
@@ -32,10 +31,37 @@ from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
 from contactlab.results.provenance import code_digest
 from contactlab.studies.run_state import key_of
-from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task
+from contactlab.studies.task import TASKS as TASKS, Part, Progress, Setups, Task
 
-TASKS: Final = "tasks"
-"""Folder of the finished tasks, beside the files of the result."""
+
+class Work(Protocol):
+    """What the runner needs of a study: its tasks, and what they depend on."""
+
+    @property
+    def name(self) -> str:
+        """Name of the study."""
+
+    @property
+    def delay(self) -> float:
+        """Processor time after which other processes are started [s]."""
+
+    @property
+    def workers(self) -> int:
+        """Processes at work."""
+
+    @property
+    def scheduler(self) -> str | None:
+        """Address of a Dask scheduler."""
+
+    @property
+    def options(self) -> Mapping[str, Any]:
+        """The options on which the result depends, by name."""
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return the independent pieces of the study."""
+
+    def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
+        """Return tasks that follow from finished ones."""
 
 
 class RemovedError(OSError):
@@ -89,34 +115,12 @@ class Parts(Mapping[str, xarray.DataTree]):
         return sum(place is not None for place in self._places.values())
 
 
-def run(study: Study, setups: Setups, folder: Path | None = None, progress: Progress | None = None) -> Result:
-    """Do what is left of a study's tasks and combine them.
-
-    Args:
-        study: the question.
-        setups: what it is put to, by label.
-        folder: where finished tasks are kept until `finish`; None keeps none.
-        progress: receives the number of finished tasks and that of all.
-
-    Raises:
-        ValueError: two tasks have one key.
-        WorkerError: a worker process died, or has other code.
-        OSError: the folder cannot be written to.
-        KeyboardInterrupt: as it comes; finished tasks are kept.
-    """
-    setups = study.put_to(setups)
-    while True:
-        with suppress(RemovedError):
-            parts, details = done_parts(study, setups, folder, progress)
-            return Result.of(study, setups, study.combine(setups, parts), details)
-
-
 def done_parts(
-    study: Study, setups: Setups, folder: Path | None = None, progress: Progress | None = None
+    study: Work, setups: Setups, folder: Path | None = None, progress: Progress | None = None
 ) -> tuple[Parts, Any]:
     """Do what is left of a study's tasks; return their data, and the details of a single task.
 
-    The arguments and exceptions are those of `run`.
+    The arguments and exceptions are those of `contactlab.studies.study.run`.
     """
     store = None
     # A motor made in Python has no configuration that determines it.
@@ -140,25 +144,11 @@ def done_parts(
     return parts, details
 
 
-def finish(result: Result, folder: Path) -> list[str]:
-    """Write the files of a result into its folder, remove the finished tasks and return the files' names.
-
-    Raises:
-        OSError: the folder cannot be written to.
-    """
-    # Imported here: it brings matplotlib.
-    from contactlab.studies.report import save
-
-    files = save(result, folder)
-    shutil.rmtree(folder / TASKS, ignore_errors=True)
-    return files
-
-
 @final
 class Store:
     """Keeps the parts of one study in a folder."""
 
-    def __init__(self, folder: Path, study: Study, setups: Setups) -> None:
+    def __init__(self, folder: Path, study: Work, setups: Setups) -> None:
         self.folder = folder
         parts = [
             study.name,
@@ -208,7 +198,7 @@ class Store:
         return file
 
 
-def _finished(study: Study, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
+def _finished(study: Work, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
     """Do tasks and yield key and part of each as it ends."""
     if study.scheduler is not None:
         yield from _by_dask(study.scheduler, tasks)

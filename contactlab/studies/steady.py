@@ -1,9 +1,8 @@
 """The study `steady`: what a motor does once it has settled."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from operator import attrgetter, methodcaller
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
@@ -12,7 +11,6 @@ import numpy as np
 import pandas
 import xarray
 
-from contactlab.checks import checked_arguments
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
@@ -22,6 +20,7 @@ from contactlab.results.netcdf import TITLE, to_datatree
 from contactlab.settling.statistics import PERIODIC
 from contactlab.steady_state.search import LONGEST, Converged, converged as find_refined, steady_setup
 from contactlab.steady_state.state import CUMULATIVE, Steady as State
+from contactlab.studies.function import Put, function_of
 from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, estimates, option
 from contactlab.studies.tables import table_of_quantities, with_unit
 from contactlab.variables import Variable
@@ -39,6 +38,14 @@ class Steady(Study):
     """What does the motor do once it has settled: velocity, torque, power, stability?
 
     The steady state is computed at three steps or tolerances, whose differences give its numerical error.
+
+        >>> import contactlab as cl
+        >>> result = cl.steady(cl.build())
+        >>> result.kind, round(result.velocity.value, 6)
+        ('periodic', -2.191106)
+
+    Raises:
+        NoPeriodError, NotSettledError, BrokenOffError: there is none, or it is not reached.
     """
 
     name: ClassVar[str] = "steady"
@@ -80,6 +87,33 @@ class Steady(Study):
             Task(label, _steady_state, (setup, self.refine, self.arguments))
             for label, setup in setups.items()
         ]
+
+    def __call__(
+        self,
+        setups: Setup | Setups,
+        *,
+        start: "Result | State | tuple[ModalState, float] | None" = None,
+        output: str | Path | None = None,
+        progress: Progress | None = None,
+    ) -> Result:
+        """Compute the steady state of a setup, or of several by label.
+
+        Args:
+            setups: what is computed.
+            start: of a single setup, another steady state, or modal state and rotor velocity [rad/s] at the
+                drive's phase 0.
+        """
+        if start is None:
+            return super().__call__(setups, output=output, progress=progress)
+        (setup,) = setups.values() if isinstance(setups, Mapping) else (setups,)
+        begun: Any = start.details if isinstance(start, Result) else start
+        if isinstance(begun, Converged):
+            begun = begun.best
+        part = _steady_state(setup, self.refine, {**self.arguments, "start": begun})
+        result = Result.of(self, {"": setup}, part.data, part.details)
+        if output is not None:
+            result.save(output)
+        return result
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -211,50 +245,22 @@ def tree_of(converged: Converged) -> xarray.DataTree:
     return tree
 
 
-@checked_arguments(contact_step="s", tolerance="1")
-def steady(
+def _motor(
     motor: Motor | Setup,
     law: ContactLaw | None = None,
     *,
-    contact_step: float | None = None,
-    tolerance: float | None = None,
-    start: "Result | State | tuple[ModalState, float] | None" = None,
-    refine: bool = False,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-    **options: Any,
-) -> Result:
-    """Compute the steady state of a motor: the study `Steady`, by default at one step of the solver.
-
-        >>> import contactlab as cl
-        >>> result = cl.steady(cl.build())
-        >>> result.kind, round(result.velocity.value, 6)
-        ('periodic', -2.191106)
+    contact_step: Annotated[float | None, Parameter("h", "s", "largest step in contact")] = None,
+    tolerance: Annotated[float | None, Parameter("", "1", "relative tolerance in contact")] = None,
+) -> Put:
+    """Put the study to a motor.
 
     Args:
         motor: what moves, or a whole setup.
         law: what acts between tip and rotor; a setup has its own.
         contact_step, tolerance: as of `contactlab.simulate`.
-        start: another steady state, or modal state and rotor velocity [rad/s] at the drive's phase 0.
-        refine: whether finer steps give the numerical error too.
-        output, progress: as of every study.
-        options: fields of `Steady`.
-
-    Raises:
-        NoPeriodError, NotSettledError, BrokenOffError: there is none, or it is not reached.
     """
-    study = Steady(refine=refine, **options)
-    setup = steady_setup(motor, law, contact_step, tolerance)
-    if start is None:
-        return study(setup, output=output, progress=progress)
-    begun: Any = start.details if isinstance(start, Result) else start
-    if isinstance(begun, Converged):
-        begun = begun.best
-    part = _steady_state(setup, refine, {**study.arguments, "start": begun})
-    result = Result.of(study, {"": setup}, part.data, part.details)
-    if output is not None:
-        result.save(output)
-    return result
+    return {"": steady_setup(motor, law, contact_step, tolerance)}, {}
 
 
-converged = partial(steady, refine=True)
+steady = function_of(Steady, _motor, refine=False)
+converged = function_of(Steady, _motor, name="converged")

@@ -11,8 +11,10 @@ adds a study by an entry point:
 from __future__ import annotations
 
 import re
+import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from html import escape
@@ -30,7 +32,9 @@ from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml
+from contactlab.studies.docstrings import question_in
 from contactlab.studies.tables import as_html, as_text, with_unit
+from contactlab.studies.task import TASKS, Part as Part, Progress as Progress, Setups as Setups, Task as Task
 from contactlab.variables import Variable
 
 if TYPE_CHECKING:
@@ -39,13 +43,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from contactlab.config import Setup
-
-Progress = Callable[[int, int], object]
-"""Receives the number of finished tasks and that of all."""
-
-Setups = Mapping[str, "Setup"]
-"""The setups of a study by label: what distinguishes each, as 'law=newton'; empty for a single one."""
-
 
 STUDY, SEVERAL = "study", "configurations"
 """Attributes of a result's data: its study with all options, and the configurations by label if several."""
@@ -104,42 +101,6 @@ class Range:
         except UnitError as error:
             raise UnitError(f"{self}, {error}") from error
         return start, end
-
-
-@final
-@dataclass(frozen=True)
-class Part:
-    """Result of one task.
-
-    Args:
-        data: what is stored and combined.
-        details: the object of the analysis from which the data were made; it is not stored.
-    """
-
-    data: xarray.DataTree
-    details: Any = None
-
-
-@final
-@dataclass(frozen=True)
-class Task:
-    """An independent piece of a study.
-
-    Args:
-        key: unique within the study.
-        function: a function of a module, so that other processes can import it.
-        arguments: of the function, picklable.
-        resumes: whether the function takes a last argument `checkpoint`, a file by which it resumes.
-    """
-
-    key: str
-    function: Callable[..., Part]
-    arguments: tuple[Any, ...] = ()
-    resumes: bool = False
-
-    def __call__(self) -> Part:
-        """Do it."""
-        return self.function(*self.arguments)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -258,9 +219,6 @@ class Study(ABC):
         Raises:
             OSError: the folder cannot be written to.
         """
-        # Imported here: the runner knows studies.
-        from contactlab.studies.runner import finish, run
-
         folder = None if output is None else Path(output)
         every: Setups = setups if isinstance(setups, Mapping) else {"": setups}
         result = run(self, every, folder, progress)
@@ -387,27 +345,49 @@ class Result:
         """Return a variable of the data, or a group."""
         return self.data[name]
 
+    @property
+    def figures(self) -> dict[str, Figure]:
+        """The figures by name, drawn anew in the style of the package."""
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.report import styled
+
+        with styled():
+            return self.study.figures(self.data)
+
     def plot(self) -> Figure:
         """Return the first figure.
 
         Raises:
             ValueError: the study has none.
         """
-        from contactlab.studies.report import drawn
-
-        for figure in drawn(self).values():
+        for figure in self.figures.values():
             return figure
         raise ValueError(f"The study {self.study.name} has no figure.")
 
-    def save(self, folder: str | Path) -> None:
+    def save(self, folder: str | Path) -> list[str]:
         """Write dataset, figures, tables and the page into a folder, each file whole or not at all.
+
+        Returns:
+            The names of the files.
 
         Raises:
             OSError: the folder cannot be written to.
         """
-        from contactlab.studies.report import save
+        # Imported here: it brings matplotlib.
+        from contactlab.studies.report import Report
 
-        save(self, Path(folder))
+        study = self.study
+        report = Report(
+            name=study.name,
+            question=question_in(study.__doc__),
+            data=self.data,
+            findings=self.findings,
+            tables=self.tables,
+            draw=lambda: self.figures,
+            options=study.options,
+            configurations=self.configurations,
+        )
+        return report.save(Path(folder))
 
     def __repr__(self) -> str:
         blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self._tables_to_read]
@@ -423,6 +403,42 @@ class Result:
     def _tables_to_read(self) -> list[pandas.DataFrame]:
         """The tables that have rows, but those of reference, which are for the page."""
         return [t for t in self.tables.values() if len(t) and not t.attrs.get("reference")]
+
+
+def run(study: Study, setups: Setups, folder: Path | None = None, progress: Progress | None = None) -> Result:
+    """Do what is left of a study's tasks and combine them.
+
+    Args:
+        study: the question.
+        setups: what it is put to, by label.
+        folder: where finished tasks are kept until `finish`; None keeps none.
+        progress: receives the number of finished tasks and that of all.
+
+    Raises:
+        ValueError: two tasks have one key.
+        WorkerError: a worker process died, or has other code.
+        OSError: the folder cannot be written to.
+        KeyboardInterrupt: as it comes; finished tasks are kept.
+    """
+    # Imported here: it brings xarray.
+    from contactlab.studies.runner import RemovedError, done_parts
+
+    setups = study.put_to(setups)
+    while True:
+        with suppress(RemovedError):
+            parts, details = done_parts(study, setups, folder, progress)
+            return Result.of(study, setups, study.combine(setups, parts), details)
+
+
+def finish(result: Result, folder: Path) -> list[str]:
+    """Write the files of a result into its folder, remove the finished tasks and return the files' names.
+
+    Raises:
+        OSError: the folder cannot be written to.
+    """
+    files = result.save(folder)
+    shutil.rmtree(folder / TASKS, ignore_errors=True)
+    return files
 
 
 def plain(value: Any) -> Any:

@@ -13,8 +13,6 @@ import numpy as np
 import pandas
 import xarray
 
-from contactlab.checks import checked_arguments
-from contactlab.config import Setup
 from contactlab.estimate import Estimate
 from contactlab.inference.cross_validation import (
     BASELINE,
@@ -29,14 +27,14 @@ from contactlab.inference.cross_validation import (
 from contactlab.inference.free_parameters import FreeParameter
 from contactlab.inference.impact_problem import ImpactPredictor, ImpactProblem, LawPredictor
 from contactlab.inference.law_numbers import corrections_in, law_predictors
-from contactlab.laws import ContactLaw
 from contactlab.laws.registry import classes_of
 from contactlab.measured.files import read_impacts
 from contactlab.measured.impacts import MeasuredImpacts
 from contactlab.results.provenance import code_digest
-from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, by_label, read_file
+from contactlab.studies.function import function_of, of_laws
+from contactlab.studies.measurements import OF_MOTOR, FreeNumbers, by_key, read_file
 from contactlab.studies.run_state import code_of
-from contactlab.studies.study import Part, Progress, Result, Setups, Study, Task, option
+from contactlab.studies.study import Part, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 
 SHOWN: Final = 40
@@ -60,6 +58,13 @@ class Validate(Study):
     KEY=LOW..HIGH if they are given; without law= these are all rigid laws and some compliant ones. Numbers
     of the geometry, data.NAME=LOW..HIGH, are fitted with those of every law. Verdicts on pairs are corrected
     for their number.
+
+        >>> import contactlab as cl
+        >>> laws = [cl.build([f"law={name}"]) for name in ("newton", "poisson")]
+        >>> cl.validate(laws, data="impacts.csv", folds=3)  # doctest: +SKIP
+
+    Raises:
+        ConfigurationError, ValidationError: laws or impacts cannot be used.
     """
 
     name: ClassVar[str] = "validate"
@@ -341,26 +346,4 @@ def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
             }
 
 
-@checked_arguments()
-def validate(
-    setups: Setup | ContactLaw | Sequence[Setup | ContactLaw] | Mapping[str, Setup | ContactLaw] = (),
-    *,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-    **options: Any,
-) -> Result:
-    """Cross-validate laws by measured impacts: the study `Validate`.
-
-        >>> import contactlab as cl
-        >>> laws = [cl.build([f"law={name}"]) for name in ("newton", "poisson")]
-        >>> cl.validate(laws, data="impacts.csv", folds=3)  # doctest: +SKIP
-
-    Args:
-        setups: whose laws are validated; none are all rigid laws and some compliant ones.
-        output, progress: as of every study.
-        options: fields of `Validate`: data, free and others.
-
-    Raises:
-        ConfigurationError, ValidationError: laws or impacts cannot be used.
-    """
-    return Validate(**options)(by_label(setups), output=output, progress=progress)
+validate = function_of(Validate, of_laws)

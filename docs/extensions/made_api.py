@@ -114,7 +114,7 @@ def _directive(name: str, item: Any, module: str = "contactlab") -> list[str]:
 
 
 def _chapter_of(item: Any) -> str:
-    room = getattr(item, "func", item).__module__.removeprefix("contactlab.")
+    room = item.__module__.removeprefix("contactlab.")
     if inspect.isclass(item) and issubclass(item, Exception):
         return "What is raised"
     if inspect.isclass(item) and issubclass(item, get_args(Part)) and room != "laws.base":

@@ -9,7 +9,7 @@ from typing import Any, get_args
 from law_families import FAMILIES
 from page_tables import raised, symbol, table
 
-from contactlab.cli.start import SECTIONS
+from contactlab.cli.sections import SECTIONS
 from contactlab.config.composition import conf_directory
 from contactlab.config.groups import FAMILIES as PARTS, GROUPS, LAW, Section
 from contactlab.config.options import full_keys

@@ -19,7 +19,7 @@ import numpy as np
 from standard_cycle import curves_of, draw
 
 import contactlab as cl
-from contactlab.cli.laws import declared_rows
+from contactlab.cli.verbs.laws import declared_rows
 from contactlab.laws import ContactLaw, MultiplierLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import SHARED, Declared, members_of

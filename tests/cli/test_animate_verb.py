@@ -11,7 +11,7 @@ from PIL import Image
 from support.command_line import Command, left_behind
 from support.synthetic import CONFIGURATION, synthetic_trajectory
 
-from contactlab.cli import animate
+from contactlab.cli.verbs import animate
 from contactlab.plot.animation import Animation
 from contactlab.results.netcdf import to_datatree, write_tree
 
@@ -37,7 +37,7 @@ def _short(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_the_command_writes_a_gif_beside_the_run_and_the_same_bytes_again(
     run_file: Path, command: Command
 ) -> None:
-    status, out, err = command("animate", "run.nc", "--fps", "24")
+    status, out, err = command("animate", "run.nc", "fps=24")
     assert (status, err) == (0, "")
     assert "Written to run.gif: 24 frames, 623.05 us of the run in 1 s" in out
     picture = run_file.with_suffix(".gif")
@@ -57,7 +57,7 @@ def test_the_command_writes_a_gif_beside_the_run_and_the_same_bytes_again(
 
 @pytest.mark.usefixtures("_short", "run_file")
 def test_start_and_duration_choose_the_part(command: Command) -> None:
-    status, out, _ = command("animate", "run.nc", "--start", "1 ms", "--duration", "2e-4", "--fps", "24")
+    status, out, _ = command("animate", "run.nc", "start=1 ms", "duration=2e-4", "fps=24")
     assert status == 0
     assert "200 us of the run" in out
 
@@ -65,7 +65,7 @@ def test_start_and_duration_choose_the_part(command: Command) -> None:
 @needs_encoder
 @pytest.mark.usefixtures("_short", "run_file")
 def test_the_command_writes_an_mp4(command: Command) -> None:
-    status, _, err = command("animate", "run.nc", "--fps", "24", "--output", "run.mp4")
+    status, _, err = command("animate", "run.nc", "fps=24", "output=run.mp4")
     assert (status, err) == (0, "")
     assert Path("run.mp4").read_bytes()[4:8] == b"ftyp"
     assert sorted(map(str, left_behind())) == ["run.mp4", "run.nc"]
@@ -76,7 +76,7 @@ def test_without_an_encoder_an_mp4_is_refused_with_the_way_out(
     command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    status, out, err = command("animate", "run.nc", "--output", "run.mp4")
+    status, out, err = command("animate", "run.nc", "output=run.mp4")
     assert (status, out) == (2, "")
     assert "pip install 'contactlab[video]'" in err
     assert "Traceback" not in err
@@ -94,7 +94,7 @@ def test_an_encoder_that_fails_leaves_nothing(
     program.write_text("#!/bin/sh\necho no space left >&2\nexit 1\n")
     program.chmod(0o755)
     monkeypatch.setattr("contactlab.plot.animation.encoder", lambda: str(program))
-    status, _, err = command("animate", "run.nc", "--output", "run.mp4", "--fps", "24")
+    status, _, err = command("animate", "run.nc", "output=run.mp4", "fps=24")
     assert status == 1
     assert "no space left" in err
     assert left_behind() == [Path("run.nc")]
@@ -121,15 +121,15 @@ REFUSALS = [
     (["empty"], "empty/run.nc"),
     (["text.nc"], "text.nc"),
     (["other.nc"], "other.nc"),
-    (["run.nc", "--output", "a.avi"], "output"),
-    (["run.nc", "--output", "no/a.gif"], "output"),
-    (["run.nc", "--fps", "0"], "fps"),
-    (["run.nc", "--fps", "nan"], "fps"),
-    (["run.nc", "--fps", "fast"], "fps"),
-    (["run.nc", "--start", "5 ms"], "start"),
-    (["run.nc", "--start", "3 V"], "start"),
-    (["run.nc", "--duration", "0"], "duration"),
-    (["run.nc", "--start", "4 ms", "--duration", "2 ms"], "duration"),
+    (["run.nc", "output=a.avi"], "output"),
+    (["run.nc", "output=no/a.gif"], "output"),
+    (["run.nc", "fps=0"], "fps"),
+    (["run.nc", "fps=nan"], "fps"),
+    (["run.nc", "fps=fast"], "fps"),
+    (["run.nc", "start=5 ms"], "start"),
+    (["run.nc", "start=3 V"], "start"),
+    (["run.nc", "duration=0"], "duration"),
+    (["run.nc", "start=4 ms", "duration=2 ms"], "duration"),
 ]
 
 

@@ -5,8 +5,7 @@ import re
 import pytest
 from support.command_line import Command, left_behind
 
-from contactlab.cli.arguments import VERBS
-from contactlab.studies.registry import SIMULATE, studies
+from contactlab.cli.verbs import modules, names
 
 WORDS = (
     *("=", "=5", "law=", "law=nosuch", "law=newton,", "law.restitution=2", "nosuch=1", "drive.phase=[1"),
@@ -17,8 +16,8 @@ WORDS = (
 )
 """Words that no verb takes, or that it lacks something else beside."""
 
-STUDIES = sorted({*studies()} - {SIMULATE})
-OTHERS = sorted({*VERBS} - {"verify", "warm-up"})
+STUDIES = sorted({*names()} - {*modules()})
+OTHERS = sorted({*modules()} - {"verify", "warm-up"})
 """The verbs that take arguments."""
 
 

@@ -9,7 +9,7 @@ import pytest
 from support.command_line import Command, left_behind
 
 import contactlab as cl
-from contactlab.cli import example
+from contactlab.cli.verbs import example
 from contactlab.measured.files import read_impacts
 from contactlab.results.provenance import digest_of
 

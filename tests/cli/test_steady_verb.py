@@ -12,7 +12,7 @@ import contactlab as cl
 
 def test_the_verb_prints_and_writes_what_python_finds(command: Command) -> None:
     text = ["law=newton", "contact.clearance=2 um"]
-    status, out, _ = command("steady", *text, "--load", "-0.5 mN*m", "--output", "here")
+    status, out, _ = command("steady", *text, "load=-0.5 mN*m", "output=here")
     assert status == 0
     assert sorted(path.name for path in Path("here").iterdir()) == [
         "quantities.csv", "quantities.tex", "report.html", "steady.nc", "steady.pdf", "steady.png"
@@ -32,7 +32,7 @@ def test_the_verb_prints_and_writes_what_python_finds(command: Command) -> None:
 
 
 def test_a_brake_that_holds_is_told(command: Command) -> None:
-    status, out, _ = command("steady", "law=newton", "--brake", "0.1", "--no-refine")
+    status, out, _ = command("steady", "law=newton", "brake=0.1", "refine=false")
     assert status == 0
     assert "0.1 N m" in out
     with xarray.open_datatree("steady/steady.nc") as tree:
@@ -40,6 +40,6 @@ def test_a_brake_that_holds_is_told(command: Command) -> None:
 
 
 def test_a_rotor_that_runs_away_is_incomplete(command: Command) -> None:
-    status, _, err = command("steady", "law=newton", "--load", "0.1", "--longest", "200", "--no-refine")
+    status, _, err = command("steady", "law=newton", "load=0.1", "longest=200", "refine=false")
     assert status == 1
     assert err

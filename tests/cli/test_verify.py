@@ -7,7 +7,7 @@ from support.command_line import Command
 
 from contactlab.testing import Claim, at_most, close
 
-GROUPS = "contactlab.cli.verify.all_claims"
+GROUPS = "contactlab.cli.verbs.verify.all_claims"
 
 
 @pytest.mark.long

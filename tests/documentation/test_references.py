@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.cli.arguments import VERBS
-from contactlab.studies.registry import studies
+from contactlab.cli.verbs import names
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted(
@@ -36,7 +35,7 @@ def test_what_a_page_refers_to_exists(page: Path) -> None:
     missing = [link for link in links if not (page.parent / link).exists()]
     missing += [path for path in SCRIPT.findall(text) + MODULE.findall(text) if not (ROOT / path).exists()]
     verbs = COMMAND.findall(text) + LINE.findall("".join(SHELL.findall(text)))
-    missing += [verb for verb in verbs if verb not in {*VERBS, *studies(), "help"}]
+    missing += [verb for verb in verbs if verb not in {*names(), "simulate", "help"}]
     assert not missing
 
 

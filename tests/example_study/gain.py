@@ -8,7 +8,7 @@ import xarray
 from matplotlib.figure import Figure
 
 from contactlab import Estimate, Parameter, Study
-from contactlab.studies import Part, Task, table
+from contactlab.studies import Part, Task, function_of, table
 from contactlab.variables import Variable
 
 
@@ -57,3 +57,6 @@ def final_velocity(setup, share):
     run = replace(setup, motor=replace(setup.motor, drive=drive)).run()
     velocity = ((), run.series["rotor_velocity"][-1], {"units": "rad s-1"})
     return Part(xarray.DataTree(xarray.Dataset({"velocity": velocity}, {"share": share})))
+
+
+gain = function_of(Gain)

@@ -202,7 +202,7 @@ def test_a_compliant_law_that_made_the_impacts_beats_the_rigid_ones() -> None:
 @pytest.mark.long
 def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> None:
     write_impacts(struck_discs(TRUTH, 30, seed=0, spread=SPREAD), Path("discs.csv"))
-    overrides = ["law=newton", "contact.friction_coefficient=0.05..0.5", "--folds", "2", "--output", "here"]
+    overrides = ["law=newton", "contact.friction_coefficient=0.05..0.5", "folds=2", "output=here"]
     status, out, _ = command("validate", "discs.csv", *overrides)
     assert status == 0
     with xarray.open_dataset("here/validate.nc") as data:
@@ -217,7 +217,7 @@ def test_the_verb_leaves_table_page_figures_and_dataset(command: Command) -> Non
     assert "http" not in page
     for name in ("prediction_error.png", "impacts.pdf", "residuals.png", "errors.csv", "parameters.tex"):
         assert (Path("here") / name).stat().st_size > 0
-    status, _, error = command("validate", "none.csv", "law=newton", "--output", "no")
+    status, _, error = command("validate", "none.csv", "law=newton", "output=no")
     assert status == 2
     assert "none.csv" in error
     assert not Path("no").exists()

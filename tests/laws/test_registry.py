@@ -9,7 +9,7 @@ import pytest
 from support.command_line import Command
 
 from contactlab import laws
-from contactlab.cli.laws import declared_rows
+from contactlab.cli.verbs.laws import declared_rows
 from contactlab.laws import (
     Composed,
     HertzPenalty,

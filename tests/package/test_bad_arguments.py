@@ -26,7 +26,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "ball": {"mass": 1.0, "height": 0.0, "speed": 0.0, "velocity": 0.0, "spin": 0.0, "gravity": 9.81},
     "basins": {"motor": SETUP.motor, "axes": None, "law": None, "output": None, "progress": None},
     "belt": {"mass": 1.0, "stiffness": 1.0, "weight": 1.0, "belt_mass": None, "penetration": 0.0},
-    "bench": {"laws": [], "output": None, "progress": None, "workers": 0},
+    "bench": {"setups": [], "output": None, "progress": None, "workers": 0},
     "block": {"mass": 1.0, "height": 0.0, "weight": 0.0, "load_velocity": None, "touching": False},
     "branch": {
         "motor": SETUP, "parameter": "contact.clearance", "start": 1e-6, "end": 1e-6, "law": None,
@@ -37,6 +37,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "characterise": {"motors": [], "law": None, "output": None, "progress": None},
     "collect": {"directory": "nowhere", "output": None, "series": (), "metrics": ()},
     "compare": {"sources": [], "law": None, "output": None, "progress": None},
+    "converged": {"motor": SETUP, "law": None, "start": None, "output": None, "longest": 1},
     "drive": {
         "law": cl.HertzPenalty(), "time": TIME, "gap": -1e-6, "slip": 1e-6 * np.sin(6e3 * TIME), "degree": 3,
         "period": None, "touching": False, "duration": None, "record_interval": None, "tolerance": -1.0,
@@ -158,7 +159,7 @@ def test_the_name_of_a_law_is_refused_with_the_call_that_makes_it(
     ("call", "kind", "key"),
     [
         (lambda: cl.bench([]), ValueError, "law"),
-        (lambda: cl.bench("newton"), TypeError, "laws"),  # type: ignore[arg-type]
+        (lambda: cl.bench("newton"), TypeError, "setups"),  # type: ignore[arg-type]
         (lambda: cl.sweep(5), TypeError, "over"),  # type: ignore[arg-type]
         (lambda: cl.build(law="newton"), TypeError, "law"),  # type: ignore[call-arg]
         (lambda: cl.build("law=newton"), TypeError, "configuration"),

@@ -10,7 +10,7 @@ MOTOR = ("law=newton", "contact.clearance=3 um")
 
 
 def test_the_command_follows_a_branch_and_leaves_dataset_and_picture(command: Command) -> None:
-    text = ("drive.phase=-40 deg..-36 deg", "law=newton", "--step", "0.5", "--output", "here")
+    text = ("drive.phase=-40 deg..-36 deg", "law=newton", "step=0.5", "output=here")
     status, out, err = command("branch", *text)
     assert (status, err) == (0, "")
     assert "-3.049 " in out
@@ -22,7 +22,7 @@ def test_the_command_follows_a_branch_and_leaves_dataset_and_picture(command: Co
 
 
 def test_the_command_maps_starts_and_leaves_dataset_and_picture(command: Command) -> None:
-    status, _, err = command("basins", *MOTOR, "--count", "2")
+    status, _, err = command("basins", *MOTOR, "count=2")
     assert (status, err) == (0, "")
     with xarray.open_dataset("basins/basins.nc") as data:
         assert data.attrs["unresolved"] == 0
@@ -39,8 +39,8 @@ def test_the_command_maps_starts_and_leaves_dataset_and_picture(command: Command
         (("branch", "contact.clearance=9 um..2 um", "law=newton"), "contact.clearance"),
         (("branch", "resonator.shapes=2..6"), "resonator.shapes"),
         (("branch", "resonator=finite_element", "resonator.kept_modes=2..6"), "kept_modes"),
-        (("basins", "--over", "angle=0..1", "drive_phase=0..1"), "angle"),
-        (("basins", "--count", "1"), "count"),
+        (("basins", "angle=0..1", "drive_phase=0..1"), "angle"),
+        (("basins", "count=1"), "count"),
     ],
 )
 def test_what_has_no_range_or_no_orbit_is_refused_by_its_key(

@@ -13,7 +13,8 @@ import pytest
 from support.sweeps import begun
 
 import contactlab as cl
-from contactlab.studies.runner import TASKS, _by_dask, run
+from contactlab.studies.runner import TASKS, _by_dask
+from contactlab.studies.study import run
 from contactlab.studies.sweep.dataset import DATASET
 from contactlab.studies.sweep.study import continued
 

@@ -23,7 +23,6 @@ from contactlab.studies.compare.figures import draw_all
 from contactlab.studies.figures import draw_paths
 from contactlab.studies.orbit_figures import draw_basins, draw_branch
 from contactlab.studies.registry import studies, study_class
-from contactlab.studies.report import drawn
 from contactlab.studies.study import Study
 from contactlab.studies.validate_figures import draw_differences, draw_errors, draw_residuals, draw_tracks
 
@@ -173,7 +172,7 @@ def result_of(study: str) -> cl.Result:
 
 @cache
 def figures_of(study: str) -> Mapping[str, Figure]:
-    return drawn(result_of(study))
+    return result_of(study).figures
 
 
 def test_every_study_with_figures_stands_in_the_table() -> None:

@@ -174,7 +174,7 @@ def test_tasks_that_another_process_removes_are_done_again(
 import json, shutil, sys
 from pathlib import Path
 import contactlab as cl
-from contactlab.studies.runner import run, finish
+from contactlab.studies.study import run, finish
 from gain import Gain
 
 folder, at = Path(sys.argv[1]), int(sys.argv[2])
@@ -197,7 +197,7 @@ def test_finished_tasks_are_not_done_again_and_damaged_ones_are(elsewhere: Elsew
 import json, sys
 from pathlib import Path
 import contactlab as cl
-from contactlab.studies.runner import run, finish
+from contactlab.studies.study import run, finish
 from gain import Gain
 
 calls = []
@@ -228,7 +228,7 @@ EDITED_MEANWHILE = """
 import sys
 from pathlib import Path
 import contactlab as cl
-from contactlab.studies.runner import run
+from contactlab.studies.study import run
 
 file, folder = Path(sys.argv[1]), Path(sys.argv[2])
 sys.path.insert(0, str(file.parent))

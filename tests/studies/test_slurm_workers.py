@@ -12,7 +12,7 @@ from support.slow_study import Slow
 from support.sweeps import begun
 
 import contactlab as cl
-from contactlab.studies.runner import run
+from contactlab.studies.study import run
 from contactlab.studies.sweep.dataset import DATASET
 from contactlab.studies.sweep.study import continued
 

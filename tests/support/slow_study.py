@@ -9,8 +9,7 @@ import xarray
 
 import contactlab as cl
 from contactlab.studies import Part, Study, Task
-from contactlab.studies.runner import run
-from contactlab.studies.study import Setups
+from contactlab.studies.study import Setups, run
 
 
 @dataclass(frozen=True, kw_only=True)

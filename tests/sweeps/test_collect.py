@@ -12,7 +12,7 @@ import yaml
 from support.command_line import Command
 from support.sweeps import QUICK, Simulations, folder, state_of
 
-from contactlab.cli.collect import collect_swept
+from contactlab.cli.verbs.collect import collect_swept
 from contactlab.metrics import METRICS, assess, read_run
 from contactlab.studies.run_state import Status
 from contactlab.studies.sweep.collection import collect
@@ -262,9 +262,9 @@ def test_time_series_are_added_a_slab_a_run(command: Command, simulations: Simul
     [
         (["nowhere"], "nowhere"),
         (["."], "."),
-        (["sweep", "--series", "speed"], "speed"),
-        (["sweep", "--series", "gap"], "series"),
-        (["sweep", "--output", "nowhere/all.nc"], "output"),
+        (["sweep", "series=speed"], "speed"),
+        (["sweep", "series=gap"], "series"),
+        (["sweep", "output=nowhere/all.nc"], "output"),
     ],
 )
 def test_what_cannot_be_collected_is_refused_by_its_key_and_leaves_no_file(

@@ -1,22 +1,20 @@
 """The study `bench`: contact questions with exact answers, put to laws."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import numpy as np
 import pandas
 import xarray
 
-from contactlab.checks import checked_arguments
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.studies.bench.questions import CREATED, errors_of, questions
 from contactlab.studies.bench.responses import responses_of
+from contactlab.studies.function import function_of, of_laws
 from contactlab.studies.law_study import LawStudy
-from contactlab.studies.measurements import by_label
-from contactlab.studies.study import Part, Progress, Result, Setups, Task, listing
+from contactlab.studies.study import Part, Setups, Task, listing
 from contactlab.studies.tables import table_of_quantities
 from contactlab.variables import Variable
 
@@ -36,6 +34,15 @@ class Bench(LawStudy):
     Contact questions with exact answers: creep in the cone, sliding, drift, stick-slip on a belt,
     restitution, oblique impacts, Painleve's rod, Kane's double pendulum, a ball that comes to rest. Friction
     and restitution are those of a question, all else is the law's: contactlab bench law=newton,poisson.
+
+        >>> import contactlab as cl
+        >>> round(cl.bench(cl.Newton()).numbers["energy_created"].value, 3)
+        2.111
+
+    Raises:
+        LawError: a law contradicts itself, or its own code raised an exception, which is the cause.
+        ConfigurationError: there is no law.
+        OSError: the folder cannot be written to.
     """
 
     name: ClassVar[str] = "bench"
@@ -80,28 +87,4 @@ def _answered(law: ContactLaw) -> Part:
     return Part(xarray.DataTree(xarray.Dataset({name: ("case", x) for name, x in columns.items()})))
 
 
-@checked_arguments()
-def bench(
-    laws: ContactLaw | Sequence[ContactLaw],
-    *,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-    **options: Any,
-) -> Result:
-    """Put contact questions with exact answers to a law or several: the study `Bench`.
-
-        >>> import contactlab as cl
-        >>> round(cl.bench(cl.Newton()).numbers["energy_created"].value, 3)
-        2.111
-
-    Args:
-        laws: of the registry or of one's own.
-        output, progress: as of every study.
-        options: fields of `Bench`.
-
-    Raises:
-        LawError: a law contradicts itself, or its own code raised an exception, which is the cause.
-        ConfigurationError: there is no law.
-        OSError: the folder cannot be written to.
-    """
-    return Bench(**options)(by_label(laws), output=output, progress=progress)
+bench = function_of(Bench, of_laws)

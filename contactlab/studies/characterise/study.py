@@ -2,21 +2,17 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, ClassVar, Final
 
 import numpy as np
 import pandas
 import xarray
 
-from contactlab.checks import checked_arguments
-from contactlab.config import ConfigurationError, Setup
+from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
-from contactlab.laws import ContactLaw
-from contactlab.motor import Motor
-from contactlab.steady_state.search import steady_setup
 from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
-from contactlab.studies.study import LENGTH, Progress, Result, Setups, Study, Task, estimates, listing
+from contactlab.studies.function import function_of, of_motors
+from contactlab.studies.study import LENGTH, Setups, Study, Task, estimates, listing
 from contactlab.studies.tables import table_of_quantities, with_unit
 from contactlab.variables import Variable
 
@@ -34,6 +30,16 @@ class Characterise(Study):
     The sheet is in the motor's own sense of rotation: a load that brakes has a positive torque there, one
     that drives the motor a negative one. rotor.load_torque is positive against positive rotation of the
     model. Several laws, law=A,B, share a sheet.
+
+        >>> import contactlab as cl
+        >>> sheet = cl.characterise(cl.build(["law=hertz_penalty"]))
+        >>> abs(sheet["velocity"]).max().round(3).item(), sheet["velocity"].attrs["units"]
+        (2.739, 'rad s-1')
+
+    Raises:
+        ConfigurationError: a setup has a load, which the sheet itself applies to the motor.
+        NoPeriodError: the drive does not repeat itself.
+        OSError: the folder cannot be written to.
     """
 
     name: ClassVar[str] = "characterise"
@@ -45,8 +51,11 @@ class Characterise(Study):
         """Return one task a setup.
 
         Raises:
-            ConfigurationError: a setup has a load, which the sheet itself applies to the motor.
+            ConfigurationError: there is no setup, or one has a load, which the sheet itself applies to the
+                motor.
         """
+        if not setups:
+            raise ConfigurationError("There is nothing to characterise; there must be a setup.")
         for setup in setups.values():
             if (load := setup.motor.rotor.load_torque) != 0.0:
                 raise ConfigurationError(
@@ -202,36 +211,4 @@ def _summary(law: xarray.Dataset) -> str:
     return text
 
 
-@checked_arguments()
-def characterise(
-    motors: Motor | Setup | Sequence[Motor | Setup],
-    law: ContactLaw | None = None,
-    *,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-    **options: Any,
-) -> Result:
-    """Make the data sheet of a motor under one law or several: the study `Characterise`.
-
-        >>> import contactlab as cl
-        >>> sheet = cl.characterise(cl.build(["law=hertz_penalty"]))
-        >>> abs(sheet["velocity"]).max().round(3).item(), sheet["velocity"].attrs["units"]
-        (2.739, 'rad s-1')
-
-    Args:
-        motors: setups, or motors made in Python; duration and record interval have no effect.
-        law: what acts in the motors that are no setups, which have a law of their own.
-        output, progress: as of every study.
-        options: fields of `Characterise`.
-
-    Raises:
-        ConfigurationError: a setup has a load, which the sheet itself applies to the motor.
-        NoPeriodError: the drive does not repeat itself.
-        OSError: the folder cannot be written to.
-    """
-    listed = [motors] if isinstance(motors, Motor | Setup) else list(motors)
-    if not listed:
-        raise ConfigurationError("There is nothing to characterise; give one setup or more.")
-    labels = map(str, range(len(listed))) if len(listed) > 1 else [""]
-    setups = {label: steady_setup(motor, law) for label, motor in zip(labels, listed, strict=True)}
-    return Characterise(**options)(setups, output=output, progress=progress)
+characterise = function_of(Characterise, of_motors)

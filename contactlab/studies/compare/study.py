@@ -10,7 +10,6 @@ from typing import Annotated, Any, ClassVar, Final
 import pandas
 import xarray
 
-from contactlab.checks import checked_arguments
 from contactlab.config import ConfigurationError, Setup, build
 from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
@@ -21,7 +20,6 @@ from contactlab.metrics import Run
 from contactlab.motor import Motor
 from contactlab.processes import processors
 from contactlab.simulation import Solution
-from contactlab.steady_state.search import steady_setup
 from contactlab.studies.compare.factors import as_configured, left_fixed
 from contactlab.studies.compare.hypercube import SEED
 from contactlab.studies.compare.laws import (
@@ -41,7 +39,8 @@ from contactlab.studies.compare.pairs import Design, population_of, undecided, w
 from contactlab.studies.compare.posteriors import Posteriors
 from contactlab.studies.compare.priors import Distribution, Prior
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
-from contactlab.studies.study import Progress, Result, Setups, Study, Task, option
+from contactlab.studies.function import Put, function_of, of_motors, of_setups
+from contactlab.studies.study import Setups, Study, Task, option
 
 MOST_LISTED: Final = 3
 """Laws that are named beside a number that they share; of more the sentence has how many."""
@@ -55,7 +54,7 @@ STARTS: Final = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Compare(Study):
-    """In which motors does the difference of contact laws survive?
+    """Does the difference of contact laws survive where the motor is not exactly known?
 
     Laws are chosen by law=A,B; other listed values, drive.phase=-1,0,1, are operating points. The motors are
     compared once they have settled, in pairs: a draw of all that is uncertain serves every law. Drawn are
@@ -64,6 +63,21 @@ class Compare(Study):
     these or others. Draws continue until the order of each pair in this population is known, or `samples`
     are spent. Recorded runs of one motor with one drive, DIR..., folders of runs, their run.nc, or folders
     of such folders, are compared from their start on, by the scorecard.
+
+        >>> import contactlab as cl
+        >>> setups = [cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")]
+        >>> runs = [cl.simulate(setup, duration=5e-4) for setup in setups]
+        >>> result = cl.compare(runs, refine=False)
+        >>> result["value"].sel(metric="contact_count").to_series().to_dict()
+        {'newton': 2.0, 'hertz_penalty': 2.0}
+
+    Returns:
+        Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
+        `law` and `term`, and of setups the paired comparison.
+
+    Raises:
+        ComparisonError: the laws cannot be compared.
+        OSError: the folder cannot be written to.
     """
 
     name: ClassVar[str] = "compare"
@@ -283,50 +297,27 @@ def _brought_to(datum: Datum, setup: Setup) -> Setup:
     return build(nested(flat(setup.configuration) | changes)) if changes else setup
 
 
-@checked_arguments()
-def compare(
+def _sources(
     sources: Source | Setup | Motor | Sequence[Source | Setup],
     law: ContactLaw | Sequence[ContactLaw] | None = None,
-    *,
-    output: str | Path | None = None,
-    progress: Progress | None = None,
-    **options: Any,
-) -> Result:
-    """Compare contact laws in one motor: the study `Compare`.
-
-        >>> import contactlab as cl
-        >>> setups = [cl.build([f"law={law}"]) for law in ("newton", "hertz_penalty")]
-        >>> runs = [cl.simulate(setup, duration=5e-4) for setup in setups]
-        >>> result = cl.compare(runs, refine=False)
-        >>> result["value"].sel(metric="contact_count").to_series().to_dict()
-        {'newton': 2.0, 'hertz_penalty': 2.0}
+) -> Put:
+    """Put the comparison to setups or recorded runs.
 
     Args:
         sources: setups; or recorded runs: folders, their datasets, folders of such folders, runs in memory;
             or a motor made in Python.
         law: one or several, of that motor.
-        output, progress: as of every study.
-        options: fields of `Compare`, as `vary={"contact.clearance": (0.5e-6, 2e-6)}`.
-
-    Returns:
-        Values, verdicts and numerical errors over the dimensions `law` and `metric`, the energy flow over
-        `law` and `term`, and of setups the paired comparison, see `pairs.with_pairs`.
-
-    Raises:
-        ComparisonError: the laws cannot be compared.
-        OSError: the folder cannot be written to.
     """
     if isinstance(sources, Motor):
-        laws = [law] if isinstance(law, ContactLaw) else law or []
-        setups = {f"law {n}": steady_setup(sources, each) for n, each in enumerate(laws, 1)}
-        return Compare(**options)(setups, output=output, progress=progress)
+        return of_motors(sources, law or [])
     if law is not None:
         raise TypeError("A law is given with a motor only; runs and setups have their own.")
     single = str | Path | Solution | xarray.DataTree | Setup
     every: list[Any] = [sources] if isinstance(sources, single) else list(sources)
-    setups = {f"setup {n}": each for n, each in enumerate(every, 1) if isinstance(each, Setup)}
+    setups = [each for each in every if isinstance(each, Setup)]
     if setups and len(setups) < len(every):
         raise ComparisonError("There are setups and recorded runs; there must be one kind.")
-    if not setups:
-        options["runs"] = every
-    return Compare(**options)(setups, output=output, progress=progress)
+    return of_setups(setups) if setups else ({}, {"runs": every})
+
+
+compare = function_of(Compare, _sources, without=["runs"])

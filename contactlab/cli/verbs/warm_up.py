@@ -1,4 +1,8 @@
-"""`contactlab warm-up`: the engine compiled ahead, for laws of every kind."""
+"""Compile the engine ahead, for laws of every kind, so that no run has to wait for it.
+
+A run compiles what it needs by itself, once for an installation; this does it for all at once, in a minute or
+two, before a class, a sweep or jobs on a cluster.
+"""
 
 from time import perf_counter
 from typing import Final
@@ -20,12 +24,7 @@ DURATION: Final = 2e-6
 
 def main(arguments: list[str]) -> int:
     """Compile or load every loop, and print for each which it was and how long it took."""
-    parser = Parser(
-        "warm-up",
-        ". A run compiles what it needs by itself, once for an installation; this does it for all at once, "
-        "in a minute or two, before a class, a sweep or jobs on a cluster.",
-    )
-    parser.read(arguments)
+    Parser(__name__, __doc__).read(arguments)
     # Imported here: they bring the compiler, which --help does not need.
     from contactlab.compiler.folders import code_folder, shipped_folder
     from contactlab.compiler.kernels import INTERPRETED

@@ -1,4 +1,8 @@
-"""`contactlab verify [RUN ...]`: every claim with what is expected, what is found, tolerance and verdict."""
+"""Print the contract of every law, or check what runs recorded.
+
+A line a claim: what is expected, what is found, tolerance and verdict. Given RUNs, whether the numbers of each
+agree with each other. Exit status 1 if a claim fails.
+"""
 
 import shutil
 from functools import partial
@@ -21,18 +25,9 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: a source is no run.
     """
-    parser = Parser(
-        "verify",
-        ": the contract of every law; or, given RUNs, whether what each recorded agrees with itself. "
-        "Exit status 1 if a claim fails.",
-    )
-    parser.add_argument(
-        "runs",
-        metavar="RUN",
-        nargs="*",
-        help="a folder with run.nc, or a dataset in its layout: checked alone, by its numbers",
-    )
-    runs = [Path(source) for source in parser.read(arguments).runs]
+    meaning = "a folder with run.nc, or a dataset in its layout: checked alone, by its numbers"
+    operands, _ = Parser(__name__, __doc__, "[RUN ...]", meaning).read(arguments)
+    runs = [*map(Path, operands)]
     try:
         trees = [read_run(path / "run.nc" if path.is_dir() else path) for path in runs]
     except ValueError as fault:

@@ -1,7 +1,11 @@
-"""`contactlab animate RUN.nc`: tip, rotor and contact force of a run in slow motion, as GIF or MP4."""
+"""Show tip, rotor and contact force of a run in slow motion, as GIF or MP4.
+
+Tip and rotor have their true shape, their motion is magnified by a factor that the picture states. It lasts
+10 s, whatever it shows.
+"""
 
 import sys
-from argparse import Namespace
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -27,44 +31,40 @@ PERIODS: Final = 2
 SLOWEST, FASTEST = 1.0, 50.0
 """Frame rates [1/s]; viewers of GIF show no frame that lasts less than 1/50 s."""
 
+USUAL: Final = "25"
+"""Frame rate by default [1/s]."""
+
 FEWEST: Final = 10
 """Frames of a drive period below which the picture no longer shows the motion."""
 
 
 def main(arguments: list[str]) -> int:
     """Write the animation and return the exit status; nothing is left behind where it cannot be made."""
-    parser = Parser(
-        "animate",
-        ". Tip and rotor have their true shape, their motion is magnified by a factor that the picture "
-        f"states. It lasts {FILM_TIME:g} s, whatever it shows.",
-    )
-    parser.add_argument("run", metavar="RUN.nc", type=Path, help="a dataset, or a folder with run.nc")
-    for option, metavar, default, text in (
-        ("output", "FILE", None, "ends in .gif or .mp4; the default is RUN.gif beside RUN.nc"),
-        ("start", "T", None, "time in the run, '4 ms'; the default ends with the run"),
-        ("duration", "T", None, f"of the run; the default is {PERIODS} drive periods"),
-        ("fps", "N", "25", "frames a second, 1 to 50; the default is %(default)s"),
-    ):
-        parser.option(option, metavar=metavar, default=default, help=text)
+    parser = Parser(__name__, __doc__, "RUN.nc", "a dataset, or a folder with run.nc")
+    parser.option("output", "FILE", "ends in .gif or .mp4; RUN.gif beside RUN.nc")
+    parser.option("start", "T", "time in the run, '4 ms'; by default the film ends with the run")
+    parser.option("duration", "T", f"of the run; {PERIODS} drive periods")
+    parser.option("fps", "N", f"frames a second, {SLOWEST:g} to {FASTEST:g}; {USUAL}")
+    (run,), options = parser.read(arguments)
     try:
-        _animate(parser.read(arguments))
+        _animate(Path(run), options)
     except OSError as error:
         raise RefusalError(f"The animation could not be written: {error_text(error)}", INCOMPLETE) from error
     return COMPLETE
 
 
-def _animate(read: Namespace) -> None:
-    source: Path = read.run / "run.nc" if read.run.is_dir() else read.run
+def _animate(path: Path, options: Mapping[str, str]) -> None:
+    source = path / "run.nc" if path.is_dir() else path
     if not source.is_file():
         raise RefusalError(f"There is no file '{source}'; it must be a run.nc, or a folder with one.")
-    output = Path(read.output or source.with_suffix(".gif"))
+    output = Path(options.get("output") or source.with_suffix(".gif"))
     is_film = output.suffix.lower() == ".mp4"
     fits = is_film or output.suffix.lower() == ".gif"
     if not fits or output.is_dir() or not output.parent.is_dir() or output.absolute() == source.absolute():
         raise RefusalError(
             f"output is '{output}'; it must be a file that ends in .gif or .mp4, in a folder that exists."
         )
-    fps = _number(read.fps, "1", "fps", SLOWEST, FASTEST)
+    fps = _number(options.get("fps", USUAL), "1", "fps", SLOWEST, FASTEST)
     # Imported here: they bring the plotting, which --help does not need.
     from contactlab.plot.animation import Animation, NoEncoderError, encoder, write_gif, write_mp4
     from contactlab.plot.recording import UnfitRunError, film_of, recording_of
@@ -74,10 +74,10 @@ def _animate(read: Namespace) -> None:
         if is_film:
             encoder()
         run = recording_of(read_run(source))
-        start, end = _window(run, read.start, read.duration)
+        start, end = _window(run, options.get("start"), options.get("duration"))
         film = film_of(run, start, end, frames)
     except UnfitRunError as error:
-        raise RefusalError(f"'{source}' {error}; see --start and --duration for another part.") from error
+        raise RefusalError(f"'{source}' {error}; see start and duration for another part.") from error
     except (NoEncoderError, ValueError) as error:
         raise RefusalError(str(error)) from error
     _warn(run, end - start, frames)
@@ -126,7 +126,7 @@ def _warn(run: "Recording", duration: float, frames: int) -> None:
     per_period = frames * run.period / duration
     if per_period < FEWEST:
         print(
-            f"Only {per_period:.2g} frames show a drive period; choose a --duration below "
-            f"{frames * run.period / FEWEST:.2g} s, or more --fps.",
+            f"Only {per_period:.2g} frames show a drive period; choose a duration below "
+            f"{frames * run.period / FEWEST:.2g} s, or more fps.",
             file=sys.stderr,
         )

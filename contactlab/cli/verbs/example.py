@@ -1,4 +1,7 @@
-"""`contactlab example [NAME]`: scripts, measured impacts and packages to begin from."""
+"""Copy a script, measured impacts, or the package of a law or study, to begin from.
+
+Without a name they are listed; nothing is overwritten.
+"""
 
 import ast
 import re
@@ -48,9 +51,8 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: there is no such example, its copy would overwrite something or cannot be written.
     """
-    parser = Parser("example", ". Without a name they are listed; nothing is overwritten.")
-    parser.add_argument("name", nargs="?", metavar="NAME", help="of the example to copy")
-    wanted = parser.read(arguments).name
+    operands, _ = Parser(__name__, __doc__, "[NAME]", "of the example to copy").read(arguments)
+    wanted = operands[0] if operands else None
     known = {each.name: each for each in examples()}
     if wanted is None:
         width = max(map(len, known))
@@ -66,9 +68,14 @@ def main(arguments: list[str]) -> int:
     return COMPLETE
 
 
+def names() -> list[str]:
+    """Return the names of the examples, which complete the verb."""
+    return [each.name for each in examples()]
+
+
 def examples() -> Iterator[Example]:
     """Yield the examples: scripts and data of the gallery by their files, and the packages."""
-    package = Path(__file__).resolve().parents[1]
+    package = Path(__file__).resolve().parents[2]
     inside = package / "examples"
     root = inside if inside.is_dir() else package.parent
     for path in sorted((root / GALLERY).glob("*.py")):

@@ -1,4 +1,7 @@
-"""`contactlab collect DIR`: the runs of a sweep as one dataset over their parameters."""
+"""Put the runs of a sweep into one dataset over their parameters.
+
+Where a run is missing, the dataset has a status and a reason.
+"""
 
 import sys
 from collections.abc import Sequence
@@ -15,19 +18,18 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: a folder without runs, or a file that cannot be written.
     """
-    parser = Parser("collect", ", with a status and a reason where one is missing.")
-    parser.add_argument("directory", metavar="DIR", help="a folder of runs, as -m leaves it")
-    parser.option("output", type=Path, metavar="FILE", help="the dataset; default: DIR/sweep.nc")
+    parser = Parser(__name__, __doc__, "DIR", "a folder of runs, as -m leaves it")
+    parser.option("output", "FILE", "the dataset; DIR/sweep.nc")
     parser.option(
         "series",
-        default="",
-        metavar="NAME[,NAME]",
-        help="time series that go into the group 'series'; the runs must be recorded at the same times",
+        "NAME[,NAME]",
+        "time series that go into the group 'series'; the runs must be recorded at the same times",
     )
-    read = parser.read(arguments)
-    if read.output and (read.output.suffix != ".nc" or not read.output.parent.is_dir()):
-        parser.error(f"output is '{read.output}'; it must end in .nc and lie in a folder that exists")
-    _collect(Path(read.directory), read.output, read.series)
+    (folder,), options = parser.read(arguments)
+    output = Path(options["output"]) if "output" in options else None
+    if output and (output.suffix != ".nc" or not output.parent.is_dir()):
+        raise RefusalError(f"output is '{output}'; it must end in .nc and lie in a folder that exists.")
+    _collect(Path(folder), output, options.get("series", ""))
     return COMPLETE
 
 

@@ -1,4 +1,8 @@
-"""`contactlab laws [NAME]`: every law and part that is installed, with all that it declares."""
+"""List every installed law and part, with all that it declares.
+
+These are equation, parameters with symbol, unit, default and range, its declarations, source and package. A
+law that cannot be loaded is listed with the reason.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, replace
@@ -46,15 +50,12 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: no law or part has the name.
     """
-    parser = Parser(
-        "laws",
-        ": equation, parameters with symbol, unit, default and range, its declarations, source and package. "
-        "A law that cannot be loaded is listed with the reason.",
+    operands, _ = Parser(__name__, __doc__, "[NAME]", "of a law, or of a part (friction/coulomb)").read(
+        arguments
     )
-    parser.add_argument("name", nargs="?", help="of a law, or of a part (friction/coulomb)")
-    wanted = parser.read(arguments).name
+    wanted = operands[0] if operands else None
     listing = _listing()
-    titles, known = [title for entries in listing.values() for title, _ in entries], listed_names()
+    titles, known = [title for entries in listing.values() for title, _ in entries], names()
     if wanted is not None and wanted not in known:
         hint = suggestion(wanted, known, f"It must be one of {', '.join(titles)}.")
         raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
@@ -77,7 +78,7 @@ def _listing() -> dict[str, list[tuple[str, Origin]]]:
     }
 
 
-def listed_names() -> list[str]:
+def names() -> list[str]:
     """Return the names by which a law or part can be listed, those of parts with and without their family."""
     titles = [title for entries in _listing().values() for title, _ in entries]
     return sorted({name for title in titles for name in (title, title.rpartition("/")[2])})

@@ -1,4 +1,7 @@
-"""`contactlab report FILE`: page, figures and tables of a study from its dataset."""
+"""Make page, figures and tables of a study anew from its dataset.
+
+They are those that the study itself leaves.
+"""
 
 import sys
 from pathlib import Path
@@ -14,22 +17,21 @@ def main(arguments: list[str]) -> int:
     Raises:
         RefusalError: no study left the file, or nothing can be written.
     """
-    parser = Parser("report", ", as the study itself leaves them.")
-    parser.add_argument("file", type=Path, metavar="FILE", help="the dataset of a study, such as steady.nc")
-    parser.option("output", type=Path, metavar="DIR", help="folder of the files; default: FILE's own")
-    chosen = parser.read(arguments)
-    folder = chosen.output or chosen.file.parent
+    parser = Parser(__name__, __doc__, "FILE", "the dataset of a study, such as steady.nc")
+    parser.option("output", "DIR", "folder of the files; FILE's own")
+    (word,), options = parser.read(arguments)
+    file = Path(word)
+    folder = Path(options.get("output", file.parent))
     with terminal.progress(1.0, "tasks"), terminal.raising():
         # Imported here: they bring the compiler, which --help does not need.
         from contactlab.studies.reading import load
-        from contactlab.studies.report import save
         from contactlab.studies.study import Result
 
         try:
-            result = load(chosen.file)
+            result = load(file)
             if not isinstance(result, Result):
-                raise RefusalError(f"FILE is '{chosen.file}', a run; it must be the dataset of a study.")
-            files = save(result, folder)
+                raise RefusalError(f"FILE is '{file}', a run; it must be the dataset of a study.")
+            files = result.save(folder)
         except ValueError as error:
             raise RefusalError(f"FILE: {error}") from error
         except OSError as error:

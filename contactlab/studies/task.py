@@ -1,0 +1,57 @@
+"""Tasks: the independent pieces of a study, and what each leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final, final
+
+if TYPE_CHECKING:
+    import xarray
+
+    from contactlab.config import Setup
+
+TASKS: Final = "tasks"
+"""Folder of the finished tasks, beside the files of the result."""
+
+Progress = Callable[[int, int], object]
+"""Receives the number of finished tasks and that of all."""
+
+Setups = Mapping[str, "Setup"]
+"""The setups of a study by label: what distinguishes each, as 'law=newton'; empty for a single one."""
+
+
+@final
+@dataclass(frozen=True)
+class Part:
+    """Result of one task.
+
+    Args:
+        data: what is stored and combined.
+        details: the object of the analysis from which the data were made; it is not stored.
+    """
+
+    data: xarray.DataTree
+    details: Any = None
+
+
+@final
+@dataclass(frozen=True)
+class Task:
+    """An independent piece of a study.
+
+    Args:
+        key: unique within the study.
+        function: a function of a module, so that other processes can import it.
+        arguments: of the function, picklable.
+        resumes: whether the function takes a last argument `checkpoint`, a file by which it resumes.
+    """
+
+    key: str
+    function: Callable[..., Part]
+    arguments: tuple[Any, ...] = ()
+    resumes: bool = False
+
+    def __call__(self) -> Part:
+        """Do it."""
+        return self.function(*self.arguments)
