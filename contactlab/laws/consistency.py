@@ -362,7 +362,7 @@ def stretch_gains_nothing(
 
 def stiffness_is_a_derivative(
     part: NormalForce, depth: float, known: Mapping[str, Any], accuracy: float
-) -> Claims:
+) -> tuple[Claim, Claim]:
     """Claim that stiffness and slope of a normal force are derivatives by the depth, all else as known."""
     kernel = "elastic" if part.force is None else "force"
 
@@ -384,8 +384,7 @@ def stiffness_is_a_derivative(
         )
 
     # Places of stiffness and slope, and of what they are derivatives of.
-    yield claim("stiffness", 2, 0)
-    yield claim("slope of the stiffness", 3, 2)
+    return claim("stiffness", 2, 0), claim("slope of the stiffness", 3, 2)
 
 
 def approach_is_stopped(left: float, size: float, where: str = "") -> Claim:
