@@ -91,11 +91,11 @@ class Bare:
     text: ClassVar[str]
     """Source text of the function."""
 
-    def declaring(self, words: Mapping[str, Any]) -> Any:
+    def declaring(self, declared: Mapping[str, Any]) -> Any:
         """Return the part with other declarations."""
         kind: Any = type(self)
         places = {name: getattr(kind, name) for name in ("__module__", "__qualname__")}
-        made: Any = dataclass(frozen=True)(type(kind.__name__, (kind,), {**places, **words}))
+        made: Any = dataclass(frozen=True)(type(kind.__name__, (kind,), {**places, **declared}))
         return made(**{each.name: getattr(self, each.name) for each in fields(kind)})
 
     def __reduce__(self) -> NoReturn:
@@ -115,7 +115,7 @@ def law_of(function: Callable[..., float], values: Mapping[str, Any]) -> Compose
         ValueError: a function that names or does what only a class can.
     """
     parts = ("damping", "friction", "viscous_friction")
-    own = _given(function, "normal", values, parts)
+    own = _own_parameters(function, "normal", values, parts)
     return Composed(normal_force(function, **own), **{k: x for k, x in values.items() if k not in own})
 
 
@@ -164,7 +164,7 @@ def friction(function: Callable[..., float], /, **parameters: float) -> Friction
         TypeError: what is no function, or a parameter that it has not.
         ValueError: a function that names or does what only a class `Friction` can.
     """
-    _given(function, "friction", parameters)
+    _own_parameters(function, "friction", parameters)
 
     def part_of(declared: Mapping[str, Any], **sources: str) -> Any:
         pressed = {"normal": "max(normal, 0.0)"}
@@ -196,7 +196,7 @@ def _largest_ratio(part: Friction) -> float:
     return max(_bound_at(part, normal, v) / normal for normal, slip in STATES for v in (0.0, slip))
 
 
-def _given(
+def _own_parameters(
     function: Any, family: str, values: Mapping[str, Any], others: tuple[str, ...] = ()
 ) -> dict[str, Any]:
     """Return which values are those of a function's own parameters, or refuse what a class alone can do."""
@@ -257,12 +257,12 @@ def _class(function: Any, base: type, members: Mapping[str, Any]) -> Any:
     defaults = {}
     for parameter, argument in signature(function).parameters.items():
         if argument.default is not Argument.empty:
-            declared = Parameter(parameter, "1", f"{parameter} of a bare function")
-            hints[parameter] = Annotated[float, FRICTION_COEFFICIENT if parameter == SHARED else declared]
+            number = Parameter(parameter, "1", f"{parameter} of a bare function")
+            hints[parameter] = Annotated[float, FRICTION_COEFFICIENT if parameter == SHARED else number]
             defaults[parameter] = float(argument.default)
-    words = {"name": name, "equation": text, "source": "a bare function", "text": text}
+    texts = {"name": name, "equation": text, "source": "a bare function", "text": text}
     places = {"__module__": _module_of(function), "__qualname__": f"{name}[{text}]", "__annotations__": hints}
-    return dataclass(frozen=True)(type(name, (Bare, base), {**words, **members, **defaults, **places}))
+    return dataclass(frozen=True)(type(name, (Bare, base), {**texts, **members, **defaults, **places}))
 
 
 def _label(function: Any) -> str:

@@ -1,8 +1,8 @@
 """Claims about a law's declarations and kernels.
 
-Before the first run of a law they are asked in a few contacts, at next to no cost, and the first broken one
-refuses it. The contract of `contactlab.testing` asks the same in drawn states, more accurately, and more, and
-runs the law.
+Before the first run of a law they are checked in a few contacts, at next to no cost, and the first broken one
+refuses it. The contract of `contactlab.testing` checks the same in drawn states, more accurately, and more,
+and runs the law.
 """
 
 from collections.abc import Callable, Generator, Iterator, Mapping
@@ -69,7 +69,7 @@ COUNTS = {
 }
 """How many numbers each kernel returns."""
 
-Answers = Generator[Claim, None, Any]
+Evaluation = Generator[Claim, None, Any]
 """Yields a broken claim where the answer of a kernel, which it returns, is impossible."""
 
 
@@ -167,58 +167,58 @@ def claims_of_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> C
 
     An answer that is impossible for any law is a broken claim; behind it there may be no others.
     """
-    answers = partial(_answers, [guarded(parameters, canary) for canary in VALUES])
+    evaluate = partial(_evaluated, [guarded(parameters, canary) for canary in VALUES])
     force, friction_force, impact, bound, rate, guard, jump, limits = kernels
     begin = 0.0
     if limits is not None:
-        begin, end = yield from answers("limits", limits, "at first", 0.0)
+        begin, end = yield from evaluate("limits", limits, "at first", 0.0)
         yield ends_behind_its_beginning(float(begin), float(end))
 
-    def of_variables(where: str, *state: float) -> Answers:
+    def of_variables(where: str, *state: float) -> Evaluation:
         for k in range(law.coupled, len(law.internal_variables)):
-            yield from answers("rate", rate, where, k, *state)
+            yield from evaluate("rate", rate, where, k, *state)
             for event in (*EVENTS, *range(law.guards)):
-                yield from answers("jump", jump, where, k, event, *state)
+                yield from evaluate("jump", jump, where, k, event, *state)
         for k in range(law.guards):
-            yield from answers("guard", guard, where, k, *state)
+            yield from evaluate("guard", guard, where, k, *state)
 
     if isinstance(law, PenaltyLaw):
-        yield from _of_forces(law, force, friction_force, float(begin), answers, of_variables)
+        yield from _of_forces(law, force, friction_force, float(begin), evaluate, of_variables)
         yield from _of_energy(law, force, friction_force, guarded(parameters), float(begin))
         yield from _of_stiffness(law)
     else:
-        yield from _of_impacts(law, impact, bound, answers, of_variables)
+        yield from _of_impacts(law, impact, bound, evaluate, of_variables)
 
 
 def _of_forces(
-    law: PenaltyLaw, force: Kernel, friction_force: Kernel, begin: float, answers: Any, of_variables: Any
+    law: PenaltyLaw, force: Kernel, friction_force: Kernel, begin: float, evaluate: Any, of_variables: Any
 ) -> Claims:
     for depth, gap_rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
         gap = begin - depth
         where = f"at a gap of {gap:g} m, a gap rate of {gap_rate:g} m/s and a slip of {slip:g} m/s"
-        normal, least, most, *_ = yield from answers(
+        normal, least, most, *_ = yield from evaluate(
             "force", force, where, gap, gap_rate, slip, abs(gap_rate)
         )
         # The largest is for the contract to judge.
         yield bound_in_cone(0.5 * (most - least), inf, abs(normal) + TINY, where)
         if law.friction_kind != SET_VALUED:
             # At the initial value only: which others there are, the law alone determines.
-            yield from answers("friction_force", friction_force, where, gap, gap_rate, slip, normal)
+            yield from evaluate("friction_force", friction_force, where, gap, gap_rate, slip, normal)
         yield from of_variables(where, gap, gap_rate, slip, normal)
 
 
-def _of_impacts(law: ContactLaw, impact: Kernel, bound: Kernel, answers: Any, of_variables: Any) -> Claims:
+def _of_impacts(law: ContactLaw, impact: Kernel, bound: Kernel, evaluate: Any, of_variables: Any) -> Claims:
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
         where = f"at an approach of {approach:g} m/s and a slip of {slip:g} m/s"
-        p_n, p_t = yield from answers("impact", impact, where, approach, slip, 1e3, d_nt, 2e3)
+        p_n, p_t = yield from evaluate("impact", impact, where, approach, slip, 1e3, d_nt, 2e3)
         # Without an impulse there is no solution, which ends a run.
         if p_n > 0.0 and "kernel_is_consistent" not in law.violations:
             yield approach_is_stopped(approach + 1e3 * p_n + d_nt * p_t, -approach, where)
         yield from of_variables(where, 0.0, approach, slip, p_n / law.default_contact_step)
     for normal, slip in product(NORMALS, SPEEDS):
         where = f"at a normal force of {normal:g} N and a slip of {slip:g} m/s"
-        (most,) = yield from answers("bound", bound, where, normal, slip)
+        (most,) = yield from evaluate("bound", bound, where, normal, slip)
         yield bound_in_cone(most, inf, normal, where)
 
 
@@ -424,7 +424,7 @@ def derivative(function: Callable[[float], float], at: float, step: float) -> tu
     return fine, 2.0 * abs(coarse - fine) + kink + 1e-13 * abs(here) / step
 
 
-def _answers(rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Answers:
+def _evaluated(rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Evaluation:
     """Return the answer of a kernel; where it is impossible for any law, yield that as a broken claim."""
     # The first vector twice: a kernel with side effects returns something else.
     results = (kernel(*state, row) for row in (rows[0], *rows))

@@ -127,8 +127,8 @@ def declare(law: ContactLaw) -> ContactLaw:
                 order = floor(10.0 * claim.value) / 10.0
             elif not claim.holds:
                 broken.setdefault(name, str(claim))
-    words = {"violations": MappingProxyType(broken), "convergence_order": order}
-    changed: ContactLaw = replace(cast("Any", law), **{part.family: part.declaring(words)})
+    declarations = {"violations": MappingProxyType(broken), "convergence_order": order}
+    changed: ContactLaw = replace(cast("Any", law), **{part.family: part.declaring(declarations)})
     return changed
 
 
