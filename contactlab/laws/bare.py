@@ -9,7 +9,7 @@ slope are differences. What only runs tell, `contactlab.testing.declare` declare
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from inspect import Parameter as Argument, findsource, getsource, signature
 from itertools import product
 from math import isfinite
@@ -121,11 +121,8 @@ def law_of(function: Callable[..., float], values: Mapping[str, Any]) -> Compose
 
 def normal_force(function: Callable[..., float], /, **parameters: float) -> NormalForce:
     """Return the normal force [N] of a function, with other values of its parameters than the defaults."""
-    lossy = any(name in MOVING for name in signature(function).parameters)
-    word, source, needed = ("force", LOSSY, ("depth_rate",)) if lossy else ("elastic", ELASTIC, ())
-    at_rest = {"depth": "x", "gap": "-x", **dict.fromkeys(MOVING, "0.0")}
-    kernel = _kernel(function, word, NORMAL + source, ("depth", *needed), there=at_rest)
-    part: Any = _class(function, NormalForce, {"smooth_stiffness": False, word: kernel})(**parameters)
+    part: Any = _class_of_normal(function)(**parameters)
+    word = "elastic" if part.force is None else "force"
     at_once = dict.fromkeys((*MOVING, "impact_speed"), 0.0)
     for depth in np.geomspace(1e-9, 1e-6, 31).tolist():
 
@@ -166,20 +163,14 @@ def friction(function: Callable[..., float], /, **parameters: float) -> Friction
     """
     _own_parameters(function, "friction", parameters)
 
-    def part_of(declared: Mapping[str, Any], **sources: str) -> Any:
-        pressed = {"normal": "max(normal, 0.0)"}
-        kernels = {word: _kernel(function, word, source, here=pressed) for word, source in sources.items()}
-        limit = cached_property(_largest_ratio)
-        return _class(function, Friction, {"friction_limit": limit, **kernels, **declared})(**parameters)
-
-    part = part_of({}, bound=BOUND)
+    part: Friction = _class_of_friction(function, False)(**parameters)
     results = np.array([[_bound_at(part, normal, v) for v in (slip, -slip)] for normal, slip in STATES])
     round_off = ROUND_OFF * np.abs(results).sum(axis=1)
     if (np.abs(results[:, 0] - results[:, 1]) <= round_off).all() and (results >= 0.0).all():
-        return part  # type: ignore[no-any-return]
+        return part
     if (np.abs(results[:, 0] + results[:, 1]) <= round_off).all():
-        kind = {"friction_kind": RATE_DEPENDENT, "exact_stick": False}
-        return part_of(kind, bound=SIZE, state=STATE)  # type: ignore[no-any-return]
+        odd: Friction = _class_of_friction(function, True)(**parameters)
+        return odd
     raise ValueError(
         f"{_label(function)} is neither odd in the slip, as a force, nor even and not negative, as a bound. "
         "Write a class Friction; its kernel bounds may differ in both directions."
@@ -250,9 +241,31 @@ def _module_of(function: Any) -> str:
     return "__main__" if is_own(function) else str(function.__module__)
 
 
+# Once for each function: its code is compiled for its class.
+@lru_cache(maxsize=64)
+def _class_of_normal(function: Any) -> Any:
+    lossy = any(name in MOVING for name in signature(function).parameters)
+    word, source, needed = ("force", LOSSY, ("depth_rate",)) if lossy else ("elastic", ELASTIC, ())
+    at_rest = {"depth": "x", "gap": "-x", **dict.fromkeys(MOVING, "0.0")}
+    kernel = _kernel(function, word, NORMAL + source, ("depth", *needed), there=at_rest)
+    return _class(function, NormalForce, {"smooth_stiffness": False, word: kernel})
+
+
+@lru_cache(maxsize=64)
+def _class_of_friction(function: Any, odd: bool) -> Any:
+    sources = {"bound": SIZE, "state": STATE} if odd else {"bound": BOUND}
+    pressed = {"normal": "max(normal, 0.0)"}
+    members: dict[str, Any] = {w: _kernel(function, w, text, here=pressed) for w, text in sources.items()}
+    members["friction_limit"] = cached_property(_largest_ratio)
+    if odd:
+        members |= {"friction_kind": RATE_DEPENDENT, "exact_stick": False}
+    return _class(function, Friction, members)
+
+
 def _class(function: Any, base: type, members: Mapping[str, Any]) -> Any:
     """Return the class of a part that a function makes."""
-    text, name = text_of(function), function.__name__ if function.__name__.isidentifier() else "bare"
+    # No name of a part of the package, whatever the function is called.
+    text, name = text_of(function), "_".join(("bare", *function.__name__.replace("<lambda>", "").split()))
     hints: dict[str, Any] = {SHARED: ClassVar[float]} if base is Friction else {}
     defaults = {}
     for parameter, argument in signature(function).parameters.items():
