@@ -42,8 +42,8 @@ QUANTITIES: Final = {
 CLASSES: Final = {"normal": "NormalForce, PenaltyLaw or MultiplierLaw", "friction": "Friction"}
 """The classes of `contactlab.laws` that do what a bare function of a family cannot."""
 
-STATES: Final = [*product((1e-3, 0.1, 1.0, 10.0, 1e3), (1e-6, 1e-4, 1e-2, 0.1, 1.0, 10.0))]
-"""Normal forces [N] and slips [m/s] at which a friction is evaluated when it is made."""
+STATES: Final = [*product((2.0**-10, 0.125, 1.0, 8.0, 2.0**10), (1e-6, 1e-4, 1e-2, 0.1, 1.0, 10.0))]
+"""Normal forces [N], which divide without round-off, and slips [m/s] of the checks of a new friction."""
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 NODES, WEIGHTS = 0.5 * (NODES + 1.0), WEIGHTS * 0.5 * (NODES + 1.0)
