@@ -64,6 +64,7 @@ from contactlab.laws import (
     law_names as law_names,
     tabor_number as tabor_number,
 )
+from contactlab.laws.bare import friction as friction
 from contactlab.motor import (
     Bearing as Bearing,
     Chirp as Chirp,

@@ -1,12 +1,14 @@
-"""Consistency checks of a law's declarations and kernels, made once before its first run.
+"""Claims about a law's declarations and kernels.
 
-The contract of `contactlab.testing` checks more and runs the law; this costs a run next to nothing.
+Before the first run of a law they are checked in a few contacts, at next to no cost, and the first broken one
+refuses it. The contract of `contactlab.testing` checks the same in drawn states, more accurately, and more,
+and runs the law.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from functools import partial
 from itertools import product
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from numbers import Real
 from typing import Any
 
@@ -16,6 +18,7 @@ from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.foreign import is_own
 from contactlab.laws.base import ELASTOPLASTIC, SET_VALUED, ContactLaw, Kernel, NormalForce, PenaltyLaw
+from contactlab.laws.claim import Claim, Claims, at_most
 from contactlab.laws.declaration import LawError
 from contactlab.laws.memory import EVEN, EVENTS, MOST_VARIABLES, ODD, InternalVariable
 
@@ -39,12 +42,17 @@ NORMALS = (1e-3, 1.0)
 """Normal forces at which the bound of a rigid law is evaluated [N]."""
 
 ROUND_OFF = 1e-9
+"""Share of the quantities that take part; the claims subtract numbers of their size."""
+
+TINY = 1e-300
+"""Added to what is divided by, and may be zero."""
 
 BALANCE_DEPTHS, PROBE_SPEED = (1e-9, 1e-7, 1e-6), 0.01
 """Penetrations [m] and speed [m/s] at which stored energies and stiffnesses are differentiated."""
 
-NUDGE, DIFFERENCE = 1e-4, 1e-3
-"""Step of a central difference over the depth or stretch, and relative tolerance beyond its error [1]."""
+NUDGE, ROUGHLY, ACCURATELY = 1e-4, 1e-3, 1e-6
+"""Step of a central difference over the depth or stretch, and what it may miss beyond its error before a run,
+where a law's own quadrature is admitted, and in the contract [1]."""
 
 AT_REST = ("gap_rate", "depth_rate", "slip", "impact_speed")
 """Quantities of a contact at rest."""
@@ -60,6 +68,9 @@ COUNTS = {
     "guard": 1,
 }
 """How many numbers each kernel returns."""
+
+Evaluation = Generator[Claim, None, Any]
+"""Yields a broken claim where the answer of a kernel, which it returns, is impossible."""
 
 
 def guarded(row: Array, canary: float = nan) -> Array:
@@ -142,89 +153,77 @@ def _contradictions_of_friction(law: PenaltyLaw, flows: bool) -> Iterator[str]:
 
 
 def check_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
-    """Evaluate the bound kernels of a law in a few contacts; raise a LawError on the first impossible result.
+    """Evaluate the bound kernels of a law in a few contacts; raise a LawError on the first broken claim.
 
     See `contactlab.engine.binding` for the kernels, in their order, and the parameter vector.
     """
-    evaluate = partial(_evaluated, law.name, [guarded(parameters, canary) for canary in VALUES])
-    force, friction_force, impact, bound, rate, guard, jump, limits = kernels
-    begin, end = (0.0, 0.0) if limits is None else evaluate("limits", limits, "at first", 0.0)
-    if begin > end:
-        raise LawError(
-            f"{law.name}: limits are {begin:g} m at the beginning of a contact and {end:g} m at its end; the "
-            "second must not be less."
-        )
+    for claim in claims_of_kernels(law, parameters, *kernels):
+        if not claim.true:
+            raise LawError(f"{law.name}: {claim.refusal()}")
 
-    def check_variables(where: str, *state: float) -> None:
+
+def claims_of_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> Claims:
+    """Yield claims about the bound kernels of a law in a few contacts, but for what it declares to break.
+
+    An answer that is impossible for any law is a broken claim; behind it there may be no others.
+    """
+    evaluate = partial(_evaluated, [guarded(parameters, canary) for canary in VALUES])
+    force, friction_force, impact, bound, rate, guard, jump, limits = kernels
+    begin = 0.0
+    if limits is not None:
+        begin, end = yield from evaluate("limits", limits, "at first", 0.0)
+        yield ends_behind_its_beginning(float(begin), float(end))
+
+    def of_variables(where: str, *state: float) -> Evaluation:
         for k in range(law.coupled, len(law.internal_variables)):
-            evaluate("rate", rate, where, k, *state)
+            yield from evaluate("rate", rate, where, k, *state)
             for event in (*EVENTS, *range(law.guards)):
-                evaluate("jump", jump, where, k, event, *state)
+                yield from evaluate("jump", jump, where, k, event, *state)
         for k in range(law.guards):
-            evaluate("guard", guard, where, k, *state)
+            yield from evaluate("guard", guard, where, k, *state)
 
     if isinstance(law, PenaltyLaw):
-        _check_forces(law, force, friction_force, float(begin), evaluate, check_variables)
-        _check_energy(law, force, friction_force, guarded(parameters), float(begin))
-        _check_stiffness(law)
+        yield from _of_forces(law, force, friction_force, float(begin), evaluate, of_variables)
+        yield from _of_energy(law, force, friction_force, guarded(parameters), float(begin))
+        yield from _of_stiffness(law)
     else:
-        _check_impacts(law, impact, bound, evaluate, check_variables)
+        yield from _of_impacts(law, impact, bound, evaluate, of_variables)
 
 
-def _check_forces(
-    law: PenaltyLaw, force: Kernel, friction_force: Kernel, begin: float, evaluate: Any, check_variables: Any
-) -> None:
+def _of_forces(
+    law: PenaltyLaw, force: Kernel, friction_force: Kernel, begin: float, evaluate: Any, of_variables: Any
+) -> Claims:
     for depth, gap_rate, slip in product(DEPTHS, SPEEDS, SPEEDS):
         gap = begin - depth
         where = f"at a gap of {gap:g} m, a gap rate of {gap_rate:g} m/s and a slip of {slip:g} m/s"
-        normal, least, most, *_ = evaluate("force", force, where, gap, gap_rate, slip, abs(gap_rate))
-        bound = 0.5 * (most - least)
-        if bound < -ROUND_OFF * abs(normal):
-            raise LawError(
-                f"{law.name}: the friction bound is {bound:g} N {where}; it must not be negative. Where "
-                "the normal force pulls there is no friction."
-            )
+        normal, least, most, *_ = yield from evaluate(
+            "force", force, where, gap, gap_rate, slip, abs(gap_rate)
+        )
+        # The largest is for the contract to judge.
+        yield bound_in_cone(0.5 * (most - least), inf, abs(normal) + TINY, where)
         if law.friction_kind != SET_VALUED:
             # At the initial value only: which others there are, the law alone determines.
-            evaluate("friction_force", friction_force, where, gap, gap_rate, slip, normal)
-        check_variables(where, gap, gap_rate, slip, normal)
+            yield from evaluate("friction_force", friction_force, where, gap, gap_rate, slip, normal)
+        yield from of_variables(where, gap, gap_rate, slip, normal)
 
 
-def _check_impacts(
-    law: ContactLaw, impact: Kernel, bound: Kernel, evaluate: Any, check_variables: Any
-) -> None:
-    """Reject an impact of a rigid law that does not stop the approach, and a negative friction bound."""
+def _of_impacts(law: ContactLaw, impact: Kernel, bound: Kernel, evaluate: Any, of_variables: Any) -> Claims:
     approach = SPEEDS[0]
     for slip, d_nt in product(SPEEDS, COUPLINGS):
         where = f"at an approach of {approach:g} m/s and a slip of {slip:g} m/s"
-        p_n, p_t = evaluate("impact", impact, where, approach, slip, 1e3, d_nt, 2e3)
-        after = approach + 1e3 * p_n + d_nt * p_t
+        p_n, p_t = yield from evaluate("impact", impact, where, approach, slip, 1e3, d_nt, 2e3)
         # Without an impulse there is no solution, which ends a run.
-        if p_n > 0.0 and after < ROUND_OFF * approach and "kernel_is_consistent" not in law.violations:
-            raise LawError(
-                f"{law.name}: its kernel impact leaves {-after:g} m/s of the approach {where}; it must "
-                "stop it."
-            )
-        check_variables(where, 0.0, approach, slip, p_n / law.default_contact_step)
+        if p_n > 0.0 and "kernel_is_consistent" not in law.violations:
+            yield approach_is_stopped(approach + 1e3 * p_n + d_nt * p_t, -approach, where)
+        yield from of_variables(where, 0.0, approach, slip, p_n / law.default_contact_step)
     for normal, slip in product(NORMALS, SPEEDS):
         where = f"at a normal force of {normal:g} N and a slip of {slip:g} m/s"
-        (most,) = evaluate("bound", bound, where, normal, slip)
-        if most < 0.0:
-            raise LawError(f"{law.name}: the friction bound is {most:g} N {where}; it must not be negative.")
+        (most,) = yield from evaluate("bound", bound, where, normal, slip)
+        yield bound_in_cone(most, inf, normal, where)
 
 
-def derivative(function: Callable[[float], float], at: float, step: float) -> tuple[float, float]:
-    """Return a central difference, and its error from the one-sided ones and from round-off.
-
-    Where the function has a kink within the step, the error is the whole change of slope there.
-    """
-    behind, here, ahead = (float(function(at + share * step)) for share in (-1.0, 0.0, 1.0))
-    error = abs(ahead - 2.0 * here + behind) / step + 1e-14 * (abs(here) + abs(ahead)) / step
-    return 0.5 * (ahead - behind) / step, error
-
-
-def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, begin: float) -> None:
-    """Reject a stored energy without internal variables in z that contradicts the force.
+def _of_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, begin: float) -> Claims:
+    """Claim that a stored energy without internal variables in z agrees with the force.
 
     The normal loss is -(N + dV/dgap) gap_rate, a spring has F = -k z and E = 1/2 k z^2, and friction at a
     constant gap loses -F v - dE/dz dz/dt >= 0: a stretched contact returns no more than it stores.
@@ -238,17 +237,10 @@ def _check_energy(law: PenaltyLaw, force: Kernel, friction: Kernel, row: Array, 
         def stored(at: float, rate: float = rate) -> float:
             return float(force(at, rate, 0.0, PROBE_SPEED, row)[3])
 
-        slope, error = derivative(stored, gap, NUDGE * depth)
-        missing = abs(loss + (normal + slope) * rate) - error * abs(rate)
-        size = (abs(normal) + abs(slope)) * abs(rate) + abs(loss)
-        if missing > DIFFERENCE * size and "kernel_is_consistent" not in law.violations:
-            raise LawError(
-                f"{law.name}: the stored energy V and the normal loss contradict the force at a gap of "
-                f"{gap:g} m and a gap rate of {rate:g} m/s: N is {normal:g} N, -dV/dgap {-slope:g} N, "
-                f"the loss {loss:g} W; the loss must be -(N + dV/dgap) gap_rate."
-            )
+        if "kernel_is_consistent" not in law.violations:
+            yield loss_is_not_stored(stored, (normal, loss), gap, rate, NUDGE * depth, ROUGHLY)
         if law.coupled:
-            _check_stretch(law, partial(_friction_with, friction, row), gap, float(normal))
+            yield from _of_stretch(law, partial(_friction_with, friction, row), gap, float(normal))
 
 
 def _friction_with(friction: Kernel, row: Array, *state: float) -> Any:
@@ -258,19 +250,16 @@ def _friction_with(friction: Kernel, row: Array, *state: float) -> Any:
     return friction(*state[:-1], row)
 
 
-def _check_stretch(law: PenaltyLaw, friction: Kernel, gap: float, normal: float) -> None:
-    """Reject a stored energy of friction that contradicts its force at a small stretch."""
+def _of_stretch(law: PenaltyLaw, friction: Kernel, gap: float, normal: float) -> Claims:
+    """Claim that a stored energy of friction agrees with its force at a small stretch."""
     first = law.internal_variables[0].initial
     if law.friction_kind == ELASTOPLASTIC:
         z = first + NUDGE * abs(gap)
         drag, _, stored, stiffness = friction(gap, 0.0, 0.0, normal, z)
-        misses = abs(drag + stiffness * z), abs(stored - 0.5 * stiffness * z * z) / (abs(z) or 1.0)
-        wrong = max(misses) > ROUND_OFF * (abs(drag) + stiffness * abs(z))
-        if wrong and "kernel_is_consistent" not in law.violations:
-            raise LawError(
-                f"{law.name}: its friction is {drag:g} N, its stored energy {stored:g} J and its stiffness "
-                f"{stiffness:g} N/m at a stretch z of {z:g} m; a spring has F = -k z and E = 1/2 k z^2."
-            )
+        if "kernel_is_consistent" not in law.violations:
+            yield spring_is_linear(drag, stored, stiffness, z, abs(drag) + stiffness * abs(z) + TINY)
+        return
+    if "friction_stores_what_it_gives" in law.violations:
         return
     way = 1e-3 * abs(gap)
     for outward in (-PROBE_SPEED, PROBE_SPEED):
@@ -281,45 +270,162 @@ def _check_stretch(law: PenaltyLaw, friction: Kernel, gap: float, normal: float)
             def stored_at(x: float, slip: float = slip) -> float:
                 return float(friction(gap, 0.0, slip, normal, x)[2])
 
-            slope, error = derivative(stored_at, z, NUDGE * abs(z - first))
-            gained = drag * slip + slope * rate - error * abs(rate)
-            allowed = DIFFERENCE * (abs(drag * slip) + abs(slope * rate))
-            if gained > allowed and "friction_stores_what_it_gives" not in law.violations:
-                raise LawError(
-                    f"{law.name}: friction makes {gained:g} W at a constant gap of {gap:g} m, a slip of "
-                    f"{slip:g} m/s and an internal variable of {z:g}: its stored energy changes by "
-                    f"{slope * rate:g} W, its force does {-drag * slip:g} W against the slip, which must not "
-                    "be less."
-                )
+            change = derivative(stored_at, z, NUDGE * abs(z - first))
+            yield stretch_gains_nothing((gap, slip, z), drag, rate, change)
 
 
-def _check_stiffness(law: ContactLaw) -> None:
-    """Reject a normal force from outside the package whose stiffness or slope is no derivative of it."""
+def _of_stiffness(law: ContactLaw) -> Claims:
+    """Claim that stiffness and slope of a normal force from outside the package are derivatives of it."""
     part = getattr(law, "normal", None)
     # The contract in the package's tests covers its own; here they would only cost time.
     if not isinstance(part, NormalForce) or is_own(type(part)):
         return
-    name = "elastic" if part.force is None else "force"
     known: dict[str, Any] = {variable.name: variable.initial for variable in part.internal_variables}
     known |= {**dict.fromkeys(AT_REST, 0.0), "z": np.array([*known.values()], dtype=np.float64)}
-
-    def result(depth: float, place: int) -> float:
-        return float(part.evaluate(name, **known, depth=depth, gap=-depth)[place])
-
     for depth in BALANCE_DEPTHS:
-        # Places of stiffness and slope, and of what they are derivatives of.
-        for word, place, of in (("stiffness", 2, 0), ("slope", 3, 2)):
-            difference, error = derivative(partial(result, place=of), depth, NUDGE * depth)
-            declared = result(depth, place)
-            if abs(declared - difference) - error > DIFFERENCE * (abs(declared) + abs(difference)):
-                raise LawError(
-                    f"{law.name}: the {word} of its normal force {part.name} is {declared:g} at a depth of "
-                    f"{depth:g} m, where the derivative is {difference:g}."
-                )
+        yield from stiffness_is_a_derivative(part, depth, known, ROUGHLY)
 
 
-def _evaluated(law: str, rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Any:
-    """Return the result of a kernel, or raise a LawError where it is impossible for any law."""
+def bound_in_cone(bound: float, most: float, size: float, where: str = "") -> Claim:
+    """Claim that a friction bound [N] is in [0, most], to round-off of a force [N]."""
+    return at_most(
+        "friction bound outside of [0, mu (N + C)], over the force",
+        max(-bound, bound - most) / size,
+        ROUND_OFF,
+        refusal=lambda: (
+            f"the friction bound is {bound:g} N {where}; it must not be negative. Where the normal force "
+            "pulls there is no friction."
+        ),
+    )
+
+
+def loss_is_not_stored(
+    stored: Callable[[float], float],
+    result: tuple[float, float],
+    gap: float,
+    rate: float,
+    step: float,
+    accuracy: float,
+) -> Claim:
+    """Claim that the normal loss is -(N + dV/dgap) gap_rate, of the energy V(gap) and N [N], loss [W]."""
+    normal, loss = result
+    slope, error = derivative(stored, gap, step)
+    power = (abs(normal) + abs(slope)) * abs(rate) + abs(loss) + TINY
+    missing = max(abs(loss + (normal + slope) * rate) - error * abs(rate), 0.0)
+    return at_most(
+        "loss less -(N + dV/dg) gdot, over the power",
+        missing / power,
+        accuracy,
+        refusal=lambda: (
+            f"the stored energy V and the normal loss contradict the force at a gap of {gap:g} m and a "
+            f"gap rate of {rate:g} m/s: N is {normal:g} N, -dV/dgap {-slope:g} N, the loss {loss:g} W; the "
+            "loss must be -(N + dV/dgap) gap_rate."
+        ),
+    )
+
+
+def spring_is_linear(drag: float, stored: float, stiffness: float, z: float, size: float) -> Claim:
+    """Claim that a spring of friction has F = -k z and E = 1/2 k z^2, to round-off of a force [N]."""
+    misses = abs(drag + stiffness * z), abs(stored - 0.5 * stiffness * z**2) / (abs(z) + TINY)
+    return at_most(
+        "spring less -k z and 1/2 k z^2, over the force",
+        max(misses) / size,
+        ROUND_OFF,
+        refusal=lambda: (
+            f"its friction is {drag:g} N, its stored energy {stored:g} J and its stiffness {stiffness:g} "
+            f"N/m at a stretch z of {z:g} m; a spring has F = -k z and E = 1/2 k z^2."
+        ),
+    )
+
+
+def stretch_gains_nothing(
+    state: tuple[float, float, float], drag: float, rate: float, change: tuple[float, float]
+) -> Claim:
+    """Claim that friction loses -F v - dE/dz dz/dt >= 0 at a gap [m], a slip [m/s] and a stretch z.
+
+    The change is dE/dz and its error.
+    """
+    gap, slip, z = state
+    stored, error = change[0] * rate, change[1] * abs(rate)
+    gained = drag * slip + stored - error
+    return at_most(
+        "energy that friction makes at a held gap, over its power",
+        gained / (abs(drag * slip) + abs(stored) + TINY),
+        ROUGHLY,
+        refusal=lambda: (
+            f"friction makes {gained:g} W at a constant gap of {gap:g} m, a slip of {slip:g} m/s and "
+            f"an internal variable of {z:g}: its stored energy changes by {stored:g} W, its force does "
+            f"{-drag * slip:g} W against the slip, which must not be less."
+        ),
+    )
+
+
+def stiffness_is_a_derivative(
+    part: NormalForce, depth: float, known: Mapping[str, Any], accuracy: float
+) -> tuple[Claim, Claim]:
+    """Claim that stiffness and slope of a normal force are derivatives by the depth, all else as known."""
+    kernel = "elastic" if part.force is None else "force"
+
+    def result(at: float, place: int) -> float:
+        return float(part.evaluate(kernel, **known, depth=at, gap=-at)[place])
+
+    def claim(word: str, place: int, of: int) -> Claim:
+        difference, error = derivative(partial(result, place=of), depth, NUDGE * abs(depth) + 1e-14)
+        declared = result(depth, place)
+        missed = max(abs(declared - difference) - error, 0.0)
+        return at_most(
+            f"{word} less the difference of the force, relative",
+            missed / (abs(declared) + abs(difference) + TINY),
+            accuracy,
+            refusal=lambda: (
+                f"the {word} of its normal force {part.name} is {declared:g} at a depth of "
+                f"{depth:g} m, where the derivative is {difference:g}."
+            ),
+        )
+
+    # Places of stiffness and slope, and of what they are derivatives of.
+    return claim("stiffness", 2, 0), claim("slope of the stiffness", 3, 2)
+
+
+def approach_is_stopped(left: float, size: float, where: str = "") -> Claim:
+    """Claim that an impact leaves no approach, to round-off of a velocity: `left` is the gap rate [m/s]."""
+    return at_most(
+        "approach that is left, over the velocities",
+        -left / size,
+        ROUND_OFF,
+        refusal=lambda: f"its kernel impact leaves {-left:g} m/s of the approach {where}; it must stop it.",
+    )
+
+
+def ends_behind_its_beginning(begin: float, end: float) -> Claim:
+    """Claim that a contact ends at no smaller gap [m] than it begins at."""
+    return at_most(
+        "gap of the beginning over that of the end",
+        begin - end,
+        0.0,
+        "m",
+        refusal=lambda: (
+            f"limits are {begin:g} m at the beginning of a contact and {end:g} m at its end; the second "
+            "must not be less."
+        ),
+    )
+
+
+def derivative(function: Callable[[float], float], at: float, step: float) -> tuple[float, float]:
+    """Return a central difference over half a step, and its error.
+
+    The error is that of the differences over both steps and of round-off. Where the function has a kink
+    within the step, it is at least the change of slope there: the one-sided differences do not come closer.
+    """
+    values = (float(function(at + share * step)) for share in (-1.0, -0.5, 0.0, 0.5, 1.0))
+    behind, before, here, after, ahead = values
+    coarse, fine = 0.5 * (ahead - behind) / step, (after - before) / step
+    kink = abs(4.0 * (after - 2.0 * here + before) - (ahead - 2.0 * here + behind)) / step
+    return fine, 2.0 * abs(coarse - fine) + kink + 1e-13 * abs(here) / step
+
+
+def _evaluated(rows: list[Array], name: str, kernel: Kernel, where: str, *state: float) -> Evaluation:
+    """Return the answer of a kernel; where it is impossible for any law, yield that as a broken claim."""
     # The first vector twice: a kernel with side effects returns something else.
     results = (kernel(*state, row) for row in (rows[0], *rows))
     count = COUNTS[name]
@@ -328,13 +434,12 @@ def _evaluated(law: str, rows: list[Array], name: str, kernel: Kernel, where: st
     if not isinstance(first, tuple) or len(first) != count:
         fault = f"{len(first)} numbers" if isinstance(first, tuple) else shown(first)
         fault = f"returns {fault}; it must return {count} numbers."
-    elif repr(first) != repr(again):
+    elif not _same(first, again):
         fault = (
             f"returns another result for the same arguments {where}; it must have no side effects. Internal "
             "variables are declared in internal_variables."
         )
-    # As text: NaN equals NaN.
-    elif any(repr(first) != repr(other) for other in others):
+    elif not all(_same(first, other) for other in others):
         fault = f"reads parameters beyond the {rows[0].size} that there are."
     elif not all(map(isfinite, first)):
         numbers = ", ".join(f"{number:g}" for number in first)
@@ -342,5 +447,10 @@ def _evaluated(law: str, rows: list[Array], name: str, kernel: Kernel, where: st
         hint = " A part may have read beyond its coefficients." if np.isnan(rows[0]).any() else ""
         fault = f"returns {numbers} {where}; all must be finite: contacts begin and end there.{hint}"
     if fault:
-        raise LawError(f"{law}: its kernel {name} {fault}")
+        yield at_most(f"impossible answers of {name}", 1, 0, refusal=lambda: f"its kernel {name} {fault}")
     return first
+
+
+def _same(first: tuple[float, ...], other: tuple[float, ...]) -> bool:
+    """Return whether two answers are the same numbers; as text NaN equals NaN."""
+    return first == other or repr(first) == repr(other)

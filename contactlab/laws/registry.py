@@ -14,7 +14,7 @@ It alone is imported when it is chosen, so that a broken package harms no other 
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING
 from functools import cache
 from importlib.metadata import EntryPoint, distributions, entry_points
@@ -22,6 +22,7 @@ from typing import Any, Final, NamedTuple, cast
 
 from contactlab.checks import checked_arguments
 from contactlab.laws.archard import Archard
+from contactlab.laws.bare import law_of
 from contactlab.laws.base import ContactLaw, Damping, Friction, MultiplierLaw, NormalForce, Part, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import DAMPINGS
@@ -161,22 +162,36 @@ def law_class(name: str) -> type[ContactLaw]:
 
 
 @checked_arguments()
-def law(name: str, /, **parameters: Any) -> ContactLaw:
-    """Make a law from its name: `law("newton", restitution=0.4)`.
+def law(name: str | Callable[..., float], /, **parameters: Any) -> ContactLaw:
+    """Make a law from its name, `law("newton", restitution=0.4)`, or of a bare function, for a first try.
 
     The parts of a composed law are given as they are, or by name where their defaults are wanted:
-    `law("composed", normal="linear", friction=LuGre(0.2))`.
+    `law("composed", normal="linear", friction=LuGre(0.2))`. A function is the normal force [N] of a composed
+    law; its arguments are quantities of the contact, by the names that kernels have, and with a default
+    parameters. See `contactlab.friction` too.
 
         >>> import contactlab as cl
         >>> cl.law("newton", restitution=0.4)
         Newton(friction_coefficient=0.3, restitution=0.4)
+        >>> law = cl.law(lambda depth, stiffness=1e10: stiffness * depth**1.5, friction=cl.Coulomb(0.2))
+        >>> law.describe()["normal.stiffness"]
+        10000000000.0
 
     Raises:
-        TypeError: the name is no text, or a parameter is one that the law has not, or is no number.
-        ValueError: there is no such law or part, or a parameter is out of its range.
+        TypeError: the name is neither text nor function, or a parameter is one that the law has not, or is no
+            number.
+        ValueError: there is no such law or part, a parameter is out of its range, or the function names or
+            does what only a class can.
     """
-    made: ContactLaw = _made("", name, parameters)
+    made: ContactLaw = (
+        _made("", name, parameters) if isinstance(name, str) else law_of(name, _named(parameters))
+    )
     return made
+
+
+def _named(parts: dict[str, Any]) -> dict[str, Any]:
+    """Return parts with those that are given by name made."""
+    return {k: _made(k, x, {}) if k in PARTS and isinstance(x, str) else x for k, x in parts.items()}
 
 
 def _made(family: str, name: str, parameters: dict[str, Any]) -> Any:
@@ -243,7 +258,9 @@ def provenance(law: type[Declared], *parts: type[Declared]) -> str:
 def _provenance(owner: type[Declared]) -> str:
     result = origins(owner.family)
     entries = {origin.entry: str(origin) for origin in reversed(result) if not origin.fault}
-    return entries.get(_entry(owner), owner.__module__)
+    # Of a bare function it is its text as well.
+    module = ": ".join(filter(None, (owner.__module__, getattr(owner, "text", ""))))
+    return entries.get(_entry(owner), module)
 
 
 def _group(family: str) -> str:

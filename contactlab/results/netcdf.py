@@ -283,7 +283,9 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
     }
     if motor.drive.frequency.size:
         settings["drive"] = {"frequency": motor.drive.frequency[0]}
-    if (friction := parameters.get("friction_coefficient")) is not None:
+    # Of a composed law it is that of its friction.
+    own = parameters.get("friction_coefficient")
+    if (friction := parameters.get("friction.friction_coefficient", own)) is not None:
         settings["contact"]["friction_coefficient"] = friction
     # Plain numbers, whatever a motor was made from.
     plain: dict[str, Any] = json.loads(json.dumps(settings, default=float))

@@ -19,6 +19,7 @@ from dataclasses import replace
 from hashlib import sha256
 from multiprocessing import parent_process
 from pathlib import Path
+from pickle import PicklingError, dumps
 from time import process_time
 from typing import Any, Protocol, final
 from urllib.parse import urlsplit
@@ -216,6 +217,10 @@ def _finished(study: Work, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:
         code = code_digest(), covered_sources()
         try:
             yield from every(delayed(_done_by_worker)(task, *code) for task in rest)
+        except PicklingError:
+            # What cannot be sent says why itself.
+            dumps([*rest])
+            raise
         except WorkerError as error:
             # The next study of this process must not meet workers with old code.
             get_reusable_executor().shutdown()

@@ -6,13 +6,17 @@ broken, or the declaration is wrong.
 """
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from functools import lru_cache, partial
 from itertools import chain
-from typing import ClassVar
+from math import floor
+from types import MappingProxyType
+from typing import Any, ClassVar, cast
 
 import xarray
 
 from contactlab.laws import ContactLaw, law_class, law_names
+from contactlab.laws.bare import Bare
 from contactlab.metrics import INVARIANTS, NOT_APPLICABLE, assess
 from contactlab.testing import declaration_properties, flow_properties, kernel_properties, run_properties
 from contactlab.testing.claim import Claim, Claims, at_most, proofs_of
@@ -88,6 +92,34 @@ class LawContract:
         claims = check(bench_of(self.law, self.make_motor), name)
         failed = [str(claim) for claim in claims if not claim.holds]
         assert not failed, "\n".join([f"{self.law.name}, {name}:", *failed])
+
+
+def declare(law: ContactLaw) -> ContactLaw:
+    """Return a law of bare functions that declares what the contract finds.
+
+    Each property that it breaks is one of its `violations`, with the broken claim as the reason; where its
+    error falls at a lower order than that of other laws, this is its `convergence_order`.
+
+    Raises:
+        TypeError: neither its normal force nor its friction is a bare function.
+    """
+    part: Any = next((each for each in getattr(law, "parts", ()) if isinstance(each, Bare)), None)
+    if part is None:
+        raise TypeError(
+            f"{law.title} has no part of a bare function; what a class breaks, it declares itself."
+        )
+    bench, order = Bench(law), part.convergence_order
+    broken: dict[str, str] = {}
+    for name in PROPERTIES:
+        for claim in check(bench, name):
+            if name == "converges" and claim.relation == ">=" and 0.0 < claim.value < claim.expected:
+                # In tenths, as an order fitted to a few runs is uncertain by more.
+                order = floor(10.0 * claim.value) / 10.0
+            elif not claim.holds:
+                broken.setdefault(name, str(claim))
+    declarations = {"violations": MappingProxyType(broken), "convergence_order": order}
+    changed: ContactLaw = replace(cast("Any", law), **{part.family: part.declaring(declarations)})
+    return changed
 
 
 def invariants_of(run: xarray.DataTree) -> Claims:

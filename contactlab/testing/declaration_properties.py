@@ -13,11 +13,12 @@ import numpy as np
 from contactlab.laws import ContactLaw
 from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
+from contactlab.laws.consistency import ACCURATELY, TINY, stiffness_is_a_derivative
 from contactlab.laws.memory import AT_TOUCH
 from contactlab.parameter import declared_fields, from_cf
 from contactlab.quantity import dimensions
 from contactlab.testing.claim import Claims, at_most
-from contactlab.testing.kernel_properties import TINY, Worst, drawn_impacts, drawn_pressures, states_of
+from contactlab.testing.kernel_properties import Worst, drawn_impacts, drawn_pressures, states_of
 from contactlab.testing.plants import Bench, Evaluator
 
 Put = Callable[[float, str], float]
@@ -25,9 +26,6 @@ Put = Callable[[float, str], float]
 
 SCALES = {"[length]": 2.0**7, "[mass]": 2.0**-3, "[time]": 2.0**5}
 """Other units of length, mass and time: what a number in SI is multiplied by."""
-
-DIFFERENCE = 1e-6
-"""Error of a derivative that is a central difference, as a share."""
 
 SMALL_SLIP = 1e-3
 """Slip velocity at which a friction is loaded and unloaded [m/s]."""
@@ -88,27 +86,12 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
         return
     part: NormalForce = law.normal
     count = len(law.friction.internal_variables)
-    kernel = "elastic" if part.force is None else "force"
     names = [item.name for item in part.internal_variables]
     for gap, rate, _, _, kept in states_of(bench):
         depth, z = -gap, kept[count:].copy()
         known: dict[str, Any] = {"gap_rate": rate, "depth_rate": -rate, "slip": 0.0, "impact_speed": 0.0}
         known |= {"z": z, **dict(zip(names, z.tolist(), strict=True))}
-
-        def value(d: float, known: dict[str, Any] = known) -> tuple[float, ...]:
-            return tuple(part.evaluate(kernel, **known, depth=d, gap=-d))
-
-        step = 1e-4 * abs(depth) + 1e-14
-        _, _, stiffness, slope, *_ = value(depth)
-        for text, place, declared in (("stiffness", 0, stiffness), ("slope of the stiffness", 2, slope)):
-            coarse, fine = (
-                (value(depth + h)[place] - value(depth - h)[place]) / (2.0 * h) for h in (step, 0.5 * step)
-            )
-            # What a kink within the step, float64 and the next order leave of a difference.
-            error = 2.0 * abs(coarse - fine) + 1e-13 * abs(value(depth)[place]) / step
-            size = abs(fine) + abs(declared) + TINY
-            missed = max(abs(declared - fine) - error, 0.0) / size
-            worst.take(f"{text} less the difference of the force, relative", missed, DIFFERENCE)
+        worst.add(*stiffness_is_a_derivative(part, depth, known, ACCURATELY))
     yield from worst.values()
 
 

@@ -5,17 +5,12 @@ from collections.abc import Callable
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.laws.consistency import ACCURATELY, NUDGE, TINY, derivative, ends_behind_its_beginning
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 from contactlab.testing.claim import Claims, at_most
 from contactlab.testing.flows import Instant, flow_of
-from contactlab.testing.kernel_properties import TINY, Worst
+from contactlab.testing.kernel_properties import Worst
 from contactlab.testing.plants import Bench, Evaluator
-
-NUDGE = 1e-4
-"""Share of the shortest time of a state within which its energy is differentiated."""
-
-DIFFERENCE = 1e-6
-"""Error of a derivative that is a central difference, as a share."""
 
 LOCATED = 1e-6
 """Error of what is found at an instant that is located, as a share of the largest."""
@@ -30,17 +25,12 @@ def slope(
     ends = evaluator.limits(at.kept)
     times = [0.01 * at.path.duration, *(abs(at.gap - each) / (abs(at.rate) + TINY) for each in ends)]
     times += [float(size / (abs(rate) + TINY)) for size, rate in zip(span, rates, strict=True) if size > 0.0]
-    h = NUDGE * min(times)
 
-    def moved(by: float) -> Instant:
+    def moved(by: float) -> float:
         gap, rate, slip = at.path.at(at.time + by)
-        return at._replace(gap=gap, rate=rate, slip=slip, kept=at.kept + by * rates)
+        return energy(evaluator, at._replace(gap=gap, rate=rate, slip=slip, kept=at.kept + by * rates))
 
-    coarse, fine = (
-        (energy(evaluator, moved(s)) - energy(evaluator, moved(-s))) / (2.0 * s) for s in (h, 0.5 * h)
-    )
-    # What float64 leaves of a difference, and what a kink in it does.
-    return fine, 2.0 * abs(coarse - fine) + 1e-14 * abs(energy(evaluator, at)) / h
+    return derivative(moved, 0.0, NUDGE * min(times))
 
 
 def energy_of(evaluator: Evaluator, at: Instant) -> float:
@@ -67,7 +57,7 @@ def losses_of(bench: Bench) -> tuple[Worst, Worst]:
             change, error = slope(stored_energy, evaluator, at, flow.span)
             power = abs(drag * at.slip) + abs(change) + TINY
             gained = max(drag * at.slip + change - error, 0.0) / power
-            dragged.take("energy that friction makes along a flow, over the power", gained, DIFFERENCE)
+            dragged.take("energy that friction makes along a flow, over the power", gained, ACCURATELY)
     return pressed, dragged
 
 
@@ -83,7 +73,7 @@ def flow_keeps_the_ledger(bench: Bench) -> Claims:
         change, error = slope(energy_of, evaluator, at, flow.span)
         power = abs(normal * at.rate) + abs(change) + abs(loss) + TINY
         missed = max(abs(change + normal * at.rate + loss) - error, 0.0) / power
-        worst.take("dV/dt less -N gdot - loss along a flow, over the power", missed, DIFFERENCE)
+        worst.take("dV/dt less -N gdot - loss along a flow, over the power", missed, ACCURATELY)
         largest = max(largest, abs(stored))
     left, path = 0.0, None
     for jump in flow.jumps:
@@ -159,13 +149,11 @@ def limits_in_order(bench: Bench) -> Claims:
     if bench.law.limits is None:
         return
     flow, evaluator = flow_of(bench), Evaluator(bench.law)
-    limits = np.array([evaluator.limits(evaluator.initial), *flow.limits])
+    limits = [evaluator.limits(evaluator.initial), *flow.limits]
     odd = int((~np.isfinite(limits)).any(axis=1).sum())
     yield at_most(f"drawn paths that it cannot be followed on {flow.faults}", len(flow.faults), 0)
     yield at_most("limits that are no numbers", odd, 0)
-    yield at_most(
-        "gap of the beginning over that of the end", float((limits[:, 0] - limits[:, 1]).max()), 0.0, "m"
-    )
+    yield max((ends_behind_its_beginning(*each) for each in limits), key=lambda claim: claim.value)
 
 
 def memory_is_its_own(bench: Bench) -> Claims:

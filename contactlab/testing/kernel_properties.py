@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from functools import lru_cache
+from functools import lru_cache, partial
 from math import inf, isfinite, sqrt
 from typing import Any
 
@@ -12,7 +12,17 @@ from contactlab.arrays import Array
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import ELASTOPLASTIC, SLIP, STICK
 from contactlab.laws.composed import Composed
-from contactlab.laws.consistency import contradictions
+from contactlab.laws.consistency import (
+    ACCURATELY,
+    NUDGE,
+    ROUND_OFF,
+    TINY,
+    approach_is_stopped,
+    bound_in_cone,
+    contradictions,
+    loss_is_not_stored,
+    spring_is_linear,
+)
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH
 from contactlab.testing.claim import Claim, Claims, at_most
 from contactlab.testing.flows import flow_of
@@ -20,12 +30,6 @@ from contactlab.testing.plants import Bench, Evaluator, viscous_friction
 
 State = tuple[float, float, float, float, Array]
 """Gap [m], gap rate [m/s], slip [m/s], impact speed [m/s], and what is kept."""
-
-ROUND_OFF = 1e-9
-"""Share of the quantities that take part; the checks subtract numbers of their size."""
-
-TINY = 1e-300
-"""Added to what is divided by, and may be zero."""
 
 
 class Worst(dict[str, Claim]):
@@ -35,6 +39,11 @@ class Worst(dict[str, Claim]):
         """Take one more figure of what the words say."""
         before = self[statement].value if statement in self else 0.0
         self[statement] = at_most(statement, float(np.maximum(before, figure)) + 0.0, bound)
+
+    def add(self, *claims: Claim) -> None:
+        """Take the figures of upper bounds."""
+        for claim in claims:
+            self.take(claim.statement, claim.value, claim.expected)
 
 
 def drawn_states() -> Iterator[tuple[float, float, float, float]]:
@@ -138,23 +147,23 @@ def kernel_is_consistent(bench: Bench) -> Claims:
     limit, offset = law.friction_limit, law.friction_offset
     for gap, rate, slip, speed, kept in states_of(bench):
         normal, bound, _, loss = evaluator.force(gap, rate, slip, speed, kept)
-        ahead, behind = (gap * (1.0 + s * 1e-4) for s in (1.0, -1.0))
-        energies = [evaluator.force(g, rate, slip, speed, kept)[2] for g in (ahead, behind)]
-        slope = (energies[0] - energies[1]) / (ahead - behind)
-        size = abs(normal) + abs(slope) + TINY
-        power = size * abs(rate) + abs(loss)
+        size = abs(normal) + TINY
         if not law.allows_tension:
             worst.take("pull of the kernel, over the force", -normal / size, 0.0)
-        excess = max(-bound, bound - limit * max(normal + offset, 0.0)) / (size + offset)
-        worst.take("friction bound outside of [0, mu (N + C)], over the force", excess)
-        worst.take("negative normal loss, over the power", -loss / power)
+        worst.add(bound_in_cone(bound, limit * max(normal + offset, 0.0), size + offset))
+        worst.take("negative normal loss, over the power", -loss / (size * abs(rate) + abs(loss)))
         if len(law.internal_variables) == law.coupled:
-            # Central differences of V: (h/gap)^2 and less.
-            miss = abs(loss + (normal + slope) * rate) / power
-            worst.take("loss less -(N + dV/dg) gdot, over the power", miss, 1e-6)
+            energy = partial(_energy_at, evaluator, (rate, slip, speed, kept))
+            step = NUDGE * abs(gap)
+            worst.add(loss_is_not_stored(energy, (normal, loss), gap, rate, step, ACCURATELY))
         if evaluator.has_friction:
             _judge_friction(evaluator, (gap, rate, slip, normal, kept), worst)
     yield from worst.values()
+
+
+def _energy_at(evaluator: Evaluator, state: tuple[Any, ...], gap: float) -> float:
+    """Return the stored energy [J] at a gap [m], all else of a state held."""
+    return evaluator.force(gap, *state)[2]
 
 
 def _judge_friction(evaluator: Evaluator, state: State, worst: Worst) -> None:
@@ -172,8 +181,7 @@ def _judge_friction(evaluator: Evaluator, state: State, worst: Worst) -> None:
     worst.take("energy stored at first, or negative, over the force", stored)
     if law.friction_kind == ELASTOPLASTIC:
         spring = drag + viscous_friction(law) * slip
-        misses = abs(spring + stiffness * z), abs(energy - 0.5 * stiffness * z**2) / (abs(z) + TINY)
-        worst.take("spring less -k z and 1/2 k z^2, over the force", max(misses) / size)
+        worst.add(spring_is_linear(spring, energy, stiffness, z, size))
     else:
         gained = fresh * slip / (size * abs(slip) + TINY)
         worst.take("power of creep at first on the slip, over the power", gained)
@@ -206,7 +214,7 @@ def impacts_of(bench: Bench) -> dict[str, Worst]:
         left, left_slip = rate + d_nn * p_n + d_nt * p_t, slip + d_nt * p_n + d_tt * p_t
         power = 0.5 * (p_n * (rate + left) + p_t * (slip + left_slip)) / (impulse * size)
         sound.take("impulse outside of the cone, over it", (abs(p_t) - limit * p_n) / impulse)
-        sound.take("approach that is left, over the velocities", -left / size)
+        sound.add(approach_is_stopped(left, size))
         opposed.take("friction along the slip it leaves", p_t * left_slip / (impulse * size))
         lossy.take("energy made by an impact, over impulse times velocity", power)
         if law.internal_variables:
@@ -220,8 +228,7 @@ def impacts_of(bench: Bench) -> dict[str, Worst]:
             sound.take("internal variables that are no numbers", not np.isfinite(kept).all(), 0)
     for normal, slip in drawn_pressures():
         bound, most = evaluator.bound(normal, slip, kept), limit * (normal + offset)
-        excess = max(-bound, bound - most) / (normal + offset)
-        sound.take("friction bound outside of [0, mu (N + C)], over the force", excess)
+        sound.add(bound_in_cone(bound, most, normal + offset))
     return {"kernel_is_consistent": sound, "friction_opposes_slip": opposed, "dissipates": lossy}
 
 

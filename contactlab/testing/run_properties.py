@@ -10,12 +10,13 @@ from contactlab.arrays import Array
 from contactlab.engine import simulate
 from contactlab.laws import PenaltyLaw
 from contactlab.laws.base import FREE
+from contactlab.laws.consistency import TINY
 from contactlab.laws.memory import AT_TOUCH, ODD
 from contactlab.metrics.constraints import changes_side
 from contactlab.motor.motor import Motor
 from contactlab.testing.claim import Claims, at_least, at_most, close
 from contactlab.testing.flow_properties import image_of, losses_of
-from contactlab.testing.kernel_properties import TINY, impacts_of
+from contactlab.testing.kernel_properties import impacts_of
 from contactlab.testing.plants import (
     BELT_MASS,
     FLAT,

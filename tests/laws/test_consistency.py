@@ -10,9 +10,11 @@ from support.made_laws import STRETCH, TWO, flowing, honest, made, short_run, va
 
 from contactlab.compiler.kernels import kernel
 from contactlab.engine import simulate
+from contactlab.engine.binding import bind, row_of
 from contactlab.laws import ContactLaw, LawError, MultiplierLaw
 from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, Friction
 from contactlab.laws.composed import Composed
+from contactlab.laws.consistency import claims_of_kernels
 from contactlab.laws.memory import EVEN, MOST_VARIABLES
 from contactlab.testing.contract import check
 from contactlab.testing.plants import Bench, paper_motor
@@ -134,6 +136,19 @@ CONTRADICTORY = {
 def test_a_compliant_law_that_contradicts_itself_is_refused(fault: str) -> None:
     with pytest.raises(LawError, match="made"):
         short_run(CONTRADICTORY[fault]())
+
+
+@kernel
+def half_stored(depth, stiffness):
+    normal = stiffness * depth**1.5
+    return normal, 0.3 * normal, 0.2 * normal * depth, 0.0
+
+
+@pytest.mark.parametrize("function", [negative, half_stored])
+def test_the_claim_that_refuses_a_law_is_one_of_its_contract(function: Any) -> None:
+    law = made(function, friction_limit=0.3)
+    at_first = {c.statement for c in claims_of_kernels(law, row_of(law), *bind(law).kernels) if not c.true}
+    assert at_first == {c.statement for c in check(Bench(law), "kernel_is_consistent") if not c.true} != set()
 
 
 @kernel

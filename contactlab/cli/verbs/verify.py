@@ -1,6 +1,6 @@
 """Print the contract of every law, or check what runs recorded.
 
-A line a claim: what is expected, what is found, tolerance and verdict. Given RUNs, whether the numbers of each
+A line a claim: what is expected and found, tolerance, verdict. Given RUNs, whether the numbers of each run
 agree with each other. Exit status 1 if a claim fails.
 """
 
