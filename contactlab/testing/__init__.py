@@ -7,9 +7,9 @@ A law that is written elsewhere is put to the same tests as the package's own in
     class TestMyLaw(LawContract):
         law = MyLaw(stiffness=1e9, friction_coefficient=0.3)
 
-`declare` gives a law of bare functions what the contract finds. `invariants_of` holds any recorded run to what
-no law can excuse. The command `contactlab verify` prints the contract of every law that is installed, or the
-invariants of a run.
+`declare` gives a law of bare functions what the contract finds. `invariants_of` holds any recorded run to
+what no law can excuse. The command `contactlab verify` prints the contract of every law that is installed, or
+the invariants of a run.
 """
 
 from contactlab.testing.claim import Claim, at_least, at_most, close
