@@ -7,7 +7,7 @@ from typing import Any, Final
 from claims import markdown, results
 from verdicts import Number
 
-from contactlab.inference.fit import ENDS
+from contactlab_data.inference.fit import ENDS
 
 NAMES: Final = {
     "friction_coefficient": "friction coefficient",

@@ -14,7 +14,12 @@ import xarray
 from joblib import Parallel, delayed
 
 import contactlab as cl
-from contactlab.inference.paired import (
+from contactlab.metrics.convergence import FINER, control_of
+from contactlab.processes import processors
+from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.studies.compare.draws import START, Factor, do_draw, drawn, observed
+from contactlab.studies.compare.laws import grid_of
+from contactlab.studies.compare.paired import (
     AGREED,
     GREATER,
     INCONCLUSIVE,
@@ -29,13 +34,8 @@ from contactlab.inference.paired import (
     looks_up_to,
     orders,
 )
-from contactlab.inference.repeats import MARGIN
-from contactlab.metrics.convergence import FINER, control_of
-from contactlab.processes import processors
-from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.draws import START, Factor, do_draw, drawn, observed
-from contactlab.studies.compare.laws import grid_of
 from contactlab.studies.compare.pairs import Design, with_pairs
+from contactlab.studies.compare.repeats import MARGIN
 
 LAWS: Final = {
     "stick": ["law=lagrange_stick"],

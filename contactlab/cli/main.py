@@ -11,6 +11,7 @@ from io import TextIOWrapper
 from contactlab.cli import terminal
 from contactlab.cli.arguments import VERBS, refuse_repeated
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
+from contactlab.packages import bringing
 from contactlab.studies.registry import SIMULATE, question_of, studies
 from contactlab.suggestion import suggestion
 
@@ -72,7 +73,7 @@ def _perform(*line: str) -> int:
         arguments = tuple(as_overrides(verb, arguments))
     elif verb.isidentifier() and verb != SIMULATE:
         known = sorted({*VERBS, *studies()})
-        hint = suggestion(verb, known, f"It must be one of {', '.join(known)}.")
+        hint = bringing(verb) or suggestion(verb, known, f"It must be one of {', '.join(known)}.")
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
     else:
         arguments = line if verb != SIMULATE else arguments

@@ -3,9 +3,15 @@
 A study is imported when it is chosen; see `contactlab.studies.study`.
 """
 
+import ast
+import sys
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
+
+from contactlab.packages import bringing
 
 if TYPE_CHECKING:
     from contactlab.studies.study import Study
@@ -24,10 +30,6 @@ OWN: Final = {
         "contactlab.studies.basins:Basins",
         "To which of its steady states does the motor come from where it starts?",
     ),
-    "bench": (
-        "contactlab.studies.bench.study:Bench",
-        "Does a law stick, does it keep its energy, does it rebound as its numbers say?",
-    ),
     "branch": (
         "contactlab.studies.branch:Branch",
         "Which periodic orbits has the motor over one number, KEY=START..END, stable and unstable?",
@@ -44,21 +46,9 @@ OWN: Final = {
         "contactlab.studies.drive:Driven",
         "What forces does a law bring on a prescribed path, without a motor, and what does it lose?",
     ),
-    "fit": (
-        "contactlab.studies.fit:Fit",
-        "Which numbers of a law or a motor do measurements support, and which law?",
-    ),
     "steady": (
         "contactlab.studies.steady:Steady",
         "What does the motor do once it has settled: velocity, torque, power, stability?",
-    ),
-    "synthetic": (
-        "contactlab.studies.synthetic:Synthetic",
-        "What would be measured of a motor, or of impacts, under a known law?",
-    ),
-    "validate": (
-        "contactlab.studies.validate:Validate",
-        "How well do contact laws predict measured impacts to which they were not fitted?",
     ),
 }
 """The package's own studies: entry, and question, which is the first paragraph of the study's docstring."""
@@ -89,7 +79,9 @@ def study_class(name: str) -> "type[Study]":
         ValueError: there is none of this name, or its package cannot be imported.
     """
     if name not in studies():
-        raise ValueError(f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}.")
+        raise ValueError(
+            f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}. {bringing(name)}".rstrip()
+        )
     try:
         study: type[Study] = studies()[name].load()
     # A module of another package may fail in any way.
@@ -99,7 +91,20 @@ def study_class(name: str) -> "type[Study]":
 
 
 def question_of(name: str) -> str:
-    """Return the question of a study on one line; that of another package's imports it."""
+    """Return the question of a study on one line, of another package's from its source."""
     if name in OWN:
         return OWN[name][1]
-    return " ".join((study_class(name).__doc__ or "").split("\n\n")[0].split())
+    text = _docstring_in_source(studies()[name]) or study_class(name).__doc__ or ""
+    return " ".join(text.split("\n\n")[0].split())
+
+
+def _docstring_in_source(entry: EntryPoint) -> str:
+    """Return the docstring of a class that is not imported yet; empty if its module does not define it."""
+    try:
+        spec = None if entry.module in sys.modules else find_spec(entry.module)
+        tree = ast.parse(Path(str(spec.origin)).read_bytes() if spec else b"")
+    # A module of another package may fail in any way, and is refused once it is imported.
+    except Exception:
+        return ""
+    classes = (each for each in tree.body if isinstance(each, ast.ClassDef) and each.name == entry.attr)
+    return next((ast.get_docstring(each) or "" for each in classes), "")

@@ -25,11 +25,11 @@ CHAPTERS: Final = {
 """Modules of the package by what their names are for."""
 
 FURTHER: Final = {
-    "contactlab.measured.files": "files of measured impacts and series",
-    "contactlab.measured.series": "measured series of a motor",
-    "contactlab.inference.calibration": "numbers of laws from single quantities",
-    "contactlab.inference.materials": "elastic constants of handbook materials",
-    "contactlab.inference.problem": "inference problems: data, law, free numbers, noise and priors",
+    "contactlab_data.measured.files": "files of measured impacts and series",
+    "contactlab_data.measured.series": "measured series of a motor",
+    "contactlab_data.inference.calibration": "numbers of laws from single quantities",
+    "contactlab_data.inference.materials": "elastic constants of handbook materials",
+    "contactlab_data.inference.problem": "inference problems: data, law, free numbers, noise and priors",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }

@@ -26,8 +26,6 @@ from contactlab.config.groups import MODAL
 from contactlab.config.nesting import flat, nested
 from contactlab.config.schema import declared_in
 from contactlab.estimate import Estimate
-from contactlab.inference.free_parameters import WIDE
-from contactlab.inference.paired import looks_up_to
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
@@ -37,10 +35,14 @@ from contactlab.steady_state.basins import reach
 from contactlab.steady_state.means import LONGEST, motion_of, settled
 from contactlab.studies.characterise.transients import start_time
 from contactlab.studies.compare.laws import ComparisonError
+from contactlab.studies.compare.paired import looks_up_to
 from contactlab.studies.study import Part
 from contactlab.variables import Variable
 
 SEED: Final = 0
+
+WIDE: Final = 100.0
+"""Ratio of the ends of a positive range from which on its logarithm is uniform."""
 """Seed of the draws by default."""
 
 CONFIGURED_NUMBERS: Final = {

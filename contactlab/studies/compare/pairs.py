@@ -12,23 +12,6 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.inference.paired import (
-    EQUAL,
-    GREATER,
-    INCONCLUSIVE,
-    LESS,
-    NONE,
-    OUTCOMES,
-    ROLES,
-    UNTESTED,
-    VARIES,
-    VERDICTS,
-    Orders,
-    factor_shares,
-    looks_up_to,
-    orders,
-)
-from contactlab.inference.repeats import NEGLIGIBLE, REPEATS, repeated, spread_of
 from contactlab.laws import MultiplierLaw
 from contactlab.metrics.convergence import FINER, control_of, richardson
 from contactlab.studies.compare.draws import (
@@ -47,6 +30,23 @@ from contactlab.studies.compare.draws import (
     on_other_basis,
 )
 from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
+from contactlab.studies.compare.paired import (
+    EQUAL,
+    GREATER,
+    INCONCLUSIVE,
+    LESS,
+    NONE,
+    OUTCOMES,
+    ROLES,
+    UNTESTED,
+    VARIES,
+    VERDICTS,
+    Orders,
+    factor_shares,
+    looks_up_to,
+    orders,
+)
+from contactlab.studies.compare.repeats import NEGLIGIBLE, REPEATS, repeated, spread_of
 from contactlab.studies.study import Task
 
 CLEAR: Final = 3.0
