@@ -8,14 +8,18 @@ from unittest.mock import patch
 
 from contactlab.cli.arguments import VERBS
 from contactlab.cli.study import help_on
-from contactlab.studies.registry import OWN, SIMULATE, question_of
+from contactlab.packages import bringing
+from contactlab.studies.registry import OWN, SIMULATE, question_of, studies
 
 WIDTH = 92
+
+STUDIES = sorted(name for name in studies() if name in OWN or bringing(name))
+"""Studies of this project's packages."""
 
 
 def verbs() -> str:
     """Return a chapter for every study and every other verb."""
-    about = {verb: question_of(verb) for verb in OWN if verb != SIMULATE}
+    about = {verb: question_of(verb) for verb in STUDIES if verb != SIMULATE}
     about |= {verb: f"{text[0].upper()}{text[1:]}." for verb, text in VERBS.items()}
     return "\n".join(
         f"## `contactlab {verb}`\n\n{text}\n\n```text\n{help_of(verb)}\n```\n" for verb, text in about.items()
@@ -24,7 +28,7 @@ def verbs() -> str:
 
 def help_of(verb: str) -> str:
     """Return what `contactlab VERB --help` prints."""
-    if verb in OWN:
+    if verb in STUDIES:
         return help_on(verb)
     printed = StringIO()
     # Colours are for terminals.

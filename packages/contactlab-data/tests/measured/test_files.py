@@ -17,7 +17,7 @@ from contactlab_data.measured.columns import BODY_COLUMNS, CONTACT_COLUMNS, OTHE
 from contactlab_data.measured.files import read_impacts, write_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts
 
-PAGE = Path(__file__).resolve().parents[2] / "docs" / "measured_data.md"
+PAGE = Path(__file__).resolve().parents[4] / "docs" / "measured_data.md"
 WORD = st.text(st.characters(categories=("L", "N", "P", "Zs"), exclude_characters='"#'), max_size=20).map(
     str.strip
 )

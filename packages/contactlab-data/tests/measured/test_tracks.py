@@ -29,7 +29,7 @@ from contactlab_data.measured.files import MeasurementError, read_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts
 from contactlab_data.measured.tracks import CHANCE, CONSTANTS, FEWEST, POSITIONS, Motion, breaks_of, phases_of
 
-DOCS = Path(__file__).resolve().parents[2] / "docs"
+DOCS = Path(__file__).resolve().parents[4] / "docs"
 NOISE = (1e-4, 3e-4, 0.02)
 
 
