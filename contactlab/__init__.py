@@ -14,7 +14,7 @@ packages add names by entry points of the group `contactlab.names`.
 
 from contactlab.lazy import attach
 
-_get, __dir__, __all__ = attach(__name__, __file__, "contactlab.names")
+_get, _own_names, __all__ = attach(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
@@ -25,10 +25,16 @@ def __getattr__(name: str) -> object:
         return versions()["contactlab_version"]
     try:
         return _get(name)
-    except AttributeError as error:
-        # Imported here: only a name that is missing needs it.
-        from contactlab.packages import bringing
+    except AttributeError:
+        if name.startswith("_"):
+            raise
+    # Imported here, as below: it takes as long as the rest of the package.
+    from contactlab.packages import added
 
-        if sentence := bringing(name):
-            raise AttributeError(f"{error}; {sentence}") from error
-        raise
+    return added(name)
+
+
+def __dir__() -> list[str]:
+    from contactlab.packages import names
+
+    return sorted({*_own_names(), *names()})

@@ -2,25 +2,17 @@
 
 import ast
 import sys
-from collections.abc import Callable, Mapping
-from functools import cache
+from collections.abc import Callable
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
 
 
-def attach(
-    package: str, file: str, group: str = ""
-) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
+def attach(package: str, file: str) -> tuple[Callable[[str], object], Callable[[], list[str]], list[str]]:
     """Return `__getattr__`, `__dir__` and `__all__` of a package.
 
     Its names, each with the module that defines it, are declared in the stub `__init__.pyi` beside its file,
-    which type checkers read too. Modules of the package are attributes as well, and names that other packages
-    add by entry points of a group.
+    which type checkers read too. Modules of the package are attributes as well.
     """
     stub = ast.parse(Path(file).with_suffix(".pyi").read_text(encoding="utf-8"))
     imports = [node for node in stub.body if isinstance(node, ast.ImportFrom)]
@@ -33,18 +25,9 @@ def attach(
             return value
         if not name.startswith("_") and find_spec(f"{package}.{name}"):
             return import_module(f"{package}.{name}")
-        if not name.startswith("_") and name in added():
-            return added()[name].load()
         raise AttributeError(f"module {package!r} has no attribute {name!r}")
 
-    @cache
-    def added() -> Mapping[str, "EntryPoint"]:
-        # Imported here: it takes as long as the rest of the package.
-        from importlib.metadata import entry_points
-
-        return {point.name: point for point in entry_points(group=group)} if group else {}
-
     def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *modules, *added()})
+        return sorted({*vars(sys.modules[package]), *modules})
 
     return get, names, [*modules]

@@ -11,8 +11,6 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
-from contactlab.packages import bringing
-
 if TYPE_CHECKING:
     from contactlab.studies.study import Study
 
@@ -79,9 +77,7 @@ def study_class(name: str) -> "type[Study]":
         ValueError: there is none of this name, or its package cannot be imported.
     """
     if name not in studies():
-        raise ValueError(
-            f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}. {bringing(name)}".rstrip()
-        )
+        raise ValueError(f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}.")
     try:
         study: type[Study] = studies()[name].load()
     # A module of another package may fail in any way.

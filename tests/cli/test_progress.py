@@ -6,7 +6,7 @@ from time import sleep
 
 import pytest
 from hypothesis import given, strategies as st
-from support.terminals import assert_told_while_it_takes_long, reports_of, slow
+from support.terminals import assert_terminal_is_written_to, reports_of, slow
 
 import contactlab as cl
 from contactlab.cli import terminal
@@ -40,7 +40,7 @@ def test_a_terminal_is_written_to_while_a_task_takes_long(
     monkeypatch.setattr(collection, "collect", slow)
     monkeypatch.setattr("contactlab.config.setup.simulate", slow)
     monkeypatch.setattr(sys, "argv", ["contactlab", *arguments])
-    assert_told_while_it_takes_long(main)
+    assert_terminal_is_written_to(main)
 
 
 def test_nothing_but_a_terminal_is_drawn_on(capfd: pytest.CaptureFixture[str]) -> None:

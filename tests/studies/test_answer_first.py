@@ -8,7 +8,7 @@ import numpy as np
 import pandas
 import pytest
 from support.command_line import cases
-from support.results import assert_answer_first
+from support.results import assert_quantity_first
 
 import contactlab as cl
 from contactlab.studies.drive import Driven
@@ -41,4 +41,4 @@ STUDIES: dict[str, tuple[Callable[[], cl.Result], str]] = {
 @pytest.mark.parametrize("name", cases(STUDIES, ("branch", "drive", "held", "steady")))
 def test_the_answer_stands_first(name: str) -> None:
     make, quantity = STUDIES[name]
-    assert_answer_first(make(), quantity)
+    assert_quantity_first(make(), quantity)

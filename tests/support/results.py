@@ -33,7 +33,7 @@ def assert_read_again(make: Callable[[Path], cl.Result], name: str, folder: Path
     assert again._repr_html_().count("<li>") == len(made.findings)
 
 
-def assert_answer_first(result: cl.Result, quantity: str) -> None:
+def assert_quantity_first(result: cl.Result, quantity: str) -> None:
     """The first line is the first finding, states the quantity, and stands above all tables."""
     first, *_ = repr(result).splitlines()
     number, percent = result.numbers[quantity].value, 100.0 * result.numbers[quantity].value

@@ -45,7 +45,7 @@ def slow(*_: object, **__: object) -> None:
     raise ValueError("It ends here.")
 
 
-def assert_told_while_it_takes_long(work: Callable[[], object]) -> None:
+def assert_terminal_is_written_to(work: Callable[[], object]) -> None:
     """A terminal is written to while `slow` takes the place of what works."""
     before, begun, during = on_terminal(work).partition(BEGUN)
     assert begun, before

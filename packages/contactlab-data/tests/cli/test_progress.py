@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from data_support.measured_impacts import drawn_impacts
 from hypothesis import given, strategies as st
-from support.terminals import assert_told_while_it_takes_long, reports_of, slow
+from support.terminals import assert_terminal_is_written_to, reports_of, slow
 
 from contactlab.cli.main import main
 from contactlab.parameter import Parameter
@@ -38,7 +38,7 @@ def test_a_terminal_is_written_to_while_a_task_takes_long(
     write_impacts(drawn_impacts(60, 1), Path("impacts.csv"))
     monkeypatch.setattr(Task, "__call__", slow)
     monkeypatch.setattr(sys, "argv", ["contactlab", *arguments])
-    assert_told_while_it_takes_long(main)
+    assert_terminal_is_written_to(main)
 
 
 def test_least_squares_tell_every_evaluation_and_have_the_same_bits() -> None:

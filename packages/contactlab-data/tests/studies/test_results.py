@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from data_support.struck_discs import struck_discs
 from support.command_line import cases
-from support.results import assert_answer_first, assert_read_again
+from support.results import assert_quantity_first, assert_read_again
 
 import contactlab as cl
 from contactlab_data.inference.synthetic import made_impacts
@@ -36,7 +36,7 @@ def test_the_file_alone_gives_the_result_and_the_same_files(name: str, tmp_path:
 
 @pytest.mark.long
 def test_the_answer_of_a_bench_stands_first() -> None:
-    assert_answer_first(cl.bench(cl.Newton()), "energy_created")
+    assert_quantity_first(cl.bench(cl.Newton()), "energy_created")
 
 
 @pytest.mark.long
@@ -44,7 +44,7 @@ def test_the_answer_of_a_fit_stands_first() -> None:
     data = made_impacts(cl.Newton(restitution=0.7, friction_coefficient=0.2), 40, 0.02, seed=1)
     known = ["contact.friction_coefficient"]
     law = cl.Newton(friction_coefficient=0.2)
-    assert_answer_first(cl.fit(law, data=data, known=known, points=25, starts=1), "law.restitution")
+    assert_quantity_first(cl.fit(law, data=data, known=known, points=25, starts=1), "law.restitution")
 
 
 def test_an_identified_law_states_its_numbers_first() -> None:
