@@ -20,13 +20,13 @@ from contactlab.cli import main as cli
 # Somebody else's project; it runs in its own environment, by tests/laws/test_other_packages.py.
 collect_ignore = ["tests/example_law", "tests/example_study"]
 
-NEED_DATA = ["packages/contactlab-data", "tests/benchmarks", "tests/documentation", "tests/experiments"]
+NEED_DATA = ["packages/contactlab-data/tests", "tests/benchmarks", "tests/documentation", "tests/experiments"]
 """Tests that need contactlab-data: its own, and those of pages, experiments and benchmarks of both."""
 
 WITHOUT_DATA = find_spec("contactlab_data") is None
 
 if WITHOUT_DATA:
-    collect_ignore += NEED_DATA
+    collect_ignore_glob = [f"{folder}/*" for folder in NEED_DATA]
 
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
