@@ -35,7 +35,7 @@ def test_a_package_adds_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_a_package_that_is_missing_is_named(command: Command, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("contactlab.packages.entry_points", lambda group: [])
+    monkeypatch.setattr("contactlab.packages.names", dict)
     monkeypatch.setattr("contactlab.cli.main.studies", lambda: OWN)
     with pytest.raises(AttributeError, match="contactlab-data"):
         _ = cl.fit
