@@ -17,6 +17,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
+from importlib import import_module
 from io import BytesIO
 from math import log
 from pathlib import Path
@@ -141,8 +142,8 @@ def sample(
 
     A damaged checkpoint is reported by a warning, and the run starts again.
     """
-    # Imported here: help needs no sampler.
-    from dynesty import NestedSampler
+    # Imported here: help needs no sampler. By name: a fit's digest has its version, not its sources.
+    dynesty = import_module("dynesty")
 
     _CURRENT[:] = [problem]
     record = _Record(checkpoint)
@@ -160,7 +161,7 @@ def sample(
                 record.add(evaluated)
             return results
 
-        sampler = NestedSampler(
+        sampler = dynesty.NestedSampler(
             _log_likelihood,
             _from_cube,
             len(problem.free),

@@ -1,7 +1,9 @@
 """Claims on nested sampling: closed forms, quadrature, and the same bits however it is run."""
 
 import pickle
+import sys
 from hashlib import sha256
+from importlib import import_module
 from io import BytesIO
 
 import numpy as np
@@ -11,6 +13,7 @@ from scipy.special import logsumexp
 from scipy.stats import kstest
 
 import contactlab as cl
+from contactlab.foreign import digest_of_sources
 from contactlab_data.inference import nested_sampling as nested
 from contactlab_data.inference.fit import strength
 from contactlab_data.inference.free_parameters import free_parameters, from_cube
@@ -172,3 +175,13 @@ def test_a_damaged_checkpoint_is_announced_and_begun_anew(tmp_path):
 )  # fmt: skip
 def test_a_bayes_factor_is_significant_above_three_and_above_three_of_its_errors(difference, error, word):
     assert strength(difference, error) == word
+
+
+def test_the_code_of_a_fit_is_the_same_before_and_after_the_first_sampling(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """An interrupted fit goes on in the process that began it, which has the sampler by then."""
+    import_module("dynesty")
+    after = digest_of_sources(cl.Fit)
+    monkeypatch.delitem(sys.modules, "dynesty")
+    assert digest_of_sources(cl.Fit) == after
