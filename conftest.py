@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,14 @@ from contactlab.cli import main as cli
 
 # Somebody else's project; it runs in its own environment, by tests/laws/test_other_packages.py.
 collect_ignore = ["tests/example_law", "tests/example_study"]
+
+NEED_DATA = ["packages/contactlab-data/tests", "tests/benchmarks", "tests/documentation", "tests/experiments"]
+"""Tests that need contactlab-data: its own, and those of pages, experiments and benchmarks of both."""
+
+WITHOUT_DATA = find_spec("contactlab_data") is None
+
+if WITHOUT_DATA:
+    collect_ignore_glob = [f"{folder}/*" for folder in NEED_DATA]
 
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
@@ -56,6 +65,11 @@ def pytest_configure() -> None:
     threadpool_limits(1, user_api="blas")
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_report_header() -> list[str]:
+    """Return which tests are left out where contactlab-data is not installed."""
+    return [f"without contactlab-data: {', '.join(NEED_DATA)} are left out"] if WITHOUT_DATA else []
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:

@@ -8,12 +8,13 @@
 
 What a script needs stands here: a motor is made of a resonator's modes, a drive, a geometry and a rotor,
 `simulate` runs it with a law, and `compare` judges laws side by side. The names, each with the module that
-defines it, are declared in `__init__.pyi`; a module is imported when a name of it is first used.
+defines it, are declared in `__init__.pyi`; a module is imported when a name of it is first used. Other
+packages add names by entry points of the group `contactlab.names`.
 """
 
 from contactlab.lazy import attach
 
-_get, __dir__, __all__ = attach(__name__, __file__)
+_get, _own_names, __all__ = attach(__name__, __file__)
 
 
 def __getattr__(name: str) -> object:
@@ -22,4 +23,18 @@ def __getattr__(name: str) -> object:
         from contactlab.results.provenance import versions
 
         return versions()["contactlab_version"]
-    return _get(name)
+    try:
+        return _get(name)
+    except AttributeError:
+        if name.startswith("_"):
+            raise
+    # Imported here, as below: it takes as long as the rest of the package.
+    from contactlab.packages import added
+
+    return added(name)
+
+
+def __dir__() -> list[str]:
+    from contactlab.packages import names
+
+    return sorted({*_own_names(), *names()})

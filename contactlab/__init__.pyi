@@ -3,9 +3,6 @@ from contactlab.driving import drive as drive
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact, normal_impact as normal_impact
-from contactlab.inference.calibration import Identification as Identification, identify as identify
-from contactlab.inference.cross_validation import ValidationError as ValidationError
-from contactlab.inference.nested_sampling import NoSamplerError as NoSamplerError
 from contactlab.laws import (
     AgeingStick as AgeingStick,
     Archard as Archard,
@@ -106,7 +103,6 @@ from contactlab.steady_state import (
     attractors as attractors,
 )
 from contactlab.studies.basins import Basins as Basins, basins as basins
-from contactlab.studies.bench.study import Bench as Bench, bench as bench
 from contactlab.studies.branch import Branch as Branch, branch as branch
 from contactlab.studies.characterise.study import Characterise as Characterise, characterise as characterise
 from contactlab.studies.compare.study import (
@@ -114,15 +110,12 @@ from contactlab.studies.compare.study import (
     ComparisonError as ComparisonError,
     compare as compare,
 )
-from contactlab.studies.fit import Fit as Fit, fit as fit
 from contactlab.studies.reading import load as load
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.studies.sweep.collection import collect as collect
 from contactlab.studies.sweep.study import sweep as sweep
 from contactlab.studies.sweep.values import SweepError as SweepError
-from contactlab.studies.synthetic import Synthetic as Synthetic
-from contactlab.studies.validate import Validate as Validate, validate as validate
 from contactlab.trajectory import Ending as Ending
 
 __version__: str

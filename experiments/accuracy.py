@@ -16,13 +16,13 @@ from references import HERTZ_CASE_A, RIGID_CASE_A
 import contactlab as cl
 from contactlab.config.nesting import flat
 from contactlab.config.schema import declared_in
-from contactlab.inference.fit import ENDS, strength
-from contactlab.inference.free_parameters import FreeParameter, free_parameters, with_values
-from contactlab.inference.impact_problem import ImpactProblem, LawPredictor
-from contactlab.inference.least_squares import best_fit
-from contactlab.inference.motor_problem import series_problem
-from contactlab.inference.nested_sampling import POINTS, sample
-from contactlab.inference.synthetic import made_impacts, made_series, without_errors
+from contactlab_data.inference.fit import ENDS, strength
+from contactlab_data.inference.free_parameters import FreeParameter, free_parameters, with_values
+from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
+from contactlab_data.inference.least_squares import best_fit
+from contactlab_data.inference.motor_problem import series_problem
+from contactlab_data.inference.nested_sampling import POINTS, sample
+from contactlab_data.inference.synthetic import made_impacts, made_series, without_errors
 
 CASE_A: Final = ["experiment=case_a"]
 STEPPED, FINELY = "solver.contact_step=5e-8", "solver.contact_step=1e-8"

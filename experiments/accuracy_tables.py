@@ -8,7 +8,7 @@ from page_tables import markdown
 from recorded_numbers import results
 from verdicts import Number
 
-from contactlab.inference.fit import ENDS
+from contactlab_data.inference.fit import ENDS
 
 NAMES: Final = {
     "friction_coefficient": "friction coefficient",

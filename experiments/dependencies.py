@@ -26,7 +26,7 @@ import yaml
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 
-PACKAGES: Final = {"contactlab": ""}
+PACKAGES: Final = {"contactlab": "", "contactlab_data": "packages/contactlab-data"}
 """Packages, with the folder that has each; scripts stand in experiments/."""
 
 TABLES: Final = {"contactlab.laws.registry:LAWS", "contactlab.laws.registry:PARTS"}

@@ -17,11 +17,11 @@ from scipy.optimize import minimize
 
 import contactlab as cl
 from contactlab.arrays import Array
-from contactlab.inference.bootstrap import mean_intervals
-from contactlab.inference.cross_validation import laws_in
-from contactlab.measured.files import read_impacts
-from contactlab.studies.validate import parameters
-from contactlab.studies.validate_figures import abscissas, binned, residuals_of
+from contactlab.studies.compare.bootstrap import mean_intervals
+from contactlab_data.inference.cross_validation import laws_in
+from contactlab_data.measured.files import read_impacts
+from contactlab_data.studies.validate import parameters
+from contactlab_data.studies.validate_figures import abscissas, binned, residuals_of
 
 PICTURES: Final = ROOT / "docs" / "measurements"
 FIGURES: Final = ("prediction_error", "paired_differences", "residuals", "impacts")

@@ -14,7 +14,14 @@ import xarray
 from joblib import Parallel, delayed
 
 import contactlab as cl
-from contactlab.inference.paired import (
+from contactlab.processes import processors
+from contactlab.refinement import Refinement
+from contactlab.steady_state import BrokenOffError, NotSettledError
+from contactlab.studies.compare.factors import START, Factor
+from contactlab.studies.compare.hypercube import drawn
+from contactlab.studies.compare.laws import grid_of
+from contactlab.studies.compare.observables import do_draw, observed
+from contactlab.studies.compare.paired import (
     AGREED,
     GREATER,
     INCONCLUSIVE,
@@ -29,15 +36,8 @@ from contactlab.inference.paired import (
     looks_up_to,
     orders,
 )
-from contactlab.inference.repeats import MARGIN
-from contactlab.processes import processors
-from contactlab.refinement import Refinement
-from contactlab.steady_state import BrokenOffError, NotSettledError
-from contactlab.studies.compare.factors import START, Factor
-from contactlab.studies.compare.hypercube import drawn
-from contactlab.studies.compare.laws import grid_of
-from contactlab.studies.compare.observables import do_draw, observed
 from contactlab.studies.compare.pairs import Design, with_pairs
+from contactlab.studies.compare.repeats import MARGIN
 
 LAWS: Final = {
     "stick": ["law=lagrange_stick"],

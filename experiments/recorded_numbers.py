@@ -12,7 +12,7 @@ from scipy.stats import chi2, fisher_exact, norm
 from verdicts import NONE, Number, every, exact, greatest, least, less, number, share, some, within
 
 from contactlab.engine.defaults import DEFAULT_TOLERANCE
-from contactlab.inference.paired import ALONE, INCONCLUSIVE, ROLES, VARIES, VERDICTS, power
+from contactlab.studies.compare.paired import ALONE, INCONCLUSIVE, ROLES, VARIES, VERDICTS, power
 
 FILES: Final = ("accuracy", "motor", "experiments", "measurements")
 USED: Final[set[tuple[str, str]]] = set()

@@ -4,7 +4,8 @@
 
 Sections that are not of the present code are made, each in a process of its own, as many at once as there
 are processors; each is written when it is made, so that an interrupted command goes on. A section that fails
-is named and leaves the others alone. Those of measurements need their file. `--all` makes those of
+is named and leaves the others alone. Those of measurements need their file, the ellipses
+that of their authors. `--all` makes those of
 the present code too. `--short` makes short forms instead: where a short form reaches all that has changed in
 the code and has the digits that it had, the section is noted as checked. Exit status 1 if one is left as
 it was, or has other digits.
@@ -25,6 +26,7 @@ from time import perf_counter
 from typing import Any, Final
 
 from dependencies import ROOT, Recorder, digests
+from ellipses import convert
 from results_store import (
     CHECKED,
     DIFFERENT,
@@ -178,7 +180,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ]
     # The longest first: the last ones end together.
     waiting = sorted(possible, key=lambda key: -float(stored[key].get("seconds", 1e9)))
-    done = work(waiting, sources, chosen.short)
+    with TemporaryDirectory() as folder:
+        if published := sources.get("ellipses"):
+            sources["ellipses"] = Path(folder) / "ellipses.csv"
+            convert(published, sources["ellipses"])
+        done = work(waiting, sources, chosen.short)
     left = [name for file, name in stored if (file, name) not in done]
     if left:
         print(f"Left as they were, or with other digits: {', '.join(left)}.")

@@ -14,7 +14,7 @@ from typing import Final, NoReturn, Self
 
 from results_store import SAME
 
-from contactlab.inference.paired import binomial_interval
+from contactlab.studies.compare.paired import binomial_interval
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,13 +27,13 @@ from variations import tip_phasors
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.config.nesting import flat, nested
-from contactlab.inference.calibration import Datum, calibrated
-from contactlab.inference.multiple import holm
-from contactlab.inference.paired import binomial_interval
 from contactlab.steady_state import BrokenOffError, NotSettledError
 from contactlab.studies.compare.laws import delassus_at_rest
+from contactlab.studies.compare.multiple import holm
 from contactlab.studies.compare.observables import observed
+from contactlab.studies.compare.paired import binomial_interval
 from contactlab.studies.study import Part, Setups, Task
+from contactlab_data.inference.calibration import Datum, calibrated
 
 RESTITUTION: Final = Datum("restitution", 0.6, 0.1)
 """What every law has; at the speeds of the contacts the others of its numbers act."""

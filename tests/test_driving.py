@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 from support.command_line import cases
 
 import contactlab as cl
+from contactlab.driving import DEGREE
 from contactlab.laws.registry import origins, own
-from contactlab.measured.series import MeasuredSeries
 from contactlab.parameter import declared_fields
 from contactlab.studies.drive import Driven
 from contactlab.testing.plants import Evaluator
@@ -75,7 +75,7 @@ def test_the_default_spline_keeps_a_sampled_sine() -> None:
     assert abs(error).max() < 3e-7 * abs(expected).max()
     loss = 4.0 * mu * load * size + np.pi * sigma * size**2 * omega
     np.testing.assert_allclose(run["friction_loss"][-1], loss, rtol=1e-9)
-    assert declared_fields(Driven)["degree"].default == declared_fields(cl.Fit)["degree"].default
+    assert declared_fields(Driven)["degree"].default == DEGREE
 
 
 def test_the_work_of_a_path_is_that_in_a_turned_frame() -> None:
@@ -322,15 +322,6 @@ def test_a_waveform_is_the_path_of_its_samples() -> None:
     law = cl.Composed(friction=cl.Dahl())
     sampled, made = (cl.drive(law, TIME, gap=-1e-6, slip=path, degree=7) for path in (way, wave))
     np.testing.assert_allclose(made["friction_force"], sampled["friction_force"], rtol=1e-9, atol=1e-12)
-
-
-def test_a_path_made_in_python_needs_no_slip() -> None:
-    time = np.linspace(0.0, 1e-3, 21)
-    gap = -1e-6 * np.sin(np.pi * time / time[-1]) ** 2
-    setup, data = cl.build(["law=hertz_penalty"]), MeasuredSeries(time, {}, {}, {}, {}, path={"gap": gap})
-    (run,) = Driven(data=data)(setup).data.children.values()
-    assert run["normal_force"].max() > 0.0
-    assert np.array_equal(run["normal_force"], cl.drive(setup.law, time, gap=gap)["normal_force"])
 
 
 def test_a_run_is_saved_read_and_drawn(tmp_path) -> None:

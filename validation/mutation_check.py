@@ -118,7 +118,9 @@ def try_out(mutation: Mutation | None, tests: Sequence[str]) -> Outcome:
         green, by = run_tests(project, tests)
         if green and mutation:
             # Its own tests fail on every error: they hold the list to the sources.
-            green, by = run_tests(project, ("tests", "validation", "--ignore=validation/test_mutation_check.py"))
+            green, by = run_tests(
+                project, ("tests", "validation", "--ignore=validation/test_mutation_check.py")
+            )
     seconds = round(perf_counter() - started)
     return Outcome(mutation.name if mutation else "", not green, "" if green else by, seconds)
 

@@ -29,12 +29,15 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+sys.path.append(str(Path(__file__).resolve().parents[1] / "experiments"))
 
 import numpy as np
 import xarray
+from ellipses import convert
 from random_configuration import random_configuration
 
 import contactlab as cl
@@ -224,8 +227,14 @@ def flat(tree: xarray.DataTree) -> dict[str, Any]:
 
 
 def data_file(name: str) -> Path:
-    """Return the path of measured data."""
-    return Path(os.environ.get("RECORD_DATA", DATA)) / name
+    """Return the path of measured data, of a MATLAB file that of its CSV."""
+    path = Path(os.environ.get("RECORD_DATA", DATA)) / name
+    if path.suffix != ".mat":
+        return path
+    written = Path(gettempdir()) / f"{path.stem}.{os.getpid()}.csv"
+    if not written.exists():
+        convert(path, written)
+    return written
 
 
 def _write(path: Path, content: bytes) -> None:

@@ -7,18 +7,7 @@ The bounds here are four times and more above the worst figures there.
 import numpy as np
 import pytest
 from support.command_line import cases
-from random_motors import (
-    BOTH,
-    DEFAULT,
-    KINDS,
-    QUANTITIES,
-    RIGID,
-    TOTAL,
-    case_of,
-    judged,
-    kind_of,
-    rows,
-)
+from random_motors import BOTH, DEFAULT, KINDS, QUANTITIES, RIGID, TOTAL, case_of, judged, kind_of, rows
 
 ROWS = rows()
 SHORT = [

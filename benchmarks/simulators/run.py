@@ -23,10 +23,10 @@ import simulator_page
 
 import contactlab as cl
 from contactlab.arrays import Array
-from contactlab.inference.free_parameters import label_of
-from contactlab.studies.bench import measures
-from contactlab.studies.bench.questions import questions
-from contactlab.studies.bench.responses import responses_of
+from contactlab.laws.composed import label_of
+from contactlab_data.studies.bench import measures
+from contactlab_data.studies.bench.questions import questions
+from contactlab_data.studies.bench.responses import responses_of
 
 HERE: Final = Path(__file__).parent
 

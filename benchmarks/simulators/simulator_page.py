@@ -12,8 +12,8 @@ from textwrap import fill
 from typing import Any, Final
 
 from contactlab.parameter import from_cf
-from contactlab.studies.bench.questions import CREATED, errors_of, questions
 from contactlab.variables import Variable
+from contactlab_data.studies.bench.questions import CREATED, errors_of, questions
 
 RESULTS: Final = Path(__file__).with_name("results.json")
 PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "simulators.md"

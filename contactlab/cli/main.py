@@ -12,6 +12,7 @@ from typing import Final
 from contactlab.cli import terminal, verbs
 from contactlab.cli.arguments import HELP, refuse_repeated
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
+from contactlab.packages import bringing
 from contactlab.studies.registry import SIMULATE, studies
 from contactlab.suggestion import suggestion
 
@@ -77,7 +78,8 @@ def _perform(*line: str) -> int:
             return 0
         arguments = tuple(as_overrides(verb, arguments))
     elif verb.isidentifier() and verb != SIMULATE:
-        hint = suggestion(verb, verbs.names(), f"It must be one of {', '.join(verbs.names())}.")
+        known = verbs.names()
+        hint = bringing(verb) or suggestion(verb, known, f"It must be one of {', '.join(known)}.")
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
     else:
         arguments = line if verb != SIMULATE else arguments

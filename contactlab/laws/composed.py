@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Any, final
 
-from contactlab.laws.base import Damping, Friction, NormalForce, PenaltyLaw
+from contactlab.laws.base import ContactLaw, Damping, Friction, NormalForce, PenaltyLaw
 from contactlab.laws.damping import Undamped
 from contactlab.laws.declaration import Coefficient, names_of
 from contactlab.laws.friction import Coulomb
@@ -119,3 +119,11 @@ class Composed(PenaltyLaw):
     def force(self) -> Any:
         """Made from those of the parts, see `contactlab.engine.binding`."""
         return self.normal.elastic if self.normal.force is None else self.normal.force
+
+
+def label_of(law: ContactLaw) -> str:
+    """Return the name of a law, or those of a composed law's parts: "hertz_point + flores + mindlin"."""
+    if not isinstance(law, Composed):
+        return law.name
+    damping = [] if law.damping.name == "none" else [law.damping.name]
+    return " + ".join([law.normal.name, *damping, law.friction.name])

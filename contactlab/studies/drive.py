@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Final
 
 import numpy as np
 import pandas
@@ -13,15 +13,23 @@ from contactlab.config import ConfigurationError, Setup
 from contactlab.driving import DEGREE, drive
 from contactlab.estimate import Estimate
 from contactlab.laws import LawError
-from contactlab.measured.files import read_measurements
-from contactlab.measured.series import FORCES, MeasuredSeries
+from contactlab.motor.table import MeasurementError, read_table
 from contactlab.parameter import Parameter
-from contactlab.studies.law_study import LawStudy, groups_of
-from contactlab.studies.measurements import read_file
+from contactlab.results.files import check_file, damage
+from contactlab.studies.law_study import LawStudy, groups_of, read_file
 from contactlab.studies.study import Part, Setups, Task, listing, option
 from contactlab.studies.tables import table_of_quantities
 from contactlab.trajectory import Ending
 from contactlab.variables import Variable
+
+PATH: Final = {"slip": "m", "gap": "m", "normal": "N"}
+"""Units of what is prescribed: slip, and either gap or normal force."""
+
+FORCES: Final = ("normal_force", "friction_force")
+"""What a file may have of a measured contact [N]."""
+
+FEWEST: Final = 8
+"""Smallest number of samples."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,26 +51,20 @@ class Driven(LawStudy):
         Variable("largest_friction_force", (), "N", "F", "largest mean friction between two records"),
     )
 
-    data: Annotated[str | Path | MeasuredSeries, option("file of the path")] = ""
+    data: Annotated[str | Path, option("file of the path")] = ""
     degree: Annotated[int, option("of the spline through its samples: 1, 3, 5 or 7")] = DEGREE
     period: Annotated[
         float | None, Parameter("", "s", "time after which the path repeats itself", above=0.0)
     ] = None
     duration: Annotated[float | None, Parameter("", "s", "of the run; the path's, once", above=0.0)] = None
 
-    def path(self) -> MeasuredSeries:
-        """Return the path.
+    def path(self) -> xarray.Dataset:
+        """Return the path, see `read_path`.
 
         Raises:
             ConfigurationError: the file cannot be read, or has none.
         """
-        result: Any = self.data
-        if isinstance(result, str | Path):
-            result = read_file(result, read_measurements)
-        if not isinstance(result, MeasuredSeries) or not result.path:
-            file = f"is '{self.data}' and " if isinstance(self.data, str | Path) else ""
-            raise ConfigurationError(f"data {file}has no path; it must have time, slip, and gap or normal.")
-        return result
+        return read_file(self.data, read_path)
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
         """Return one task a law."""
@@ -74,9 +76,9 @@ class Driven(LawStudy):
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
         """Return the runs, a group for each law, and the measured forces."""
         tree = super().combine(setups, parts)
-        measured = self.path()
-        if measured.values:
-            tree["measured"] = xarray.DataTree(measured.to_xarray())
+        path = self.path()
+        if {*FORCES} & {*path}:
+            tree["measured"] = xarray.DataTree(path)
         return tree
 
     def title(self, names: str) -> str:
@@ -126,9 +128,43 @@ class Driven(LawStudy):
         return figures
 
 
-def _driven(setup: Setup, path: MeasuredSeries, times: Mapping[str, Any]) -> Part:
+def read_path(path: Path) -> xarray.Dataset:
+    """Return the path of a CSV or netCDF file in SI, over `time`: `PATH`, and `FORCES` as far as it has them.
+
+    Raises:
+        OSError: the file cannot be read.
+        MeasurementError: it has no path, or a faulty one.
+    """
     try:
-        run = drive(setup.law, path.time, **path.path, **times)
+        check_file(path)
+        if fault := damage(path):
+            raise MeasurementError(fault)
+        table = read_table(path)
+        prescribed = [name for name in PATH if name in table.names]
+        if not {"time", "slip"} <= {*table.names} or len(prescribed) != 2:
+            raise MeasurementError("it has no path; it must have time, slip, and either gap or normal.")
+        units = {"time": "s"} | {name: PATH[name] for name in prescribed} | dict.fromkeys(FORCES, "N")
+        # A run has other variables.
+        if table.dimension != "time":
+            table.check_names([*units, *(f"{name}_error" for name in FORCES)])
+        columns = {name: table.numbers(name, unit) for name, unit in units.items() if name in table.names}
+    except ValueError as error:
+        raise MeasurementError(f"'{path}': {error}") from error
+    time = columns["time"]
+    if time.size < FEWEST or not (np.diff(time) > 0.0).all():
+        raise MeasurementError(
+            f"'{path}': time has {time.size} values from {time.min(initial=np.inf):.9g} s; it must have at "
+            f"least {FEWEST} that increase."
+        )
+    return xarray.Dataset(
+        {name: ("time", values, {"units": units[name]}) for name, values in columns.items()}
+    )
+
+
+def _driven(setup: Setup, path: xarray.Dataset, times: Mapping[str, Any]) -> Part:
+    prescribed: dict[str, Any] = {name: path[name].values for name in PATH if name in path}
+    try:
+        run = drive(setup.law, path["time"].values, **prescribed, **times)
     except (ValueError, LawError) as error:
         raise ConfigurationError(f"law={setup.law.name}: {error}") from error
     if run.ending is Ending.INTERRUPTED:

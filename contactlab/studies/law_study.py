@@ -1,18 +1,27 @@
-"""Studies of laws by themselves: one task a law, a group and a column for each."""
+"""Studies of laws by themselves: one task a law, a group and a column for each; and files that they read."""
 
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Any, ClassVar, Final, TypeVar
 
 import xarray
 
 from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
-from contactlab.inference.fit import NO_LAW
-from contactlab.inference.free_parameters import label_of
-from contactlab.studies.measurements import OF_MOTOR
+from contactlab.laws.composed import label_of
 from contactlab.studies.study import Setups, Study
+
+_Data = TypeVar("_Data")
+
+NO_LAW: Final = "law is missing; choose one, law=newton, or several, law=newton,poisson."
+
+OF_MOTOR: Final = (
+    *("resonator", "piezoceramic", "placement", "drive", "rotor", "solver", "record"),
+    *("contact.tip_length", "contact.clearance", "contact.preload"),
+)
+"""Groups and keys of a configuration on which impacts do not depend."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,3 +74,21 @@ class LawStudy(Study):
 def groups_of(data: xarray.DataTree) -> dict[str, xarray.DataTree]:
     """Return the groups of a result by the labels of their laws."""
     return {label: tree.copy() for label, tree in data.children.items() if label != "measured"}
+
+
+def read_file(data: str | Path, read: Callable[[Path], _Data]) -> _Data:
+    """Return the measurements of a file.
+
+    Raises:
+        ConfigurationError: the file is missing, or cannot be read.
+    """
+    if not str(data):
+        raise ConfigurationError("study.data is missing; it must be a file of measurements.")
+    try:
+        return read(Path(data))
+    except OSError as error:
+        raise ConfigurationError(
+            f"data is '{data}' and cannot be read ({error.strerror or error})."
+        ) from error
+    except ValueError as error:
+        raise ConfigurationError([f"data: {line}" for line in str(error).splitlines()]) from error

@@ -20,15 +20,11 @@ SIMULATE: Final = "simulate"
 OWN: Final = {
     SIMULATE: "contactlab.studies.simulate:Simulate",
     "basins": "contactlab.studies.basins:Basins",
-    "bench": "contactlab.studies.bench.study:Bench",
     "branch": "contactlab.studies.branch:Branch",
     "characterise": "contactlab.studies.characterise.study:Characterise",
     "compare": "contactlab.studies.compare.study:Compare",
     "drive": "contactlab.studies.drive:Driven",
-    "fit": "contactlab.studies.fit:Fit",
     "steady": "contactlab.studies.steady:Steady",
-    "synthetic": "contactlab.studies.synthetic:Synthetic",
-    "validate": "contactlab.studies.validate:Validate",
 }
 """Entries of the package's own studies by name."""
 

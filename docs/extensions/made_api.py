@@ -4,12 +4,14 @@ import ast
 import inspect
 from functools import cache
 from importlib import import_module
+from importlib.metadata import entry_points
 from pathlib import Path
 from types import ModuleType
 from typing import Any, Final, get_args
 
 import contactlab
 from contactlab.laws.base import Part
+from contactlab.packages import bringing
 
 CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
@@ -25,11 +27,11 @@ CHAPTERS: Final = {
 """Modules of the package by what their names are for."""
 
 FURTHER: Final = {
-    "contactlab.measured.files": "files of measured impacts and series",
-    "contactlab.measured.series": "measured series of a motor",
-    "contactlab.inference.calibration": "numbers of laws from single quantities",
-    "contactlab.inference.materials": "elastic constants of handbook materials",
-    "contactlab.inference.problem": "inference problems: data, law, free numbers, noise and priors",
+    "contactlab_data.measured.files": "files of measured impacts and series",
+    "contactlab_data.measured.series": "measured series of a motor",
+    "contactlab_data.inference.calibration": "numbers of laws from single quantities",
+    "contactlab_data.inference.materials": "elastic constants of handbook materials",
+    "contactlab_data.inference.problem": "inference problems: data, law, free numbers, noise and priors",
     "contactlab.metrics": "what is said of a run, from its numbers alone",
     "contactlab.testing": "the contract of a law, in tests of one's own",
 }
@@ -37,8 +39,9 @@ FURTHER: Final = {
 
 @cache
 def exported() -> dict[str, Any]:
-    """Return what the public API exports, by name."""
-    return {name: getattr(contactlab, name) for name in contactlab.__all__}
+    """Return what the public API exports, with what this project's other packages add, by name."""
+    added = [point.name for point in entry_points(group="contactlab.names") if bringing(point.name)]
+    return {name: getattr(contactlab, name) for name in sorted({*contactlab.__all__, *added})}
 
 
 @cache
@@ -114,7 +117,7 @@ def _directive(name: str, item: Any, module: str = "contactlab") -> list[str]:
 
 
 def _chapter_of(item: Any) -> str:
-    room = item.__module__.removeprefix("contactlab.")
+    room = getattr(item, "func", item).__module__.partition(".")[2]
     if inspect.isclass(item) and issubclass(item, Exception):
         return "What is raised"
     if inspect.isclass(item) and issubclass(item, get_args(Part)) and room != "laws.base":

@@ -6,12 +6,17 @@ from io import StringIO
 
 from contactlab.cli.study import help_on
 from contactlab.cli.verbs import modules, names, purpose_of
+from contactlab.packages import bringing
+from contactlab.studies.registry import OWN
+
+OURS = [verb for verb in names() if verb in {*modules(), *OWN} or bringing(verb)]
+"""Verbs of this project's packages."""
 
 
 def verbs() -> str:
     """Return a chapter for every study and every other verb."""
     return "\n".join(
-        f"## `contactlab {verb}`\n\n{purpose_of(verb)}\n\n```text\n{help_of(verb)}\n```\n" for verb in names()
+        f"## `contactlab {verb}`\n\n{purpose_of(verb)}\n\n```text\n{help_of(verb)}\n```\n" for verb in OURS
     )
 
 

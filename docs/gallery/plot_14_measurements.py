@@ -8,7 +8,7 @@ rest.
 """
 
 import contactlab as cl
-from contactlab.inference.synthetic import made_impacts
+from contactlab_data.inference.synthetic import made_impacts
 
 truth = cl.Poisson(friction_coefficient=0.2, restitution=0.6)
 measured = made_impacts(truth, count=90, noise=0.03, seed=1)

@@ -7,7 +7,7 @@ import pytest
 import simulator_page
 from run import Entrant
 
-from contactlab.studies.bench.questions import questions
+from contactlab_data.studies.bench.questions import questions
 
 
 def test_the_page_is_that_of_the_results() -> None:

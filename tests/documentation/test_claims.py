@@ -17,7 +17,7 @@ from results_pages import of_page, pattern, rendered
 from results_store import read
 from verdicts import NONE, Number, every, exact, greatest, least, less, no, share, some, within
 
-from contactlab.inference.paired import VERDICTS
+from contactlab.studies.compare.paired import VERDICTS
 
 World = dict[str, dict[str, Any]]
 Edits = Mapping[str, Any]

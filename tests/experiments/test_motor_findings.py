@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray
 
-from contactlab.inference.paired import GREATER, LESS, factor_shares
+from contactlab.studies.compare.paired import GREATER, LESS, factor_shares
 
 
 @pytest.mark.parametrize(

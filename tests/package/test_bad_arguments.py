@@ -1,13 +1,13 @@
 """Bad arguments of every public function: a sentence that names one, and the next good call is as before."""
 
-import traceback
 from collections.abc import Callable
-from inspect import isfunction, signature
+from inspect import isfunction
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from support.bad_arguments import assert_name_of_a_law_refused, assert_refused_by_a_sentence, laws_of
 
 import contactlab as cl
 
@@ -26,7 +26,6 @@ CALLS: dict[str, dict[str, Any]] = {
     "ball": {"mass": 1.0, "height": 0.0, "speed": 0.0, "velocity": 0.0, "spin": 0.0, "gravity": 9.81},
     "basins": {"motor": SETUP.motor, "axes": None, "law": None, "output": None, "progress": None},
     "belt": {"mass": 1.0, "stiffness": 1.0, "weight": 1.0, "belt_mass": None, "penetration": 0.0},
-    "bench": {"setups": [], "output": None, "progress": None, "workers": 0},
     "block": {"mass": 1.0, "height": 0.0, "weight": 0.0, "load_velocity": None, "touching": False},
     "branch": {
         "motor": SETUP, "parameter": "contact.clearance", "start": 1e-6, "end": 1e-6, "law": None,
@@ -43,13 +42,8 @@ CALLS: dict[str, dict[str, Any]] = {
         "period": None, "touching": False, "duration": None, "record_interval": None, "tolerance": -1.0,
         "progress": None,
     },
-    "fit": {"setups": (), "data": "nowhere.csv", "output": None, "progress": None},
     "hertz_stiffness": {
         "tip_radius": 1e-3, "rotor_radius": 1.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3,
-    },
-    "identify": {
-        "law": cl.Newton(), "mass": 1e-3, "restitution": "0.8 @ 0.5 m/s", "contact_time": None,
-        "materials": None, "radius": None, "friction_angle": None, "free": None, "tolerance": 1e-6,
     },
     "impact": {
         "law": cl.Newton(), "delassus": [[1.0, 0.0], [0.0, 3.5]], "velocity_before": [-1.0, 0.5],
@@ -85,36 +79,9 @@ CALLS: dict[str, dict[str, Any]] = {
     "tabor_number": {
         "radius": 1e-3, "effective_modulus": 1e9, "work_of_adhesion": 0.1, "equilibrium_distance": 1e-9,
     },
-    "validate": {"setups": (), "data": "nowhere.csv", "output": None, "progress": None},
     "write_modes": {"modes": BEAM.modes, "path": "nowhere/modes.csv"},
 }  # fmt: skip
 """Arguments of every public function. Those that would compute for long have one that is refused at last."""
-
-NO_NUMBER_OR_OBJECT: list[Any] = [
-    *(None, True, 5, -1.0, np.nan, 1j, "newton", "10 mol", b"x", object(), cl.Newton, cl.Newton()),
-    *([], [None], (1, 2), {}, {"a": object()}, {1: 2}, SETUP.motor),
-    *(np.zeros(1), np.zeros((2, 2, 2)), np.array(["x"])),
-]  # fmt: skip
-"""Values of every kind: each is a bad one of most arguments."""
-
-DOCUMENTED = (TypeError, ValueError, OSError, RuntimeError)
-"""What public functions raise, subclasses of the package's own among them."""
-
-
-def raised_by(function: Callable[..., Any], arguments: dict[str, Any]) -> Exception | None:
-    """Return what a call raises."""
-    try:
-        function(**arguments)
-    except Exception as error:
-        return error
-    return None
-
-
-def is_refusal(error: Exception) -> bool:
-    """Return whether an exception is raised by a statement of the package, or names a file."""
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    own = f"{Path(cl.__file__).parent}" in last.filename and (last.line or "").startswith("raise")
-    return isinstance(error, DOCUMENTED) and (own or (isinstance(error, OSError) and bool(error.filename)))
 
 
 def test_every_function_has_its_line() -> None:
@@ -127,44 +94,25 @@ def test_a_bad_argument_is_refused_by_a_sentence(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    function: Callable[..., Any] = getattr(cl, name)
-    for argument in CALLS[name]:
-        for value in NO_NUMBER_OR_OBJECT:
-            if error := raised_by(function, CALLS[name] | {argument: value}):
-                assert is_refusal(error), (argument, value, repr(error))
-                assert str(error).strip(), (argument, value)
-    good = cl.impact(cl.Newton(restitution=0.8), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.0])
-    assert good["velocity_after"].values.tolist() == [[0.8, 0.0]]
-    assert cl.build().motor.geometry.clearance == 1e-6
+    assert_refused_by_a_sentence(getattr(cl, name), CALLS[name])
 
 
-def laws_of(name: str) -> list[tuple[str, Any]]:
-    """Return the arguments of a public function that take a law, each with its annotation."""
-    annotations = {x.name: str(x.annotation) for x in signature(getattr(cl, name)).parameters.values()}
-    return [(x, text) for x, text in annotations.items() if "ContactLaw" in text]
-
-
-@pytest.mark.parametrize(("name", "argument", "kind"), [(n, *each) for n in CALLS for each in laws_of(n)])
+@pytest.mark.parametrize(
+    ("name", "argument", "kind"), [(n, *each) for n in CALLS for each in laws_of(getattr(cl, n))]
+)
 def test_the_name_of_a_law_is_refused_with_the_call_that_makes_it(
     name: str, argument: str, kind: str
 ) -> None:
-    many: list[Any] = [["newton"], [cl.Poisson(), "newton"]] if "Sequence" in kind else []
-    many += [{"mine": "newton"}] if "Mapping" in kind else []
-    for value in ["newton", *many]:
-        with pytest.raises(TypeError, match=rf"{argument}\b.*contactlab\.law\('newton'\)"):
-            getattr(cl, name)(**CALLS[name] | {argument: value})
+    assert_name_of_a_law_refused(getattr(cl, name), CALLS[name], argument, kind)
 
 
 @pytest.mark.parametrize(
     ("call", "kind", "key"),
     [
-        (lambda: cl.bench([]), ValueError, "law"),
-        (lambda: cl.bench("newton"), TypeError, "setups"),  # type: ignore[arg-type]
         (lambda: cl.sweep(5), TypeError, "over"),  # type: ignore[arg-type]
         (lambda: cl.build(law="newton"), TypeError, "law"),  # type: ignore[call-arg]
         (lambda: cl.build("law=newton"), TypeError, "configuration"),
         (lambda: cl.steady(SETUP, start=5), TypeError, "start"),  # type: ignore[arg-type]
-        (lambda: cl.fit(data=None), TypeError, "data"),
         (lambda: cl.tabor_number(-1.0, 1.0, 1.0, 1.0), ValueError, "radius"),
         (lambda: cl.hertz_stiffness(1e-3, -1e-4), ValueError, "rotor_radius"),
         (lambda: cl.law_names("sticky"), ValueError, "family"),

@@ -16,11 +16,15 @@ OTHERS = {"jinja2", "joblib", "pint", "dask"}
 ALGORITHMS = {f"scipy.{name}" for name in ("integrate", "interpolate", "optimize", "sparse.linalg", "stats")}
 ANALYSES = {
     "contactlab.studies.characterise",
-    "contactlab.inference",
-    "contactlab.measured",
+    "contactlab_data.inference",
+    "contactlab_data.measured",
     "contactlab.steady_state",
 }
-ANALYSES |= {"contactlab.studies.compare.study", "contactlab.studies.fit", "contactlab.studies.sweep.study"}
+ANALYSES |= {
+    "contactlab.studies.compare.study",
+    "contactlab_data.studies.fit",
+    "contactlab.studies.sweep.study",
+}
 
 
 def imported_by(*command: str, folder: Path) -> set[str]:

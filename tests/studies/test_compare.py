@@ -12,8 +12,6 @@ from support.command_line import Command
 from support.configurations import altered
 
 import contactlab as cl
-from contactlab.inference.calibration import Datum
-from contactlab.inference.paired import EQUAL, GREATER, INCONCLUSIVE, LESS, NONE
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
 from contactlab.steady_state import NotSettledError, Steady, steady
@@ -21,6 +19,7 @@ from contactlab.studies.compare.factors import USUAL, Factor, as_configured, fac
 from contactlab.studies.compare.hypercube import drawn
 from contactlab.studies.compare.laws import run_of_setup
 from contactlab.studies.compare.motors import Drawn, configuration_of, damped, on_other_basis
+from contactlab.studies.compare.paired import EQUAL, GREATER, INCONCLUSIVE, LESS, NONE
 from contactlab.studies.compare.pairs import Settled, population_of
 from contactlab.studies.compare.posteriors import Posteriors
 from contactlab.studies.compare.priors import Distribution, Prior
@@ -396,18 +395,17 @@ def test_a_faulty_prior_is_refused_by_its_key(key: str, prior: Any) -> None:
 def test_arguments_of_the_command_are_the_data_of_python(command: Command) -> None:
     texts = ["contact.clearance=0.5 um..2e-6", "drive.phase=-0.6+-0.05", "rotor.inertia=+-0.1"]
     texts += ["resonator.stiffness_damping=log(2e-6..2e-5)", "margin=0.02"]
-    assert command("compare", "law=newton", "refine=false", "calibrate=restitution=0.6@0.1", *texts)[0] == 0
+    assert command("compare", "law=newton", "refine=false", *texts)[0] == 0
     made = cl.load("compare/compare.nc")
     assert isinstance(made, cl.Result)
     assert isinstance(made.study, cl.Compare)
     vary: dict[str, Distribution] = {"contact.clearance": ("0.5 um", 2e-6), "rotor.inertia": 0.1}
     vary = {"contact.clearance": ("0.5 um", 2e-6), "drive.phase": cl.Estimate(-0.6, 0.05)} | vary
     vary |= {"resonator.stiffness_damping": "log(2e-6..2e-5)"}
-    study = cl.Compare(refine=False, margin=0.02, calibrate=Datum("restitution", 0.6, 0.1), vary=vary)
-    assert (made.study.priors, made.study.calibrate) == (study.priors, study.calibrate)
+    study = cl.Compare(refine=False, margin=0.02, vary=vary)
+    assert made.study.priors == study.priors
     assert made.study.options == study.options
     (setup,) = made.setups.values()
-    assert dict(setup.law.describe())["restitution"] == pytest.approx(0.6)
     # By default the command compares on the converged basis.
     assert setup.configuration["resonator"]["basis"] == "finite_element"
 

@@ -9,14 +9,14 @@ import xarray
 from support.configurations import altered
 
 import contactlab as cl
-from contactlab.inference.paired import ALONE, EQUAL, TOGETHER, UNTESTED
-from contactlab.inference.repeats import MARGIN
 from contactlab.studies.compare.factors import USUAL
 from contactlab.studies.compare.figures import draw_all
 from contactlab.studies.compare.laws import grid_of, run_of_setup
 from contactlab.studies.compare.page import findings, tables
+from contactlab.studies.compare.paired import ALONE, EQUAL, TOGETHER, UNTESTED
 from contactlab.studies.compare.pairs import Design, with_pairs
 from contactlab.studies.compare.priors import Distribution
+from contactlab.studies.compare.repeats import MARGIN
 from contactlab.studies.compare.scorecard import Reruns, scorecard
 
 THREE = ("newton", "poisson", "hertz_penalty")

@@ -3,20 +3,25 @@
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import matplotlib
 import numpy as np
+import pandas
 import pytest
 import xarray
 from matplotlib.figure import Figure
 from matplotlib.style import context
-from support.pictures import boxes_in, entries_in, offsets_in, texts_in
-from support.struck_discs import struck_discs
-from support.tracks import write_throws
+from support.pictures import (
+    assert_can_be_read,
+    assert_every_law_has_a_name,
+    assert_names_what_it_shows,
+    entries_in,
+    offsets_in,
+    texts_in,
+)
 
 import contactlab as cl
-from contactlab.measured.files import read_impacts
-from contactlab.measured.series import MeasuredSeries
 from contactlab.plot.style import STYLE, line_style
 from contactlab.studies.characterise.figure import draw as draw_sheet
 from contactlab.studies.compare.figures import draw_all
@@ -24,7 +29,6 @@ from contactlab.studies.figures import draw_paths
 from contactlab.studies.orbit_figures import draw_basins, draw_branch
 from contactlab.studies.registry import studies, study_class
 from contactlab.studies.study import Study
-from contactlab.studies.validate_figures import draw_differences, draw_errors, draw_residuals, draw_tracks
 
 TWELVE = (
     *("lagrange_slip", "lagrange_stick", "hertz_penalty", "newton", "poisson", "stronge", "moreau_jean"),
@@ -39,17 +43,17 @@ NEWTON = "law=newton"
 
 def driven() -> cl.Result:
     slip = 5e-6 * np.sin(2.0 * np.pi * TIME / 0.1)
-    measured = {"friction_force": -2.7 * np.sign(np.cos(2.0 * np.pi * TIME / 0.1))}
-    path = MeasuredSeries(TIME, measured, {}, {}, {}, "", {"slip": slip, "normal": 10.0 + 0.0 * TIME})
+    friction = -2.7 * np.sign(np.cos(2.0 * np.pi * TIME / 0.1))
+    table = {
+        "time [s]": TIME,
+        "slip [m]": slip,
+        "normal [N]": 10.0 + 0.0 * TIME,
+        "friction_force [N]": friction,
+    }
     dahl = ["law=composed", "law/friction=dahl"]
-    return study_class("drive")(data=path)({"a": cl.build(dahl), "b": cl.build()})
-
-
-def fitted() -> cl.Result:
-    pytest.importorskip("dynesty", reason="There is no dynesty; pip install 'contactlab[fit]' brings it.")
-    data, free = struck_discs(cl.Newton(0.2, 0.6), 20, seed=1, spread=0.05), {"law.restitution": (0.1, 0.9)}
-    laws = [cl.build([f"law={name}"]) for name in ("newton", "poisson")]
-    return cl.fit(laws, data=data, free=free, points=25, starts=1)
+    with TemporaryDirectory() as folder:
+        pandas.DataFrame(table).to_csv(Path(folder) / "path.csv", index=False)
+        return study_class("drive")(data=Path(folder) / "path.csv")({"a": cl.build(dahl), "b": cl.build()})
 
 
 RESULTS: dict[str, Callable[[], cl.Result]] = {
@@ -61,20 +65,12 @@ RESULTS: dict[str, Callable[[], cl.Result]] = {
     ),
     "characterise": lambda: cl.characterise([cl.build([NEWTON]), cl.build(["law=poisson"])]),
     "drive": driven,
-    "validate": lambda: cl.validate(
-        [cl.Newton(), cl.LagrangeStick()],
-        data=struck_discs(cl.Newton(0.2, 0.6), 20, seed=1, spread=0.05), folds=2,
-    ),
-    "fit": fitted,
     "compare": lambda: cl.compare([cl.build([NEWTON]), cl.build()], refine=False, samples=0),
 }  # fmt: skip
 """A small result of every study that has figures."""
 
 RATE = "rotor velocity (rad/s)"
-POSTERIOR = ("restitution", "density")
 DRIVEN = ("normal force (N)", "friction force (N)", "displacement along the surface (\u00b5m)", "time (ms)")
-PREDICTED = ("predicted (m/s)", "gap rate after the impact, measured (m/s)", "median, 90 % interval")
-PREDICTED += ("slip velocity after the impact, measured (m/s)",)
 MOTION = ("newton", "hertz_penalty")
 
 NAMED: dict[str, dict[str, tuple[str, ...]]] = {
@@ -122,24 +118,6 @@ NAMED: dict[str, dict[str, tuple[str, ...]]] = {
             *("friction loss", "contact loss", *DRIVEN),
         ),
     },
-    "validate": {
-        "prediction_error": ("newton", "lagrange_stick", "prediction error, in parts of the velocity before"),
-        "paired_differences": ("error of the row less that of the column, in thousandths of the velocity",),
-        "residuals": (
-            *("newton, median", "newton, quartiles", "lagrange_stick, median", "gap rate residual (m/s)"),
-            *("slip residual (m/s)", "incidence (\u00b0)", "approach velocity (m/s)", "slip velocity (m/s)"),
-        ),
-        "impacts": (
-            *("slip velocity before the impact (m/s)", "approach velocity (m/s)"),
-            *("least error under any law, in parts of the velocity before",),
-        ),
-    },
-    "fit": {
-        "corner_newton": ("posterior of newton", *POSTERIOR),
-        "corner_poisson": ("posterior of poisson", *POSTERIOR),
-        "predictions_newton": ("newton: predictions", *PREDICTED),
-        "predictions_poisson": ("poisson: predictions", *PREDICTED),
-    },
     "compare": {
         "contact_force": (
             *MOTION,
@@ -161,9 +139,6 @@ NAMED: dict[str, dict[str, tuple[str, ...]]] = {
 }
 """What each figure of each study names."""
 
-WITHOUT = {"bench", "report", "synthetic", "sweep", "verify"}
-"""Studies without figures."""
-
 
 @cache
 def result_of(study: str) -> cl.Result:
@@ -183,33 +158,12 @@ def test_every_study_with_figures_stands_in_the_table() -> None:
 
 @pytest.mark.parametrize("study", NAMED)
 def test_every_figure_names_what_it_shows(study: str) -> None:
-    figures = figures_of(study)
-    assert {*figures} == {*NAMED[study]}
-    for name, wanted in NAMED[study].items():
-        texts, ticks = texts_in(figures[name]), ticks_in(figures[name])
-        for text in wanted:
-            assert any(text in each for each in [*texts, *ticks]), (name, text, texts)
+    assert_names_what_it_shows(figures_of(study), NAMED[study])
 
 
 @pytest.mark.parametrize("study", NAMED)
 def test_every_figure_can_be_read(study: str) -> None:
-    """One way to write units, no offset at ticks, no text on another, no caption that is a file's name."""
-    for name, figure in figures_of(study).items():
-        assert not [text for text in texts_in(figure) if "(um)" in text or "(uJ)" in text], name
-        assert offsets_in(figure) == [], name
-        assert hidden_in(figure) == [], name
-        assert figure.get_label().replace("_", " ") not in ("", name.replace("_", " ")), name
-
-
-def ticks_in(figure: Figure) -> list[str]:
-    """The names at the ticks of all axes."""
-    return [label.get_text().replace("\n", " ") for axes in figure.axes for label in axes.get_yticklabels()]
-
-
-def hidden_in(figure: Figure) -> list[tuple[str, str]]:
-    """Pairs of texts that cover each other."""
-    boxes = list(boxes_in(figure).items())
-    return [(a, b) for i, (a, box) in enumerate(boxes) for b, other in boxes[:i] if box.overlaps(other)]
+    assert_can_be_read(figures_of(study))
 
 
 def twelve_sheets() -> Figure:
@@ -220,15 +174,6 @@ def twelve_sheets() -> Figure:
 def twelve_paths() -> Figure:
     data = result_of("drive").data
     return draw_paths(dict.fromkeys(TWELVE, data["hertz_penalty"]), data["measured"].to_dataset())
-
-
-def twelve_validated() -> xarray.Dataset:
-    data = result_of("validate").data.to_dataset()
-    names = [*TWELVE, *data["law"].values[2:]]
-    rows = [*[0] * 12, *range(2, data.sizes["law"])]
-    return data.isel(law=rows, other=rows).assign_coords(
-        law=names, other=names, group=("law", range(len(rows)))
-    )
 
 
 def twelve_compared() -> dict[str, Figure]:
@@ -242,8 +187,6 @@ def twelve_compared() -> dict[str, Figure]:
 WITH_TWELVE: dict[str, Callable[[], Figure]] = {
     "data sheet": twelve_sheets,
     "paths": twelve_paths,
-    "errors": lambda: draw_errors(twelve_validated()),
-    "differences of errors": lambda: draw_differences(twelve_validated()),
     **{name: lambda name=name: twelve_compared()[name] for name in NAMED["compare"]},
 }  # fmt: skip
 
@@ -251,15 +194,7 @@ WITH_TWELVE: dict[str, Callable[[], Figure]] = {
 @pytest.mark.parametrize("name", WITH_TWELVE)
 def test_twelve_laws_have_a_name_each_that_nothing_covers(name: str) -> None:
     with context(STYLE):
-        figure = WITH_TWELVE[name]()
-        assert hidden_in(figure) == []
-        width, height = figure.canvas.get_width_height()
-        for text, box in boxes_in(figure).items():
-            assert min(box.x0, box.y0) >= 0.0, text
-            assert box.x1 <= width, text
-            assert box.y1 <= height, text
-    names = [*entries_in(figure), *ticks_in(figure)]
-    assert {*TWELVE} <= {each.partition(",")[0] for each in names}
+        assert_every_law_has_a_name(WITH_TWELVE[name](), TWELVE)
 
 
 @pytest.mark.parametrize("name", ["data sheet", "paths", "tip_trajectory", "phase_portrait", "contact_force"])
@@ -289,15 +224,6 @@ def test_twenty_eight_lines_are_distinct_without_colours() -> None:
     assert len({(repr(look["linestyle"]), look.get("marker")) for look in looks}) == 28
 
 
-def test_the_best_laws_of_four_groups_are_named_with_what_is_drawn_of_each() -> None:
-    entries = entries_in(draw_residuals(twelve_validated()))
-    assert entries == [
-        f"{TWELVE[0]}, median",
-        f"{TWELVE[0]}, quartiles",
-        *(f"{x}, median" for x in TWELVE[1:4]),
-    ]
-
-
 def test_terms_of_the_energy_and_basins_are_distinct_without_colours() -> None:
     (bars,) = figures_of("compare")["energy_flow"].axes
     hatches = {each.get_label(): each.patches[0].get_hatch() for each in bars.containers}
@@ -317,17 +243,6 @@ def test_a_branch_of_a_held_rotor_says_what_holds_it_and_draws_its_torque() -> N
     texts = texts_in(draw_branch(data))
     assert "newton: periodic orbits over drive.phase, rotor held at -1.5 rad/s" in texts
     assert "mean torque (N m)" in texts
-
-
-def test_a_track_names_its_coordinates_and_breaks(tmp_path: Path) -> None:
-    write_throws(tmp_path / "throws.csv", 3, 2, (1e-4, 1e-4, 1e-3), seed=9)
-    tracks = read_impacts(tmp_path / "throws.csv").tracks
-    assert tracks is not None
-    with context(STYLE):
-        figure = draw_tracks(tracks)
-    assert {"position", "flight", "impact"} <= {*entries_in(figure)}
-    assert {"x (m)", "y (m)", "angle (rad)", "time (s)", "track 1"} <= {*texts_in(figure)}
-    assert hidden_in(figure) == []
 
 
 def test_small_changes_of_a_large_number_have_ticks_that_are_read_as_they_stand() -> None:

@@ -38,9 +38,6 @@ def test_a_distribution_of_numbers_is_one(value: str) -> None:
 
 
 def test_files_and_ranges_go_to_the_options_that_take_them() -> None:
-    overrides = as_overrides("fit", ["a.csv", "b.csv", "law=newton", "contact.clearance=1e-6..2e-6"])
-    assert "study.data=['a.csv','b.csv']" in overrides
-    assert "study.free=['contact.clearance=1e-6..2e-6']" in overrides
     compared = as_overrides("compare", ["two/law=newton", "law/normal=linear", "three"])
     assert "study.runs=['two/law=newton','three']" in compared
     assert "law/normal=linear" in "".join(compared)

@@ -1,6 +1,6 @@
 """What stands in a figure of matplotlib, and where: for tests that read pictures."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -71,3 +71,44 @@ def offsets_in(figure: Figure) -> list[str]:
     FigureCanvasAgg(figure).draw()
     every = (axis.get_offset_text().get_text() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis))
     return [text for text in every if text]
+
+
+def ticks_in(figure: Figure) -> list[str]:
+    """The names at the ticks of all axes."""
+    return [label.get_text().replace("\n", " ") for axes in figure.axes for label in axes.get_yticklabels()]
+
+
+def hidden_in(figure: Figure) -> list[tuple[str, str]]:
+    """Pairs of texts that cover each other."""
+    boxes = list(boxes_in(figure).items())
+    return [(a, b) for i, (a, box) in enumerate(boxes) for b, other in boxes[:i] if box.overlaps(other)]
+
+
+def assert_names_what_it_shows(figures: Mapping[str, Figure], named: Mapping[str, Collection[str]]) -> None:
+    """Every figure is there, and has every text that is named."""
+    assert {*figures} == {*named}
+    for name, wanted in named.items():
+        texts, ticks = texts_in(figures[name]), ticks_in(figures[name])
+        for text in wanted:
+            assert any(text in each for each in [*texts, *ticks]), (name, text, texts)
+
+
+def assert_can_be_read(figures: Mapping[str, Figure]) -> None:
+    """One way to write units, no offset at ticks, no text on another, no caption that is a file's name."""
+    for name, figure in figures.items():
+        assert not [text for text in texts_in(figure) if "(um)" in text or "(uJ)" in text], name
+        assert offsets_in(figure) == [], name
+        assert hidden_in(figure) == [], name
+        assert figure.get_label().replace("_", " ") not in ("", name.replace("_", " ")), name
+
+
+def assert_every_law_has_a_name(figure: Figure, laws: Collection[str]) -> None:
+    """No text covers another or leaves the picture, and every law stands in a legend or at a tick."""
+    assert hidden_in(figure) == []
+    width, height = figure.canvas.get_width_height()
+    for text, box in boxes_in(figure).items():
+        assert min(box.x0, box.y0) >= 0.0, text
+        assert box.x1 <= width, text
+        assert box.y1 <= height, text
+    names = [*entries_in(figure), *ticks_in(figure)]
+    assert {*laws} <= {each.partition(",")[0] for each in names}

@@ -10,7 +10,6 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config.schema import declared_in
 from contactlab.estimate import Estimate
-from contactlab.inference.free_parameters import WIDE
 from contactlab.metrics import Run
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
@@ -30,6 +29,9 @@ CONFIGURED_NUMBERS: Final = {
 START, POSTERIOR = "initial velocity", "posterior"
 START_KEY: Final = "rotor.initial_velocity"
 FREQUENCY: Final = "drive.frequency"
+WIDE: Final = 100.0
+"""Ratio of the ends of a positive range from which on its logarithm is uniform."""
+
 DAMPING: Final = "resonator.damping_ratio"
 """Key of the damping ratio of the first mode, with which all others are scaled."""
 

@@ -13,11 +13,11 @@ import xarray
 from matplotlib.figure import Figure
 
 from contactlab.arrays import Array
-from contactlab.inference.paired import ALONE, binomial_interval, bins_of
 from contactlab.metrics import NotApplicableError, needed
 from contactlab.plot.recording import drawable, envelope, handy_unit
 from contactlab.plot.style import HATCHES, line_style
 from contactlab.results.summary import prefixed_unit
+from contactlab.studies.compare.paired import ALONE, binomial_interval, bins_of
 from contactlab.studies.compare.scorecard import CONTACTS, ENERGY_TERMS
 from contactlab.studies.figures import LONGEST_LABEL, NOTE, THIN, WIDTH, drawing, legend_above
 
@@ -46,7 +46,7 @@ MOST_ROWS: Final = 12
 """Laws in a table of pairs whose columns have names; those of more have numbers."""
 
 SIGNS: Final = "><=0~?"
-"""Orders of two laws, in the order of `contactlab.inference.paired.VERDICTS`."""
+"""Orders of two laws, in the order of `contactlab.studies.compare.paired.VERDICTS`."""
 
 PERIODS: Final = 2.0
 """Drive periods at the end of a motion that paths and phase portraits show."""

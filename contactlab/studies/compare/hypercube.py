@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.arrays import Array
-from contactlab.inference.paired import looks_up_to
 from contactlab.studies.compare.factors import START, START_KEY, Factor
+from contactlab.studies.compare.paired import looks_up_to
 
 SEED: Final = 0
 """Seed of the draws by default."""

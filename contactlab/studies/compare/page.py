@@ -10,7 +10,8 @@ import pandas
 import xarray
 
 from contactlab.estimate import Estimate
-from contactlab.inference.paired import (
+from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, REPORTED, VERDICTS, brief
+from contactlab.studies.compare.paired import (
     AGREED,
     ALONE,
     AMONG,
@@ -28,9 +29,8 @@ from contactlab.inference.paired import (
     looks_up_to,
     power,
 )
-from contactlab.inference.repeats import not_stated
-from contactlab.metrics import FAIL, INVARIANTS, METRICS, NOT_APPLICABLE, REPORTED, VERDICTS, brief
 from contactlab.studies.compare.pairs import WITHOUT_EFFECT
+from contactlab.studies.compare.repeats import not_stated
 from contactlab.studies.compare.scorecard import listed
 from contactlab.studies.tables import UNIT, AtMost, table
 

@@ -12,7 +12,14 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.inference.paired import (
+from contactlab.laws import MultiplierLaw
+from contactlab.refinement import LEVELS, Refinement
+from contactlab.studies.compare.factors import POSTERIOR, START, Factor, factors_of
+from contactlab.studies.compare.hypercube import SEED, drawn
+from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
+from contactlab.studies.compare.motors import Drawn, is_changed, on_other_basis
+from contactlab.studies.compare.observables import OBSERVABLES, do_draw
+from contactlab.studies.compare.paired import (
     EQUAL,
     GREATER,
     INCONCLUSIVE,
@@ -28,16 +35,9 @@ from contactlab.inference.paired import (
     looks_up_to,
     orders,
 )
-from contactlab.inference.repeats import NEGLIGIBLE, REPEATS, repeated, spread_of
-from contactlab.laws import MultiplierLaw
-from contactlab.refinement import LEVELS, Refinement
-from contactlab.studies.compare.factors import POSTERIOR, START, Factor, factors_of
-from contactlab.studies.compare.hypercube import SEED, drawn
-from contactlab.studies.compare.laws import ComparisonError, Grid, delassus_at_rest, run_of_setup
-from contactlab.studies.compare.motors import Drawn, is_changed, on_other_basis
-from contactlab.studies.compare.observables import OBSERVABLES, do_draw
 from contactlab.studies.compare.posteriors import Posteriors
 from contactlab.studies.compare.priors import Distribution
+from contactlab.studies.compare.repeats import NEGLIGIBLE, REPEATS, repeated, spread_of
 from contactlab.studies.compare.scorecard import OBSERVED_IN, observation_in, task_key
 from contactlab.studies.study import Task
 

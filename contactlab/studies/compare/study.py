@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import isclose
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
 
@@ -11,10 +10,7 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup, build
-from contactlab.config.nesting import flat, nested
 from contactlab.estimate import Estimate
-from contactlab.inference.calibration import Datum, calibrated
-from contactlab.inference.repeats import MARGIN
 from contactlab.laws import ContactLaw
 from contactlab.metrics import Run
 from contactlab.motor import Motor
@@ -26,7 +22,6 @@ from contactlab.studies.compare.laws import (
     ComparisonError as ComparisonError,
     Grid,
     Source,
-    delassus_at_rest,
     grid_of,
     read_runs,
     run_of_setup,
@@ -38,6 +33,7 @@ from contactlab.studies.compare.page import few_draws, findings, tables
 from contactlab.studies.compare.pairs import Design, population_of, undecided, with_pairs
 from contactlab.studies.compare.posteriors import Posteriors
 from contactlab.studies.compare.priors import Distribution, Prior
+from contactlab.studies.compare.repeats import MARGIN
 from contactlab.studies.compare.scorecard import Reruns, limits_of, listed, motion, scorecard, tasks_of
 from contactlab.studies.function import Put, function_of, of_motors, of_setups
 from contactlab.studies.study import Setups, Study, Task, option
@@ -104,10 +100,6 @@ class Compare(Study):
     posterior: Annotated[
         str | Path | None, option("file of a fit, whose posteriors the laws' numbers are drawn from")
     ] = None
-    calibrate: Annotated[
-        Datum | None,
-        option("datum of all laws: restitution=VALUE@SPEED, or contact_time, peak_force, penetration"),
-    ] = None
     observe: Annotated[list[str], option(f"quantities that are compared, of {', '.join(OBSERVABLES)}")] = (
         field(default_factory=lambda: [*OBSERVED])
     )
@@ -164,8 +156,6 @@ class Compare(Study):
                     "Recorded runs have configurations of their own; there must be no other keys."
                 )
             return {}
-        if self.calibrate is not None:
-            setups = {label: _brought_to(self.calibrate, setup) for label, setup in setups.items()}
         grid = grid_of(setups.values())
         if len(grid.cells) > 1 and not self.refine:
             raise ComparisonError(
@@ -249,10 +239,6 @@ class Compare(Study):
     def _left_alone(self, grid: Grid) -> Iterator[str]:
         """Yield the laws that an option does not reach."""
         laws = grid.first
-        if datum := self.calibrate:
-            values = {law: datum.measured(x.law, delassus_at_rest(x.motor)) for law, x in laws.items()}
-            if off := [law for law, x in values.items() if not isclose(x, datum.value, rel_tol=1e-6)]:
-                yield f"No single number brings {listed(off)} to {datum}: those keep their values."
         if self._posteriors:
             known = self._posteriors.samples
             if missing := [law for law, setup in laws.items() if setup.law.name not in known]:
@@ -288,13 +274,6 @@ def _of_laws(names: Mapping[str, Sequence[str]]) -> Iterator[str]:
         having.setdefault(tuple(law for law in names if name in names[law]), []).append(name)
     for laws, own in having.items():
         yield f"{listed(own)} of {listed(laws) if len(laws) <= MOST_LISTED else f'{len(laws)} laws'}"
-
-
-def _brought_to(datum: Datum, setup: Setup) -> Setup:
-    """Return a setup whose law has a datum; of one that no number brings there, the setup itself."""
-    numbers = calibrated(setup.law, datum, delassus_at_rest(setup.motor))
-    changes = {f"law.{name}": value for name, value in numbers.items()}
-    return build(nested(flat(setup.configuration) | changes)) if changes else setup
 
 
 def _sources(

@@ -1,0 +1,1 @@
+"""Contact laws from measurements: files, fits, validation, and numbers of laws from single quantities."""

@@ -1,0 +1,214 @@
+"""Free and fixed numbers of the laws of setups, named by the keys of a configuration.
+
+Numbers with a range are free; without any range every number of a law is free that is not known.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Final
+
+from contactlab import laws
+from contactlab.config import ConfigurationError, Setup
+from contactlab.config.nesting import flat
+from contactlab.config.schema import FRICTION, declared_in
+from contactlab.laws import Composed, ContactLaw, MultiplierLaw, registry
+from contactlab.laws.composed import label_of
+from contactlab.laws.declaration import SHARED
+from contactlab.parameter import Parameter
+from contactlab.quantity import UnitError, to_si
+from contactlab.suggestion import suggestion
+from contactlab_data.inference.free_parameters import FreeParameter, chosen_range, fields_of, free_parameters
+from contactlab_data.inference.impact_problem import LawPredictor, Ranges
+from contactlab_data.measured.bodies import CORRECTIONS
+
+LAW: Final = "law."
+DATA: Final = "data."
+
+FREE_OF: Final[dict[str, tuple[str, ...]]] = {"johnson": ("friction_coefficient", "yield_strength")}
+"""Free numbers of laws whose other numbers act through a product with these."""
+
+Free = Mapping[str, Sequence[float | str]]
+"""Ranges of free numbers by key, both ends in SI or as texts with units: {"law.restitution": (0.1, 0.9)}."""
+
+
+def key_of(field: str) -> str:
+    """Return the key of a configuration for a field of a law."""
+    return FRICTION if field.rpartition(".")[2] == SHARED else f"{LAW}{field}"
+
+
+def _freed(key: str, ends: Sequence[float | str], declared: Parameter, field: str = "") -> FreeParameter:
+    """Return a number that is free in a range.
+
+    Raises:
+        ConfigurationError: the range has other units, is empty or not admitted.
+    """
+    shown = f"{key}={'..'.join(map(str, ends))}"
+    if isinstance(ends, str) or len(ends) != 2:
+        raise ConfigurationError(f"{key} is free in {ends!r}; it must have two ends, LOW and HIGH.")
+    try:
+        span = [to_si(end.strip(), declared.unit) if isinstance(end, str) else float(end) for end in ends]
+        return replace(chosen_range(key, span, declared), field=field)
+    except UnitError as error:
+        raise ConfigurationError(f"{shown} has an end {error}.") from error
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+
+
+def corrections_in(free: Free) -> tuple[FreeParameter, ...]:
+    """Return the free numbers of measured impacts, of keys data.NAME.
+
+    Raises:
+        ConfigurationError: an unknown name, or a range that is not admitted.
+    """
+    result = []
+    for key in filter(is_of_data, free):
+        name = key.removeprefix(DATA)
+        if name not in CORRECTIONS:
+            every = [f"{DATA}{name}" for name in CORRECTIONS]
+            hint = suggestion(key, every, f"There are {', '.join(every)}.")
+            raise ConfigurationError(f"There is no number {key} of the data. {hint}")
+        result.append(_freed(key, free[key], CORRECTIONS[name], name))
+    return tuple(result)
+
+
+def is_of_data(key: str) -> bool:
+    """Return whether a free number is one of the measured impacts."""
+    return key.startswith(DATA)
+
+
+def free_numbers(
+    setups: Mapping[str, Setup], free: Free, known: Collection[str] = ()
+) -> dict[str, tuple[FreeParameter, ...]]:
+    """Return the free numbers of law and motor of each setup by full keys; those of the law with their field.
+
+    Without ranges these are the numbers of its law that are not known, each in its declared range; of several
+    setups, whose laws have numbers of their own, besides the ranges too.
+
+    Args:
+        setups: of the laws by label.
+        free: ranges by key.
+        known: keys of numbers that have the values of the setups.
+
+    Raises:
+        ConfigurationError: no setup has a number, or a range is not admitted.
+    """
+    ranges = {key: ends for key, ends in free.items() if not is_of_data(key)}
+    result, every = {}, dict[str, Parameter]()
+    for label, setup in setups.items():
+        declared = declared_in(setup.configuration)
+        every |= declared
+        own = {key_of(item.name): item for item in free_parameters(setup.law)}
+        fields = {key_of(name): name for name in fields_of(setup.law)}
+        chosen = [
+            _freed(key, ends, declared[key], fields.get(key, ""))
+            for key, ends in ranges.items()
+            if key in declared
+        ]
+        if not ranges or len(setups) > 1:
+            chosen += [
+                replace(x, name=key, field=x.name) for key, x in own.items() if key not in {*ranges, *known}
+            ]
+        result[label] = tuple(chosen)
+    if unknown := {*ranges, *known} - {*every}:
+        hint = {key: suggestion(key, every, "contactlab --help lists the keys.") for key in sorted(unknown)}
+        raise ConfigurationError(
+            [f"There is no free number {key} here. {text}" for key, text in hint.items()]
+        )
+    return result
+
+
+def numbers_of(setup: Setup, free: Sequence[FreeParameter], keys: Collection[str]) -> str:
+    """Return a sentence on the free and fixed numbers of a law, and on those of some keys that it lacks."""
+    names = {item.name for item in free}
+    every = {key_of(name): value for name, value in setup.law.describe().items()}
+    fixed = {key: value for key, value in every.items() if key not in names}
+    absent = [key for key in keys if key.startswith(LAW) and key not in {*flat(setup.configuration)}]
+    return " ".join(
+        [
+            f"Free: {'; '.join(map(str, free)) or 'nothing'}.",
+            f"Fixed: {', '.join(f'{key} = {value:.6g}' for key, value in fixed.items()) or 'nothing'}.",
+            *([f"Not a number of this law: {', '.join(absent)}."] if absent else []),
+        ]
+    )
+
+
+def law_predictors(
+    setups: Mapping[str, Setup], free: Free, known: Collection[str] = ()
+) -> list[LawPredictor]:
+    """Return predictors of impacts under the laws of setups, of the usual laws without any.
+
+    Ranges free numbers of every law that has them. Others that are not known are free besides, of a
+    usual law only those that are free usually.
+
+    Raises:
+        ConfigurationError: no law has a number, or a range is not admitted.
+    """
+    chosen = [LawPredictor.of(setup.law, usual_ranges(setup.law)) for setup in setups.values()]
+    result = chosen or usual_laws()
+    every = sorted({key_of(name) for predictor in result for name in predictor.law.describe()})
+    for key in [*known, *free]:
+        if not (is_of_data(key) or key in every):
+            hint = suggestion(key, every, f"They have {', '.join(every) or 'none'}.")
+            raise ConfigurationError(f"None of these laws has a number {key}. {hint}")
+        result = [_changed(predictor, key, free.get(key)) for predictor in result]
+    return result
+
+
+def _changed(predictor: LawPredictor, key: str, ends: Sequence[float | str] | None) -> LawPredictor:
+    """Return a predictor with a number free in a range, or known without, if its law has it."""
+    for name, _, declared in predictor.law.effective():
+        if declared is not None and key == key_of(name):
+            ranges: dict[str, Any] = {x.name: (x.low, x.high) for x in predictor.free if x.name != name}
+            if ends is not None:
+                free = _freed(key, ends, declared)
+                ranges[name] = free.low, free.high
+            return replace(predictor, free=free_parameters(predictor.law, ranges))
+    return predictor
+
+
+def usual_laws() -> list[LawPredictor]:
+    """Return predictors of every installed rigid law and of compliant ones composed of common parts.
+
+    A law with microslip is not among them: its impacts take 25 times as long as those of `mindlin`.
+    """
+    names = [name for name in registry.law_names() if issubclass(registry.class_of(name), MultiplierLaw)]
+    rigid = [LawPredictor.of(law, usual_ranges(law)) for law in map(registry.law, names)]
+    compliant = [LawPredictor.of(*item) for item in _compliant_laws()]
+    return [*rigid, *(item for item in compliant if "microslip" not in item.label)]
+
+
+def usual_ranges(law: ContactLaw) -> Ranges | None:
+    """Return what is free of a law usually; None where that is all."""
+    if isinstance(law, MultiplierLaw):
+        return dict.fromkeys(FREE_OF[law.name]) if law.name in FREE_OF else None
+    return next((ranges for item, ranges in _compliant_laws() if label_of(item) == label_of(law)), None)
+
+
+def _compliant_laws() -> list[tuple[ContactLaw, Ranges]]:
+    """Return compliant laws and what is free of them; the absolute stiffness of a spring has no effect."""
+    cone: dict[str, tuple[float, float] | None] = {"friction.friction_coefficient": None}
+    lossy = {"damping.restitution": None, **cone}
+    # The range of the loss of Hunt and Crossley at this speed.
+    slowing = {"damping.restitution": (0.4, 1.0), **cone}
+    yielding = {"normal.unloading_stiffness": (1e7, 1e9), **cone}
+    elastic, dent = laws.HertzPoint(), laws.WaltonBraun(loading_stiffness=1e7, unloading_stiffness=3e7)
+    ratio = {"friction.stiffness_ratio": None}
+    return [
+        (registry.law("hertz_penalty"), {"friction_coefficient": None}),
+        (Composed(elastic, laws.Flores()), lossy),
+        (Composed(elastic, laws.HuntCrossley(0.8, impact_speed=1.0)), slowing),
+        (Composed(laws.Thornton()), {"normal.yield_pressure": None, **cone}),
+        (Composed(dent), yielding),
+        (Composed(elastic, laws.Flores(), laws.Mindlin()), lossy | ratio),
+        (Composed(elastic, laws.Flores(), laws.Microslip()), lossy | ratio),
+        (
+            Composed(elastic, laws.Flores(), laws.Regularised()),
+            lossy | {"friction.creep_velocity": (1e-2, 3.0)},
+        ),
+        (Composed(elastic, laws.Flores(), laws.LuGre()), lossy | {"friction.bristle_stiffness": (1e3, 1e7)}),
+        (
+            Composed(elastic, laws.Flores(), laws.Stribeck()),
+            lossy | {"friction.static_ratio": (1.0, 4.0), "friction.stribeck_velocity": (3e-2, 3.0)},
+        ),
+        (Composed(dent, friction=laws.Mindlin()), yielding | ratio),
+    ]

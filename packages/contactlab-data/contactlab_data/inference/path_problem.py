@@ -1,0 +1,146 @@
+"""Forces of a contact on a prescribed path as an inference problem: loops of friction, curves of force."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Final, cast, final
+
+import numpy as np
+
+from contactlab.arrays import Array
+from contactlab.config import ConfigurationError
+from contactlab.driving import DEGREE, driven_by, longest_step
+from contactlab.engine import simulate
+from contactlab.laws import ContactLaw, LawError
+from contactlab.motor.motor import Motor
+from contactlab.motor.waveform import Waveform
+from contactlab.trajectory import Ending
+from contactlab_data.inference.free_parameters import FreeParameter, with_values
+from contactlab_data.inference.motor_problem import OverTime, check_noise
+from contactlab_data.measured.series import FORCES, MeasuredSeries
+
+CORRELATED: Final = 0.05
+"""Correlation time of the discrepancy over the duration of the path."""
+
+TOLERANCE: Final = 1e-11
+"""Error of a step [1], well below any noise."""
+
+AT_EDGE: Final = 1e-5
+"""Distance from an edge of a path below which an instant lies at it, over the shortest interval of times."""
+
+AT_START: Final = 1e-4
+"""Distance of the first instant from the start of its path, over that."""
+
+
+@final
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PathProblem(OverTime):
+    """Forces of a law by itself; see `Problem`.
+
+    Args:
+        base: the law with the values of what is not free.
+        degree: of the spline through the path.
+    """
+
+    base: ContactLaw
+    degree: int = DEGREE
+
+    @property
+    def law(self) -> str:
+        """Name of the law."""
+        return self.base.name
+
+    def spread(self, values: Array) -> float:
+        """Return zero: nothing but the path moves the contact."""
+        del values
+        return 0.0
+
+    def predict(self, values: Array) -> dict[str, Array] | None:
+        """Return the forces at the times of the data, by name; None if the law does not reach the end.
+
+        Where a force jumps, as friction does at a reversal of the slip, it is the limit from the left, before
+        the jump; at the first time it is that from the right.
+
+        Raises:
+            KeyboardInterrupt: somebody pressed Ctrl-C.
+        """
+        time = self.measured.time - self.measured.time[0]
+        span = float(time[-1])
+        try:
+            law = with_values(self.base, self.keys, values[: len(self.keys)])
+            motor = driven_by(law, time, **self.measured.path, degree=self.degree)
+            run = simulate(
+                motor,
+                law,
+                duration=span,
+                record_interval=span,
+                contact_step=longest_step(motor, law),
+                tolerance=TOLERANCE,
+                instants=_at_edges(motor, time),
+            )
+        # Values that are admitted one by one need not be so together.
+        except (LawError, ValueError):
+            return None
+        if run.ending is Ending.INTERRUPTED:
+            raise KeyboardInterrupt(run.message)
+        if not run.ending.reached_end:
+            return None
+        left, right = run.instant_forces[:, 0], run.instant_forces[:, 1]
+        forces = dict(zip(FORCES, np.where(np.isnan(left), right, left).T, strict=True))
+        return {name: forces[name] for name in self.measured.values}
+
+
+def _at_edges(motor: Motor, time: Array) -> Array:
+    """Return the times, those at edges of the path but for round-off as these [s].
+
+    Of several edges it is the first: the limit that is taken there is that from the left. The first time is
+    just after the start of the path, and after a reversal there.
+    """
+    edges = cast(Waveform, motor.drive.waveform).pieces.x
+    near = AT_EDGE * float(np.diff(time).min())
+    first = edges[np.minimum(np.searchsorted(edges, time - near), edges.size - 1)]
+    result = np.where(np.abs(first - time) <= near, first, time)
+    result[0] = edges[np.searchsorted(edges, near, side="right") - 1] + AT_START * near
+    return result
+
+
+def path_problem(
+    measured: MeasuredSeries,
+    law: ContactLaw,
+    keys: Sequence[FreeParameter],
+    *,
+    discrepancy: bool,
+    degrees_of_freedom: float | None = inf,
+    degree: int = DEGREE,
+) -> PathProblem:
+    """Return the problem of forces on a path.
+
+    Args:
+        measured: forces and path.
+        law: with the values of what is not free.
+        keys: free numbers of the law.
+        discrepancy: whether the law may be wrong, by a process that a twentieth of the path correlates.
+        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
+        degree: of the spline through the samples of the path, 1, 3, 5 or 7.
+
+    Raises:
+        ConfigurationError: no force is measured, the path is not one of the law's, or a discrepancy has
+            Student-t noise, whose likelihood has no closed form.
+    """
+    check_noise(discrepancy, degrees_of_freedom)
+    if not measured.values:
+        raise ConfigurationError(f"The data have a path and no force; they must have {' or '.join(FORCES)}.")
+    try:
+        driven_by(law, measured.time, **measured.path, degree=degree)
+    except ValueError as error:
+        raise ConfigurationError(f"law={law.name}: {error}") from error
+    span = float(measured.time[-1] - measured.time[0])
+    return PathProblem(
+        measured=measured,
+        configuration={},
+        keys=tuple(keys),
+        base=law,
+        degree=degree,
+        correlation=CORRELATED * span if discrepancy else 0.0,
+        degrees_of_freedom=degrees_of_freedom,
+    )

@@ -1,0 +1,1 @@
+"""Studies of laws and measurements: fit, validate, synthetic and bench."""

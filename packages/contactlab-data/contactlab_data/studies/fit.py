@@ -1,0 +1,332 @@
+"""The study `fit`: numbers of laws and motors, and laws, from measurements."""
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from importlib.metadata import version
+from math import inf
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Literal
+
+import pandas
+import xarray
+import yaml
+
+from contactlab.config import ConfigurationError, build
+from contactlab.driving import DEGREE
+from contactlab.estimate import Estimate
+from contactlab.results.files import digest_of_file
+from contactlab.studies.function import function_of, of_laws
+from contactlab.studies.law_study import OF_MOTOR, read_file
+from contactlab.studies.run_state import code_in
+from contactlab.studies.study import LENGTH, Part, Setups, Study, Task, option
+from contactlab.studies.tables import UNIT, table, with_unit
+from contactlab_data.inference.fit import (
+    STARTS,
+    Candidate,
+    Data,
+    Discrepancy,
+    candidates_of,
+    compared,
+    evidences_of,
+    fitted,
+    misfits,
+    of_law,
+)
+from contactlab_data.inference.held_out import HeldOut, folds_of
+from contactlab_data.inference.nested_sampling import POINTS
+from contactlab_data.inference.synthetic import with_noise, without_errors
+from contactlab_data.measured.files import read_measurements
+from contactlab_data.measured.impacts import MeasuredImpacts
+from contactlab_data.measured.series import MeasuredSeries
+from contactlab_data.studies.measurements import FreeNumbers, by_key
+
+OrFree = float | Literal["free"] | None
+"""A number of the noise, or that it is free."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit(Study):
+    """Which numbers of a law or a motor do measurements support, and which law?
+
+    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that are
+    not stated. Numbers of the geometry of measured impacts are data.NAME. Least squares from many
+    starts are followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are
+    compared by their evidence, each with its own numbers free besides. Keys are those of the motor that the
+    data state, and go before them.
+
+        >>> import contactlab as cl
+        >>> newton = cl.build(["law=newton"])
+        >>> cl.fit(newton, data="impacts.csv", free={"law.restitution": (0.0, 1.0)})  # doctest: +SKIP
+
+    Raises:
+        ConfigurationError, ValueError: data, laws or options cannot be used.
+        NoSamplerError: dynesty is not installed.
+    """
+
+    name: ClassVar[str] = "fit"
+    several: ClassVar[bool] = True
+    ignored: ClassVar[tuple[str, ...]] = ("record", *LENGTH)
+    files: ClassVar[str] = "data"
+
+    data: Annotated[
+        list[str | Path | Data] | str | Path | Data,
+        option("files of measured impacts, tracks, forces on a path, or series or points of a motor"),
+    ] = ""
+    free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
+    known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
+    own: Annotated[list[str] | None, option("keys of numbers that several data do not share")] = None
+    noise: Annotated[
+        OrFree, option("standard deviation over the size of the data, or free", above=0.0, at_most=1.0)
+    ] = None
+    discrepancy: Annotated[Discrepancy, option("whether the laws may be wrong: off, on or both")] = "off"
+    student: Annotated[OrFree, option("degrees of freedom of Student-t noise, or free", above=0.0)] = None
+    series: Annotated[list[str] | None, option("series of the data; all")] = None
+    held_out: Annotated[
+        HeldOut, option("what is predicted by fits to the rest: off, files, or cycles of loops")
+    ] = "off"
+    degree: Annotated[int, option("of the spline through the samples of a path: 1, 3, 5 or 7")] = DEGREE
+    points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
+    starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
+    seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
+
+    @cached_property
+    def measurements(self) -> Mapping[str, Data]:
+        """The measurements with the chosen series and noise, by the name of their file if there are several.
+
+        Raises:
+            ConfigurationError: a file cannot be read, or an option does not apply to them.
+        """
+        files = [Path(each) if isinstance(each, str | Path) else None for each in self._sources]
+        labels = [re.sub(r"\W", "_", x.stem) if x else f"data_{i}" for i, x in enumerate(files, 1)]
+        if len({*labels}) < len(labels):
+            raise ConfigurationError(f"data are {', '.join(labels)}; each must have a name of its own.")
+        if len(labels) == 1:
+            labels = [""]
+        return {label: self._measured(each) for label, each in zip(labels, self._sources, strict=True)}
+
+    @property
+    def _sources(self) -> list[Any]:
+        """The data as they are given."""
+        return self.data if isinstance(self.data, list) else [self.data]
+
+    def _measured(self, data: Any) -> Data:
+        """Return one of the measurements with the chosen series and noise."""
+        result: Data = read_file(data, read_measurements) if isinstance(data, str | Path) else data
+        if self.series:
+            if not isinstance(result, MeasuredSeries):
+                raise ConfigurationError("study.series is set and the data are no series; leave it out.")
+            try:
+                result = result.only(self.series)
+            except ValueError as error:
+                raise ConfigurationError(str(error)) from error
+        if self.noise is None:
+            return result
+        return without_errors(result) if self.noise == "free" else with_noise(result, self.noise)
+
+    @property
+    def base(self) -> Mapping[str, Any]:
+        """The configuration of the motor as far as the data state it.
+
+        Raises:
+            ConfigurationError: they state several.
+        """
+        every = [x.configuration for x in self.measurements.values() if not isinstance(x, MeasuredImpacts)]
+        stated = [each for each in every if each]
+        if any(each != stated[0] for each in stated[1:]):
+            raise ConfigurationError("data are of motors with several configurations; they must be of one.")
+        return stated[0] if stated else {}
+
+    @property
+    def idle(self) -> tuple[str, ...]:
+        """Groups and keys of a configuration on which no prediction depends."""
+        return OF_MOTOR if self._of_law else self.ignored
+
+    @property
+    def _of_law(self) -> bool:
+        """Whether all measurements are of a law alone."""
+        return all(map(of_law, self.measurements.values()))
+
+    def put_to(self, setups: Setups) -> Setups:
+        """Return the setups; without any that of a motor's data."""
+        if setups or self._of_law:
+            return setups
+        return {"": build(self.base)}
+
+    def candidates(self, setups: Setups) -> list[Candidate]:
+        """Return the laws to be fitted.
+
+        Raises:
+            ConfigurationError: laws or free numbers cannot be used with the measurements.
+        """
+        tails, free = self.student, by_key(self.free, self.known)
+        if unused := [key for key in free for idle in self.idle if f"{key}.".startswith(f"{idle}.")]:
+            raise ConfigurationError(
+                [f"{key} must be left out: no prediction of these data depends on it." for key in unused]
+            )
+        sets = self.measurements
+        return candidates_of(
+            sets[""] if [*sets] == [""] else sets,
+            setups,
+            free,
+            self.known or (),
+            own=self.own or (),
+            discrepancy=self.discrepancy,
+            degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
+            degree=self.degree,
+            name=", ".join(Path(x).name for x in self._sources if isinstance(x, str | Path)),
+            digest=" ".join(
+                digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")
+                for x in self._sources
+            ),
+        )
+
+    def tasks(self, setups: Setups) -> Iterable[Task]:
+        """Return one task a law."""
+        settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "starts": self.starts}
+        settings["held_out"] = self.held_out
+        # Likelihoods are evaluated by several processes where the laws are not.
+        settings["workers"] = None if self.workers == 1 and self.scheduler is None else 1
+        every = self.candidates(setups)
+        if self.held_out != "off":
+            folds_of(every[0].problem, self.held_out)
+        return [
+            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings), resumes=True)
+            for item in every
+        ]
+
+    def _digest(self, candidate: Candidate) -> str:
+        """Return the digest of all that a fit depends on."""
+        free = [str(item) for item in candidate.problem.free]
+        data = [item.values.tobytes() for item in candidate.problem.data.values()]
+        code = (version("dynesty"), *code_in(yaml.safe_load(candidate.origin["configuration"])))
+        parts = (candidate.label, *candidate.origin.items(), *free, *code, *data, self.held_out, self.degree)
+        return sha256(repr(parts).encode()).hexdigest()[:16]
+
+    def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
+        """Return the fits, a group for each law."""
+        del setups
+        fits = {key.rpartition(" ")[0]: tree for key, tree in parts.items()}
+        tree = xarray.DataTree(children=fits)
+        tree.attrs["title"] = f"Fit of {', '.join(fits)}"
+        tree.attrs["comparison"] = "\n".join(compared(fits))
+        return tree
+
+    def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
+        """Return mean and standard deviation of each free number, after the label of one of several laws."""
+        result = {}
+        for label, fit in data.children.items():
+            before = f"{label}." if len(data.children) > 1 else ""
+            for row in _rows(fit):
+                result[f"{before}{row['parameter']}"] = Estimate(row["mean"], row["deviation"])
+        return result
+
+    def findings(self, data: xarray.DataTree) -> list[str]:
+        """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
+
+        What does not fit stands before all of several laws, and after the numbers of one.
+        """
+        several = len(data.children) > 1
+        result = compared(data.children) if several else []
+        for label, fit in data.children.items():
+            before = f"{label}: " if several else ""
+            estimates = [
+                f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
+                for row in _rows(fit)
+            ]
+            result.append(f"{before}{'; '.join(estimates)}.")
+            result += [] if several else compared(data.children)
+            result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
+        return result
+
+    def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+        """Return evidence and, for each law, posterior and correlation."""
+        tables = {}
+        if len(data.children) > 1:
+            every = evidences_of(data.children)
+            largest = next(iter(every.values())).value
+            failing = misfits(data.children)
+            rows = [
+                {"law": x, "fits": "no" if x in failing else "yes", "ln Z": z}
+                | {"less the largest": z.value - largest}
+                for x, z in every.items()
+            ]
+            none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
+            tables["evidence"] = table(rows, caption=f"Evidence{none}")
+        if unseen := [row for label, fit in data.children.items() for row in _unseen(label, fit)]:
+            tables["held_out"] = table(unseen, caption="Held out: root mean square of residuals over errors")
+        for label, fit in data.children.items():
+            end, rows = _ending(data, label), []
+            for row in _rows(fit):
+                mean = Estimate(row["mean"], row["deviation"])
+                number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
+                rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
+            frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
+            known = frame["truth"].notna().any()
+            tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
+            matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
+            if len(matrix) > 1:
+                related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
+                tables[f"correlation{end}"] = table(
+                    related, caption=f"Correlation of the posterior of {label}"
+                )
+        return tables
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return, for each law, the posterior of all pairs of numbers, and data beside predictions."""
+        # Imported here: it brings matplotlib.
+        from contactlab_data.studies.fit_figures import draw_corner, draw_predictions, draw_residuals, sets_in
+
+        figures = {}
+        for label, fit in data.children.items():
+            end, sets = _ending(data, label), sets_in(fit)
+            drawn = {f"Posterior of {label}, by pairs of its numbers": (f"corner{end}", draw_corner(fit))}
+            for each in sets:
+                of = f" of {each}" if each else ""
+                picture = draw_predictions(fit, each)
+                drawn[f"Data{of} and predictions of {label}"] = (
+                    f"predictions{end}{each and f'_{each}'}",
+                    picture,
+                )
+            if "residuals" in fit.children and len(sets) > 1:
+                residuals = f"residuals{end}", draw_residuals(fit)
+                drawn[f"Residuals of {label} over their errors"] = residuals
+            for caption, (name, figure) in drawn.items():
+                figure.set_label(caption)
+                figures[name] = figure
+        return figures
+
+
+def _fitted(candidate: Candidate, settings: dict[str, Any], checkpoint: Path | None = None) -> Part:
+    return Part(fitted(candidate, **settings, checkpoint=checkpoint))
+
+
+def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:
+    """Return the rows of a summary."""
+    data = fit["summary"].to_dataset().drop_dims("other")
+    rows: list[dict[str, Any]] = data.to_dataframe().reset_index().to_dict("records")
+    return rows
+
+
+def _unseen(label: str, fit: xarray.DataTree) -> Iterable[dict[str, Any]]:
+    """Yield a row for each part of the data that was held out."""
+    if "held_out" in fit.children:
+        data = fit["held_out"].to_dataset().drop_dims("parameter")
+        for row in data.to_dataframe().reset_index().to_dict("records"):
+            yield {
+                "law": label,
+                "held out": row["fold"],
+                "residuals": row["count"],
+                "misfit": row["misfit"],
+                "misfit when fitted": row["fitted_misfit"],
+            }
+
+
+def _ending(data: xarray.DataTree, label: str) -> str:
+    """Return the end of the names of one law's files."""
+    return f"_{label.replace(' + ', '_').replace(' ', '_')}" if len(data.children) > 1 else ""
+
+
+fit = function_of(Fit, of_laws)

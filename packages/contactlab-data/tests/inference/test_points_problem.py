@@ -1,0 +1,115 @@
+"""Claims on operating points as data: the truth is found, a wrong law has no odds, and faults have a name."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactlab as cl
+from contactlab.arrays import Array
+from contactlab.studies.compare.repeats import MARGIN
+from contactlab_data.inference.fit import candidates_of
+from contactlab_data.inference.problem import Problem
+from contactlab_data.measured.files import read_measurements
+from contactlab_data.measured.series import MeasuredPoints
+
+LOADS = (0.0, -1.5, -3.0)
+"""Braking [mN m]: the motor turns negative."""
+
+
+def velocities(law: str, *others: str) -> Array:
+    torques = [f"rotor.load_torque={1e-3 * load}" for load in LOADS]
+    return np.array(
+        [cl.steady(cl.build([f"law={law}", torque, *others])).velocity.value for torque in torques]
+    )
+
+
+def written(path: Path, velocity: Array, error: float = 0.01) -> Path:
+    rows = [f"{load},{v!r},{error}" for load, v in zip(LOADS, velocity.tolist(), strict=True)]
+    head = "rotor.load_torque [mN m],rotor_velocity [rad/s],rotor_velocity_error [rad/s]"
+    path.write_text("\n".join([head, *rows]) + "\n")
+    return path
+
+
+def problem(path: Path, law: str, *others: str) -> Problem:
+    data = read_measurements(path)
+    assert isinstance(data, MeasuredPoints)
+    (candidate,) = candidates_of(
+        data, {"": cl.build([f"law={law}", *others])}, {"drive.voltage_1": (50, 150)}
+    )
+    return candidate.problem
+
+
+@pytest.mark.parametrize("others", [[], ["contact.preload=5", "rotor.bearing_damping=300"]])
+def test_predictions_are_the_settled_velocities(tmp_path: Path, others: list[str]) -> None:
+    """Also of a motor that is pressed on its rotor and never leaves it."""
+    exact = velocities("hertz_penalty", *others)
+    made = problem(written(tmp_path / "points.csv", exact), "hertz_penalty", *others)
+    predicted = made.predict(np.array([100.0]))
+    assert predicted["rotor_velocity"] == pytest.approx(exact, rel=1e-12)
+    missed = made.residuals(np.array([90.0]))
+    other = velocities("hertz_penalty", "drive.voltage_1=90", *others)
+    assert missed == pytest.approx((exact - other) / 0.01, rel=1e-9)
+
+
+@pytest.mark.long
+def test_a_fit_finds_the_truth(tmp_path: Path) -> None:
+    exact = velocities("newton", "law.restitution=0.4")
+    noise = 0.01 * np.random.default_rng(1).standard_normal(exact.size)
+    path = written(tmp_path / "points.csv", exact + noise)
+    fitted = cl.fit(
+        cl.build(["law=newton"]), data=path, free={"law.restitution": (0.1, 0.7)}, points=25, starts=1
+    )
+    restitution = fitted.numbers["law.restitution"]
+    assert abs(restitution.value - 0.4) < 4.0 * restitution.error
+
+
+@pytest.mark.parametrize(
+    ("content", "named"),
+    [
+        ("rotor_velocity [rad/s]\n1\n2\n", "rotor.load_torque"),
+        ("rotor.load_torque [N m],rotor_velocity [rad/s]\n0,1\n", "1 operating points"),
+        ("load [N m],rotor_velocity [rad/s]\n0,1\n1,1\n", "load"),
+        ("law.stiffness [N m],rotor_velocity [rad/s]\n0,1\n1,1\n", "law.stiffness"),
+        ("rotor.load_torque [N m],rotor_velocity\n0,1\n1,1\n", "rotor_velocity"),
+        (
+            "rotor.load_torque [N m],rotor_velocity [rad/s],rotor_velocity_error [rad/s]\n0,1,0\n1,1,1\n",
+            "error",
+        ),
+    ],
+)
+def test_wrong_points_are_refused_by_name(tmp_path: Path, content: str, named: str) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(content)
+    with pytest.raises(cl.MeasurementError) as refused:
+        read_measurements(path)
+    assert named in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "head", ["rotor.torque [N m]", "rotor.load_torque [m]", "drive.voltage_1 [V]", "contact.clearance [m]"]
+)
+def test_points_of_no_motor_are_refused_by_key(tmp_path: Path, head: str) -> None:
+    path = tmp_path / "points.csv"
+    path.write_text(f"{head},rotor_velocity [rad/s]\n0,1\n-1,1\n")
+    with pytest.raises(cl.ConfigurationError) as refused:
+        problem(path, "newton")
+    assert head.split()[0] in str(refused.value)
+
+
+SEVERAL = ("newton", "contact.clearance=3.895e-6")
+"""A motor that the start decides: the rotor turns, or nothing touches it."""
+
+
+def idle(path: Path) -> Path:
+    """Write points of a motor without load."""
+    head = "drive.voltage_2 [V],rotor_velocity [rad/s],rotor_velocity_error [rad/s]"
+    path.write_text(f"{head}\n99.9,-1,0.3\n100.1,-1,0.3\n")
+    return path
+
+
+def test_a_misfit_of_several_motions_is_no_function_of_its_inputs(tmp_path: Path) -> None:
+    """One orbit has one misfit."""
+    values, path = np.array([100.0]), idle(tmp_path / "points.csv")
+    assert problem(path, "hertz_penalty").spread(values) < 1e-4
+    assert MARGIN < problem(path, *SEVERAL).spread(values) < np.inf
