@@ -4,8 +4,8 @@ from collections.abc import Callable
 from math import sqrt
 from typing import Any, Final
 
-from page_tables import markdown
 from recorded_numbers import results
+from result_tables import markdown
 from verdicts import Number
 
 from contactlab_data.inference.fit import ENDS

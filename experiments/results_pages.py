@@ -25,14 +25,14 @@ from textwrap import fill
 import accuracy_tables
 import claims
 import listed_numbers
-import page_tables
+import result_tables
 from claims import STATEMENTS, Statement
 from dependencies import ROOT
 from recorded_numbers import FILES, USED
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
 
 LIST = "docs/claims.md"
-TABLES = page_tables.TABLES | accuracy_tables.TABLES
+TABLES = result_tables.TABLES | accuracy_tables.TABLES
 
 TABLE = re.compile(r"(<!-- table ([\w ]+) -->\n\n)(.*?)(\n\n<!-- end of the table -->)", re.DOTALL)
 CODE = re.compile(r"^```.*?^```|^\$\$.*?^\$\$|`[^`\n]+`|<!--.*?-->|\]\([^)\n]*\)", re.DOTALL | re.MULTILINE)

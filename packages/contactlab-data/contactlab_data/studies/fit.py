@@ -41,7 +41,7 @@ from contactlab_data.inference.synthetic import with_noise, without_errors
 from contactlab_data.measured.files import read_measurements
 from contactlab_data.measured.impacts import MeasuredImpacts
 from contactlab_data.measured.series import MeasuredSeries
-from contactlab_data.studies.measurements import FreeNumbers, by_key
+from contactlab_data.studies.free_numbers import FreeNumbers, by_key
 
 OrFree = float | Literal["free"] | None
 """A number of the noise, or that it is free."""

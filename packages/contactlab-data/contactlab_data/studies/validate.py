@@ -36,7 +36,7 @@ from contactlab_data.inference.impact_problem import ImpactPredictor, ImpactProb
 from contactlab_data.inference.law_numbers import corrections_in, law_predictors
 from contactlab_data.measured.files import read_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts
-from contactlab_data.studies.measurements import FreeNumbers, by_key
+from contactlab_data.studies.free_numbers import FreeNumbers, by_key
 
 SHOWN: Final = 40
 """Largest number of unexplained impacts in a sentence; the dataset has all of them."""

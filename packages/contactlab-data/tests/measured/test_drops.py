@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from contactlab.cli.example import examples
 
 import contactlab as cl
+from contactlab.cli.verbs.example import examples
 
 
 def test_the_measured_example_is_explained_by_the_law_that_it_names_and_by_no_other() -> None:

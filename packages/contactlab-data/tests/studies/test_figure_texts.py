@@ -21,7 +21,6 @@ from support.pictures import (
 
 import contactlab as cl
 from contactlab.plot.style import STYLE
-from contactlab.studies.report import drawn
 from contactlab_data.measured.files import read_impacts
 from contactlab_data.studies.validate_figures import (
     draw_differences,
@@ -86,7 +85,7 @@ def result_of(study: str) -> cl.Result:
 
 @cache
 def figures_of(study: str) -> Mapping[str, Figure]:
-    return drawn(result_of(study))
+    return result_of(study).figures
 
 
 @pytest.mark.parametrize("study", NAMED)

@@ -1,14 +1,10 @@
-"""Free numbers and setups as arguments of the studies `fit`, `validate` and `bench`."""
+"""Free numbers as an option of the studies `fit` and `validate`."""
 
 from collections.abc import Sequence
-from typing import TypeVar
 
 from contactlab.config import ConfigurationError
 from contactlab.studies.study import Range
 from contactlab_data.inference.law_numbers import Free
-
-_Data = TypeVar("_Data")
-
 
 FreeNumbers = Free | list[Range] | None
 """Ranges of free numbers, by key in Python, KEY=LOW..HIGH in a command or file."""
