@@ -8,7 +8,7 @@ and runs the law.
 from collections.abc import Callable, Generator, Iterator, Mapping
 from functools import partial
 from itertools import product
-from math import inf, isfinite, nan
+from math import inf, isfinite, isnan, nan
 from numbers import Real
 from typing import Any
 
@@ -158,7 +158,8 @@ def check_kernels(law: ContactLaw, parameters: Array, *kernels: Kernel) -> None:
     See `contactlab.engine.binding` for the kernels, in their order, and the parameter vector.
     """
     for claim in claims_of_kernels(law, parameters, *kernels):
-        if not claim.true:
+        # An answer that is no number refuses nothing here: it ends the run where it occurs, which says so.
+        if not (claim.true or isnan(claim.value)):
             raise LawError(f"{law.name}: {claim.refusal()}")
 
 

@@ -21,7 +21,6 @@ import numpy as np
 import yaml
 
 from contactlab import variables
-from contactlab.engine.state import BEFORE, LEAVES, PACKED, State, state_from_value
 from contactlab.laws import ContactLaw, InternalVariable
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
@@ -229,8 +228,11 @@ def contacts_in(groups: Groups) -> dict[str, np.ndarray]:
     return cut_to_window(groups["/"].values, groups.get("/contacts", EMPTY).values, part)
 
 
-def _of_state(state: State) -> dict[str, Recorded]:
+def _of_state(state: Mapping[str, Any]) -> dict[str, Recorded]:
     """Return the state where a run ended, and before the step that its end cut, as a record of bytes each."""
+    # Imported here: it brings the engine, which who only reads a run does not need.
+    from contactlab.engine.state import BEFORE, LEAVES, PACKED, state_from_value
+
     columns: dict[str, Recorded] = {}
     for prefix, place in (
         ("", "where the run ended"),

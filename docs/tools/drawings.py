@@ -754,10 +754,11 @@ def draw_energy() -> Figure:
 
 
 def layers() -> set[str]:
-    """Return the modules of the import contract."""
+    """Return the modules of the import contracts of both packages."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     contracts = tomllib.loads(text)["tool"]["importlinter"]["contracts"]
-    return {name for row in contracts[0]["layers"] for name in row.split(" | ")}
+    rows = (row for contract in contracts for row in contract.get("layers", ()))
+    return {name for row in rows for name in row.split(" | ")}
 
 
 def draw_data() -> Figure:

@@ -111,7 +111,7 @@ def test_ctrl_c_leaves_nothing(name: str, command: Command, monkeypatch: pytest.
         return draw(self, number)
 
     monkeypatch.setattr(Animation, "frame", interrupted)
-    status, _, _ = command("animate", "run.nc", "--fps", "24", "--output", name)
+    status, _, _ = command("animate", "run.nc", "fps=24", f"output={name}")
     assert status == 130
     assert left_behind() == [Path("run.nc")]
 

@@ -87,7 +87,7 @@ for stiffness in (1e20, 1e100, 1e300):
 def test_absurd_voltages_and_stiffnesses_diverge_and_never_hang() -> None:
     # In a process of its own, so that a hang is a failure and not the end of all tests.
     root = Path(__file__).parents[2]
-    script = ABSURD.format(folders=[str(root / name) for name in ("tests", "validation")])
+    script = ABSURD.format(folders=[str(root / name) for name in ("tests", "validation", "experiments")])
     result = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False
     )

@@ -85,8 +85,8 @@ CALLS: dict[str, dict[str, Any]] = {
 
 
 def test_every_function_has_its_line() -> None:
-    # The name of a law is positional.
-    assert {name for name in cl.__all__ if isfunction(getattr(cl, name))} == {*CALLS, "law"}
+    # The name of a law, and the function of a friction, are positional.
+    assert {name for name in cl.__all__ if isfunction(getattr(cl, name))} == {*CALLS, "law", "friction"}
 
 
 @pytest.mark.parametrize("name", CALLS)
@@ -116,6 +116,7 @@ def test_the_name_of_a_law_is_refused_with_the_call_that_makes_it(
         (lambda: cl.tabor_number(-1.0, 1.0, 1.0, 1.0), ValueError, "radius"),
         (lambda: cl.hertz_stiffness(1e-3, -1e-4), ValueError, "rotor_radius"),
         (lambda: cl.law_names("sticky"), ValueError, "family"),
+        (lambda: cl.friction(5), TypeError, "function"),  # type: ignore[arg-type]
     ],
 )
 def test_a_fault_is_named(call: Callable[[], Any], kind: type[Exception], key: str) -> None:

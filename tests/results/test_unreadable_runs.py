@@ -108,10 +108,10 @@ def test_files_of_ones_own_by_our_names_harm_nothing(command: Command, simulatio
 def test_what_may_be_planned_can_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A run has a record at its start, and more at changes; what a law remembers takes room."""
     monkeypatch.setattr(checks, "FEW_RECORDS", 0)
-    monkeypatch.setattr(checks, "MOST_RECORDS", 1000)
-    monkeypatch.setattr(checks, "MOST_MEMORY", 1000 * checks.RECORD_SIZE)
+    monkeypatch.setattr(checks, "MOST_RECORDS", 5000)
+    monkeypatch.setattr(checks, "MOST_MEMORY", 5000 * checks.RECORD_SIZE)
     coarse = cl.build(["record.interval=1e-4"])
-    run = cl.simulate(coarse, duration=1e-4, record_interval=1e-7)
+    run = cl.simulate(coarse, duration=1e-4, record_interval=2e-8)
     run.save(tmp_path / "run.nc")
     assert cl.load(tmp_path / "run.nc").to_xarray().identical(run.to_xarray())
     for setup in (
@@ -119,7 +119,7 @@ def test_what_may_be_planned_can_be_read(tmp_path: Path, monkeypatch: pytest.Mon
         coarse.with_("solver.changes=['33.33 us; rotor.load_torque=1e-3']"),
     ):
         with pytest.raises(ValueError, match="record_interval"):
-            cl.simulate(setup, duration=1e-4, record_interval=1e-7)
-        made = cl.simulate(setup, duration=1e-4, record_interval=3e-7)
+            cl.simulate(setup, duration=1e-4, record_interval=2e-8)
+        made = cl.simulate(setup, duration=1e-4, record_interval=6e-8)
         made.save(tmp_path / "run.nc")
         assert cl.load(tmp_path / "run.nc")["time"].identical(made["time"])

@@ -63,7 +63,6 @@ class Fit(Study):
 
     Raises:
         ConfigurationError, ValueError: data, laws or options cannot be used.
-        NoSamplerError: dynesty is not installed.
     """
 
     name: ClassVar[str] = "fit"

@@ -10,7 +10,7 @@ from support.bad_arguments import assert_name_of_a_law_refused, assert_refused_b
 import contactlab as cl
 
 CALLS: dict[str, dict[str, Any]] = {
-    "bench": {"laws": [], "output": None, "progress": None, "workers": 0},
+    "bench": {"setups": [], "output": None, "progress": None, "workers": 0},
     "fit": {"setups": (), "data": "nowhere.csv", "output": None, "progress": None},
     "identify": {
         "law": cl.Newton(), "mass": 1e-3, "restitution": "0.8 @ 0.5 m/s", "contact_time": None,
@@ -45,7 +45,7 @@ def test_the_name_of_a_law_is_refused_with_the_call_that_makes_it(
     ("call", "kind", "key"),
     [
         (lambda: cl.bench([]), ValueError, "law"),
-        (lambda: cl.bench("newton"), TypeError, "laws"),
+        (lambda: cl.bench("newton"), TypeError, "setups"),
         (lambda: cl.fit(data=None), TypeError, "data"),
         (lambda: cl.identify(cl.Newton(), restitution=(0.7, 3e9), mass=1e-3), ValueError, "speed"),
     ],
