@@ -9,8 +9,6 @@ from functools import lru_cache, reduce
 from pathlib import Path
 from typing import Any, final
 
-import yaml
-
 from contactlab.checks import check_kind, check_records, checked_arguments
 from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
@@ -45,15 +43,11 @@ from contactlab.motor.modal import modes_of
 from contactlab.motor.table import read_table
 from contactlab.parameter import DeclaredField
 from contactlab.results.netcdf import contents_of, keep, settings_of
-from contactlab.results.yaml_text import DUMPER
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]
-
-for _dumper in (yaml.SafeDumper, yaml.Dumper, DUMPER):
-    _dumper.add_representer(Frozen, _dumper.represent_dict)
 
 
 @final

@@ -4,17 +4,23 @@ from typing import Any, Final
 
 import yaml
 
+from contactlab.immutable import Frozen
+
 MOST_VALUES: Final = 1_000_000
 """Values of a text with those that its aliases repeat."""
 
 # libyaml, where PyYAML has it, reads and writes the same eight times as fast.
 _LOADER: Final[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-DUMPER: Final[Any] = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+_DUMPER: Final[Any] = getattr(yaml, "CSafeDumper", yaml.SafeDumper)
+
+# Whoever writes a configuration by YAML's own functions can do so too.
+for _each in {_DUMPER, yaml.SafeDumper, yaml.Dumper}:
+    _each.add_representer(Frozen, _each.represent_dict)
 
 
 def write_yaml(value: Any) -> str:
     """Return plain numbers, texts, lists and mappings as a text of YAML, in their order."""
-    return str(yaml.dump(value, Dumper=DUMPER, sort_keys=False, allow_unicode=True))
+    return str(yaml.dump(value, Dumper=_DUMPER, sort_keys=False, allow_unicode=True))
 
 
 def read_yaml(text: str) -> Any:

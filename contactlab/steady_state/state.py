@@ -7,7 +7,6 @@ from typing import Final, final
 
 import numpy as np
 import pandas
-import yaml
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
@@ -16,6 +15,7 @@ from contactlab.estimate import Estimate
 from contactlab.motor import ModalState
 from contactlab.results.netcdf import REFERENCES
 from contactlab.results.provenance import code_attributes
+from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.statistics import mean_with_error
 from contactlab.steady_state.period_map import (
     PeriodMap,
@@ -222,7 +222,7 @@ def attributes_of(setup: Setup) -> dict[str, object]:
     return {
         "references": f"{REFERENCES} Contact law: {setup.law.source}.",
         "law": setup.law.name,
-        "configuration": yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True),
+        "configuration": write_yaml(setup.configuration),
         **code_attributes(),
     }
 

@@ -13,7 +13,6 @@ from typing import Any, Final, final
 
 import pandas
 import xarray
-import yaml
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -23,6 +22,7 @@ from contactlab.plot.style import STYLE
 from contactlab.results.files import whole_file
 from contactlab.results.netcdf import write_tree
 from contactlab.results.provenance import versions
+from contactlab.results.yaml_text import write_yaml
 from contactlab.studies.tables import as_csv, as_html, as_latex
 
 PAGE: Final = "report.html"
@@ -97,9 +97,9 @@ class Report:
                 for name, frame in sorted(self.tables.items(), key=lambda pair: _is_reference(pair[1]))
             ],
             pictures=[(caption, b64encode(data).decode()) for caption, data in pictures.items()],
-            options=yaml.safe_dump({"study": {"name": self.name, **self.options}}, sort_keys=False),
+            options=write_yaml({"study": {"name": self.name, **self.options}}),
             configurations={
-                label or "configuration": yaml.safe_dump(configuration, sort_keys=False, allow_unicode=True)
+                label or "configuration": write_yaml(configuration)
                 for label, configuration in self.configurations.items()
             },
             versions="; ".join(f"{name.removesuffix('_version')} {attributes[name]}" for name in versions()),

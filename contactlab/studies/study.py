@@ -23,7 +23,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Self, final
 
 import numpy as np
-import yaml
 
 from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
@@ -31,7 +30,7 @@ from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
-from contactlab.results.yaml_text import read_yaml
+from contactlab.results.yaml_text import read_yaml, write_yaml
 from contactlab.studies.docstrings import question_in
 from contactlab.studies.tables import as_html, as_text, with_unit
 from contactlab.studies.task import TASKS, Part as Part, Progress as Progress, Setups as Setups, Task as Task
@@ -292,7 +291,7 @@ class Result:
     def of(cls, study: Study, setups: Setups, data: xarray.DataTree, details: Any = None) -> Result:
         """Return a result whose data say what they were made from, and by which code."""
         configurations = {label: setup.configuration for label, setup in setups.items()}
-        about = {STUDY: yaml.safe_dump({"name": study.name, **study.options}, sort_keys=False)}
+        about = {STUDY: write_yaml({"name": study.name, **study.options})}
         if [*configurations] == [""]:
             about["configuration"] = _as_yaml(configurations[""])
         elif configurations:
@@ -458,4 +457,4 @@ def plain(value: Any) -> Any:
 
 
 def _as_yaml(values: Mapping[str, Any]) -> str:
-    return str(yaml.safe_dump(values, sort_keys=False, allow_unicode=True))
+    return write_yaml(values)

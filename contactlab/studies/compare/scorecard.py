@@ -7,7 +7,6 @@ from typing import Any, Final, final
 
 import numpy as np
 import xarray
-from yaml import safe_dump
 
 from contactlab import metrics, variables
 from contactlab.config import Setup, build
@@ -16,6 +15,7 @@ from contactlab.metrics import VERDICTS, NotApplicableError, Run
 from contactlab.metrics.balances import SPENT, STORED
 from contactlab.refinement import LEVELS, Refinement
 from contactlab.results.netcdf import cf_attributes, to_datatree
+from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.statistics import PERIODIC, WITHOUT_CONTACT
 from contactlab.steady_state import NotSettledError, Steady, attractors
 from contactlab.steady_state.means import LONGEST, QUANTITIES, Means, means_of, motion_of, settled_soon
@@ -303,7 +303,7 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
         "kind": [law.means[-1].kind if law.means else NOT_KNOWN for law in laws],
         "run": [law.run.source for law in laws],
         "refined": [law.refined for law in laws],
-        "configuration": [safe_dump(dict(law.run.configuration), sort_keys=False) for law in laws],
+        "configuration": [write_yaml(dict(law.run.configuration)) for law in laws],
         "law_parameters": [str(law.run.attributes.get("law_parameters", "")) for law in laws],
         "contactlab_version": [str(law.run.attributes.get("contactlab_version", "")) for law in laws],
     }

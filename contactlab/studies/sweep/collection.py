@@ -16,7 +16,6 @@ from typing import Any, Final, final
 import numpy as np
 import pandas
 import xarray
-import yaml
 from numpy.typing import NDArray
 from xarray.indexes import PandasMultiIndex
 
@@ -31,6 +30,7 @@ from contactlab.progress import tell_progress
 from contactlab.results import files
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_digest
+from contactlab.results.yaml_text import write_yaml
 from contactlab.studies.run_state import RUNNING, Job, Status, is_as_left, is_of_other_code, read_state
 from contactlab.studies.sweep.dataset import (
     DATASET,
@@ -211,7 +211,7 @@ def _dataset(runs: Sequence[Run], metrics: Sequence[str]) -> xarray.Dataset:
     attributes = {
         "runs_of_other_code": others,
         "law": " ".join(sorted({str(each["law.name"]) for each in known if "law.name" in each})),
-        "configuration": yaml.safe_dump(nested(common), sort_keys=False, allow_unicode=True),
+        "configuration": write_yaml(nested(common)),
     }
     axes = parameters([run.job for run in runs], all(run.configured for run in runs))
     return dataset_of(axes, columns, attributes, samples=True)

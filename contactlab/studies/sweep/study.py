@@ -24,7 +24,6 @@ from typing import Any, ClassVar, Final, TypeAlias
 import numpy as np
 import pandas
 import xarray
-import yaml
 
 from contactlab.checks import check_kind, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
@@ -39,6 +38,7 @@ from contactlab.metrics import Run, assess
 from contactlab.processes import processors
 from contactlab.progress import part_of_progress, tell_progress
 from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
+from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.criterion import STEADY
 from contactlab.studies.run_state import INTERRUPTED, REFUSED, Job, State, Status, leave, write_state
 from contactlab.studies.runner import TASKS, Store, done_parts
@@ -220,7 +220,7 @@ def combined(plan: Plan, parts: Mapping[str, xarray.DataTree]) -> xarray.Dataset
     attributes: dict[str, Any] = {}
     if plan.bases != ({},):
         shown = plan.bases[0] if len(plan.bases) == 1 else list(plan.bases)
-        attributes["configuration"] = yaml.safe_dump(shown, sort_keys=False, allow_unicode=True)
+        attributes["configuration"] = write_yaml(shown)
     return dataset_of(
         plan.axes, columns, attributes, samples=plan.samples, series=outputs.kept, numbers=outputs.numbers
     )

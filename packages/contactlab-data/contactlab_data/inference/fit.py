@@ -29,7 +29,6 @@ from typing import Any, Final, Literal, final
 
 import numpy as np
 import xarray
-import yaml
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
@@ -37,6 +36,7 @@ from contactlab.driving import DEGREE
 from contactlab.estimate import Estimate
 from contactlab.laws.composed import label_of
 from contactlab.progress import part_of_progress
+from contactlab.results.yaml_text import write_yaml
 from contactlab.studies.compare.repeats import MARGIN, not_stated
 from contactlab.studies.law_study import NO_LAW
 from contactlab_data.inference.free_parameters import FreeParameter
@@ -185,7 +185,7 @@ def candidates_of(
         except ConfigurationError as error:
             faults += error.faults
             continue
-        configuration = yaml.safe_dump(setup.configuration, sort_keys=False, allow_unicode=True)
+        configuration = write_yaml(setup.configuration)
         origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
         notes = {
             "duplicates": [each.copies_warning() for each in of_impacts],

@@ -34,7 +34,7 @@ import yaml
 from contactlab import variables
 from contactlab.arrays import Array
 from contactlab.motor.table import MeasurementError, Table
-from contactlab.results.yaml_text import read_yaml
+from contactlab.results.yaml_text import read_yaml, write_yaml
 from contactlab.suggestion import excerpt, suggestion
 
 FORCES: Final = ("normal_force", "friction_force")
@@ -118,7 +118,7 @@ class MeasuredSeries:
                 data[f"{name}{ERROR}"] = ("time", self.errors[name], {"units": units, "long_name": long_name})
         data.attrs = dict(self.attributes)
         if self.configuration:
-            data.attrs["configuration"] = yaml.safe_dump(dict(self.configuration), sort_keys=False)
+            data.attrs["configuration"] = write_yaml(dict(self.configuration))
         return data
 
 
