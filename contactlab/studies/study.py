@@ -20,14 +20,14 @@ from functools import cache, cached_property
 from html import escape
 from inspect import get_annotations
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Self, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Self, final, get_origin
 
 import numpy as np
 import yaml
 
 from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, declared_fields
 from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
@@ -249,6 +249,21 @@ def _check_attributes(study: type[Study]) -> None:
             )
 
 
+def check_options(study: type[Study]) -> None:
+    """Refuse a class of which an option cannot be one of a command, by a TypeError."""
+    for name, field in declared_fields(study).items():
+        if field.parameter is None:
+            raise TypeError(
+                f"The option {name} of the study {study.name} is declared without a Parameter; it must be "
+                f"Annotated[..., option('what it is')]."
+            )
+        if any(get_origin(kind) is tuple for kind in field.kinds):
+            raise TypeError(
+                f"The option {name} of the study {study.name} is annotated {field.kind}; several values "
+                "must be a list[...]."
+            )
+
+
 def listing(quantities: Iterable[Variable], numbers: Mapping[str, Estimate]) -> str:
     """Return the quantities that are known as a sentence lists them: name, number and unit of each."""
     known = [q for q in quantities if np.isfinite(numbers[q.name].value)]
@@ -311,7 +326,13 @@ class Result:
     @cached_property
     def numbers(self) -> dict[str, Estimate]:
         """The named numbers with their errors."""
-        return self.study.numbers(self.data)
+        numbers = self.study.numbers(self.data)
+        if missing := [q.name for q in self.study.quantities if q.name not in numbers]:
+            raise ValueError(
+                f"The numbers of the study {self.study.name} are {', '.join(numbers) or 'none'} without "
+                f"{', '.join(missing)}; there must be one for each of its quantities."
+            )
+        return numbers
 
     @cached_property
     def tables(self) -> dict[str, pandas.DataFrame]:
@@ -329,6 +350,10 @@ class Result:
         return self.study.facts(self.data)
 
     def __getattr__(self, name: str) -> Any:
+        own = vars(type(self)).get(name)
+        if isinstance(own, property | cached_property):
+            # The study's method raised an AttributeError, which Python takes for a name that is not there.
+            return own.__get__(self)
         if name.startswith("_"):
             raise AttributeError(name)
         for named in (self.numbers, self.facts):
@@ -416,6 +441,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
 
     Raises:
         ValueError: two tasks have one key.
+        TypeError: a task returns no `Part`.
         WorkerError: a worker process died, or has other code.
         OSError: the folder cannot be written to.
         KeyboardInterrupt: as it comes; finished tasks are kept.
