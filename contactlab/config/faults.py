@@ -83,7 +83,8 @@ def place_of(error: BaseException) -> str:
 
     The frame is the innermost outside contactlab and the libraries, where there is one.
     """
-    if noted := [note for note in getattr(error, "__notes__", ()) if note.startswith(RAISED)]:
+    notes: list[str] = getattr(error, "__notes__", [])
+    if noted := [note for note in notes if note.startswith(RAISED)]:
         return noted[-1].removeprefix(RAISED)
     frames = [
         (frame.f_globals.get("__name__", ""), f"{Path(frame.f_code.co_filename).name}, line {line}")

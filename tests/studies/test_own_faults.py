@@ -1,4 +1,4 @@
-"""Faults of a study and a metric of one's own are told with their name and place."""
+"""Messages on faults of a study and a metric of one's own have their name and place."""
 
 from dataclasses import dataclass
 from pathlib import Path
