@@ -263,7 +263,7 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         raise unwritable(folder, error) from error
     except Exception as error:
         # An argument that is refused, or a result that physics does not have: no steady state, no orbit.
-        if is_sentence(error):
+        if isinstance(error, RuntimeError | ValueError) or is_sentence(error):
             with suppress(OSError):
                 folder.rmdir()
             status = INCOMPLETE if isinstance(error, RuntimeError) else REFUSED
