@@ -183,8 +183,18 @@ class Study(ABC):
         """Return the values of `quantities` with their errors."""
 
     def evaluate(self, setup: Setup) -> dict[str, Estimate]:
-        """Return the numbers for one setup alone: a sweep keeps nothing else of the study."""
-        return self(setup).numbers
+        """Return the numbers for one setup alone: a sweep keeps nothing else of the study.
+
+        Raises:
+            ValueError: one of `quantities` has none.
+        """
+        numbers = self(setup).numbers
+        if missing := [q.name for q in self.quantities if q.name not in numbers]:
+            raise ValueError(
+                f"The numbers of the study {self.name} are {', '.join(numbers) or 'none'} without "
+                f"{', '.join(missing)}; there must be one for each of its quantities."
+            )
+        return numbers
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the sentences that the result supports, the answer to the question first."""
@@ -326,13 +336,7 @@ class Result:
     @cached_property
     def numbers(self) -> dict[str, Estimate]:
         """The named numbers with their errors."""
-        numbers = self.study.numbers(self.data)
-        if missing := [q.name for q in self.study.quantities if q.name not in numbers]:
-            raise ValueError(
-                f"The numbers of the study {self.study.name} are {', '.join(numbers) or 'none'} without "
-                f"{', '.join(missing)}; there must be one for each of its quantities."
-            )
-        return numbers
+        return self.study.numbers(self.data)
 
     @cached_property
     def tables(self) -> dict[str, pandas.DataFrame]:

@@ -137,7 +137,7 @@ def test_what_the_methods_of_a_study_raise_is_what_its_result_raises() -> None:
     with pytest.raises(AttributeError, match="no_such_thing"):
         result.plot()
     with pytest.raises(ValueError, match=r"lacking.*speed"):
-        _ = result.speed
+        Lacking().evaluate(cl.build())
 
 
 @pytest.mark.parametrize("study", [Plain, Listed])
