@@ -27,6 +27,11 @@ def is_own(owner: Any) -> bool:
     return str(getattr(owner, "__module__", "")).partition(".")[0] == _PACKAGE
 
 
+def is_library(module: str) -> bool:
+    """Return whether a module is of this package or of a library that it is built on."""
+    return module.partition(".")[0] in _LIBRARIES
+
+
 def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
     """Return a digest of the sources that define classes and functions of other packages, empty without any.
 

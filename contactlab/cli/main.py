@@ -13,7 +13,7 @@ from contactlab.cli import terminal, verbs
 from contactlab.cli.arguments import HELP, refuse_repeated
 from contactlab.cli.terminal import INCOMPLETE, INTERRUPTED, MESSAGE, RefusalError, refuse
 from contactlab.packages import bringing
-from contactlab.studies.registry import SIMULATE, studies
+from contactlab.studies.registry import SIMULATE, studies, study_class
 from contactlab.suggestion import suggestion
 
 LISTING: Final = """\
@@ -73,6 +73,10 @@ def _perform(*line: str) -> int:
         with terminal.progress(1.0, "tasks"):
             from contactlab.cli.study import as_overrides, help_on
 
+        try:
+            study_class(verb)
+        except ValueError as error:
+            raise RefusalError(str(error)) from error
         if not HELP.isdisjoint(arguments):
             print(help_on(verb))
             return 0

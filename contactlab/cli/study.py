@@ -19,10 +19,12 @@ from contactlab.cli import terminal
 from contactlab.cli.arguments import refuse_dashed, refuse_repeated, table_of
 from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError, tell, unwritable
 from contactlab.config import ConfigurationError, Setup, build, compose
+from contactlab.config.faults import failure_of, is_sentence
 from contactlab.config.nesting import flat, quoted
 from contactlab.config.options import known_keys
 from contactlab.config.schema import FRICTION, KEYS
 from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.results.files import LOG
 from contactlab.studies.docstrings import paragraphs_in
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
@@ -243,11 +245,13 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         KeyboardInterrupt: with a sentence; finished tasks are kept.
         RefusalError: nothing can be written, or the result does not exist.
     """
+    from contactlab.studies.run_state import write_log
     from contactlab.studies.study import finish, run
 
     try:
         if notice := study.notice(setups):
             tell(notice, sys.stderr)
+        (folder / LOG).unlink(missing_ok=True)
         with terminal.progress(1.0, "tasks") as show, terminal.raising():
             result = run(study, setups, folder, show)
             files = finish(result, folder)
@@ -257,11 +261,16 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         ) from None
     except OSError as error:
         raise unwritable(folder, error) from error
-    # An argument that is refused, and a result that physics does not have: no steady state, no orbit.
-    except (RuntimeError, ValueError) as error:
-        with suppress(OSError):
-            folder.rmdir()
-        raise RefusalError(str(error), REFUSED if isinstance(error, ValueError) else INCOMPLETE) from error
+    except Exception as error:
+        # An argument that is refused, or a result that physics does not have: no steady state, no orbit.
+        if isinstance(error, RuntimeError | ValueError) or is_sentence(error):
+            with suppress(OSError):
+                folder.rmdir()
+            status = INCOMPLETE if isinstance(error, RuntimeError) else REFUSED
+            raise RefusalError(str(error), status) from error
+        write_log(folder, error)
+        text = f"{failure_of(error)} The traceback is in {folder / LOG}."
+        raise RefusalError(f"The study {study.name} failed. {text}", INCOMPLETE) from error
     tell(repr(result), sys.stdout)
     tell(f"Written to {folder}: {', '.join(files)}.", sys.stdout)
     return COMPLETE

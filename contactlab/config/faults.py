@@ -3,11 +3,16 @@
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from traceback import extract_tb
+from traceback import walk_tb
+from typing import Final
 
 from contactlab.config.groups import GROUPS
 from contactlab.config.options import known_keys
+from contactlab.foreign import is_library
 from contactlab.suggestion import suggestion
+
+RAISED: Final = "Raised in "
+"""Beginning of the note of an exception on its place."""
 
 
 class ConfigurationError(ValueError):
@@ -54,13 +59,39 @@ def one_line(error: BaseException) -> str:
 def failure_of(error: BaseException) -> str:
     """Return why a part of a study has no numbers, a sentence also where the exception has none."""
     text = " ".join(str(error).split())
-    if text.endswith((".", "?", "!")):
+    if is_sentence(error):
         return text
-    where = [f"{Path(each.filename).name}, line {each.lineno}" for each in extract_tb(error.__traceback__)]
     return (
         f"It raised an unexpected {type(error).__name__} ({text or 'without a message'}) in "
-        f"{where[-1] if where else 'an unknown place'}: a fault of contactlab or of the law's own code."
+        f"{place_of(error)}: a fault of contactlab or of code of yours."
     )
+
+
+def is_sentence(error: BaseException) -> bool:
+    """Return whether an exception says itself what must be otherwise; others are faults of some code."""
+    return isinstance(error, ValueError | RuntimeError | TypeError) and str(error).endswith((".", "?", "!"))
+
+
+def add_place(error: Exception, what: str) -> None:
+    """Note at an exception in what it was raised, and where: another process has no frames of it."""
+    if not is_sentence(error):
+        error.add_note(f"{RAISED}{place_of(error)}, {what}")
+
+
+def place_of(error: BaseException) -> str:
+    """Return where an exception was raised: as `add_place` has noted, or file and line.
+
+    The frame is the innermost outside contactlab and the libraries, where there is one.
+    """
+    notes: list[str] = getattr(error, "__notes__", [])
+    if noted := [note for note in notes if note.startswith(RAISED)]:
+        return noted[-1].removeprefix(RAISED)
+    frames = [
+        (frame.f_globals.get("__name__", ""), f"{Path(frame.f_code.co_filename).name}, line {line}")
+        for frame, line in walk_tb(error.__traceback__)
+    ]
+    foreign = [place for module, place in frames if not is_library(module)]
+    return (foreign or [place for _, place in frames] or ["an unknown place"])[-1]
 
 
 def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Callable, Container
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import entry_points
@@ -21,6 +20,7 @@ from warnings import warn
 
 import numpy as np
 
+from contactlab.config.faults import add_place
 from contactlab.metrics.run import NotApplicableError, Run
 
 if TYPE_CHECKING:
@@ -160,9 +160,14 @@ def measured(
     values = dict.fromkeys((key for key in catalogue if keys is None or key in keys), nan)
     with np.errstate(all="ignore"):
         for key in values:
-            with suppress(NotApplicableError):
+            try:
                 value = float(catalogue[key].measure(subject))
-                values[key] = value if isfinite(value) else nan
+            except NotApplicableError:
+                continue
+            except Exception as error:
+                add_place(error, f"the metric {key}")
+                raise
+            values[key] = value if isfinite(value) else nan
     return values
 
 

@@ -17,7 +17,7 @@ from contactlab.motor import Motor
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.steady_state.search import steady_setup
 from contactlab.studies.docstrings import entries_in, paragraphs_in, sections_in
-from contactlab.studies.study import WITHOUT_EFFECT, Result, Setups, Study
+from contactlab.studies.study import WITHOUT_EFFECT, Result, Setups, Study, check_options
 
 Put = tuple[Setups, dict[str, Any]]
 """What a study is put to: setups by label, and options that follow from the arguments."""
@@ -110,7 +110,11 @@ def function_of(
         name: of the function; that of the study.
         without: options that `arguments` gives.
         defaults: of options, where they differ from those of the class.
+
+    Raises:
+        TypeError: an option has no `Parameter`, or is a tuple.
     """
+    check_options(study)
     take = arguments or (of_setups if study.several else of_setup)
     first = signature(take, eval_str=True).parameters
     called = signature(study.__call__, locals={"Setup": Setup}, eval_str=True).parameters

@@ -51,7 +51,7 @@ def study_class(name: str) -> "type[Study]":
     """Return the class of a study.
 
     Raises:
-        ValueError: there is none of this name, or its package cannot be imported.
+        ValueError: there is none of this name, its package cannot be imported, or an option is not declared.
     """
     if name not in studies():
         raise ValueError(f"study is '{name}'; it must be one of {', '.join(sorted(studies()))}.")
@@ -60,6 +60,13 @@ def study_class(name: str) -> "type[Study]":
     # A module of another package may fail in any way.
     except Exception as error:
         raise ValueError(f"The study {name} cannot be imported: {type(error).__name__}: {error}") from error
+    # Imported here: the list of studies needs none.
+    from contactlab.studies.study import check_options
+
+    try:
+        check_options(study)
+    except TypeError as error:
+        raise ValueError(str(error)) from error
     return study
 
 

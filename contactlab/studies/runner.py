@@ -26,6 +26,7 @@ from urllib.parse import urlsplit
 
 import xarray
 
+from contactlab.checks import check_kind
 from contactlab.foreign import covered_sources, digest_of_sources, other_sources
 from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
@@ -137,6 +138,7 @@ def done_parts(
         if progress:
             progress(len(parts), parts.count)
         for key, part in _finished(study, pending):
+            check_kind(f"The study {study.name}: what its task {key!r} returns", part, Part)
             parts.put(key, store.write(key, part.data) if store else part)
             details = part.details if parts.count == 1 else None
             if progress:

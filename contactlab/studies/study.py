@@ -20,13 +20,13 @@ from functools import cache, cached_property
 from html import escape
 from inspect import get_annotations
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Self, final
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Self, final, get_origin
 
 import numpy as np
 
 from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
-from contactlab.parameter import Parameter
+from contactlab.parameter import Parameter, declared_fields
 from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
 from contactlab.results.provenance import code_attributes
@@ -182,8 +182,18 @@ class Study(ABC):
         """Return the values of `quantities` with their errors."""
 
     def evaluate(self, setup: Setup) -> dict[str, Estimate]:
-        """Return the numbers for one setup alone: a sweep keeps nothing else of the study."""
-        return self(setup).numbers
+        """Return the numbers for one setup alone: a sweep keeps nothing else of the study.
+
+        Raises:
+            ValueError: one of `quantities` has none.
+        """
+        numbers = self(setup).numbers
+        if missing := [q.name for q in self.quantities if q.name not in numbers]:
+            raise ValueError(
+                f"The numbers of the study {self.name} are {', '.join(numbers) or 'none'} without "
+                f"{', '.join(missing)}; there must be one for each of its quantities."
+            )
+        return numbers
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the sentences that the result supports, the answer to the question first."""
@@ -245,6 +255,21 @@ def _check_attributes(study: type[Study]) -> None:
             raise TypeError(
                 f"{study.__name__}.{name} is no attribute of a study; it must be one of "
                 f"{', '.join(attributes)}, an annotated option, or begin with an underscore."
+            )
+
+
+def check_options(study: type[Study]) -> None:
+    """Refuse a class of which an option cannot be one of a command, by a TypeError."""
+    for name, field in declared_fields(study).items():
+        if field.parameter is None:
+            raise TypeError(
+                f"The option {name} of the study {study.name} is declared without a Parameter; it must be "
+                f"Annotated[..., option('what it is')]."
+            )
+        if any(get_origin(kind) is tuple for kind in field.kinds):
+            raise TypeError(
+                f"The option {name} of the study {study.name} is annotated {field.kind}; several values "
+                "must be a list[...]."
             )
 
 
@@ -328,6 +353,10 @@ class Result:
         return self.study.facts(self.data)
 
     def __getattr__(self, name: str) -> Any:
+        own = vars(type(self)).get(name)
+        if isinstance(own, property | cached_property):
+            # The study's method raised an AttributeError, which Python takes for a name that is not there.
+            return own.__get__(self)
         if name.startswith("_"):
             raise AttributeError(name)
         for named in (self.numbers, self.facts):
@@ -415,6 +444,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
 
     Raises:
         ValueError: two tasks have one key.
+        TypeError: a task returns no `Part`.
         WorkerError: a worker process died, or has other code.
         OSError: the folder cannot be written to.
         KeyboardInterrupt: as it comes; finished tasks are kept.

@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final, final
 
+from contactlab.config.faults import add_place
+
 if TYPE_CHECKING:
     import xarray
 
@@ -54,4 +56,8 @@ class Task:
 
     def __call__(self) -> Part:
         """Do it."""
-        return self.function(*self.arguments)
+        try:
+            return self.function(*self.arguments)
+        except Exception as error:
+            add_place(error, f"the task {self.key!r}")
+            raise
