@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Container
-from contextlib import suppress
+from collections.abc import Callable, Container, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import entry_points
@@ -21,7 +21,7 @@ from warnings import warn
 
 import numpy as np
 
-from contactlab.metrics.run import NotApplicableError, Run
+from contactlab.metrics.run import NotApplicableError, Run, UnknownVariableError
 
 if TYPE_CHECKING:
     import xarray
@@ -153,6 +153,15 @@ invariant, without_records = partial(metric, invariant=True), partial(metric, ne
 of_steps = partial(metric, catalogue=STEP_METRICS)
 
 
+@contextmanager
+def _warned_of(key: str) -> Iterator[None]:
+    """Warn where a metric asks for a variable that no dataset has."""
+    try:
+        yield
+    except UnknownVariableError as error:
+        warn(f"The metric {key} asks for {error}", RuntimeWarning, stacklevel=3)
+
+
 def measured(
     catalogue: dict[str, Metric], subject: object, keys: Container[str] | None = None
 ) -> dict[str, float]:
@@ -160,7 +169,7 @@ def measured(
     values = dict.fromkeys((key for key in catalogue if keys is None or key in keys), nan)
     with np.errstate(all="ignore"):
         for key in values:
-            with suppress(NotApplicableError):
+            with suppress(NotApplicableError), _warned_of(key):
                 value = float(catalogue[key].measure(subject))
                 values[key] = value if isfinite(value) else nan
     return values
