@@ -24,7 +24,7 @@ class HertzPenalty(PenaltyLaw):
 
     Elastic: the normal direction loses nothing, V = 2/5 K max(-g, 0)^(5/2). Exactly one of stiffness and tip
     radius is given; the other way round the stiffness is that of steel on a rotor (`on_rotor`). The
-    composed law, the same to round-off, takes any other friction in the place of `coulomb`.
+    composed law takes any other friction in the place of `coulomb`.
     """
 
     name = "hertz_penalty"
