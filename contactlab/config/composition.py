@@ -33,6 +33,7 @@ from contactlab.config.options import (
     help_on_keys,
     known_keys,
 )
+from contactlab.laws.registry import part_named
 from contactlab.quantity import describe
 from contactlab.results.yaml_text import check_expansion
 from contactlab.suggestion import suggestion
@@ -345,7 +346,8 @@ def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
             return error.faults
         case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
-            hint = suggestion(option, error.options)
+            hint = part_named(option) if group == "law" else ""
+            hint = hint or suggestion(option, error.options)
             return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}".rstrip()]
         case errors.OverrideParseException():
             return [f"{error.override} cannot be read; it must be KEY=VALUE, brackets and quotes closed."]

@@ -3,7 +3,7 @@
 Arguments with a default are parameters, all others quantities of the contact, by the names that kernels
 have, see `contactlab.laws.base`. What a class declares is derived: the stored energy is the integral of the
 force over the depth at rest, the loss the power of what the force has beyond that at rest, stiffness and
-slope are differences. What only runs tell, `contactlab.testing.declare` declares.
+slope are differences of the force at rest. What only runs tell, `contactlab.testing.declare` declares.
 """
 
 from collections.abc import Callable, Mapping
@@ -41,6 +41,9 @@ QUANTITIES: Final = {
 
 CLASSES: Final = {"normal": "NormalForce, PenaltyLaw or MultiplierLaw", "friction": "Friction"}
 """The classes of `contactlab.laws` that do what a bare function of a family cannot."""
+
+SMALL: Final = 1e-150, 1e-140
+"""Slips [m/s] between which a force that jumps at zero does not change; their squares are numbers."""
 
 STATES: Final = [*product((2.0**-10, 0.125, 1.0, 8.0, 2.0**10), (1e-6, 1e-4, 1e-2, 0.1, 1.0, 10.0))]
 """Normal forces [N], which divide without round-off, and slips [m/s] of the checks of a new friction."""
@@ -90,6 +93,10 @@ class Bare:
 
     text: ClassVar[str]
     """Source text of the function."""
+    bare_label: ClassVar[str]
+    """What messages call the function: its name, or its text where it has none."""
+    bare_arguments: ClassVar[frozenset[str]]
+    """Arguments of the function."""
 
     def declaring(self, declared: Mapping[str, Any]) -> Any:
         """Return the part with other declarations."""
@@ -127,9 +134,9 @@ def normal_force(function: Callable[..., float], /, **parameters: float) -> Norm
     for depth in np.geomspace(1e-9, 1e-6, 31).tolist():
 
         def stored(gap: float) -> float:
-            return float(part.evaluate(word, **at_once, depth=-gap, gap=gap)[1])
+            return float(_evaluated(part, word, {**at_once, "depth": -gap, "gap": gap})[1])
 
-        force = float(part.evaluate(word, **at_once, depth=depth, gap=-depth)[0])
+        force = float(_evaluated(part, word, {**at_once, "depth": depth, "gap": -depth})[0])
         claim = loss_is_not_stored(stored, (force, 0.0), -depth, 1.0, NUDGE * depth, ROUGHLY)
         # Where its domain ends the run says so.
         if isfinite(force) and not claim.true:
@@ -164,12 +171,19 @@ def friction(function: Callable[..., float], /, **parameters: float) -> Friction
     _own_parameters(function, "friction", parameters)
 
     part: Friction = _class_of_friction(function, False)(**parameters)
+    # The slip of contacts that stick.
+    _bound_at(part, 1.0, 0.0)
     results = np.array([[_bound_at(part, normal, v) for v in (slip, -slip)] for normal, slip in STATES])
     round_off = ROUND_OFF * np.abs(results).sum(axis=1)
     if (np.abs(results[:, 0] - results[:, 1]) <= round_off).all() and (results >= 0.0).all():
         return part
     if (np.abs(results[:, 0] + results[:, 1]) <= round_off).all():
         odd: Friction = _class_of_friction(function, True)(**parameters)
+        least, less = (_bound_at(odd, 1.0, slip) for slip in SMALL)
+        if least > 0.5 * less:
+            raise ValueError(
+                f"{_label(function)} jumps at v = 0: leave out the sign and return the magnitude, a bound."
+            )
         return odd
     raise ValueError(
         f"{_label(function)} is neither odd in the slip, as a force, nor even and not negative, as a bound. "
@@ -180,7 +194,19 @@ def friction(function: Callable[..., float], /, **parameters: float) -> Friction
 def _bound_at(part: Friction, normal: float, slip: float) -> float:
     """Return the kernel bound [N] at a normal force [N] and a slip [m/s]."""
     here = {"normal": normal, "slip": slip, "depth": 1e-6, "gap": -1e-6}
-    return float(part.evaluate("bound", **dict.fromkeys(QUANTITIES["friction"], 0.0) | here))
+    return float(_evaluated(part, "bound", dict.fromkeys(QUANTITIES["friction"], 0.0) | here))
+
+
+def _evaluated(part: Any, kernel: str, state: Mapping[str, float]) -> Any:
+    """Return what a kernel gives at a state; a ValueError names function and state where that raises."""
+    try:
+        return part.evaluate(kernel, **state)
+    # The function is somebody else's.
+    except Exception as error:
+        where = ", ".join(
+            f"{name} = {value:g}" for name, value in state.items() if name in part.bare_arguments
+        )
+        raise ValueError(f"{part.bare_label} raises {type(error).__name__} ({error}) at {where}.") from error
 
 
 def _largest_ratio(part: Friction) -> float:
@@ -274,8 +300,11 @@ def _class(function: Any, base: type, members: Mapping[str, Any]) -> Any:
             hints[parameter] = Annotated[float, FRICTION_COEFFICIENT if parameter == SHARED else number]
             defaults[parameter] = float(argument.default)
     texts = {"name": name, "equation": text, "source": "a bare function", "text": text}
+    facts = {"bare_label": _label(function), "bare_arguments": frozenset(signature(function).parameters)}
     places = {"__module__": _module_of(function), "__qualname__": f"{name}[{text}]", "__annotations__": hints}
-    return dataclass(frozen=True)(type(name, (Bare, base), {**texts, **members, **defaults, **places}))
+    return dataclass(frozen=True)(
+        type(name, (Bare, base), {**texts, **facts, **members, **defaults, **places})
+    )
 
 
 def _label(function: Any) -> str:

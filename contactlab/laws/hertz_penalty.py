@@ -20,10 +20,11 @@ TIP_RADIUS = positive("r", "m", "radius of the tip", hint=LEFT_OUT)
 @final
 @dataclass(frozen=True)
 class HertzPenalty(PenaltyLaw):
-    """Hertz point contact with Coulomb friction and tangentially rigid stick: a composition that has a name.
+    """Hertz point contact, Coulomb friction: `law=composed law/normal=hertz_point law/friction=coulomb`.
 
     Elastic: the normal direction loses nothing, V = 2/5 K max(-g, 0)^(5/2). Exactly one of stiffness and tip
-    radius is given; the other way round the stiffness is that of steel on a rotor (`on_rotor`).
+    radius is given; the other way round the stiffness is that of steel on a rotor (`on_rotor`). The
+    composed law takes any other friction in the place of `coulomb`.
     """
 
     name = "hertz_penalty"

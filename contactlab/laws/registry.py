@@ -133,6 +133,13 @@ def origin_of(name: str, family: str = "") -> Origin:
     raise ValueError(f"{text} {suggestion(name, known)}".rstrip())
 
 
+def part_named(name: str) -> str:
+    """Return how a composed law has the part of a name, a sentence; empty where no part has it."""
+    families = [family for family in PARTS if name in law_names(family)]
+    ways = [f"a {_KINDS[each][0]}: law=composed law/{each}={name}" for each in families]
+    return f"{name} is {', and '.join(ways)}." if ways else ""
+
+
 @cache
 def class_of(name: str, family: str = "") -> type[Declared]:
     """Return the class of a law or part, importing it alone, or say in a ValueError what is wrong with it."""

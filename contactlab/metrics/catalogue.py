@@ -21,7 +21,7 @@ from warnings import warn
 import numpy as np
 
 from contactlab.config.faults import add_place
-from contactlab.metrics.run import NotApplicableError, Run
+from contactlab.metrics.run import NotApplicableError, Run, UnknownVariableError
 
 if TYPE_CHECKING:
     import xarray
@@ -162,6 +162,9 @@ def measured(
         for key in values:
             try:
                 value = float(catalogue[key].measure(subject))
+            except UnknownVariableError as error:
+                warn(f"The metric {key} asks for {error}", RuntimeWarning, stacklevel=2)
+                continue
             except NotApplicableError:
                 continue
             except Exception as error:

@@ -35,7 +35,7 @@ from contactlab.results.netcdf import (
     period_in,
 )
 from contactlab.settling.verdict import Settling, drive_period, settling_of
-from contactlab.suggestion import excerpt
+from contactlab.suggestion import excerpt, suggestion
 from contactlab.trajectory import Trajectory
 from contactlab.variables import Variable
 
@@ -50,10 +50,25 @@ class NotApplicableError(Exception):
     """A dataset lacks what a metric needs."""
 
 
+class UnknownVariableError(NotApplicableError):
+    """A metric asks for a variable that no dataset has."""
+
+
 def needed(condition: object) -> None:
     """Raise `NotApplicableError` unless a metric has what it needs."""
     if not condition:
         raise NotApplicableError
+
+
+def _missing(name: str, kind: str, known: Iterable[Variable]) -> NotApplicableError:
+    """Return what a variable is missing as: of this run, or known to no dataset."""
+    names = [variable.name for variable in known]
+    # Names that laws, electrodes and points give are those of one motor.
+    if name in names or name.startswith((variables.INTERNAL, variables.POINT, "charge_", "current_")):
+        return NotApplicableError()
+    return UnknownVariableError(
+        f"{name!r}, a {kind} that no dataset has. {suggestion(name, names, 'There are ' + ', '.join(names))}"
+    )
 
 
 def positive(scale: float) -> float:
@@ -167,7 +182,10 @@ class Run:
 
     def series(self, name: str) -> Array:
         """Return a series over time, all of it finite."""
-        needed(self.holds(name))
+        if not self.holds(name):
+            raise _missing(
+                name, "series", (variables.TIME, variables.CONTACT_MODE, variables.BEARING, *variables.SERIES)
+            )
         return self._numbers(self.columns[name])
 
     def gain(self, name: str, span: slice = slice(None)) -> float:
@@ -177,7 +195,8 @@ class Run:
 
     def contacts(self, name: str) -> Array:
         """Return a column of the contacts, at least one; only gap rates may be missing, of those cut."""
-        needed(self.touches(name))
+        if not self.touches(name):
+            raise _missing(name, "column of contacts", (*variables.CONTACTS, *variables.IMPACTS))
         return self._numbers(self.rows[name], may_miss=name in ("approach_velocity", "separation_velocity"))
 
     def whole_contacts(self, name: str) -> Array:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.laws import ContactLaw
+from contactlab.laws.bare import Bare
 from contactlab.laws.base import RATE_DEPENDENT, NormalForce, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.consistency import ACCURATELY, TINY, stiffness_is_a_derivative
@@ -68,9 +69,13 @@ def scales_with_units(bench: Bench) -> Claims:
     """In other units of length, mass and time the kernels give the same answers, in those units.
 
     Every number has the units that are declared of it: a stiffness of a power that is not the declared one,
-    or a constant with a dimension inside a kernel, does not fit.
+    or a constant with a dimension inside a kernel, does not fit. The parameters of a bare function have no
+    units to be changed, so that nothing is claimed of a law that has some.
     """
     law, worst = bench.law, Worst()
+    if any(isinstance(part, Bare) for part in getattr(law, "parts", ())):
+        yield at_most("not asked: the parameters of a bare function cannot declare units", 0, 0)
+        return
     other = _in_other_units(law)
     pairs = zip(_named_outputs(other, bench, scaled=True), _named_outputs(law, bench), strict=True)
     for (values, _), (expected, kind) in pairs:
@@ -80,7 +85,10 @@ def scales_with_units(bench: Bench) -> Claims:
 
 
 def part_says_its_stiffness(bench: Bench) -> Claims:
-    """A normal force's stiffness and slope are the derivatives of its force and stiffness by the depth."""
+    """A normal force's stiffness and slope are the derivatives of its force and stiffness by the depth.
+
+    Those of a bare function are of its force at rest, and asked for there.
+    """
     law, worst = bench.law, Worst()
     if not isinstance(law, Composed):
         return
@@ -89,6 +97,7 @@ def part_says_its_stiffness(bench: Bench) -> Claims:
     names = [item.name for item in part.internal_variables]
     for gap, rate, _, _, kept in states_of(bench):
         depth, z = -gap, kept[count:].copy()
+        rate = 0.0 if isinstance(part, Bare) else rate
         known: dict[str, Any] = {"gap_rate": rate, "depth_rate": -rate, "slip": 0.0, "impact_speed": 0.0}
         known |= {"z": z, **dict(zip(names, z.tolist(), strict=True))}
         worst.add(*stiffness_is_a_derivative(part, depth, known, ACCURATELY))

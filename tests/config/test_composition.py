@@ -40,6 +40,8 @@ def test_a_text_is_no_list_of_overrides() -> None:
     [
         ("law=rubber", "law"),
         ("law=newtn", "newton"),
+        ("law=stribeck", "law=composed law/friction=stribeck"),
+        ("law.friction=stribeck", "law=composed"),
         ("rotor.inertai=1", "rotor.inertia"),
         ("um", "um"),
         ("solver.duration=[1", "solver.duration"),

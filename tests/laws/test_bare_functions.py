@@ -99,6 +99,19 @@ def test_a_law_with_what_is_found_keeps_its_contract() -> None:
     assert [name for name in PROPERTIES if not all(claim.holds for claim in check(bench, name))] == []
 
 
+def test_a_bare_law_is_held_to_no_units_and_to_its_stiffness_at_rest() -> None:
+    # The first example of the page.
+    law = cl.law(lambda depth, depth_rate, stiffness=1e7, c=0.1: stiffness * depth * (1 + c * depth_rate))
+    bench = Bench(law)
+    for name in ("scales_with_units", "part_says_its_stiffness"):
+        assert all(claim.holds for claim in check(bench, name))
+
+
+def test_what_a_function_raises_names_it_and_the_state() -> None:
+    with pytest.raises(ValueError, match=r"divided .*ZeroDivisionError.*normal = .*slip = "):
+        cl.friction(divided)
+
+
 def test_a_law_of_classes_declares_itself() -> None:
     with pytest.raises(TypeError, match="composed"):
         declare(cl.Composed())
@@ -135,6 +148,14 @@ def one_sided(normal: float, slip: float) -> float:
     return normal if slip > 0.0 else -2.0 * normal
 
 
+def jumping(normal: float, slip: float, mu: float = 0.3) -> float:
+    return -mu * normal * np.sign(slip) / (1.0 + abs(slip))
+
+
+def divided(normal: float, slip: float) -> float:
+    return normal / (slip - slip)
+
+
 @pytest.mark.parametrize(
     ("make", "error", "named"),
     [
@@ -147,6 +168,7 @@ def one_sided(normal: float, slip: float) -> float:
         (lambda: cl.law(cl.Newton), TypeError, "Newton"),
         (lambda: cl.law(3), TypeError, "3"),
         (lambda: cl.friction(one_sided), ValueError, "bounds"),
+        (lambda: cl.friction(jumping), ValueError, "magnitude"),
         (lambda: cl.friction(lambda normal, age: normal * age), ValueError, "age"),
         (lambda: cl.friction(cone, mu=0.2), TypeError, "mu"),
     ],

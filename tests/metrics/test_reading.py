@@ -2,13 +2,15 @@
 
 from math import isnan, nan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import xarray
 from support.plausibility_trees import TIME, contacts, series, tree
 
-from contactlab.metrics import METRICS, assess, read_run
+from contactlab.metrics import METRICS, Run, assess, metric, read_run
+from contactlab.metrics.catalogue import measured
 
 
 def saved(dataset: xarray.DataTree, folder: Path) -> Path:
@@ -67,6 +69,20 @@ def test_any_variable_may_be_missing(name: str) -> None:
 )
 def test_attributes_that_say_nothing_make_metrics_not_applicable(attributes: dict[str, object]) -> None:
     assert list(assess(read_run(tree(**attributes)))) == list(METRICS)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("measure", "near"),
+    [
+        (lambda run: run.gain("rotor_speed"), "rotor_velocity"),
+        (lambda run: run.contacts("durations")[0], "duration"),
+    ],
+)
+def test_a_name_that_no_dataset_has_is_told_with_its_metric(measure: Any, near: str) -> None:
+    own: dict[str, Any] = {}
+    metric("x", "of a wrong name", catalogue=own, key="mistaken")(measure)
+    with pytest.warns(RuntimeWarning, match=f"mistaken.*{near}"):
+        assert isnan(measured(own, Run.of(tree()))["mistaken"])
 
 
 def test_a_gap_in_a_series_makes_what_needs_it_not_applicable() -> None:
