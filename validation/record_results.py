@@ -174,7 +174,7 @@ def result_of(item: Item) -> xarray.DataTree:
     """Compute an item by the package."""
     study, options = item["id"].partition("/")[0], item.get("options", {})
     if "data" in item:
-        laws = {"laws": [cl.law(name) for name in item["laws"]]} if "laws" in item else {}
+        laws = {"setups": [cl.law(name) for name in item["laws"]]} if "laws" in item else {}
         data: xarray.DataTree = getattr(cl, study)(data=data_file(item["data"]), **laws, **options).data
         return data
     text = item["overrides"]
