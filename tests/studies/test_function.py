@@ -1,17 +1,15 @@
 """The Python function of a study has signature and docstring of its declaration."""
 
-import re
 from dataclasses import dataclass
-from inspect import Parameter as Argument, signature
+from inspect import signature
 from typing import Annotated, Any, ClassVar
 
 import pytest
 import xarray
+from support.study_functions import assert_options_are_arguments
 
 import contactlab as cl
-from contactlab.parameter import declared_fields
 from contactlab.studies import Part, Study, Task, function_of
-from contactlab.studies.docstrings import entries_in
 from contactlab.studies.function import of_laws
 
 OF_ARGUMENTS = {"basins": {"over"}, "branch": {"over"}, "compare": {"runs"}}
@@ -19,14 +17,11 @@ OF_ARGUMENTS = {"basins": {"over"}, "branch": {"over"}, "compare": {"runs"}}
 
 FUNCTIONS: dict[str, type[Study]] = {
     "basins": cl.Basins,
-    "bench": cl.Bench,
     "branch": cl.Branch,
     "characterise": cl.Characterise,
     "compare": cl.Compare,
     "converged": cl.Steady,
-    "fit": cl.Fit,
     "steady": cl.Steady,
-    "validate": cl.Validate,
 }
 
 
@@ -66,28 +61,7 @@ def echo_of(length: float) -> Part:
 
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_every_option_is_an_argument_with_its_meaning_bounds_and_default(name: str) -> None:
-    function = getattr(cl, name)
-    arguments, text = signature(function).parameters, function.__doc__
-    fields = declared_fields(FUNCTIONS[name])
-    assert {*arguments} >= {*fields, "output", "progress"} - OF_ARGUMENTS.get(name, set())
-    assert OF_ARGUMENTS.get(name, set()).isdisjoint(arguments)
-    lines = " ".join(text.split())
-    for option, field in fields.items():
-        if option in arguments:
-            assert f" {option}: {field.parameter.meaning}" in lines
-            assert field.parameter.range in lines
-            assert arguments[option].kind is Argument.KEYWORD_ONLY
-            assert arguments[option].annotation == field.kind
-            assert arguments[option].default == field.default or (name, option) == ("steady", "refine")
-    assert function.__name__ == name
-    assert all(f"\n{section}:\n" in text for section in ("Args", "Returns", "Raises"))
-
-
-def test_every_argument_is_described() -> None:
-    for name in FUNCTIONS:
-        described = entries_in(getattr(cl, name).__doc__).values()
-        names = {each for entry in described for each in re.split(r"\W+", entry.partition(":")[0])}
-        assert {*signature(getattr(cl, name)).parameters} == names - {""}
+    assert_options_are_arguments(name, FUNCTIONS[name], OF_ARGUMENTS.get(name, set()))
 
 
 def test_the_function_of_ones_own_study_takes_a_setup_and_the_options() -> None:
