@@ -11,7 +11,7 @@ from contactlab.studies.docstrings import entries_in
 
 
 def assert_options_are_arguments(name: str, study: type[Study], others: Set[str] = frozenset()) -> None:
-    """The options but `others` are arguments with meaning, bounds and default, and every argument is described.
+    """Options but `others` are arguments with meaning, bounds and default, and every argument is described.
 
     Args:
         name: of the function of contactlab.
