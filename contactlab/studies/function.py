@@ -12,6 +12,7 @@ from typing import Annotated, Any, Final, get_args, get_origin
 
 from contactlab.checks import check_kind, checked_arguments
 from contactlab.config import Setup, build
+from contactlab.engine.defaults import default_contact_step
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import DeclaredField, declared_fields
@@ -72,8 +73,12 @@ def of_laws(
         setups: laws, or setups that have them: one or several, by label if they have any. A law stands for
             the default motor under it.
     """
-    every = by_label(setups, Setup | ContactLaw)
-    return {x: replace(build(), law=y) if isinstance(y, ContactLaw) else y for x, y in every.items()}, {}
+    every, default = by_label(setups, Setup | ContactLaw), build()
+    for label, each in every.items():
+        if isinstance(each, ContactLaw):
+            step = default_contact_step(default.motor, each, default.duration)
+            every[label] = replace(default, law=each, contact_step=step)
+    return every, {}
 
 
 def by_label(every: Any, kind: Any) -> dict[str, Any]:

@@ -94,3 +94,9 @@ def test_several_setups_have_labels_of_their_own_or_numbers() -> None:
     assert of_law.__name__ == "of_law"
     with pytest.raises(TypeError, match="setups"):
         echoes([setup, cl.Newton()])
+
+
+def test_a_law_stands_for_the_default_motor_under_it() -> None:
+    for law in (cl.Newton(), cl.HertzPenalty()):
+        of_law, built = of_laws(law)[0][""], cl.build([f"law={law.name}"])
+        assert (of_law.contact_step, of_law.tolerance) == (built.contact_step, built.tolerance)
