@@ -10,6 +10,7 @@ digits are the same, `different` one under which they are not.
 """
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from hashlib import sha256
@@ -118,12 +119,18 @@ def state_of(section: Mapping[str, Any], root: Path = ROOT) -> str:
     return next((state for state in (CHECKED, DIFFERENT) if section.get(state) == now), OLDER)
 
 
+TIMES: Final = re.compile(r"[\d.]+(?= ms\b| times\b)")
+"""Times and their ratios in a text."""
+
+
 def same(a: Any, b: Any) -> bool:
     """Return whether two results have the same digits; errors of numbers and times are left out."""
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(is_apart(k) or same(a[k], b[k]) for k in a)
     if isinstance(a, list) and isinstance(b, list):
         return len(a) == len(b) and all(map(same, a, b))
+    if isinstance(a, str) and isinstance(b, str):
+        return TIMES.sub("", a) == TIMES.sub("", b)
     numbers = isinstance(a, float) and isinstance(b, float)
     return isclose(a, b, rel_tol=SAME, abs_tol=1e-15) if numbers else bool(a == b)
 

@@ -420,3 +420,9 @@ def test_an_origin_of_a_number_is_checked(
 )
 def test_a_number_of_a_page_is_compared_to_its_digits(text: str, number: float, same: bool) -> None:
     assert listed_numbers.Literal(text).is_of(number) == same
+
+
+def test_times_in_a_text_are_no_digits_of_a_result() -> None:
+    finding = "2 of 3 agree; it takes 57.9 ms, 1.15 times as much as a run of 3 rad/s"
+    assert results_store.same(finding, finding.replace("57.9", "90").replace("1.15", "0.7"))
+    assert not results_store.same(finding, finding.replace("3 rad/s", "4 rad/s"))
