@@ -261,6 +261,7 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         ) from None
     except OSError as error:
         raise unwritable(folder, error) from error
+    # The code of a study of somebody else may fail in any way.
     except Exception as error:
         # An argument that is refused, or a result that physics does not have: no steady state, no orbit.
         if isinstance(error, RuntimeError | ValueError) or is_sentence(error):

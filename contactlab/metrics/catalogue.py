@@ -167,6 +167,7 @@ def measured(
                 continue
             except NotApplicableError:
                 continue
+            # A metric of somebody else may fail in any way; it goes on to who can say so.
             except Exception as error:
                 add_place(error, f"the metric {key}")
                 raise

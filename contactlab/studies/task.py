@@ -58,6 +58,7 @@ class Task:
         """Do it."""
         try:
             return self.function(*self.arguments)
+        # A study of somebody else may fail in any way; it goes on to who can say so.
         except Exception as error:
             add_place(error, f"the task {self.key!r}")
             raise
