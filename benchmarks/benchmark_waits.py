@@ -31,6 +31,8 @@ COMMANDS = {
     "collect of these": ["-m", "contactlab", "collect", "jobs"],
     "2000 runs of 2 ms, metrics": ["-m", "contactlab", "-m", "drive.phase=linspace(-1,1,2000)",
                                    "sweep.keep=metrics", "solver.duration=2e-3", "sweep.workers=1"],
+    "compare, at most 8 draws": ["-m", "contactlab", "compare", "law=newton,hertz_penalty", "samples=8",
+                         "output=comparison"],
 }  # fmt: skip
 
 LAWS = ("hertz_penalty", "lagrange_stick", "newton")
@@ -48,6 +50,10 @@ def rows() -> dict[str, list[str]]:
             result[f"{times} motor seconds, {law}"] = ["-c", MOTOR.format(law=law) + second]
         dense = RUN.format(duration=0.2, interval=1e-6, times=1)
         result[f"0.2 s at 1 us, {law}"] = ["-c", MOTOR.format(law=law) + dense]
+        for times in (0, 500):
+            brief = RUN.format(duration=2e-3, interval=2e-3, times=times)
+            result[f"{times} runs of 2 ms, {law}"] = ["-c", MOTOR.format(law=law) + brief]
+    for law in (*LAWS, "lagrange_slip"):
         for times in (0, 20):
             states = f"[cl.steady(s) for _ in range({times})]"
             result[f"{times} steady states, {law}"] = ["-c", MOTOR.format(law=law) + states]
@@ -55,12 +61,12 @@ def rows() -> dict[str, list[str]]:
 
 
 def seconds(python: str, name: str, arguments: list[str], folder: str) -> float:
-    """Return the processor time of a process [s]; a sweep is run anew."""
+    """Return the processor time of a process [s]; a sweep or a comparison is run anew."""
     environment = dict(os.environ)
     if name.startswith("first run"):
         environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=folder)
-    if name.startswith(("10 jobs", "2000 runs")):
-        subprocess.run(["rm", "-rf", "jobs", "multirun"], cwd=folder, check=True)
+    if name.startswith(("10 jobs", "2000 runs", "compare")):
+        subprocess.run(["rm", "-rf", "jobs", "multirun", "comparison"], cwd=folder, check=True)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(
         [python, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
