@@ -105,7 +105,7 @@ def step_flight(run: Run, law: Law) -> int:
     state.length = h
     # The motion at the end is exact; all that follows is what happens on the way to it.
     build_level(run.plant, run.propagator, level)
-    free_response(run, level, LAST)
+    free_response(run, level)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
     last_limit, last_limit_rate = limit_at(run, law, law.memory, h, (gap, rate, slip))
     gap -= last_limit

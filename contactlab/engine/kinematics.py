@@ -12,6 +12,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import Lanes, fill, load, store, total_of
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, modes_of
 from contactlab.engine.propagator import BY_RECORD
@@ -31,7 +32,7 @@ from contactlab.engine.state import (
     Run,
     value_at,
 )
-from contactlab.motor.geometry import contact_frame
+from contactlab.motor.geometry import contact_frame, contact_frames
 
 Tip = tuple[float, float, float, float, float]
 """u [m], th [rad], their rates, and -R Omega [m/s]."""
@@ -65,6 +66,34 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
         u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
     )
     # Eq. 1.10; positive where the gap opens, and where the tip runs ahead of the rotor's surface.
+    rate = n_u * u_rate + n_th * th_rate
+    return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
+
+
+@part_kernel
+def tip_motions(plant: Plant) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes]:
+    """Return the tip's motion at all nodes."""
+    u, th, u_rate, th_rate, rotor = fill(0.0), fill(0.0), fill(0.0), fill(0.0), fill(0.0)
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        q, v = load(mode.q), load(mode.v)
+        u = u + mode.row_u * q
+        th = th + mode.row_th * q
+        u_rate = u_rate + mode.row_u * v
+        th_rate = th_rate + mode.row_th * v
+        rotor = rotor + mode.row_r * v
+    return u, th, u_rate, th_rate, rotor
+
+
+@part_kernel
+def contacts_of(
+    plant: Plant, u: Lanes, th: Lanes, u_rate: Lanes, th_rate: Lanes, rotor: Lanes
+) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]:
+    """Return the contacts of a motion of the tip at each node, as `contact_of`."""
+    of = plant.geometry
+    gap, n_u, n_th, t_u, t_th = contact_frames(
+        u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
+    )
     rate = n_u * u_rate + n_th * th_rate
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 
@@ -296,7 +325,7 @@ def _add_near(run: Run, level: int, j: int, i: int, origin: int, place: int) -> 
         for k in range(plant.tone_count):
             if plant.phasors[j, k].near != 0:
                 part = run.propagator.driven[level, j, k].part
-                _add_driven(plant, j, k, origin, place, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
+                _add_driven(plant, j, k, origin, place, (part[0, i], part[1, i], part[2, i], part[3, i]))
 
 
 @inner_kernel
@@ -344,36 +373,43 @@ def flow_to(run: Run, s: float) -> None:
 
 
 @inner_kernel
-def _by_wave(plant: Plant, response: Any, i: int, j: int, integrated: int) -> float:
-    """Return what the waveform adds to a rate at a node, or, integrated once, to a displacement."""
-    total = 0.0
+def _by_wave(plant: Plant, response: Any, j: int, integrated: int) -> Lanes:
+    """Return what the waveform adds to the rates at the nodes, or, integrated once, to the displacements."""
+    added = fill(0.0)
     if plant.wave.electrodes > 0:
         for m in range(ORDERS):
-            total += response.powers[i, m + integrated] * plant.forces[j, m]
-    return total
+            added = added + load(response.powers[m + integrated]) * plant.forces[j, m]
+    return added
 
 
-@part_kernel
-def free_response(run: Run, level: int, first: int) -> None:
-    """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
+@inner_kernel
+def free_response(run: Run, level: int) -> None:
+    """Go to the nodes of a level without contact."""
     plant, propagator = run.plant, run.propagator
-    for i in range(NODES):
+    for k in range(plant.tone_count):
+        tone, turn = plant.tones[k], propagator.turns[level, k]
+        cosine, sine = load(turn.cosine), load(turn.sine)
+        # Addition theorems, as in `_turn`.
+        store(tone.cosine, tone.cosine[START] * cosine - tone.sine[START] * sine)
+        store(tone.sine, tone.cosine[START] * sine + tone.sine[START] * cosine)
+    for j in range(plant.mode_count):
+        mode, response = plant.modes[j], propagator.responses[level, j]
+        q0, v0 = mode.free_q, mode.free_v
+        flow, hold = response.flow, response.hold
+        q, v = fill(0.0), load(flow[2]) * q0 + load(flow[3]) * v0
+        v = v + (load(hold[1]) * mode.constant + _by_wave(plant, response, j, 0))
         for k in range(plant.tone_count):
-            turn = propagator.turns[level, k]
-            _turn(plant.tones[k], START, i, turn.cosine[i], turn.sine[i])
-        for j in range(plant.mode_count):
-            mode, response = plant.modes[j], propagator.responses[level, j]
-            q0, v0 = mode.free_q, mode.free_v
-            v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
-            v += response.hold[i, 1] * mode.constant + _by_wave(plant, response, i, j, 0)
-            # Displacements are read at the last node alone in flight, whose ledger needs rates: the rest is
-            # left out.
-            q, mode.v[i] = _add_steady(plant, j, i, 0.0, v, 1.0)
-            if i >= first:
-                q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
-                q += response.hold[i, 0] * mode.constant
-                mode.q[i] = q + _by_wave(plant, response, i, j, 1)
-            _add_near(run, level, j, i, START, i)
+            tone, phasor = plant.tones[k], plant.phasors[j, k]
+            cosine, sine = load(tone.cosine), load(tone.sine)
+            q = q + (phasor.steady_re * cosine - phasor.steady_im * sine)
+            v = v - tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
+        q = q + (load(flow[0]) * q0 + load(flow[1]) * v0)
+        q = q + load(hold[0]) * mode.constant
+        store(mode.q, q + _by_wave(plant, response, j, 1))
+        store(mode.v, v)
+        if mode.near != 0:
+            for i in range(NODES):
+                _add_near(run, level, j, i, START, i)
 
 
 @part_kernel
@@ -384,17 +420,17 @@ def _free_on(run: Run, i: int, place: int) -> None:
     for j in range(plant.mode_count):
         mode, response = plant.modes[j], run.propagator.responses[BY_RECORD, j]
         q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
-        q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
-        v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
+        q = response.flow[0, i] * q0 + response.flow[1, i] * v0 + response.hold[0, i] * constant
+        v = response.flow[2, i] * q0 + response.flow[3, i] * v0 + response.hold[1, i] * constant
         for m in range(forces):
             u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
             if step.kind == HELD:
-                q += response.hold[i, 0] * push
-                v += response.hold[i, 1] * push
+                q += response.hold[0, i] * push
+                v += response.hold[1, i] * push
             else:
-                q += response.answer_q[i, m] * push
-                v += response.answer_v[i, m] * push
+                q += response.answer_q[m, i] * push
+                v += response.answer_v[m, i] * push
         mode.q[place], mode.v[place] = q, v
 
 
@@ -436,14 +472,15 @@ def flow_on(run: Run, s: float) -> None:
 def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
-    for m in range(NODES):
-        u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
-        for j in range(run.plant.mode_count):
-            mode, response = run.plant.modes[j], run.propagator.responses[level, j]
+    for j in range(run.plant.mode_count):
+        mode, response = run.plant.modes[j], run.propagator.responses[level, j]
+        v = load(mode.v)
+        for m in range(NODES):
+            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
-            for i in range(NODES):
-                mode.v[i] += response.answer_v[i, m] * push
-            mode.q[LAST] += response.answer_q[LAST, m] * push
+            v = v + load(response.answer_v[m]) * push
+            mode.q[LAST] += response.answer_q[m, LAST] * push
+        store(mode.v, v)
 
 
 @part_kernel
@@ -455,10 +492,9 @@ def add_constant(run: Run, level: int, displacement: bool, rates: bool) -> None:
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
         push = modal_force(mode, u, th, rotor)
         if displacement:
-            mode.q[LAST] += response.hold[LAST, 0] * push
+            mode.q[LAST] += response.hold[0, LAST] * push
         if rates:
-            for i in range(NODES):
-                mode.v[i] += response.hold[i, 1] * push
+            store(mode.v, load(mode.v) + load(response.hold[1]) * push)
 
 
 @inner_kernel
@@ -466,14 +502,13 @@ def checked(run: Run, event: int) -> int:
     """Return the event of a step in contact; end the run, as it stands, where the law gave no numbers."""
     state, step = run.state, run.step
     if state.ending == RUNNING:
-        total = 0.0
-        for i in range(1 if step.kind == HELD else NODES):
-            total += abs(state.normal.node[i]) + abs(state.friction.node[i])
-            if step.kind == COLLOCATED:
-                total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i])
-                # A force that is no number leaves a gap that is none, at which the law is not asked again.
-                total += abs(step.loss[i]) + abs(step.gap[i]) + abs(step.slip[i])
-        if not np.isfinite(total):
+        size = abs(state.normal.node[0]) + abs(state.friction.node[0])
+        if step.kind == COLLOCATED:
+            # A force that is no number leaves a gap that is none, at which the law is not asked again.
+            sizes = abs(load(state.normal.node)) + abs(load(state.friction.node))
+            sizes = sizes + abs(load(state.bound.node)) + abs(load(state.internal_rate.node))
+            size = total_of(sizes + abs(load(step.loss)) + abs(load(step.gap)) + abs(load(step.slip)))
+        if not np.isfinite(size):
             state.ending = NOT_FINITE
     # The run ends where the step began, a state that has numbers.
     if state.ending == NOT_FINITE or state.ending == UNSOLVED:

@@ -46,17 +46,18 @@ LEVEL = record(
     ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), real="length", whole="built"
 )
 RESPONSE = record(
-    ("flow", float, (NODES, 4)),
-    ("hold", float, (NODES, 2)),
+    ("flow", float, (4, NODES)),
+    ("hold", float, (2, NODES)),
     ("answer_q", float, (NODES, NODES)),
     ("answer_v", float, (NODES, NODES)),
-    ("powers", float, (NODES, ORDERS + 1)),
+    ("powers", float, (ORDERS + 1, NODES)),
 )
 TURN = record(("cosine", float, NODES), ("sine", float, NODES))
-ANSWER = record(("part", float, (NODES, 4)))
+ANSWER = record(("part", float, (4, NODES)))
 
 Propagator = Any
-"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone.
+"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone. Whatever the nodes of
+evaluation have, i is its last axis.
 
 rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
 derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,
@@ -183,13 +184,13 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
             _fill(rule, mode, response, results, i)
             if plant.wave.electrodes > 0:
                 for m in range(ORDERS + 1):
-                    response.powers[i, m] = rule.integrals[m + 1]
+                    response.powers[m, i] = rule.integrals[m + 1]
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     omega = plant.tones[k].omega
                     result = response_from_rest(mode.stiffness, mode.damping, omega, s)
                     for part in range(4):
-                        propagator.driven[level, j, k].part[i, part] = result[part]
+                        propagator.driven[level, j, k].part[part, i] = result[part]
 
 
 @inner_kernel
@@ -198,12 +199,12 @@ def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
     integrals, tip_q, tip_v = rule.integrals, results.tip_q, results.tip_v
     w = integrals[1]
     # Eqs. 2.3 and 2.4: what the free part of the state becomes, and what a constant force does.
-    response.flow[i, 0] = integrals[0] + mode.damping * w
-    response.flow[i, 1] = w
-    response.flow[i, 2] = -mode.stiffness * w
-    response.flow[i, 3] = integrals[0]
-    response.hold[i, 0] = integrals[2]
-    response.hold[i, 1] = w
+    response.flow[0, i] = integrals[0] + mode.damping * w
+    response.flow[1, i] = w
+    response.flow[2, i] = -mode.stiffness * w
+    response.flow[3, i] = integrals[0]
+    response.hold[0, i] = integrals[2]
+    response.hold[1, i] = w
     # Eq. 3.3, the answers to the Lagrange polynomials. Summed with the rows over all coordinates they are the
     # matrices T of eqs. 3.4 and 3.7, so that an iteration costs as much with fifty modes as with two.
     u, th, r = mode.row_u, mode.row_th, mode.row_r
@@ -215,14 +216,14 @@ def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
                 scale *= d / results.length
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
-        response.answer_q[i, m], response.answer_v[i, m] = q, v
+        response.answer_q[m, i], response.answer_v[m, i] = q, v
         if mode.led != 0:
             # Whatever force acts, it is where its path is.
             continue
-        tip_q[0, i, m] += u * u * q
-        tip_q[1, i, m] += u * th * q
-        tip_q[2, i, m] += th * th * q
-        tip_v[0, i, m] += u * u * v
-        tip_v[1, i, m] += u * th * v
-        tip_v[2, i, m] += th * th * v
-        tip_v[3, i, m] += r * r * v
+        tip_q[0, m, i] += u * u * q
+        tip_q[1, m, i] += u * th * q
+        tip_q[2, m, i] += th * th * q
+        tip_v[0, m, i] += u * u * v
+        tip_v[1, m, i] += u * th * v
+        tip_v[2, m, i] += th * th * v
+        tip_v[3, m, i] += r * r * v

@@ -1,0 +1,62 @@
+"""Lanes: five float64, one of each node of a step, that a kernel has in one register and computes with at once.
+
+Lanes are a number type of the compiler (`contactlab.compiler.registers`): `+ - * /`, `abs` and the functions
+below act on every lane as on a float64, so that the bits are those of a loop over the nodes, whatever the
+width of the processor's registers. A number beside lanes is that number in each; `lanes[i]` is lane i. There
+is no `+=`: lanes are values. Without machine code they are arrays of NumPy, with the same bits.
+"""
+
+from math import sqrt
+from typing import Any, Final
+
+import numpy as np
+
+from contactlab.arrays import Array
+
+COUNT: Final = 5
+"""Lanes that are used, of eight in a register: nodes of a step."""
+
+Lanes = Array
+"""Type of lanes without machine code, shape (COUNT,)."""
+
+
+def fill(value: float) -> Lanes:
+    """Return lanes that all are one number."""
+    return np.full(COUNT, value, np.float64)
+
+
+def load(values: Array) -> Lanes:
+    """Return the first numbers of an array as lanes."""
+    return np.array(values[:COUNT])
+
+
+def store(values: Array, lanes: Lanes) -> None:
+    """Set the first numbers of an array to lanes."""
+    values[:COUNT] = lanes
+
+
+def put(lanes: Lanes, i: int, value: float) -> Lanes:
+    """Return lanes of which lane i is another number."""
+    changed = lanes.copy()
+    changed[i] = value
+    return changed
+
+
+def larger(left: Any, right: Any) -> Lanes:
+    """Return the larger of two numbers in every lane, the left one where they do not compare, as `max`."""
+    return np.where(right > left, right, left)
+
+
+def root(value: Any) -> Any:
+    """Return the square root of a number, or of every lane."""
+    return np.sqrt(value) if isinstance(value, np.ndarray) else sqrt(value)
+
+
+def largest(lanes: Lanes) -> float:
+    """Return the largest lane, as `max` of the lanes in their order."""
+    return float(max(lanes))
+
+
+def total_of(lanes: Lanes) -> float:
+    """Return the sum of the lanes, in their order."""
+    return float(sum(lanes[1:], start=lanes[0]))

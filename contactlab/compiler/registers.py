@@ -1,0 +1,182 @@
+"""Lanes as a number type of the compiler: eight float64 in one register, LLVM's <8 x double>.
+
+Of loops over arrays of so few numbers LLVM makes no vectors; a vector that is written stays one. Every
+instruction is that of IEEE in each lane. The type is made with Numba's interface for types of one's own
+(`numba.extending`); its functions are those of `contactlab.compiler.lanes`, which interpreted kernels call.
+"""
+
+import operator
+from collections.abc import Callable
+from typing import Any, Final, final
+
+from llvmlite import ir
+from numba import types
+from numba.core import cgutils
+from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import lower_builtin, models, register_model
+
+from contactlab.compiler import lanes
+from contactlab.compiler.lanes import COUNT
+
+WIDTH: Final = 8
+"""Lanes of a register. Those beyond `COUNT` have any values, which nothing reads."""
+
+
+@final
+class LanesType(types.Type):
+    """The type of lanes."""
+
+    def __init__(self) -> None:
+        super().__init__(name="Lanes")
+
+
+LANES: Final = LanesType()
+_REAL, _INDEX = ir.DoubleType(), ir.IntType(32)
+_REGISTER = ir.VectorType(_REAL, WIDTH)
+_NOTHING = ir.Constant(_REGISTER, ir.Undefined)
+
+
+@register_model(LanesType)
+class _Model(models.PrimitiveModel):
+    """Lanes are one register."""
+
+    def __init__(self, manager: Any, kind: Any) -> None:
+        super().__init__(manager, kind, _REGISTER)
+
+
+def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., Any]], Any]:
+    """Define a function by code that emits its instructions, from a builder and the arguments' values.
+
+    Of an array, a kind `types.Array`, the value is the pointer to its first number.
+    """
+
+    def fits(kind: Any, argument: Any) -> bool:
+        if kind is types.Array:
+            return (
+                isinstance(argument, types.Array) and argument.dtype == types.float64 and argument.ndim == 1
+            )
+        if kind == types.float64:
+            return isinstance(argument, types.Float | types.Integer)
+        return isinstance(argument, types.Integer) if kind == types.intp else argument == kind
+
+    def register(emit: Callable[..., Any]) -> Any:
+        @infer_global(function)
+        class _(AbstractTemplate):
+            def generic(self, arguments: Any, keywords: Any) -> Any:
+                if keywords or len(arguments) != len(kinds) or not all(map(fits, kinds, arguments)):
+                    return None
+                taken = [a if kind is types.Array else kind for kind, a in zip(kinds, arguments, strict=True)]
+                return signature(result, *taken)
+
+        @lower_builtin(function, *kinds)
+        def lower(context: Any, builder: Any, made: Any, values: Any) -> Any:
+            ready = [
+                context.make_array(kind)(context, builder, value).data
+                if isinstance(kind, types.Array)
+                else value
+                for kind, value in zip(made.args, values, strict=True)
+            ]
+            emitted = emit(builder, *ready)
+            return context.get_dummy_value() if result == types.void else emitted
+
+        return emit
+
+    return register
+
+
+def _shuffled(builder: Any, left: Any, right: Any, order: list[int]) -> Any:
+    return builder.shuffle_vector(left, right, ir.Constant(ir.VectorType(_INDEX, len(order)), order))
+
+
+def _each(builder: Any, register: Any) -> list[Any]:
+    """Return the lanes that are used, numbers by themselves."""
+    return [builder.extract_element(register, _INDEX(i)) for i in range(COUNT)]
+
+
+@_define(lanes.fill, LANES, types.float64)
+def _filled(builder: Any, number: Any) -> Any:
+    first = builder.insert_element(_NOTHING, number, _INDEX(0))
+    return _shuffled(builder, first, _NOTHING, [0] * WIDTH)
+
+
+def _define_binary(function: Any, emit: Callable[..., Any]) -> None:
+    """Define a function of two lanes, or of lanes and a number."""
+
+    def by_filling(builder: Any, *values: Any) -> Any:
+        both = [value if value.type == _REGISTER else _filled(builder, value) for value in values]
+        return emit(builder, *both)
+
+    for kinds in ((LANES, LANES), (LANES, types.float64), (types.float64, LANES)):
+        _define(function, LANES, *kinds)(by_filling)
+
+
+def _larger(builder: Any, left: Any, right: Any) -> Any:
+    return builder.select(builder.fcmp_ordered(">", right, left), right, left)
+
+
+_define_binary(operator.add, lambda builder, left, right: builder.fadd(left, right))
+_define_binary(operator.sub, lambda builder, left, right: builder.fsub(left, right))
+_define_binary(operator.mul, lambda builder, left, right: builder.fmul(left, right))
+_define_binary(operator.truediv, lambda builder, left, right: builder.fdiv(left, right))
+_define_binary(lanes.larger, _larger)
+
+
+def _by_instruction(name: str) -> Callable[..., Any]:
+    """Return what emits an instruction of LLVM's own of one number, or of each lane."""
+
+    def emit(builder: Any, value: Any) -> Any:
+        kind = value.type
+        called = f"llvm.{name}.{f'v{WIDTH}f64' if kind == _REGISTER else 'f64'}"
+        instruction = cgutils.get_or_insert_function(builder.module, ir.FunctionType(kind, [kind]), called)
+        return builder.call(instruction, [value])
+
+    return emit
+
+
+_define(operator.neg, LANES, LANES)(lambda builder, value: builder.fneg(value))
+_define(abs, LANES, LANES)(_by_instruction("fabs"))
+_define(lanes.root, LANES, LANES)(_by_instruction("sqrt"))
+_define(lanes.root, types.float64, types.float64)(_by_instruction("sqrt"))
+
+
+@_define(operator.getitem, types.float64, LANES, types.intp)
+def _lane(builder: Any, register: Any, i: Any) -> Any:
+    return builder.extract_element(register, builder.trunc(i, _INDEX))
+
+
+@_define(lanes.put, LANES, LANES, types.intp, types.float64)
+def _changed(builder: Any, register: Any, i: Any, number: Any) -> Any:
+    return builder.insert_element(register, number, builder.trunc(i, _INDEX))
+
+
+@_define(lanes.load, LANES, types.Array)
+def _loaded(builder: Any, first: Any) -> Any:
+    # Four at once and the fifth by itself, that no number behind the array is read.
+    pointer = builder.bitcast(first, ir.VectorType(_REAL, 4).as_pointer())
+    four, fifth = builder.load(pointer, align=8), builder.load(builder.gep(first, [_INDEX(4)]))
+    rest = builder.insert_element(ir.Constant(four.type, [0.0] * 4), fifth, _INDEX(0))
+    return _shuffled(builder, four, rest, [*range(WIDTH)])
+
+
+@_define(lanes.store, types.void, types.Array, LANES)
+def _stored(builder: Any, first: Any, register: Any) -> None:
+    four = _shuffled(builder, register, _NOTHING, [0, 1, 2, 3])
+    builder.store(four, builder.bitcast(first, four.type.as_pointer()), align=8)
+    fifth = builder.extract_element(register, _INDEX(4))
+    builder.store(fifth, builder.gep(first, [_INDEX(4)]))
+
+
+@_define(lanes.total_of, types.float64, LANES)
+def _summed(builder: Any, register: Any) -> Any:
+    sum_, *others = _each(builder, register)
+    for other in others:
+        sum_ = builder.fadd(sum_, other)
+    return sum_
+
+
+@_define(lanes.largest, types.float64, LANES)
+def _most(builder: Any, register: Any) -> Any:
+    most, *others = _each(builder, register)
+    for other in others:
+        most = _larger(builder, most, other)
+    return most
