@@ -1,4 +1,4 @@
-"""Lanes: five float64, one of each node of a step, that a kernel has in one register and computes with at once.
+"""Lanes: five float64, one of each node of a step, in one register of the processor, computed with at once.
 
 Lanes are a number type of the compiler (`contactlab.compiler.registers`): `+ - * /`, `abs` and the functions
 below act on every lane as on a float64, so that the bits are those of a loop over the nodes, whatever the

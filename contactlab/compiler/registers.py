@@ -61,7 +61,7 @@ def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., 
 
     def register(emit: Callable[..., Any]) -> Any:
         @infer_global(function)
-        class _(AbstractTemplate):
+        class _Template(AbstractTemplate):
             def generic(self, arguments: Any, keywords: Any) -> Any:
                 if keywords or len(arguments) != len(kinds) or not all(map(fits, kinds, arguments)):
                     return None

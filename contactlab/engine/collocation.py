@@ -1,8 +1,8 @@
 """The nodal forces of a step in compliant contact: how their iteration begins, and how it goes on.
 
-All nodes take the law's answers to the motion under the forces of the sweep before, or, where a damping
-relaxes the force within the step, Newton steps. It begins with the forces of the last step; friction that depends on the slip has other ways
-beside, `AT_SLIP_BEFORE` and `AT_REST`: the first that contracts is taken.
+All nodes take the law's answers to the motion under the forces of the sweep before or, where a damping
+relaxes the force within the step, Newton steps. It begins with the forces of the last step; friction that
+depends on the slip has other ways beside, `AT_SLIP_BEFORE` and `AT_REST`: the first that contracts is taken.
 """
 
 from math import nan
@@ -101,19 +101,21 @@ def _lean(run: Run, known: Known, stiffness: float) -> float:
     Friction that holds the slip, or is steep in it, answers by what keeps the slip: -D_nt/D_tt.
     """
     state, step = run.state, run.step
-    friction = known.friction
-    directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
-    _, crossed, along = delassus(run.plant, *directions)
+    friction, kept = known.friction, 0.0
+    if state.mode == STICK or stiffness > 0.0:
+        directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
+        _, crossed, along = delassus(run.plant, *directions)
+        kept = -crossed / along
     # Stick: what a normal force adds to the slip, D_nt, friction takes back by D_tt. The friction of a spring
     # follows its stretch and not the normal force.
     if state.mode == STICK:
-        return -crossed / along if state.law.friction_kind == SET_VALUED else 0.0
+        return kept if state.law.friction_kind == SET_VALUED else 0.0
     # Slip: the ratio F/N. Steep friction lies between that and the friction which keeps the slip, weighed by
     # its `stiffness`, -f_v dv/dF of eq. 3.9.
     if state.law.friction_kind == SET_VALUED:
         friction = known.bias - state.sign * known.bound
     ratio = friction / known.normal if known.normal > 0.0 else 0.0
-    return (ratio - stiffness * crossed / along) / (1.0 + stiffness)
+    return (ratio + stiffness * kept) / (1.0 + stiffness)
 
 
 @inner_kernel
@@ -124,7 +126,7 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
     """
     step, results = run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
-    # Eq. 3.4 differentiated: node m presses along n + lean t, each node moves along n. Positive: a force opens
+    # Eq. 3.4 differentiated: node m presses along n + lean t, all nodes move along n. Positive: a force opens
     # the gap, which lets the force fall.
     push_u, push_th = step.n_u[m] + lean * step.t_u[m], step.n_th[m] + lean * step.t_th[m]
     u = stiffness * load(tip_q[0, m]) + damping * load(tip_v[0, m])

@@ -56,8 +56,8 @@ TURN = record(("cosine", float, NODES), ("sine", float, NODES))
 ANSWER = record(("part", float, (4, NODES)))
 
 Propagator = Any
-"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone. Whatever the nodes of
-evaluation have, i is its last axis.
+"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone. Where there
+are nodes of evaluation, they are the last axis.
 
 rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
 derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,

@@ -72,6 +72,9 @@ NEGLIGIBLE = 1e-3
 """Share of the motor's energy below which the terms of a step are compared with this share instead: of less,
 round-off decides."""
 
+DEEP = 0.1
+"""Depth over the rotor's radius at which a motion has diverged [1]."""
+
 PIECES = 256
 """Pieces at most in which the terms of a step are summed."""
 
@@ -583,12 +586,13 @@ def _watch(run: Run, s: float) -> None:
         state.watchdog.start, state.watchdog.events, state.watchdog.steps_before = state.time, 0, steps
     elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
-    tip = tip_motion(run.plant, START)
-    gap = contact_at(run.plant, START)[0]
+    tip, lengths = tip_motion(run.plant, START), run.plant.geometry
     # No equation here is meant for a motion that overflows, a tip that leans by a radian or one deep inside
-    # of the rotor.
+    # of the rotor, from which it is as far as it has come from its place at rest.
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
-    if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
+    deepest = DEEP * lengths.radius
+    near = abs(tip[0]) + lengths.tip_length * abs(tip[1]) < deepest + lengths.clearance
+    if not (finite and abs(tip[1]) < 1.0 and (near or contact_at(run.plant, START)[0] > -deepest)):
         state.ending = DIVERGED
 
 

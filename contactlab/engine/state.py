@@ -276,15 +276,6 @@ def internal_at(state: Any, x: float) -> float:
     return float(state.memory[0] + state.length * total)
 
 
-@inner_kernel
-def largest(values: Array) -> float:
-    """Return the largest of a few values."""
-    most = values[0]
-    for value in values:
-        most = max(most, value)
-    return float(most)
-
-
 State = Mapping[str, Any]
 """A state as a value: displacements q, rates v and all of `STATE`, NumPy arrays and numbers by name.
 
