@@ -73,11 +73,8 @@ def iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffn
     lean, sweeps = _lean(run, known, stiffness), 0
     # By how much the normal force at the last node falls as that of all nodes rises: k_n D_nn h^2/2 by its
     # spring, c_n D_nn h by its damping.
-    by_spring, by_damping = fill(0.0), fill(0.0)
-    for m in range(NODES):
-        by_spring = by_spring + _answered(run, level, known.stiffness, 0.0, lean, m)
-        by_damping = by_damping + _answered(run, level, 0.0, known.damping, lean, m)
-    elastic, damped = by_spring[LAST], by_damping[LAST]
+    elastic = _answered_by_all(run, level, known.stiffness, 0.0, lean)
+    damped = _answered_by_all(run, level, 0.0, known.damping, lean) if known.damping != 0.0 else 0.0
     # A step that does not resolve an elastic swing must not be solved, by Newton's method neither: the
     # polynomial may agree with the law at all nodes and miss the swing between them, and no error shows it.
     if elastic > max(MOST_ELASTIC, damped):
@@ -137,6 +134,15 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
 
 
 @inner_kernel
+def _answered_by_all(run: Run, level: int, stiffness: float, damping: float, lean: float) -> float:
+    """Return by how much the normal force of the last node falls as those of all rise, see `_answered`."""
+    falls = fill(0.0)
+    for m in range(NODES):
+        falls = falls + _answered(run, level, stiffness, damping, lean, m)
+    return falls[LAST]
+
+
+@inner_kernel
 def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, nodes = run.state, run.propagator.rule.nodes
@@ -144,15 +150,16 @@ def _first_forces(run: Run, law: Law, stretch: float) -> None:
     # overshoot: no first guess of the normal force or of the bound is negative.
     x = state.accepted_length + load(nodes) * stretch
     bound, bias = larger(values_at(state.bound, x), 0.0), values_at(state.bias, x)
-    friction = values_at(state.friction, x)
     if state.mode == SLIP and state.law.friction_kind != RATE_DEPENDENT:
         friction = bias - state.sign * bound
+    else:
+        friction = values_at(state.friction, x)
     store(state.normal.node, larger(values_at(state.normal, x), 0.0))
     store(state.bound.node, bound)
     store(state.bias.node, bias)
     store(state.friction.node, friction)
-    # Only friction with an internal variable reads these.
-    store(state.internal_rate.node, values_at(state.internal_rate, x))
+    if state.law.coupled != 0:
+        store(state.internal_rate.node, values_at(state.internal_rate, x))
     push_nodes(run)
     guess_memory(run, law.memory)
 
@@ -201,7 +208,8 @@ def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: flo
         if kind != SET_VALUED and not follows:
             follow_bound(run, law, float(state.sign))
         fit_nodes(run)
-        fit(run.propagator.rule, state.internal_rate)
+        if state.law.coupled != 0:
+            fit(run.propagator.rule, state.internal_rate)
         return sweep
     return 0
 

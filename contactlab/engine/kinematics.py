@@ -32,7 +32,7 @@ from contactlab.engine.state import (
     Run,
     value_at,
 )
-from contactlab.motor.geometry import contact_frame, contact_frames
+from contactlab.motor.geometry import contact_frame
 
 Tip = tuple[float, float, float, float, float]
 """u [m], th [rad], their rates, and -R Omega [m/s]."""
@@ -83,19 +83,6 @@ def tip_motions(plant: Plant) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes]:
         th_rate = th_rate + mode.row_th * v
         rotor = rotor + mode.row_r * v
     return u, th, u_rate, th_rate, rotor
-
-
-@part_kernel
-def contacts_of(
-    plant: Plant, u: Lanes, th: Lanes, u_rate: Lanes, th_rate: Lanes, rotor: Lanes
-) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes, Lanes, Lanes]:
-    """Return the contacts of a motion of the tip at each node, as `contact_of`."""
-    of = plant.geometry
-    gap, n_u, n_th, t_u, t_th = contact_frames(
-        u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
-    )
-    rate = n_u * u_rate + n_th * th_rate
-    return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
 
 
 @part_kernel

@@ -11,9 +11,10 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.compiler.lanes import load, store
-from contactlab.engine.kinematics import contacts_of, free_response, tip_motions
+from contactlab.engine.kinematics import free_response, tip_motions
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, Run, fit
+from contactlab.motor.geometry import contact_frames
 
 FIRST: Final = cast(int, np.int64(0))
 """The first node, as a number that no kernel is copied for."""
@@ -49,7 +50,6 @@ def move_nodes(run: Run, level: int) -> None:
     step, results = run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
     u, th = load(step.u), load(step.th)
-    u_rate, th_rate, rotor = load(step.u_rate), load(step.th_rate), load(step.rotor)
     # Eq. 3.4: the forces of all nodes act at each one, through the answers (3.3) to their polynomials. The
     # matrix is full: a polynomial through the nodes has the force of a later node act before it.
     for m in range(NODES):
@@ -57,19 +57,26 @@ def move_nodes(run: Run, level: int) -> None:
         uu, mixed, thth = load(tip_q[0, m]), load(tip_q[1, m]), load(tip_q[2, m])
         u = u + (uu * push_u + mixed * push_th)
         th = th + (mixed * push_u + thth * push_th)
+    # Eqs. 1.9 and 1.10: gap, its rate and slip are nonlinear in the tip's motion. The directions turn with
+    # it, which is all that makes the equations of rigid contact nonlinear.
+    of = run.plant.geometry
+    gap, n_u, n_th, t_u, t_th = contact_frames(
+        u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
+    )
+    u_rate, th_rate, rotor = load(step.u_rate), load(step.th_rate), load(step.rotor)
+    for m in range(NODES):
+        push_u, push_th = step.push_u.node[m], step.push_th.node[m]
         uu, mixed, thth = load(tip_v[0, m]), load(tip_v[1, m]), load(tip_v[2, m])
         u_rate = u_rate + (uu * push_u + mixed * push_th)
         th_rate = th_rate + (mixed * push_u + thth * push_th)
         rotor = rotor + load(tip_v[3, m]) * step.push_r.node[m]
-    # Eqs. 1.9 and 1.10: gap, its rate and slip are nonlinear in the tip's motion. The directions turn with
-    # it, which is all that makes the equations of rigid contact nonlinear.
-    gap, rate, slip, n_u, n_th, t_u, t_th = contacts_of(run.plant, u, th, u_rate, th_rate, rotor)
+    slip = t_u * u_rate + t_th * th_rate + rotor
     store(step.n_u, n_u)
     store(step.n_th, n_th)
     store(step.t_u, t_u)
     store(step.t_th, t_th)
     store(step.gap, gap)
-    store(step.gap_rate, rate)
+    store(step.gap_rate, n_u * u_rate + n_th * th_rate)
     store(step.slip, slip)
     store(step.sliding, slip)
 

@@ -19,7 +19,7 @@ from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
 
-RESOLUTION = 0.5
+RESOLUTION = 1.0
 """Longest step times the fastest rate that persists in flight."""
 
 LEVELS, MOST_LEVELS = 44, 84
