@@ -35,6 +35,16 @@ def store(values: Array, lanes: Lanes) -> None:
     values[:COUNT] = lanes
 
 
+def entry(values: Array, m: int) -> Any:
+    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes, shape (n, COUNT)."""
+    return values[m].copy()
+
+
+def set_entry(values: Array, m: int, value: Any) -> None:
+    """Set number m of an array of numbers, or lanes m of an array of lanes, see `entry`."""
+    values[m] = value
+
+
 def put(lanes: Lanes, i: int, value: float) -> Lanes:
     """Return lanes of which lane i is another number."""
     changed = lanes.copy()

@@ -31,6 +31,9 @@ class LanesType(types.Type):
 
 
 LANES: Final = LanesType()
+NUMBERS, ROWS = types.Array(types.float64, 1, "C"), types.Array(types.float64, 2, "C")
+"""Arrays of numbers, or of lanes as rows."""
+
 _REAL, _INDEX = ir.DoubleType(), ir.IntType(32)
 _REGISTER = ir.VectorType(_REAL, WIDTH)
 _NOTHING = ir.Constant(_REGISTER, ir.Undefined)
@@ -47,28 +50,33 @@ class _Model(models.PrimitiveModel):
 def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., Any]], Any]:
     """Define a function by code that emits its instructions, from a builder and the arguments' values.
 
-    Of an array, a kind `types.Array`, the value is the pointer to its first number.
+    Of an array, a kind NUMBERS or ROWS, the value is the pointer to its first number.
     """
 
     def fits(kind: Any, argument: Any) -> bool:
-        if kind is types.Array:
-            return (
-                isinstance(argument, types.Array) and argument.dtype == types.float64 and argument.ndim == 1
-            )
+        if isinstance(kind, types.Array):
+            array = isinstance(argument, types.Array) and argument.dtype == types.float64
+            return array and argument.ndim == kind.ndim and argument.layout == "C"
         if kind == types.float64:
             return isinstance(argument, types.Float | types.Integer)
         return isinstance(argument, types.Integer) if kind == types.intp else argument == kind
+
+    def fit(arguments: Any) -> bool:
+        return len(arguments) == len(kinds) and all(map(fits, kinds, arguments))
 
     def register(emit: Callable[..., Any]) -> Any:
         @infer_global(function)
         class _Template(AbstractTemplate):
             def generic(self, arguments: Any, keywords: Any) -> Any:
-                if keywords or len(arguments) != len(kinds) or not all(map(fits, kinds, arguments)):
+                if keywords or not fit(arguments):
                     return None
-                taken = [a if kind is types.Array else kind for kind, a in zip(kinds, arguments, strict=True)]
+                taken = (a if isinstance(kind, types.Array) else kind for kind, a in zip(kinds, arguments))
                 return signature(result, *taken)
 
-        @lower_builtin(function, *kinds)
+        # The compiler finds code by the class of an array: of one or two axes the emitters tell.
+        _emitters.setdefault(function, []).append((fit, emit))
+
+        @lower_builtin(function, *(types.Array if isinstance(kind, types.Array) else kind for kind in kinds))
         def lower(context: Any, builder: Any, made: Any, values: Any) -> Any:
             ready = [
                 context.make_array(kind)(context, builder, value).data
@@ -76,12 +84,17 @@ def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., 
                 else value
                 for kind, value in zip(made.args, values, strict=True)
             ]
-            emitted = emit(builder, *ready)
+            chosen = next(each for fit_, each in _emitters[function] if fit_(made.args))
+            emitted = chosen(builder, *ready)
             return context.get_dummy_value() if result == types.void else emitted
 
         return emit
 
     return register
+
+
+_emitters: dict[Any, list[tuple[Callable[..., bool], Callable[..., Any]]]] = {}
+"""What emits the instructions of a function, by the arguments that it takes."""
 
 
 def _shuffled(builder: Any, left: Any, right: Any, order: list[int]) -> Any:
@@ -149,7 +162,7 @@ def _changed(builder: Any, register: Any, i: Any, number: Any) -> Any:
     return builder.insert_element(register, number, builder.trunc(i, _INDEX))
 
 
-@_define(lanes.load, LANES, types.Array)
+@_define(lanes.load, LANES, NUMBERS)
 def _loaded(builder: Any, first: Any) -> Any:
     # Four at once and the fifth by itself, that no number behind the array is read.
     pointer = builder.bitcast(first, ir.VectorType(_REAL, 4).as_pointer())
@@ -158,12 +171,36 @@ def _loaded(builder: Any, first: Any) -> Any:
     return _shuffled(builder, four, rest, [*range(WIDTH)])
 
 
-@_define(lanes.store, types.void, types.Array, LANES)
+@_define(lanes.store, types.void, NUMBERS, LANES)
 def _stored(builder: Any, first: Any, register: Any) -> None:
     four = _shuffled(builder, register, _NOTHING, [0, 1, 2, 3])
     builder.store(four, builder.bitcast(first, four.type.as_pointer()), align=8)
     fifth = builder.extract_element(register, _INDEX(4))
     builder.store(fifth, builder.gep(first, [_INDEX(4)]))
+
+
+@_define(lanes.entry, types.float64, NUMBERS, types.intp)
+def _number(builder: Any, first: Any, m: Any) -> Any:
+    return builder.load(builder.gep(first, [m]))
+
+
+@_define(lanes.set_entry, types.void, NUMBERS, types.intp, types.float64)
+def _set_number(builder: Any, first: Any, m: Any, value: Any) -> None:
+    builder.store(value, builder.gep(first, [m]))
+
+
+def _row(builder: Any, first: Any, m: Any) -> Any:
+    return builder.gep(first, [builder.mul(m, ir.Constant(m.type, COUNT))])
+
+
+@_define(lanes.entry, LANES, ROWS, types.intp)
+def _lanes_of_row(builder: Any, first: Any, m: Any) -> Any:
+    return _loaded(builder, _row(builder, first, m))
+
+
+@_define(lanes.set_entry, types.void, ROWS, types.intp, LANES)
+def _set_row(builder: Any, first: Any, m: Any, register: Any) -> None:
+    _stored(builder, _row(builder, first, m), register)
 
 
 @_define(lanes.total_of, types.float64, LANES)

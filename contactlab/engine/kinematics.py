@@ -12,8 +12,8 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, fill, load, store, total_of
-from contactlab.engine.oscillator import impulse_integrals, response_from_rest
+from contactlab.compiler.lanes import COUNT, Lanes, entry, fill, load, put, store, total_of
+from contactlab.engine.oscillator import integrals_of_several, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, modes_of
 from contactlab.engine.propagator import BY_RECORD
 from contactlab.engine.state import (
@@ -319,44 +319,54 @@ def _add_near(run: Run, level: int, j: int, i: int, origin: int, place: int) -> 
 def flow_to(run: Run, s: float) -> None:
     """Go to time s after the start, 0 <= s <= h: the state there is left BETWEEN."""
     plant, state, step = run.plant, run.state, run.step
-    integrals = run.propagator.rule.integrals
+    integrals = run.propagator.rule.integrals_of_several
     degree = step.kind
-    h = state.length
     waves = plant.wave.electrodes > 0
     # A force s^m/m! has the answer I_(m+1) (eq. 2.1): as many integrals as its polynomial has powers.
     top = ORDERS if waves else max(degree + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
         _turn(tone, START, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        c, stiffness = mode.damping, mode.stiffness
-        impulse_integrals(stiffness, c, s, top, integrals)
-        rate, w = integrals[0], integrals[1]
-        # Eqs. 2.3 and 2.4, then the waveform's answer (2.7a), that of the contact's polynomial, and the
+    # As many coordinates at once as there are lanes.
+    for first in range(0, plant.mode_count, COUNT):
+        stiffness, damping, constant = fill(0.0), fill(0.0), fill(0.0)
+        free_q, free_v = fill(0.0), fill(0.0)
+        row_u, row_th, row_r = fill(0.0), fill(0.0), fill(0.0)
+        several = min(plant.mode_count - first, COUNT)
+        for i in range(several):
+            mode = plant.modes[first + i]
+            stiffness, damping = put(stiffness, i, mode.stiffness), put(damping, i, mode.damping)
+            constant = put(constant, i, mode.constant)
+            free_q, free_v = put(free_q, i, mode.free_q), put(free_v, i, mode.free_v)
+            if mode.led == 0:
+                row_u, row_th = put(row_u, i, mode.row_u), put(row_th, i, mode.row_th)
+                row_r = put(row_r, i, mode.row_r)
+        integrals_of_several(stiffness, damping, s, top, integrals)
+        rate, w = entry(integrals, 0), entry(integrals, 1)
+        # Eqs. 2.3 and 2.4, then the answer of the contact's polynomial, that of the waveform (2.7a), and the
         # steady state.
-        q = (rate + c * w) * mode.free_q + w * mode.free_v
-        v = -stiffness * w * mode.free_q + rate * mode.free_v
-        q += mode.constant * integrals[2]
-        v += mode.constant * w
-        if waves:
-            for m in range(ORDERS):
-                q += plant.forces[j, m] * integrals[m + 2]
-                v += plant.forces[j, m] * integrals[m + 1]
+        q = (rate + damping * w) * free_q + w * free_v + constant * entry(integrals, 2)
+        v = -stiffness * w * free_q + rate * free_v + constant * w
         scale = 1.0
         for d in range(degree + 1):
             if d > 0:
-                scale *= d / h
+                scale *= d / state.length
             u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
-            push = scale * modal_force(mode, u, th, step.push_r.coefficient[d])
-            q += push * integrals[d + 2]
-            v += push * integrals[d + 1]
-        mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q, v, 1.0)
-        if mode.near != 0:
-            for k in range(plant.tone_count):
-                if plant.phasors[j, k].near != 0:
-                    driven = response_from_rest(stiffness, c, plant.tones[k].omega, s)
-                    _add_driven(plant, j, k, START, BETWEEN, driven)
+            push = scale * (row_u * u + row_th * th + row_r * step.push_r.coefficient[d])
+            q = q + push * entry(integrals, d + 2)
+            v = v + push * entry(integrals, d + 1)
+        for i in range(several):
+            j, mode, q_j, v_j = first + i, plant.modes[first + i], q[i], v[i]
+            if waves:
+                for m in range(ORDERS):
+                    q_j += plant.forces[j, m] * integrals[m + 2, i]
+                    v_j += plant.forces[j, m] * integrals[m + 1, i]
+            mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q_j, v_j, 1.0)
+            if mode.near != 0:
+                for k in range(plant.tone_count):
+                    if plant.phasors[j, k].near != 0:
+                        driven = response_from_rest(mode.stiffness, mode.damping, plant.tones[k].omega, s)
+                        _add_driven(plant, j, k, START, BETWEEN, driven)
 
 
 @inner_kernel
@@ -461,12 +471,13 @@ def add_collocated(run: Run, level: int) -> None:
     step = run.step
     for j in range(run.plant.mode_count):
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
-        v = load(mode.v)
+        q, v = mode.q[LAST], load(mode.v)
         for m in range(NODES):
             u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
+            q += response.answer_q[m, LAST] * push
             v = v + load(response.answer_v[m]) * push
-            mode.q[LAST] += response.answer_q[m, LAST] * push
+        mode.q[LAST] = q
         store(mode.v, v)
 
 

@@ -15,6 +15,7 @@ from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import COUNT
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
@@ -39,6 +40,7 @@ RULE = record(
     *((name, float, NODES) for name in ("nodes", "weights")),
     *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
     ("integrals", float, ORDERS + 2),
+    ("integrals_of_several", float, (ORDERS + 2, COUNT)),
     real="longest",
     whole="contact_level fresh_level level_count",
 )
@@ -62,7 +64,7 @@ are nodes of evaluation, they are the last axis.
 rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
 derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,
 length of level 0 [s]; contact_level, of the longest step in contact; fresh_level, of the first step after a
-release; level_count; integrals, scratch of the oscillator.
+release; level_count; integrals and integrals_of_several, scratch of the oscillator.
 levels[level]: length h [s]; whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v,
 their rates, and the rotor's row: uu, uth, thth, rr.
 responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
