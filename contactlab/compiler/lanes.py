@@ -57,6 +57,16 @@ def larger(left: Any, right: Any) -> Lanes:
     return np.where(right > left, right, left)
 
 
+def smaller(left: Any, right: Any) -> Lanes:
+    """Return the smaller of two numbers in every lane, the left one where they do not compare, as `min`."""
+    return np.where(right < left, right, left)
+
+
+def where_less(left: Any, right: Any, value: Any, other: Any) -> Lanes:
+    """Return in every lane a value where the left number is less than the right one, and another elsewhere."""
+    return np.where(left < right, value, other)
+
+
 def root(value: Any) -> Any:
     """Return the square root of a number, or of every lane."""
     return np.sqrt(value) if isinstance(value, np.ndarray) else sqrt(value)

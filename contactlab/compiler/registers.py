@@ -114,12 +114,16 @@ def _filled(builder: Any, number: Any) -> Any:
 
 def _define_binary(function: Any, emit: Callable[..., Any]) -> None:
     """Define a function of two lanes, or of lanes and a number."""
+    _define_mixed(function, emit, (LANES, LANES), (LANES, types.float64), (types.float64, LANES))
+
+
+def _define_mixed(function: Any, emit: Callable[..., Any], *signatures: tuple[Any, ...]) -> None:
+    """Define a function of lanes and numbers by what it does to lanes."""
 
     def by_filling(builder: Any, *values: Any) -> Any:
-        both = [value if value.type == _REGISTER else _filled(builder, value) for value in values]
-        return emit(builder, *both)
+        return emit(builder, *(v if v.type == _REGISTER else _filled(builder, v) for v in values))
 
-    for kinds in ((LANES, LANES), (LANES, types.float64), (types.float64, LANES)):
+    for kinds in signatures:
         _define(function, LANES, *kinds)(by_filling)
 
 
@@ -132,6 +136,20 @@ _define_binary(operator.sub, lambda builder, left, right: builder.fsub(left, rig
 _define_binary(operator.mul, lambda builder, left, right: builder.fmul(left, right))
 _define_binary(operator.truediv, lambda builder, left, right: builder.fdiv(left, right))
 _define_binary(lanes.larger, _larger)
+_define_binary(
+    lanes.smaller,
+    lambda builder, left, right: builder.select(builder.fcmp_ordered("<", right, left), right, left),
+)
+
+
+_define_mixed(
+    lanes.where_less,
+    lambda builder, left, right, value, other: builder.select(
+        builder.fcmp_ordered("<", left, right), value, other
+    ),
+    (LANES, LANES, LANES, types.float64),
+    (LANES, LANES, types.float64, LANES),
+)
 
 
 def _by_instruction(name: str) -> Callable[..., Any]:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, fill, larger, largest, load, store
+from contactlab.compiler.lanes import Lanes, fill, larger, largest, load, put, smaller, store, where_less
 from contactlab.engine.friction import HELD_SLIP, LEAST_SLIP, correct_friction, follow_bound, friction_at
 from contactlab.engine.kinematics import contact_at
 from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
@@ -227,8 +227,7 @@ def _sweep_normal(
     old_normal, old_friction = load(state.normal.node), load(state.friction.node)
     # As Jacobi, all answers are to one motion, that of all nodes at once.
     move_nodes(run, level)
-    for i in range(NODES):
-        _law_at_node(run, law, i)
+    _take_forces(run, law)
     normal = load(state.normal.node)
     # Friction that would have to hold far more than the law lets it has the round-off of its size.
     most = largest(larger(larger(abs(old_friction), normal), 0.0))
@@ -283,25 +282,36 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
 
 
 @inner_kernel
-def _law_at_node(run: Run, law: Law, i: int) -> None:
-    """Set the law's forces at node i, whose motion is set."""
+def _take_forces(run: Run, law: Law) -> None:
+    """Set the law's forces at all nodes, whose motion is set."""
     state, step = run.state, run.step
-    gap, rate, slip = step.gap[i], step.gap_rate[i], step.slip[i]
-    recall(run, law, i)
-    step.end[i] = end_at(run, law, law.memory, rate)
-    # What is left of the slip in stick is an error of the iteration: the law receives zero.
-    seen = 0.0 if state.mode == STICK else slip
+    gap, end = load(step.gap), fill(0.0)
+    if state.law.has_limits != 0:
+        for i in range(NODES):
+            recall(run, law, i)
+            end = put(end, i, end_at(run, law, law.memory, step.gap_rate[i]))
+    store(step.end, end)
     # Friction without a normal force goes on beyond the release, which cuts the step: it has no jump there.
-    closed = min(gap, step.end[i] + TOUCHED)
-    normal, least, most, _, loss = law.force(closed, rate, seen, state.impact_speed, law.parameters)
+    store(step.closed, smaller(gap, end + TOUCHED))
+    # What is left of the slip in stick is an error of the iteration: the law receives zero.
+    store(step.seen, fill(0.0) if state.mode == STICK else load(step.slip))
+    law.at_nodes(step, state.impact_speed, law.row, law.parameters)
+    least, most = load(step.least), load(step.most)
     bound, bias = 0.5 * (most - least), 0.5 * (most + least)
-    if gap < step.end[i]:
-        normal = sound_normal(normal, bound)
-        bias += beside_spring(run, law, (gap, rate, slip), step.end[i], normal)
-    else:
-        normal, loss = 0.0, 0.0
-    state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
-    step.loss[i] = loss
+    normal = load(step.normal)
+    # No number where the law says a negative friction bound with it.
+    normal = where_less(bound, -BOUND_ROUND_OFF * abs(normal), nan, normal)
+    normal = where_less(gap, end, normal, 0.0)
+    if state.mode == STICK and state.law.friction_kind == ELASTOPLASTIC:
+        for i in range(NODES):
+            if gap[i] < end[i]:
+                recall(run, law, i)
+                contact = gap[i], step.gap_rate[i], step.slip[i]
+                bias = put(bias, i, bias[i] + beside_spring(run, law, contact, end[i], normal[i]))
+    store(state.normal.node, normal)
+    store(state.bound.node, bound)
+    store(state.bias.node, bias)
+    store(step.loss, where_less(gap, end, load(step.loss), 0.0))
 
 
 @inner_kernel

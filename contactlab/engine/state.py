@@ -204,6 +204,8 @@ STEP: Final = record(
     # The contact at the nodes [m, m/s, W]; `end` is the gap at which it ends; `sliding` is what must keep its
     # sign in slip: the slip, less what a spring of the friction takes of it [m/s].
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "end")),
+    # What a compliant law receives as gap [m] and slip [m/s] there, and its answers beside the loss [N].
+    *((n, float, NODES) for n in ("closed", "seen", "normal", "least", "most")),
     # The law's internal variables, their rates at the start, their first values, and whose life is the run.
     ("memory", float, (PLACES, MOST_VARIABLES)),
     *((n, float, MOST_VARIABLES) for n in ("memory_rate", "memory_first", "memory_lasts")),
@@ -394,6 +396,7 @@ class Law(NamedTuple):
     None before all else.
     """
 
+    at_nodes: Any
     force: Kernel
     friction: Kernel
     impact: Any

@@ -155,7 +155,8 @@ def _frame(
     excess = clearance - u * cosine + back * cosine + aside * sine
     distance = root(across * across + (radius + excess) * (radius + excess))
     gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
-    aslant, straight = -across / distance, -(radius + excess) / distance
+    inverse = -1.0 / distance
+    aslant, straight = across * inverse, (radius + excess) * inverse
     nx = aslant * cosine + straight * sine
     ny = straight * cosine - aslant * sine
     normal = -tip_length * (cosine_th * nx + sine_th * ny)
