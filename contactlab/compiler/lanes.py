@@ -52,18 +52,18 @@ def put(lanes: Lanes, i: int, value: float) -> Lanes:
     return changed
 
 
-def larger(left: Any, right: Any) -> Lanes:
+def larger(left: Any, right: Any) -> Any:
     """Return the larger of two numbers in every lane, the left one where they do not compare, as `max`."""
     return np.where(right > left, right, left)
 
 
-def smaller(left: Any, right: Any) -> Lanes:
+def smaller(left: Any, right: Any) -> Any:
     """Return the smaller of two numbers in every lane, the left one where they do not compare, as `min`."""
     return np.where(right < left, right, left)
 
 
-def where_less(left: Any, right: Any, value: Any, other: Any) -> Lanes:
-    """Return in every lane a value where the left number is less than the right one, and another elsewhere."""
+def where_less(left: Any, right: Any, value: Any, other: Any) -> Any:
+    """Return in every lane a value where the left number is less than the right one, else another."""
     return np.where(left < right, value, other)
 
 

@@ -44,7 +44,7 @@ class _Model(models.PrimitiveModel):
     """Lanes are one register."""
 
     def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, _REGISTER)
+        super().__init__(manager, kind, _REGISTER)  # type: ignore[no-untyped-call]
 
 
 def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., Any]], Any]:
@@ -70,13 +70,15 @@ def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., 
             def generic(self, arguments: Any, keywords: Any) -> Any:
                 if keywords or not fit(arguments):
                     return None
-                taken = (a if isinstance(kind, types.Array) else kind for kind, a in zip(kinds, arguments))
+                taken = (
+                    a if isinstance(kind, types.Array) else kind
+                    for kind, a in zip(kinds, arguments, strict=True)
+                )
                 return signature(result, *taken)
 
         # The compiler finds code by the class of an array: of one or two axes the emitters tell.
         _emitters.setdefault(function, []).append((fit, emit))
 
-        @lower_builtin(function, *(types.Array if isinstance(kind, types.Array) else kind for kind in kinds))
         def lower(context: Any, builder: Any, made: Any, values: Any) -> Any:
             ready = [
                 context.make_array(kind)(context, builder, value).data
@@ -88,6 +90,9 @@ def _define(function: Any, result: Any, *kinds: Any) -> Callable[[Callable[..., 
             emitted = chosen(builder, *ready)
             return context.get_dummy_value() if result == types.void else emitted
 
+        lower_builtin(function, *(types.Array if isinstance(kind, types.Array) else kind for kind in kinds))(
+            lower
+        )
         return emit
 
     return register
@@ -107,7 +112,8 @@ def _each(builder: Any, register: Any) -> list[Any]:
 
 
 @_define(lanes.fill, LANES, types.float64)
-def _filled(builder: Any, number: Any) -> Any:
+def filled(builder: Any, number: Any) -> Any:
+    """Emit lanes that all are one number."""
     first = builder.insert_element(_NOTHING, number, _INDEX(0))
     return _shuffled(builder, first, _NOTHING, [0] * WIDTH)
 
@@ -121,7 +127,7 @@ def _define_mixed(function: Any, emit: Callable[..., Any], *signatures: tuple[An
     """Define a function of lanes and numbers by what it does to lanes."""
 
     def by_filling(builder: Any, *values: Any) -> Any:
-        return emit(builder, *(v if v.type == _REGISTER else _filled(builder, v) for v in values))
+        return emit(builder, *(v if v.type == _REGISTER else filled(builder, v) for v in values))
 
     for kinds in signatures:
         _define(function, LANES, *kinds)(by_filling)
@@ -181,7 +187,8 @@ def _changed(builder: Any, register: Any, i: Any, number: Any) -> Any:
 
 
 @_define(lanes.load, LANES, NUMBERS)
-def _loaded(builder: Any, first: Any) -> Any:
+def loaded(builder: Any, first: Any) -> Any:
+    """Emit the numbers from a pointer on as lanes."""
     # Four at once and the fifth by itself, that no number behind the array is read.
     pointer = builder.bitcast(first, ir.VectorType(_REAL, 4).as_pointer())
     four, fifth = builder.load(pointer, align=8), builder.load(builder.gep(first, [_INDEX(4)]))
@@ -190,7 +197,8 @@ def _loaded(builder: Any, first: Any) -> Any:
 
 
 @_define(lanes.store, types.void, NUMBERS, LANES)
-def _stored(builder: Any, first: Any, register: Any) -> None:
+def stored(builder: Any, first: Any, register: Any) -> None:
+    """Emit the setting of the numbers from a pointer on to lanes."""
     four = _shuffled(builder, register, _NOTHING, [0, 1, 2, 3])
     builder.store(four, builder.bitcast(first, four.type.as_pointer()), align=8)
     fifth = builder.extract_element(register, _INDEX(4))
@@ -213,12 +221,12 @@ def _row(builder: Any, first: Any, m: Any) -> Any:
 
 @_define(lanes.entry, LANES, ROWS, types.intp)
 def _lanes_of_row(builder: Any, first: Any, m: Any) -> Any:
-    return _loaded(builder, _row(builder, first, m))
+    return loaded(builder, _row(builder, first, m))
 
 
 @_define(lanes.set_entry, types.void, ROWS, types.intp, LANES)
 def _set_row(builder: Any, first: Any, m: Any, register: Any) -> None:
-    _stored(builder, _row(builder, first, m), register)
+    stored(builder, _row(builder, first, m), register)
 
 
 @_define(lanes.total_of, types.float64, LANES)

@@ -130,7 +130,8 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
     mixed = stiffness * load(tip_q[1, m]) + damping * load(tip_v[1, m])
     th = stiffness * load(tip_q[2, m]) + damping * load(tip_v[2, m])
     by_u, by_th = u * push_u + mixed * push_th, mixed * push_u + th * push_th
-    return load(step.n_u) * by_u + load(step.n_th) * by_th
+    falls: Lanes = load(step.n_u) * by_u + load(step.n_th) * by_th
+    return falls
 
 
 @inner_kernel
@@ -139,7 +140,7 @@ def _answered_by_all(run: Run, level: int, stiffness: float, damping: float, lea
     falls = fill(0.0)
     for m in range(NODES):
         falls = falls + _answered(run, level, stiffness, damping, lean, m)
-    return falls[LAST]
+    return float(falls[LAST])
 
 
 @inner_kernel

@@ -315,15 +315,25 @@ def _add_near(run: Run, level: int, j: int, i: int, origin: int, place: int) -> 
                 _add_driven(plant, j, k, origin, place, (part[0, i], part[1, i], part[2, i], part[3, i]))
 
 
+@part_kernel
+def _add_near_between(plant: Plant, j: int, s: float) -> None:
+    """Add what the tones did to a nearly resonant mode up to time s of the step."""
+    mode = plant.modes[j]
+    if mode.near != 0:
+        for k in range(plant.tone_count):
+            if plant.phasors[j, k].near != 0:
+                driven = response_from_rest(mode.stiffness, mode.damping, plant.tones[k].omega, s)
+                _add_driven(plant, j, k, START, BETWEEN, driven)
+
+
 @inner_kernel
 def flow_to(run: Run, s: float) -> None:
     """Go to time s after the start, 0 <= s <= h: the state there is left BETWEEN."""
     plant, state, step = run.plant, run.state, run.step
     integrals = run.propagator.rule.integrals_of_several
-    degree = step.kind
     waves = plant.wave.electrodes > 0
     # A force s^m/m! has the answer I_(m+1) (eq. 2.1): as many integrals as its polynomial has powers.
-    top = ORDERS if waves else max(degree + 1, 1)
+    top = ORDERS if waves else max(step.kind + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
         _turn(tone, START, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
@@ -332,41 +342,37 @@ def flow_to(run: Run, s: float) -> None:
         stiffness, damping, constant = fill(0.0), fill(0.0), fill(0.0)
         free_q, free_v = fill(0.0), fill(0.0)
         row_u, row_th, row_r = fill(0.0), fill(0.0), fill(0.0)
-        several = min(plant.mode_count - first, COUNT)
-        for i in range(several):
+        for i in range(min(plant.mode_count - first, COUNT)):
             mode = plant.modes[first + i]
             stiffness, damping = put(stiffness, i, mode.stiffness), put(damping, i, mode.damping)
             constant = put(constant, i, mode.constant)
             free_q, free_v = put(free_q, i, mode.free_q), put(free_v, i, mode.free_v)
-            if mode.led == 0:
-                row_u, row_th = put(row_u, i, mode.row_u), put(row_th, i, mode.row_th)
-                row_r = put(row_r, i, mode.row_r)
+            # Whatever force acts, a led coordinate is where its path is.
+            share = 1.0 if mode.led == 0 else 0.0
+            row_u, row_th = put(row_u, i, share * mode.row_u), put(row_th, i, share * mode.row_th)
+            row_r = put(row_r, i, share * mode.row_r)
         integrals_of_several(stiffness, damping, s, top, integrals)
         rate, w = entry(integrals, 0), entry(integrals, 1)
         # Eqs. 2.3 and 2.4, then the answer of the contact's polynomial, that of the waveform (2.7a), and the
         # steady state.
         q = (rate + damping * w) * free_q + w * free_v + constant * entry(integrals, 2)
         v = -stiffness * w * free_q + rate * free_v + constant * w
-        scale = 1.0
-        for d in range(degree + 1):
-            if d > 0:
-                scale *= d / state.length
-            u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
-            push = scale * (row_u * u + row_th * th + row_r * step.push_r.coefficient[d])
-            q = q + push * entry(integrals, d + 2)
-            v = v + push * entry(integrals, d + 1)
-        for i in range(several):
+        if step.kind != FLIGHT:
+            scale = 1.0
+            for d in range(step.kind + 1):
+                scale *= d / state.length if d > 0 else 1.0
+                u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
+                push = scale * (row_u * u + row_th * th + row_r * step.push_r.coefficient[d])
+                q = q + push * entry(integrals, d + 2)
+                v = v + push * entry(integrals, d + 1)
+        for i in range(min(plant.mode_count - first, COUNT)):
             j, mode, q_j, v_j = first + i, plant.modes[first + i], q[i], v[i]
             if waves:
                 for m in range(ORDERS):
                     q_j += plant.forces[j, m] * integrals[m + 2, i]
                     v_j += plant.forces[j, m] * integrals[m + 1, i]
             mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q_j, v_j, 1.0)
-            if mode.near != 0:
-                for k in range(plant.tone_count):
-                    if plant.phasors[j, k].near != 0:
-                        driven = response_from_rest(mode.stiffness, mode.damping, plant.tones[k].omega, s)
-                        _add_driven(plant, j, k, START, BETWEEN, driven)
+            _add_near_between(plant, j, s)
 
 
 @inner_kernel

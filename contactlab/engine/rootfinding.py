@@ -108,17 +108,6 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
 
 
 @inner_kernel
-def _gap_at(run: Run, law: Law, event: int, s: float) -> tuple[float, float]:
-    """Return the gap over that at which a contact begins, for TOUCH, or ends, for RELEASE, and its rate."""
-    gap, rate, slip, _, _, _, _ = contact_after(run, s)
-    if event == TOUCH:
-        limit, limit_rate = limit_at(run, law, law.memory, s, (gap, rate, slip))
-        return gap - limit, rate - limit_rate
-    memory_at(run, law, law.memory, s)
-    return gap - end_at(run, law, law.memory, rate), rate
-
-
-@inner_kernel
 def locate_gap(
     run: Run,
     law: Law,
@@ -149,7 +138,13 @@ def locate_gap(
         # the rates are.
         if not a < s < b or count % 4 == 3:
             s = 0.5 * (a + b)
-        gap, rate = _gap_at(run, law, event, s)
+        gap, rate, slip, _, _, _, _ = contact_after(run, s)
+        if event == TOUCH:
+            limit, limit_rate = limit_at(run, law, law.memory, s, (gap, rate, slip))
+            gap, rate = gap - limit, rate - limit_rate
+        else:
+            memory_at(run, law, law.memory, s)
+            gap -= end_at(run, law, law.memory, rate)
         newton = -gap / rate if rate != 0.0 else h
         # The gap that a Newton step leaves, by the curvature between the ends.
         left_over = 0.5 * abs((rate_b - rate_a) / h) * newton * newton
@@ -178,53 +173,52 @@ def keeps_slip(run: Run) -> bool:
 
 
 @inner_kernel
+def _release_before(run: Run, law: Law, i: int, rate: float) -> float:
+    """Locate a release between node i and that before, or the step's start with its gap rate; else -1."""
+    step, nodes, h = run.step, run.propagator.rule.nodes, run.state.length
+    left, before = (nodes[i - 1] * h, step.gap_rate[i - 1]) if i > 0 else (0.0, rate)
+    opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
+    end = nodes[i] * h, opening, now
+    if before > 0.0 > now and opening < 0.0:
+        # The gap may open and close between two nodes.
+        at = locate(run, law, SUMMIT, left, end[0], 0.0)
+        end = at, event_value(run, law, at, RELEASE), 0.0
+        if not end[1] >= 0.0:
+            return -1.0
+    # A gap that is open while it closes is round-off of a touch-down.
+    elif not (opening >= 0.0 and now >= 0.0):
+        return -1.0
+    opened = step.gap[i - 1] - step.end[i - 1] if i > 0 else event_value(run, law, 0.0, RELEASE)
+    at = locate_gap(run, law, RELEASE, (left, opened, before), end, 0.0)
+    return nodes[i] * h if at == left and before < 0.0 else at
+
+
+@inner_kernel
 def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length.
 
     `rate` is the gap rate at its start [m/s].
     """
-    state, step = run.state, run.step
-    left, before, opened = 0.0, rate, 0.0
+    state, step, left = run.state, run.step, 0.0
     sticks = state.mode == STICK
-    slides = (
-        largest(load(state.bound.node)) > 0.0 and state.law.friction_kind != RATE_DEPENDENT and not sticks
-    )
-    slides = slides and not keeps_slip(run)
+    slides = not sticks and state.law.friction_kind != RATE_DEPENDENT and not keeps_slip(run)
+    slides = slides and largest(load(state.bound.node)) > 0.0
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         # From node to node, as the values there are known already: an event is looked for where one of its
         # signs has changed. All that happens in one interval is located, and the earliest is taken.
-        opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
-        first, s, until, end = NOTHING, right, right, (right, opening, now)
-        for event in (CONE, REVERSAL, SUMMIT, RELEASE):
-            if event == CONE:
-                ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
-                happened = sticks and abs(state.friction.node[i] - state.bias.node[i]) > ceiling
-            elif event == REVERSAL:
-                happened = slides and state.sign * step.sliding[i] < 0.0
-            elif event == SUMMIT:
-                happened = before > 0.0 > now and opening < 0.0
-            else:
-                # A gap that is open while it closes is round-off of a touch-down.
-                happened = until < right or (opening >= 0.0 and now >= 0.0)
-            if happened and event == RELEASE:
-                if i == 0:
-                    opened = event_value(run, law, 0.0, RELEASE)
-                at = locate_gap(run, law, RELEASE, (left, opened, before), end, 0.0)
-                at = right if at == left and before < 0.0 else at
-                first, s = (event, at) if first == NOTHING or at < s else (first, s)
-            elif happened:
-                at = locate(run, law, event, left, until, 0.0)
-                if event == SUMMIT:
-                    # The gap may open and close between two nodes.
-                    widest = event_value(run, law, at, RELEASE)
-                    if widest >= 0.0:
-                        until, end = at, (at, widest, 0.0)
-                    continue
-                first, s = (event, at) if first == NOTHING or at < s else (first, s)
+        first, s = NOTHING, right
+        ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
+        if sticks and abs(state.friction.node[i] - state.bias.node[i]) > ceiling:
+            first, s = CONE, locate(run, law, CONE, left, right, 0.0)
+        elif slides and state.sign * step.sliding[i] < 0.0:
+            first, s = REVERSAL, locate(run, law, REVERSAL, left, right, 0.0)
+        released = _release_before(run, law, i, rate)
+        if released >= 0.0 and (first == NOTHING or released < s):
+            first, s = RELEASE, released
         if first != NOTHING:
             return first, s
-        left, before, opened = right, now, opening
+        left = right
     return NOTHING, state.length
 
 
@@ -288,7 +282,7 @@ def _track(run: Run, law: Law, contact: Any, first: float, gap: float, rate: flo
             # An event or the end of the run cuts the step here.
             right = s
             gap, now, _, _, _, _, _ = contact_after(run, s)
-        peak = max(peak, value_at(state.normal, right / h))
+        peak = max(peak, state.normal.node[i] if s == h else value_at(state.normal, right / h))
         deepest = max(deepest, -gap)
         if before < 0.0 <= now and left < right:
             # The turning point by a line through the rates, and from there by the gap's parabola.
