@@ -106,6 +106,8 @@ def fleeting_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel while the program runs, around another."""
     import numba
 
+    from contactlab.compiler import registers  # noqa: F401 - from then on lanes are a type
+
     njit: Any = numba.njit
     return cast(Function, njit(**OPTIONS | options)(function))
 

@@ -35,7 +35,7 @@ from numba import types
 from contactlab.arrays import Array
 from contactlab.checks import shown
 from contactlab.compiler.kernels import INTERPRETED, fleeting_kernel, generated_kernel, remade
-from contactlab.engine.state import HEAD, SPEED
+from contactlab.engine.state import HEAD, NODES, SPEED, STEP
 from contactlab.foreign import compiled_constants, is_own
 from contactlab.interrupts import is_of_a_signal
 from contactlab.laws.base import ContactLaw, MultiplierLaw, PenaltyLaw
@@ -122,6 +122,33 @@ SIGNATURES: Final = {
 }
 """Signatures of the bound kernels by name, in the order in which the loop takes them."""
 
+
+@cache
+def at_nodes_signature() -> Any:
+    """Return the signature of the kernel that evaluates the force at all nodes, `Bound.at_nodes`."""
+    return types.void(numba.from_dtype(STEP), _real, types.Array(_real, 1, "C"), _row)
+
+
+_AT_NODES: Final = """
+from contactlab.compiler.lanes import fill, put, store
+
+def at_nodes(step, impact_speed, row, parameters):
+    normals = least = most = losses = fill(0.0)
+    for i in range({nodes}):
+        for k in range({variables}):
+            row[{head} + k] = step.memory[i, k]
+        normal, lower, upper, _, loss = force(
+            step.closed[i], step.gap_rate[i], step.seen[i], impact_speed, parameters
+        )
+        normals, losses = put(normals, i, normal), put(losses, i, loss)
+        least, most = put(least, i, lower), put(most, i, upper)
+    store(step.normal, normals)
+    store(step.least, least)
+    store(step.most, most)
+    store(step.loss, losses)
+"""
+"""Source of the kernel that evaluates the force at all nodes; row and parameters are the same memory."""
+
 LIMITS, FORCE, FRICTION, IMPACT = map(list(SIGNATURES).index, ("limits", "force", "friction_force", "impact"))
 
 _STATE: Final = "gap, gap_rate, slip, normal"
@@ -164,11 +191,14 @@ class Bound(NamedTuple):
             all kernels that few laws have of a plain law.
         callbacks: functions that the Python interpreter runs in place of some of them.
         plain: whether it has no rates, guards, jumps and limits.
+        at_nodes: evaluates the force of a compliant law at all nodes of a step, each with the internal
+            variables there, in one call; None of a rigid law.
     """
 
     kernels: tuple[Any, ...]
     callbacks: tuple[Callback, ...]
     plain: bool
+    at_nodes: Any
 
 
 def row_of(law: ContactLaw) -> Array:
@@ -468,7 +498,21 @@ def _bound(shape: _Shape) -> Bound:
         kernel, callback = _compiled(name, *sources[name], kinds, owners, signature)
         kernels.append(kernel)
         callbacks += [callback] if callback else []
-    return Bound(tuple(kernels), tuple(callbacks), plain)
+    at_nodes: Any = None
+    if isinstance(law, PenaltyLaw):
+        variables = len(law.internal_variables)
+        over = _AT_NODES.format(nodes=NODES, head=HEAD, variables=variables)
+        source, used = sources["force"]
+        # Around a law that the Python interpreter runs stands its compiled stand-in.
+        if any(name == "force" for name, _ in callbacks):
+            at_nodes = _session("at_nodes", over, (("force", kernels[FORCE]),), at_nodes_signature())
+        else:
+            whole = f"{_INNER}\n\n\n@inner_kernel\n{source}\n{over}"
+            at_nodes, _ = _compiled("at_nodes", whole, used, kinds, owners, at_nodes_signature())
+    return Bound(tuple(kernels), tuple(callbacks), plain, at_nodes)
+
+
+_INNER: Final = "from contactlab.compiler.kernels import inner_kernel"
 
 
 _bound_own = lru_cache(maxsize=256)(_bound)

@@ -1,8 +1,8 @@
 """The nodal forces of a step in compliant contact: how their iteration begins, and how it goes on.
 
-Each node takes the law's answer in turn or, where a damping relaxes the force within the step, all take
-Newton steps. It begins with the forces of the last step; friction that depends on the slip has other ways
-beside, `AT_SLIP_BEFORE` and `AT_REST`: the first that contracts is taken.
+All nodes take the law's answers to the motion under the forces of the sweep before or, where a damping
+relaxes the force within the step, Newton steps. It begins with the forces of the last step; friction that
+depends on the slip has other ways beside, `AT_SLIP_BEFORE` and `AT_REST`: the first that contracts is taken.
 """
 
 from math import nan
@@ -11,19 +11,13 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import Lanes, fill, larger, largest, load, put, smaller, store, where_less
 from contactlab.engine.friction import HELD_SLIP, LEAST_SLIP, correct_friction, follow_bound, friction_at
 from contactlab.engine.kinematics import contact_at
 from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
-from contactlab.engine.nodes import (
-    MOST_ITERATIONS,
-    agree,
-    contact_at_node,
-    fit_nodes,
-    push_node,
-    solve_linear,
-)
+from contactlab.engine.nodes import MOST_ITERATIONS, agree, fit_nodes, move_nodes, push_nodes, solve_linear
 from contactlab.engine.plant import delassus
-from contactlab.engine.state import HEAD, LAST, NODES, START, Law, Run, fit, value_at
+from contactlab.engine.state import HEAD, LAST, NODES, START, Law, Run, fit, values_at
 from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, SLIP, STICK
 
 CAUTION = 10.0
@@ -41,9 +35,6 @@ LEAST_DAMPED = 0.1
 MOST_ELASTIC = 20.0
 """Answer of a spring to the normal force in a step, k h^2 D_nn/2 [1], from which on the law's answers in turn
 diverge: the squared matrix A of the Radau rule has the spectral radius 0.0253."""
-
-BEFORE = NODES + 1
-"""Column of the system that keeps the normal forces before a Newton step."""
 
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
@@ -82,10 +73,8 @@ def iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffn
     lean, sweeps = _lean(run, known, stiffness), 0
     # By how much the normal force at the last node falls as that of all nodes rises: k_n D_nn h^2/2 by its
     # spring, c_n D_nn h by its damping.
-    elastic, damped = 0.0, 0.0
-    for m in range(NODES):
-        elastic += _answered(run, level, known.stiffness, 0.0, lean, LAST, m)
-        damped += _answered(run, level, 0.0, known.damping, lean, LAST, m)
+    elastic = _answered_by_all(run, level, known.stiffness, 0.0, lean)
+    damped = _answered_by_all(run, level, 0.0, known.damping, lean) if known.damping != 0.0 else 0.0
     # A step that does not resolve an elastic swing must not be solved, by Newton's method neither: the
     # polynomial may agree with the law at all nodes and miss the swing between them, and no error shows it.
     if elastic > max(MOST_ELASTIC, damped):
@@ -109,57 +98,70 @@ def _lean(run: Run, known: Known, stiffness: float) -> float:
     Friction that holds the slip, or is steep in it, answers by what keeps the slip: -D_nt/D_tt.
     """
     state, step = run.state, run.step
-    friction = known.friction
-    directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
-    _, crossed, along = delassus(run.plant, *directions)
+    friction, kept = known.friction, 0.0
+    if state.mode == STICK or stiffness > 0.0:
+        directions = step.n_u[0], step.n_th[0], step.t_u[0], step.t_th[0]
+        _, crossed, along = delassus(run.plant, *directions)
+        kept = -crossed / along
     # Stick: what a normal force adds to the slip, D_nt, friction takes back by D_tt. The friction of a spring
     # follows its stretch and not the normal force.
     if state.mode == STICK:
-        return -crossed / along if state.law.friction_kind == SET_VALUED else 0.0
+        return kept if state.law.friction_kind == SET_VALUED else 0.0
     # Slip: the ratio F/N. Steep friction lies between that and the friction which keeps the slip, weighed by
     # its `stiffness`, -f_v dv/dF of eq. 3.9.
     if state.law.friction_kind == SET_VALUED:
         friction = known.bias - state.sign * known.bound
     ratio = friction / known.normal if known.normal > 0.0 else 0.0
-    return (ratio - stiffness * crossed / along) / (1.0 + stiffness)
+    return (ratio + stiffness * kept) / (1.0 + stiffness)
 
 
 @inner_kernel
-def _answered(run: Run, level: int, stiffness: float, damping: float, lean: float, i: int, m: int) -> float:
-    """Return by how much the normal force of node i falls as that of node m rises, with its friction [1].
+def _answered(run: Run, level: int, stiffness: float, damping: float, lean: float, m: int) -> Lanes:
+    """Return by how much the normal force of each node falls as that of node m rises, with its friction [1].
 
     Stiffness [N/m] and damping [N s/m] are how it falls with gap and gap rate.
     """
     step, results = run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
-    # Eq. 3.4 differentiated: node m presses along n + lean t, node i moves along n. Positive: a force opens
+    # Eq. 3.4 differentiated: node m presses along n + lean t, all nodes move along n. Positive: a force opens
     # the gap, which lets the force fall.
     push_u, push_th = step.n_u[m] + lean * step.t_u[m], step.n_th[m] + lean * step.t_th[m]
-    u = stiffness * tip_q[0, i, m] + damping * tip_v[0, i, m]
-    mixed = stiffness * tip_q[1, i, m] + damping * tip_v[1, i, m]
-    th = stiffness * tip_q[2, i, m] + damping * tip_v[2, i, m]
-    return float(
-        step.n_u[i] * (u * push_u + mixed * push_th) + step.n_th[i] * (mixed * push_u + th * push_th)
-    )
+    u = stiffness * load(tip_q[0, m]) + damping * load(tip_v[0, m])
+    mixed = stiffness * load(tip_q[1, m]) + damping * load(tip_v[1, m])
+    th = stiffness * load(tip_q[2, m]) + damping * load(tip_v[2, m])
+    by_u, by_th = u * push_u + mixed * push_th, mixed * push_u + th * push_th
+    falls: Lanes = load(step.n_u) * by_u + load(step.n_th) * by_th
+    return falls
+
+
+@inner_kernel
+def _answered_by_all(run: Run, level: int, stiffness: float, damping: float, lean: float) -> float:
+    """Return by how much the normal force of the last node falls as those of all rise, see `_answered`."""
+    falls = fill(0.0)
+    for m in range(NODES):
+        falls = falls + _answered(run, level, stiffness, damping, lean, m)
+    return float(falls[LAST])
 
 
 @inner_kernel
 def _first_forces(run: Run, law: Law, stretch: float) -> None:
     """Set forces and internal variable at the nodes from the polynomials that stand, to iterate from."""
     state, nodes = run.state, run.propagator.rule.nodes
-    for i in range(NODES):
-        # x = s/h on the last step's polynomial, beyond its end where no event cut it. An extrapolation may
-        # overshoot: no first guess of the normal force or of the bound is negative.
-        x = state.accepted_length + nodes[i] * stretch
-        state.normal.node[i] = max(value_at(state.normal, x), 0.0)
-        state.bound.node[i] = max(value_at(state.bound, x), 0.0)
-        state.bias.node[i] = value_at(state.bias, x)
-        state.friction.node[i] = value_at(state.friction, x)
-        if state.mode == SLIP and state.law.friction_kind != RATE_DEPENDENT:
-            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
-        # Only friction with an internal variable reads these.
-        state.internal_rate.node[i] = value_at(state.internal_rate, x)
-        push_node(run, i)
+    # x = s/h on the last step's polynomial, beyond its end where no event cut it. An extrapolation may
+    # overshoot: no first guess of the normal force or of the bound is negative.
+    x = state.accepted_length + load(nodes) * stretch
+    bound, bias = larger(values_at(state.bound, x), 0.0), values_at(state.bias, x)
+    if state.mode == SLIP and state.law.friction_kind != RATE_DEPENDENT:
+        friction = bias - state.sign * bound
+    else:
+        friction = values_at(state.friction, x)
+    store(state.normal.node, larger(values_at(state.normal, x), 0.0))
+    store(state.bound.node, bound)
+    store(state.bias.node, bias)
+    store(state.friction.node, friction)
+    if state.law.coupled != 0:
+        store(state.internal_rate.node, values_at(state.internal_rate, x))
+    push_nodes(run)
     guess_memory(run, law.memory)
 
 
@@ -207,7 +209,8 @@ def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: flo
         if kind != SET_VALUED and not follows:
             follow_bound(run, law, float(state.sign))
         fit_nodes(run)
-        fit(run.propagator.rule, state.internal_rate)
+        if state.law.coupled != 0:
+            fit(run.propagator.rule, state.internal_rate)
         return sweep
     return 0
 
@@ -216,55 +219,55 @@ def _collocate(run: Run, law: Law, level: int, way: int, known: Known, lean: flo
 def _sweep_normal(
     run: Run, law: Law, level: int, known: Known, lean: float, stiff: bool
 ) -> tuple[float, float]:
-    """Take the law's answers at all nodes, in turn or by a Newton step where they are `stiff`.
+    """Take the law's answers at all nodes, as they are or by a Newton step where they are `stiff`.
 
     Returns the largest change of a force and the largest force [N].
     """
-    state, change, most = run.state, 0.0, 0.0
+    state = run.state
     slides = state.mode != STICK and state.law.friction_kind != RATE_DEPENDENT
-    # In turn, as Gauss and Seidel: a node sees the new forces of those before it. A Newton step needs all
-    # answers at one motion, so that the forces stay as they are until it is taken.
-    for i in range(NODES):
-        old_normal, old_friction = state.normal.node[i], state.friction.node[i]
-        _law_at_node(run, law, level, i)
-        # Friction that would have to hold far more than the law lets it has the round-off of its size.
-        most = max(most, state.normal.node[i], abs(old_friction))
-        if stiff:
-            run.step.system[i, BEFORE] = old_normal
-            continue
+    old_normal, old_friction = load(state.normal.node), load(state.friction.node)
+    # As Jacobi, all answers are to one motion, that of all nodes at once.
+    move_nodes(run, level)
+    _take_forces(run, law)
+    normal = load(state.normal.node)
+    # Friction that would have to hold far more than the law lets it has the round-off of its size.
+    most = largest(larger(larger(abs(old_friction), normal), 0.0))
+    if stiff:
+        change = _correct_normal(run, level, known, lean, slides, old_normal)
+    else:
+        friction = old_friction
         if slides:
             # Eq. 3.5, about the middle of the bounds where a law has a lower one and an upper one.
-            state.friction.node[i] = state.bias.node[i] - state.sign * state.bound.node[i]
-        push_node(run, i)
-        change = max(change, abs(state.normal.node[i] - old_normal))
-        change = max(change, abs(state.friction.node[i] - old_friction))
-    if stiff:
-        change = max(change, _correct_normal(run, level, known, lean, slides))
-        for i in range(NODES):
-            push_node(run, i)
+            friction = load(state.bias.node) - state.sign * load(state.bound.node)
+            store(state.friction.node, friction)
+        change = largest(larger(abs(normal - old_normal), abs(friction - old_friction)))
+    push_nodes(run)
     return change, most
 
 
 @inner_kernel
-def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: bool) -> float:
-    """Take a Newton step of the normal forces from the law's answers; returns the largest correction [N].
+def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: bool, before: Lanes) -> float:
+    """Take a Newton step of the normal forces `before` [N] from the law's answers.
+
+    Returns the largest correction [N].
 
     The law's slopes are those at the step's start. Friction and what bounds it follow the normal force.
     """
     state, system = run.state, run.step.system
-    for i in range(NODES):
-        for m in range(NODES):
+    for m in range(NODES):
+        falls = _answered(run, level, known.stiffness, known.damping, lean, m)
+        for i in range(NODES):
             # Row i of N - N(motion of N) = 0, linearised: the law's force falls as that of node m rises.
             # Where the law has no force it has no slope.
-            falls = _answered(run, level, known.stiffness, known.damping, lean, i, m)
-            falls = falls if state.normal.node[i] != 0.0 else 0.0
-            system[i, m] = (1.0 if m == i else 0.0) + falls
-        system[i, NODES] = state.normal.node[i] - system[i, BEFORE]
+            falls_i = falls[i] if state.normal.node[i] != 0.0 else 0.0
+            system[i, m] = (1.0 if m == i else 0.0) + falls_i
+    for i in range(NODES):
+        system[i, NODES] = state.normal.node[i] - before[i]
     solve_linear(system, NODES)
     most = 0.0
     for i in range(NODES):
         of_law, change = state.normal.node[i], system[i, NODES]
-        state.normal.node[i] = system[i, BEFORE] + change
+        state.normal.node[i] = before[i] + change
         # The law is not evaluated again for the corrected force: its bounds are taken as proportional to it,
         # which the next sweep makes good.
         if slides:
@@ -280,25 +283,36 @@ def _correct_normal(run: Run, level: int, known: Known, lean: float, slides: boo
 
 
 @inner_kernel
-def _law_at_node(run: Run, law: Law, level: int, i: int) -> None:
-    """Set motion and forces of node i."""
+def _take_forces(run: Run, law: Law) -> None:
+    """Set the law's forces at all nodes, whose motion is set."""
     state, step = run.state, run.step
-    gap, rate, slip = contact_at_node(run, level, i)
-    recall(run, law, i)
-    step.end[i] = end_at(run, law, law.memory, rate)
-    # What is left of the slip in stick is an error of the iteration: the law receives zero.
-    seen = 0.0 if state.mode == STICK else slip
+    gap, end = load(step.gap), fill(0.0)
+    if state.law.has_limits != 0:
+        for i in range(NODES):
+            recall(run, law, i)
+            end = put(end, i, end_at(run, law, law.memory, step.gap_rate[i]))
+    store(step.end, end)
     # Friction without a normal force goes on beyond the release, which cuts the step: it has no jump there.
-    closed = min(gap, step.end[i] + TOUCHED)
-    normal, least, most, _, loss = law.force(closed, rate, seen, state.impact_speed, law.parameters)
+    store(step.closed, smaller(gap, end + TOUCHED))
+    # What is left of the slip in stick is an error of the iteration: the law receives zero.
+    store(step.seen, fill(0.0) if state.mode == STICK else load(step.slip))
+    law.at_nodes(step, state.impact_speed, law.row, law.parameters)
+    least, most = load(step.least), load(step.most)
     bound, bias = 0.5 * (most - least), 0.5 * (most + least)
-    if gap < step.end[i]:
-        normal = sound_normal(normal, bound)
-        bias += beside_spring(run, law, (gap, rate, slip), step.end[i], normal)
-    else:
-        normal, loss = 0.0, 0.0
-    state.normal.node[i], state.bound.node[i], state.bias.node[i] = normal, bound, bias
-    step.loss[i] = loss
+    normal = load(step.normal)
+    # No number where the law says a negative friction bound with it.
+    normal = where_less(bound, -BOUND_ROUND_OFF * abs(normal), nan, normal)
+    normal = where_less(gap, end, normal, 0.0)
+    if state.mode == STICK and state.law.friction_kind == ELASTOPLASTIC:
+        for i in range(NODES):
+            if gap[i] < end[i]:
+                recall(run, law, i)
+                contact = gap[i], step.gap_rate[i], step.slip[i]
+                bias = put(bias, i, bias[i] + beside_spring(run, law, contact, end[i], normal[i]))
+    store(state.normal.node, normal)
+    store(state.bound.node, bound)
+    store(state.bias.node, bias)
+    store(step.loss, where_less(gap, end, load(step.loss), 0.0))
 
 
 @inner_kernel

@@ -63,6 +63,7 @@ NO_IMPACTS: Final = ImpactBatch(
 @inner_kernel
 def law_of(
     data: LoopData,
+    at_nodes: Any,
     force: Any,
     friction: Any,
     impact: Any,
@@ -74,7 +75,7 @@ def law_of(
 ) -> Law:
     """Return a law's kernels with its parameters."""
     memory = _memory_of(rate, guard, jump, limits)
-    return Law(force, friction, impact, bound, data.parameters, data.row, memory)
+    return Law(at_nodes, force, friction, impact, bound, data.parameters, data.row, memory)
 
 
 @inner_kernel
@@ -91,6 +92,7 @@ def _memory_of(rate: Any, guard: Any, jump: Any, limits: Any) -> Memory | None:
 @kernel
 def run_compliant(
     data: LoopData,
+    at_nodes: Any,
     force: Any,
     friction: Any,
     impact: Any,
@@ -108,7 +110,7 @@ def run_compliant(
     four kernels are None.
     """
     run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    law = law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
     if data.impacts.outcomes.size > 0:
         integrate_impacts(run, data.states, data.motions, data.records, data.impacts, law, data.waves)
     else:
@@ -118,6 +120,7 @@ def run_compliant(
 @kernel
 def run_rigid(
     data: LoopData,
+    at_nodes: Any,
     force: Any,
     friction: Any,
     impact: Any,
@@ -129,13 +132,14 @@ def run_rigid(
 ) -> None:
     """Run a rigid law in its limit of no step or in time stepping, see `run_compliant`."""
     run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    law = law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
     run_law(run, data.states, data.motions, data.records, law, step_rigid, data.budget, data.waves)
 
 
 @kernel
 def evaluate_rigid(
     data: LoopData,
+    at_nodes: Any,
     force: Any,
     friction: Any,
     impact: Any,
@@ -146,7 +150,7 @@ def evaluate_rigid(
     limits: Any,
 ) -> None:
     """Evaluate impacts of a rigid law."""
-    law = law_of(data, force, friction, impact, bound, rate, guard, jump, limits)
+    law = law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
     run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
     evaluate_impacts(run, data.states[0], data.impacts, law)
 

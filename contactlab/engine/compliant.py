@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel
+from contactlab.compiler.lanes import larger, largest, load
 from contactlab.engine.collocation import TOUCHED, Known, beside_spring, iterate, sound_normal
 from contactlab.engine.error_control import impulse_scale, lengthen
 from contactlab.engine.friction import (
@@ -48,7 +49,6 @@ from contactlab.engine.state import (
     Law,
     Run,
     hold,
-    largest,
     value_at,
 )
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, SLIP, STICK
@@ -140,7 +140,11 @@ def _flow_error(run: Run, law: Law, known: Known, h: float) -> float:
     """
     state, propagator, normal = run.state, run.propagator, known.normal
     allowed = state.tolerance * state.impulse_scale
-    depends, pressed, missed = state.law.friction_kind == RATE_DEPENDENT, largest(state.normal.node), 0.0
+    depends, pressed, missed = (
+        state.law.friction_kind == RATE_DEPENDENT,
+        largest(load(state.normal.node)),
+        0.0,
+    )
     # Without a normal force friction is zero whatever its variables are, and eq. 3.11 is zero.
     idle = normal == 0.0 == pressed
     if idle:
@@ -176,17 +180,19 @@ def _highest_coefficient(run: Run, level: int) -> float:
 @inner_kernel
 def _kinked_force(run: Run, known: Known) -> float:
     """Return the largest force [N] of a step in which the gap opens, or the force ends or begins; else -1."""
-    normal, forces = known.normal, run.state.normal.node
-    most, ends = max(abs(normal), abs(known.friction)), False
+    state, step, normal = run.state, run.step, known.normal
+    # The force ends at a node, or a node is beyond the release: somewhere before it lies a kink.
+    kinked = largest(load(step.gap) - load(step.end)) >= 0.0
     for i in range(NODES):
-        most = max(most, abs(forces[i]))
-        if run.state.law.friction_kind == RATE_DEPENDENT:
-            # Friction that no bound ties to the normal force.
-            most = max(most, abs(run.state.friction.node[i]))
-        # The force ends at a node, or a node is beyond the release: somewhere before it lies a kink.
-        ends = ends or (normal > 0.0 and forces[i] == 0.0) or run.step.gap[i] >= run.step.end[i]
-    begins = normal == 0.0 == forces[0] and largest(forces) > 0.0
-    return most if ends or begins else -1.0
+        kinked = kinked or (normal > 0.0 and state.normal.node[i] == 0.0)
+    forces = load(state.normal.node)
+    if not kinked and (normal != 0.0 or forces[0] != 0.0 or largest(forces) <= 0.0):
+        return -1.0
+    sizes = abs(forces)
+    if state.law.friction_kind == RATE_DEPENDENT:
+        # Friction that no bound ties to the normal force.
+        sizes = larger(sizes, abs(load(state.friction.node)))
+    return max(abs(normal), abs(known.friction), largest(sizes))
 
 
 @inner_kernel
@@ -196,15 +202,16 @@ def _outweighed_error(run: Run) -> float:
     It moves nothing and so is no part of the normal force, but its loss is one of the ledger.
     """
     step, rule = run.step, run.propagator.rule
-    highest, fastest, outweighed = 0.0, 0.0, False
+    outweighed = False
     for i in range(NODES):
-        if step.gap[i] >= step.end[i]:
-            return 0.0
         outweighed = outweighed or run.state.normal.node[i] == 0.0
+    if not outweighed or largest(load(step.gap) - load(step.end)) >= 0.0:
+        return 0.0
+    highest, fastest = 0.0, largest(abs(load(step.gap_rate)))
+    for i in range(NODES):
         # Highest coefficient of the loss's polynomial (eq. 3.2): over the fastest gap rate it is a force.
         highest += rule.lagrange[i, NODES - 1] * step.loss[i]
-        fastest = max(fastest, abs(step.gap_rate[i]))
-    return HIGHEST_SHARE * abs(highest) / fastest if outweighed and fastest > 0.0 else 0.0
+    return HIGHEST_SHARE * abs(highest) / fastest if fastest > 0.0 else 0.0
 
 
 @inner_kernel
@@ -315,7 +322,7 @@ def _denied_by_far(run: Run) -> bool:
     slip over its length.
     """
     state = run.state
-    if state.mode != STICK or state.law.friction_kind != SET_VALUED or largest(state.bound.node) == 0.0:
+    if state.mode != STICK or state.law.friction_kind != SET_VALUED or largest(load(state.bound.node)) == 0.0:
         return False
     for i in range(NODES):
         if not abs(state.friction.node[i] - state.bias.node[i]) > FAR * state.bound.node[i]:
@@ -459,7 +466,7 @@ def _contradicted(run: Run, law: Law, slip: float, bound: float, bias: float) ->
     else:
         # The slip has turned by the first node. If it began with the sign of the mode, this is a reversal
         # within the step, which is located as an event; if it began at zero, the mode was wrong.
-        denied = largest(state.bound.node) > 0.0 and state.sign * step.sliding[0] < 0.0
+        denied = largest(load(state.bound.node)) > 0.0 and state.sign * step.sliding[0] < 0.0
         if denied and state.law.friction_kind != SET_VALUED:
             slip = event_value(run, law, 0.0, REVERSAL) if state.contact.duration > 0.0 else 0.0
         denied = denied and not state.sign * slip > SLIP_ROUND_OFF

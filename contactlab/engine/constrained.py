@@ -41,10 +41,10 @@ from contactlab.engine.memory import (
 from contactlab.engine.nodes import (
     MOST_ITERATIONS,
     agree,
-    contact_at_node,
     fit_nodes,
+    move_nodes,
     open_nodes,
-    push_node,
+    push_nodes,
     solve_linear,
 )
 from contactlab.engine.plant import Matrix
@@ -307,7 +307,7 @@ def _attempt(run: Run, law: Law, level: int, known: Multipliers) -> float:
         state.normal.node[i], state.friction.node[i] = known.normal, known.friction
         state.bias.node[i] = known.friction / known.normal
         step.loss[i], step.end[i] = 0.0, 0.0
-        push_node(run, i)
+    push_nodes(run)
     guess_memory(run, law.memory)
     sweeps = _collocate(run, law, level)
     state.accepted_length = 0.0
@@ -334,8 +334,9 @@ def _collocate(run: Run, law: Law, level: int) -> int:
     size = 2 * NODES if sticks else NODES
     for sweep in range(1, MOST_ITERATIONS + 1):
         most = 0.0
+        move_nodes(run, level)
         for i in range(NODES):
-            slip = contact_at_node(run, level, i)[2]
+            slip = step.slip[i]
             most = max(most, abs(state.normal.node[i]), abs(state.friction.node[i]))
             recall(run, law, i)
             if not sticks:
@@ -375,7 +376,7 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
         n_u, n_th, t_u, t_th = step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i]
         # Rates at node i by unit multipliers at node m: eq. 3.7 with both directions, the counterpart of D.
         for m in range(NODES):
-            uu, mixed, thth = tip_v[0, i, m], tip_v[1, i, m], tip_v[2, i, m]
+            uu, mixed, thth = tip_v[0, m, i], tip_v[1, m, i], tip_v[2, m, i]
             m_u, m_th, s_u, s_th = step.n_u[m], step.n_th[m], step.t_u[m], step.t_th[m]
             # Answers of u and th to a unit normal force and to a unit friction.
             by_normal_u, by_normal_th = uu * m_u + mixed * m_th, mixed * m_u + thth * m_th
@@ -385,7 +386,7 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
             if sticks:
                 system[i, m], system[i, NODES + m] = normal, crossed
                 system[NODES + i, m] = t_u * by_normal_u + t_th * by_normal_th
-                system[NODES + i, NODES + m] = t_u * by_friction_u + t_th * by_friction_th + tip_v[3, i, m]
+                system[NODES + i, NODES + m] = t_u * by_friction_u + t_th * by_friction_th + tip_v[3, m, i]
             else:
                 system[i, m] = normal + crossed * state.bias.node[m]
         system[i, size] = -step.gap_rate[i]
@@ -395,7 +396,7 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
             # Friction follows the normal force that there is.
             for m in range(NODES):
                 missing = state.bias.node[m] * state.normal.node[m] - state.friction.node[m]
-                uu, mixed, thth = tip_v[0, i, m], tip_v[1, i, m], tip_v[2, i, m]
+                uu, mixed, thth = tip_v[0, m, i], tip_v[1, m, i], tip_v[2, m, i]
                 s_u, s_th = step.t_u[m], step.t_th[m]
                 by_u, by_th = uu * s_u + mixed * s_th, mixed * s_u + thth * s_th
                 system[i, size] -= missing * (n_u * by_u + n_th * by_th)
@@ -410,10 +411,10 @@ def _correct(run: Run, level: int, sticks: bool, size: int) -> float:
             state.friction.node[i] += system[NODES + i, size]
         else:
             state.friction.node[i] = state.bias.node[i] * state.normal.node[i]
-        push_node(run, i)
         change = abs(state.normal.node[i] - before_normal) + abs(state.friction.node[i] - before_friction)
         # NaN fails every comparison, and is passed on.
         most = change if not change <= most else most
+    push_nodes(run)
     return most
 
 

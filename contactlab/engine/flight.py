@@ -25,7 +25,7 @@ from contactlab.engine.kinematics import (
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.plant import ORDERS, Plant
 from contactlab.engine.propagator import build_level, step_length
-from contactlab.engine.rootfinding import locate
+from contactlab.engine.rootfinding import locate_gap
 from contactlab.engine.state import (
     FLIGHT,
     LAST,
@@ -105,7 +105,7 @@ def step_flight(run: Run, law: Law) -> int:
     state.length = h
     # The motion at the end is exact; all that follows is what happens on the way to it.
     build_level(run.plant, run.propagator, level)
-    free_response(run, level, LAST)
+    free_response(run, level)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
     last_limit, last_limit_rate = limit_at(run, law, law.memory, h, (gap, rate, slip))
     gap -= last_limit
@@ -309,7 +309,9 @@ def _first_touch(run: Run, law: Law, start: Instant, end: Instant, bound: float,
         # Closed at the end, and falling all along: one zero, which is located. Else the piece is halved, its
         # second half waiting.
         elif gap_b <= 0.0 and gap_rate_a - min(limit_rate_a, limit_rate_b) + bound * h < 0.0:
-            return locate(run, law, TOUCH, a, b, coarse * RESOLUTION)
+            left = a, gap_a, gap_rate_a - limit_rate_a
+            right = b, gap_b, gap_rate_b - limit_rate_b
+            return locate_gap(run, law, TOUCH, left, right, coarse * RESOLUTION)
         elif indistinct:
             return b
         else:

@@ -27,7 +27,7 @@ from contactlab.engine.memory import (
     recall,
     recall_start,
 )
-from contactlab.engine.nodes import mobility, push_node, solve_linear
+from contactlab.engine.nodes import mobility, push_nodes, solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
@@ -253,8 +253,8 @@ def correct_friction(
             # NaN fails every comparison, and is passed on.
             flowed = flowed if abs(moved) - noise <= flowed else abs(moved) - noise
             size = max(size, abs(step.memory[i, 0]))
-        push_node(run, i)
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
+    push_nodes(run)
     if not holds:
         for i in range(NODES):
             state.internal_rate.node[i] = _internal_rate(run, i)

@@ -12,7 +12,8 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.oscillator import impulse_integrals, response_from_rest
+from contactlab.compiler.lanes import COUNT, Lanes, entry, fill, load, put, store, total_of
+from contactlab.engine.oscillator import integrals_of_several, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, modes_of
 from contactlab.engine.propagator import BY_RECORD
 from contactlab.engine.state import (
@@ -67,6 +68,21 @@ def contact_of(plant: Plant, tip: Tip) -> Contact:
     # Eq. 1.10; positive where the gap opens, and where the tip runs ahead of the rotor's surface.
     rate = n_u * u_rate + n_th * th_rate
     return gap, rate, t_u * u_rate + t_th * th_rate + rotor, n_u, n_th, t_u, t_th
+
+
+@part_kernel
+def tip_motions(plant: Plant) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes]:
+    """Return the tip's motion at all nodes."""
+    u, th, u_rate, th_rate, rotor = fill(0.0), fill(0.0), fill(0.0), fill(0.0), fill(0.0)
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        q, v = load(mode.q), load(mode.v)
+        u = u + mode.row_u * q
+        th = th + mode.row_th * q
+        u_rate = u_rate + mode.row_u * v
+        th_rate = th_rate + mode.row_th * v
+        rotor = rotor + mode.row_r * v
+    return u, th, u_rate, th_rate, rotor
 
 
 @part_kernel
@@ -296,84 +312,107 @@ def _add_near(run: Run, level: int, j: int, i: int, origin: int, place: int) -> 
         for k in range(plant.tone_count):
             if plant.phasors[j, k].near != 0:
                 part = run.propagator.driven[level, j, k].part
-                _add_driven(plant, j, k, origin, place, (part[i, 0], part[i, 1], part[i, 2], part[i, 3]))
+                _add_driven(plant, j, k, origin, place, (part[0, i], part[1, i], part[2, i], part[3, i]))
+
+
+@part_kernel
+def _add_near_between(plant: Plant, j: int, s: float) -> None:
+    """Add what the tones did to a nearly resonant mode up to time s of the step."""
+    mode = plant.modes[j]
+    if mode.near != 0:
+        for k in range(plant.tone_count):
+            if plant.phasors[j, k].near != 0:
+                driven = response_from_rest(mode.stiffness, mode.damping, plant.tones[k].omega, s)
+                _add_driven(plant, j, k, START, BETWEEN, driven)
 
 
 @inner_kernel
 def flow_to(run: Run, s: float) -> None:
     """Go to time s after the start, 0 <= s <= h: the state there is left BETWEEN."""
     plant, state, step = run.plant, run.state, run.step
-    integrals = run.propagator.rule.integrals
-    degree = step.kind
-    h = state.length
+    integrals = run.propagator.rule.integrals_of_several
     waves = plant.wave.electrodes > 0
     # A force s^m/m! has the answer I_(m+1) (eq. 2.1): as many integrals as its polynomial has powers.
-    top = ORDERS if waves else max(degree + 1, 1)
+    top = ORDERS if waves else max(step.kind + 1, 1)
     for k in range(plant.tone_count):
         tone = plant.tones[k]
         _turn(tone, START, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
-    for j in range(plant.mode_count):
-        mode = plant.modes[j]
-        c, stiffness = mode.damping, mode.stiffness
-        impulse_integrals(stiffness, c, s, top, integrals)
-        rate, w = integrals[0], integrals[1]
-        # Eqs. 2.3 and 2.4, then the waveform's answer (2.7a), that of the contact's polynomial, and the
+    # As many coordinates at once as there are lanes.
+    for first in range(0, plant.mode_count, COUNT):
+        stiffness, damping, constant = fill(0.0), fill(0.0), fill(0.0)
+        free_q, free_v = fill(0.0), fill(0.0)
+        row_u, row_th, row_r = fill(0.0), fill(0.0), fill(0.0)
+        for i in range(min(plant.mode_count - first, COUNT)):
+            mode = plant.modes[first + i]
+            stiffness, damping = put(stiffness, i, mode.stiffness), put(damping, i, mode.damping)
+            constant = put(constant, i, mode.constant)
+            free_q, free_v = put(free_q, i, mode.free_q), put(free_v, i, mode.free_v)
+            # Whatever force acts, a led coordinate is where its path is.
+            share = 1.0 if mode.led == 0 else 0.0
+            row_u, row_th = put(row_u, i, share * mode.row_u), put(row_th, i, share * mode.row_th)
+            row_r = put(row_r, i, share * mode.row_r)
+        integrals_of_several(stiffness, damping, s, top, integrals)
+        rate, w = entry(integrals, 0), entry(integrals, 1)
+        # Eqs. 2.3 and 2.4, then the answer of the contact's polynomial, that of the waveform (2.7a), and the
         # steady state.
-        q = (rate + c * w) * mode.free_q + w * mode.free_v
-        v = -stiffness * w * mode.free_q + rate * mode.free_v
-        q += mode.constant * integrals[2]
-        v += mode.constant * w
-        if waves:
-            for m in range(ORDERS):
-                q += plant.forces[j, m] * integrals[m + 2]
-                v += plant.forces[j, m] * integrals[m + 1]
-        scale = 1.0
-        for d in range(degree + 1):
-            if d > 0:
-                scale *= d / h
-            u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
-            push = scale * modal_force(mode, u, th, step.push_r.coefficient[d])
-            q += push * integrals[d + 2]
-            v += push * integrals[d + 1]
-        mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q, v, 1.0)
-        if mode.near != 0:
-            for k in range(plant.tone_count):
-                if plant.phasors[j, k].near != 0:
-                    driven = response_from_rest(stiffness, c, plant.tones[k].omega, s)
-                    _add_driven(plant, j, k, START, BETWEEN, driven)
+        q = (rate + damping * w) * free_q + w * free_v + constant * entry(integrals, 2)
+        v = -stiffness * w * free_q + rate * free_v + constant * w
+        if step.kind != FLIGHT:
+            scale = 1.0
+            for d in range(step.kind + 1):
+                scale *= d / state.length if d > 0 else 1.0
+                u, th = step.push_u.coefficient[d], step.push_th.coefficient[d]
+                push = scale * (row_u * u + row_th * th + row_r * step.push_r.coefficient[d])
+                q = q + push * entry(integrals, d + 2)
+                v = v + push * entry(integrals, d + 1)
+        for i in range(min(plant.mode_count - first, COUNT)):
+            j, mode, q_j, v_j = first + i, plant.modes[first + i], q[i], v[i]
+            if waves:
+                for m in range(ORDERS):
+                    q_j += plant.forces[j, m] * integrals[m + 2, i]
+                    v_j += plant.forces[j, m] * integrals[m + 1, i]
+            mode.q[BETWEEN], mode.v[BETWEEN] = _add_steady(plant, j, BETWEEN, q_j, v_j, 1.0)
+            _add_near_between(plant, j, s)
 
 
 @inner_kernel
-def _by_wave(plant: Plant, response: Any, i: int, j: int, integrated: int) -> float:
-    """Return what the waveform adds to a rate at a node, or, integrated once, to a displacement."""
-    total = 0.0
+def _by_wave(plant: Plant, response: Any, j: int, integrated: int) -> Lanes:
+    """Return what the waveform adds to the rates at the nodes, or, integrated once, to the displacements."""
+    added = fill(0.0)
     if plant.wave.electrodes > 0:
         for m in range(ORDERS):
-            total += response.powers[i, m + integrated] * plant.forces[j, m]
-    return total
+            added = added + load(response.powers[m + integrated]) * plant.forces[j, m]
+    return added
 
 
-@part_kernel
-def free_response(run: Run, level: int, first: int) -> None:
-    """Go to the nodes of a level without contact: rates at all of them, displacements from `first` on."""
+@inner_kernel
+def free_response(run: Run, level: int) -> None:
+    """Go to the nodes of a level without contact."""
     plant, propagator = run.plant, run.propagator
-    for i in range(NODES):
+    for k in range(plant.tone_count):
+        tone, turn = plant.tones[k], propagator.turns[level, k]
+        cosine, sine = load(turn.cosine), load(turn.sine)
+        # Addition theorems, as in `_turn`.
+        store(tone.cosine, tone.cosine[START] * cosine - tone.sine[START] * sine)
+        store(tone.sine, tone.cosine[START] * sine + tone.sine[START] * cosine)
+    for j in range(plant.mode_count):
+        mode, response = plant.modes[j], propagator.responses[level, j]
+        q0, v0 = mode.free_q, mode.free_v
+        flow, hold = response.flow, response.hold
+        q, v = fill(0.0), load(flow[2]) * q0 + load(flow[3]) * v0
+        v = v + (load(hold[1]) * mode.constant + _by_wave(plant, response, j, 0))
         for k in range(plant.tone_count):
-            turn = propagator.turns[level, k]
-            _turn(plant.tones[k], START, i, turn.cosine[i], turn.sine[i])
-        for j in range(plant.mode_count):
-            mode, response = plant.modes[j], propagator.responses[level, j]
-            q0, v0 = mode.free_q, mode.free_v
-            v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0
-            v += response.hold[i, 1] * mode.constant + _by_wave(plant, response, i, j, 0)
-            # Displacements are read at the last node alone in flight, whose ledger needs rates: the rest is
-            # left out.
-            q, mode.v[i] = _add_steady(plant, j, i, 0.0, v, 1.0)
-            if i >= first:
-                q += response.flow[i, 0] * q0 + response.flow[i, 1] * v0
-                q += response.hold[i, 0] * mode.constant
-                mode.q[i] = q + _by_wave(plant, response, i, j, 1)
-            _add_near(run, level, j, i, START, i)
+            tone, phasor = plant.tones[k], plant.phasors[j, k]
+            cosine, sine = load(tone.cosine), load(tone.sine)
+            q = q + (phasor.steady_re * cosine - phasor.steady_im * sine)
+            v = v - tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
+        q = q + (load(flow[0]) * q0 + load(flow[1]) * v0)
+        q = q + load(hold[0]) * mode.constant
+        store(mode.q, q + _by_wave(plant, response, j, 1))
+        store(mode.v, v)
+        if mode.near != 0:
+            for i in range(NODES):
+                _add_near(run, level, j, i, START, i)
 
 
 @part_kernel
@@ -384,17 +423,17 @@ def _free_on(run: Run, i: int, place: int) -> None:
     for j in range(plant.mode_count):
         mode, response = plant.modes[j], run.propagator.responses[BY_RECORD, j]
         q0, v0, constant = mode.q[RECORDED], mode.v[RECORDED], mode.constant
-        q = response.flow[i, 0] * q0 + response.flow[i, 1] * v0 + response.hold[i, 0] * constant
-        v = response.flow[i, 2] * q0 + response.flow[i, 3] * v0 + response.hold[i, 1] * constant
+        q = response.flow[0, i] * q0 + response.flow[1, i] * v0 + response.hold[0, i] * constant
+        v = response.flow[2, i] * q0 + response.flow[3, i] * v0 + response.hold[1, i] * constant
         for m in range(forces):
             u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
             if step.kind == HELD:
-                q += response.hold[i, 0] * push
-                v += response.hold[i, 1] * push
+                q += response.hold[0, i] * push
+                v += response.hold[1, i] * push
             else:
-                q += response.answer_q[i, m] * push
-                v += response.answer_v[i, m] * push
+                q += response.answer_q[m, i] * push
+                v += response.answer_v[m, i] * push
         mode.q[place], mode.v[place] = q, v
 
 
@@ -436,14 +475,16 @@ def flow_on(run: Run, s: float) -> None:
 def add_collocated(run: Run, level: int) -> None:
     """Add the answer to the nodal forces: rates at all nodes, displacements at the last."""
     step = run.step
-    for m in range(NODES):
-        u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
-        for j in range(run.plant.mode_count):
-            mode, response = run.plant.modes[j], run.propagator.responses[level, j]
+    for j in range(run.plant.mode_count):
+        mode, response = run.plant.modes[j], run.propagator.responses[level, j]
+        q, v = mode.q[LAST], load(mode.v)
+        for m in range(NODES):
+            u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
-            for i in range(NODES):
-                mode.v[i] += response.answer_v[i, m] * push
-            mode.q[LAST] += response.answer_q[LAST, m] * push
+            q += response.answer_q[m, LAST] * push
+            v = v + load(response.answer_v[m]) * push
+        mode.q[LAST] = q
+        store(mode.v, v)
 
 
 @part_kernel
@@ -455,10 +496,9 @@ def add_constant(run: Run, level: int, displacement: bool, rates: bool) -> None:
         mode, response = run.plant.modes[j], run.propagator.responses[level, j]
         push = modal_force(mode, u, th, rotor)
         if displacement:
-            mode.q[LAST] += response.hold[LAST, 0] * push
+            mode.q[LAST] += response.hold[0, LAST] * push
         if rates:
-            for i in range(NODES):
-                mode.v[i] += response.hold[i, 1] * push
+            store(mode.v, load(mode.v) + load(response.hold[1]) * push)
 
 
 @inner_kernel
@@ -466,14 +506,13 @@ def checked(run: Run, event: int) -> int:
     """Return the event of a step in contact; end the run, as it stands, where the law gave no numbers."""
     state, step = run.state, run.step
     if state.ending == RUNNING:
-        total = 0.0
-        for i in range(1 if step.kind == HELD else NODES):
-            total += abs(state.normal.node[i]) + abs(state.friction.node[i])
-            if step.kind == COLLOCATED:
-                total += abs(state.bound.node[i]) + abs(state.internal_rate.node[i])
-                # A force that is no number leaves a gap that is none, at which the law is not asked again.
-                total += abs(step.loss[i]) + abs(step.gap[i]) + abs(step.slip[i])
-        if not np.isfinite(total):
+        size = abs(state.normal.node[0]) + abs(state.friction.node[0])
+        if step.kind == COLLOCATED:
+            # A force that is no number leaves a gap that is none, at which the law is not asked again.
+            sizes = abs(load(state.normal.node)) + abs(load(state.friction.node))
+            sizes = sizes + abs(load(state.bound.node)) + abs(load(state.internal_rate.node))
+            size = total_of(sizes + abs(load(step.loss)) + abs(load(step.gap)) + abs(load(step.slip)))
+        if not np.isfinite(size):
             state.ending = NOT_FINITE
     # The run ends where the step began, a state that has numbers.
     if state.ending == NOT_FINITE or state.ending == UNSOLVED:

@@ -10,9 +10,11 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.kinematics import contact_of, free_response, tip_motion
+from contactlab.compiler.lanes import load, store
+from contactlab.engine.kinematics import free_response, tip_motions
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, Run, fit
+from contactlab.motor.geometry import contact_frames
 
 FIRST: Final = cast(int, np.int64(0))
 """The first node, as a number that no kernel is copied for."""
@@ -32,38 +34,51 @@ def open_nodes(run: Run, level: int) -> float:
     # Eqs. 2.3 and 2.4: what drive and free vibration do, exactly. It is independent of the nodal forces, so
     # that it is computed once and not in every iteration.
     build_level(run.plant, run.propagator, level)
-    free_response(run, level, FIRST)
-    for i in range(NODES):
-        tip = tip_motion(run.plant, i)
-        step.u[i], step.th[i], step.u_rate[i], step.th_rate[i], step.rotor[i] = tip
+    free_response(run, level)
+    u, th, u_rate, th_rate, rotor = tip_motions(run.plant)
+    store(step.u, u)
+    store(step.th, th)
+    store(step.u_rate, u_rate)
+    store(step.th_rate, th_rate)
+    store(step.rotor, rotor)
     return step_length(run.propagator, level)
 
 
 @inner_kernel
-def contact_at_node(run: Run, level: int, i: int) -> tuple[float, float, float]:
-    """Set motion and directions of the contact at node i under the nodal forces; returns gap, rates.
-
-    Returns gap [m], gap rate and slip [m/s].
-    """
+def move_nodes(run: Run, level: int) -> None:
+    """Set motion and directions of the contact at all nodes under the nodal forces."""
     step, results = run.step, run.propagator.levels[level]
     tip_q, tip_v = results.tip_q, results.tip_v
-    u, th = step.u[i], step.th[i]
-    u_rate, th_rate, rotor = step.u_rate[i], step.th_rate[i], step.rotor[i]
+    u, th = load(step.u), load(step.th)
     # Eq. 3.4: the forces of all nodes act at each one, through the answers (3.3) to their polynomials. The
     # matrix is full: a polynomial through the nodes has the force of a later node act before it.
     for m in range(NODES):
         push_u, push_th = step.push_u.node[m], step.push_th.node[m]
-        u += tip_q[0, i, m] * push_u + tip_q[1, i, m] * push_th
-        th += tip_q[1, i, m] * push_u + tip_q[2, i, m] * push_th
-        u_rate += tip_v[0, i, m] * push_u + tip_v[1, i, m] * push_th
-        th_rate += tip_v[1, i, m] * push_u + tip_v[2, i, m] * push_th
-        rotor += tip_v[3, i, m] * step.push_r.node[m]
+        uu, mixed, thth = load(tip_q[0, m]), load(tip_q[1, m]), load(tip_q[2, m])
+        u = u + (uu * push_u + mixed * push_th)
+        th = th + (mixed * push_u + thth * push_th)
     # Eqs. 1.9 and 1.10: gap, its rate and slip are nonlinear in the tip's motion. The directions turn with
     # it, which is all that makes the equations of rigid contact nonlinear.
-    gap, rate, slip, n_u, n_th, t_u, t_th = contact_of(run.plant, (u, th, u_rate, th_rate, rotor))
-    step.n_u[i], step.n_th[i], step.t_u[i], step.t_th[i] = n_u, n_th, t_u, t_th
-    step.gap[i], step.gap_rate[i], step.slip[i], step.sliding[i] = gap, rate, slip, slip
-    return gap, rate, slip
+    of = run.plant.geometry
+    gap, n_u, n_th, t_u, t_th = contact_frames(
+        u, th, of.tip_length, of.radius, of.clearance, of.cosine, of.sine
+    )
+    u_rate, th_rate, rotor = load(step.u_rate), load(step.th_rate), load(step.rotor)
+    for m in range(NODES):
+        push_u, push_th = step.push_u.node[m], step.push_th.node[m]
+        uu, mixed, thth = load(tip_v[0, m]), load(tip_v[1, m]), load(tip_v[2, m])
+        u_rate = u_rate + (uu * push_u + mixed * push_th)
+        th_rate = th_rate + (mixed * push_u + thth * push_th)
+        rotor = rotor + load(tip_v[3, m]) * step.push_r.node[m]
+    slip = t_u * u_rate + t_th * th_rate + rotor
+    store(step.n_u, n_u)
+    store(step.n_th, n_th)
+    store(step.t_u, t_u)
+    store(step.t_th, t_th)
+    store(step.gap, gap)
+    store(step.gap_rate, n_u * u_rate + n_th * th_rate)
+    store(step.slip, slip)
+    store(step.sliding, slip)
 
 
 @part_kernel
@@ -75,6 +90,15 @@ def push_node(run: Run, i: int) -> None:
     step.push_r.node[i] = friction
 
 
+@part_kernel
+def push_nodes(run: Run) -> None:
+    """Set the generalised forces of all nodes, see `push_node`."""
+    step, normal, friction = run.step, load(run.state.normal.node), load(run.state.friction.node)
+    store(step.push_u.node, normal * load(step.n_u) + friction * load(step.t_u))
+    store(step.push_th.node, normal * load(step.n_th) + friction * load(step.t_th))
+    store(step.push_r.node, friction)
+
+
 @inner_kernel
 def mobility(run: Run, level: int, i: int, m: int) -> float:
     """Return d slip_i / d friction_m [m/s/N] (eq. 3.7)."""
@@ -82,9 +106,9 @@ def mobility(run: Run, level: int, i: int, m: int) -> float:
     t_u, t_th = step.t_u[i], step.t_th[i]
     s_u, s_th = step.t_u[m], step.t_th[m]
     return float(
-        t_u * (tip_v[0, i, m] * s_u + tip_v[1, i, m] * s_th)
-        + t_th * (tip_v[1, i, m] * s_u + tip_v[2, i, m] * s_th)
-        + tip_v[3, i, m]
+        t_u * (tip_v[0, m, i] * s_u + tip_v[1, m, i] * s_th)
+        + t_th * (tip_v[1, m, i] * s_u + tip_v[2, m, i] * s_th)
+        + tip_v[3, m, i]
     )
 
 

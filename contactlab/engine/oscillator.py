@@ -15,11 +15,13 @@ oscillators and for a free mass (k = 0) alike: there is no case to choose and no
 """
 
 from math import cos, exp, expm1, sin, sqrt
+from typing import Any
 
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.compiler.kernels import inner_kernel, kernel
+from contactlab.compiler.kernels import inner_kernel, kernel, part_kernel
+from contactlab.compiler.lanes import Lanes, entry, largest, root, set_entry
 
 REACH = 0.25
 """Largest (c + sqrt k) d of the power series; longer times are doubled."""
@@ -37,9 +39,21 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
 
     k [1/s^2] and c [1/s] are stiffness and damping over mass, not negative; s is the time [s].
     """
+    _fill_integrals(k, c, c + sqrt(k), s, top, out)
+
+
+@inner_kernel
+def integrals_of_several(k: Lanes, c: Lanes, s: float, top: int, out: Array) -> None:
+    """Fill out[i] with what `impulse_integrals` does, of an oscillator in each lane."""
+    _fill_integrals(k, c, largest(c + root(k)), s, top, out)
+
+
+@part_kernel
+def _fill_integrals(k: Any, c: Any, fastest: float, s: float, top: int, out: Array) -> None:
+    """Fill out[i] = I_(i-1)(s) of one oscillator, or of one in each lane."""
     # c + sqrt k bounds the rate of any motion, under- or overdamped: over a time that is short against its
     # reciprocal the series is short.
-    reach, d, doublings = (c + sqrt(k)) * s, s, 0
+    reach, d, doublings = fastest * s, s, 0
     while reach > REACH:
         reach *= 0.5
         d *= 0.5
@@ -52,40 +66,40 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
     # The derivatives of w at zero obey the oscillator's equation, w^(n+2) = -c w^(n+1) - k w^(n). A term
     # s^n/n! of w is s^(n+m)/(n+m)! after m integrations.
     cd, kdd = c * d, k * d * d
-    before, now = 0.0, 1.0
+    before = 0.0 * c
+    now, highest, second = before + 1.0, before, before
     lower = 1.0 / factorial
     upper = lower / (top + 1)
-    highest, second = 0.0, 0.0
     for n in range(1, TERMS):
-        second += now * lower
-        highest += now * upper
+        second = second + now * lower
+        highest = highest + now * upper
         lower = upper
         upper = upper * RECIPROCALS[n + top + 1]
         before, now = now, -cd * now - kdd * before
     # The others down I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable while (c + sqrt k) d is small. The
     # powers are multiplied up, not divided down: a rigid body must keep its place to the last bit.
-    out[0] = 1.0
+    set_entry(out, 0, 0.0 * c + 1.0)
     for m in range(1, top):
-        out[m] = out[m - 1] * d / m
-    out[top + 1] = highest * power * d
-    out[top] = second * power
+        set_entry(out, m, entry(out, m - 1) * d / m)
+    set_entry(out, top + 1, highest * power * d)
+    set_entry(out, top, second * power)
     for m in range(top, 0, -1):
-        out[m - 1] = out[m - 1] - c * out[m] - k * out[m + 1]
+        set_entry(out, m - 1, entry(out, m - 1) - c * entry(out, m) - k * entry(out, m + 1))
     # From I(d) to I(2 d): the flow of what the first half answers, and what the second does.
     for _ in range(doublings):
-        rate, w = out[0], out[1]
+        rate, w = entry(out, 0), entry(out, 1)
         # Eq. 2.6: I_m(2 d) is the free flow from displacement I_m and rate I_(m-1) at d, and the answer to
         # the force from there on. Downwards in m, so that every line reads values at d.
         keep = rate + c * w
         for m in range(top, 0, -1):
             # The force (d + s)^(m-1) / (m-1)! of the second half, expanded about its start.
-            shifted, moment = 0.0, 1.0
-            for i in range(m - 1, -1, -1):
-                shifted += moment * out[i + 2]
+            shifted, moment = entry(out, m + 1), d
+            for i in range(m - 2, -1, -1):
+                shifted = shifted + moment * entry(out, i + 2)
                 moment *= d / (m - i)
-            out[m + 1] = keep * out[m + 1] + w * out[m] + shifted
-        out[1] = keep * w + w * rate
-        out[0] = -k * w * w + rate * rate
+            set_entry(out, m + 1, keep * entry(out, m + 1) + w * entry(out, m) + shifted)
+        set_entry(out, 1, keep * w + w * rate)
+        set_entry(out, 0, -k * w * w + rate * rate)
         d *= 2.0
 
 

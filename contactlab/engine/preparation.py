@@ -15,7 +15,17 @@ from contactlab.checks import ON_GRID, SMALLEST_STEP
 from contactlab.compiler.kernels import INTERPRETED
 from contactlab.compiler.notice import telling
 from contactlab.engine.arguments import check_kinds, check_numbers
-from contactlab.engine.binding import FORCE, FRICTION, LIMITS, SIGNATURES, Bound, bind, law_errors, row_of
+from contactlab.engine.binding import (
+    FORCE,
+    FRICTION,
+    LIMITS,
+    SIGNATURES,
+    Bound,
+    at_nodes_signature,
+    bind,
+    law_errors,
+    row_of,
+)
 from contactlab.engine.compiled_loops import (
     NO_IMPACTS,
     SECONDS,
@@ -121,9 +131,10 @@ class Prepared(NamedTuple):
         if INTERPRETED or room in _compiled:
             return
         # Left to itself the compiler would take each law for a type of its own.
+        signatures = at_nodes_signature(), *SIGNATURES.values()
         kernels = [
             numba.types.none if each is None else numba.types.FunctionType(signature)
-            for each, signature in zip(self.bound.kernels, SIGNATURES.values(), strict=True)
+            for each, signature in zip((self.bound.at_nodes, *self.bound.kernels), signatures, strict=True)
         ]
         data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0, NO_IMPACTS)
         # Compiled by types alone, with values that are never run.
@@ -147,7 +158,7 @@ class Prepared(NamedTuple):
         self.prepare_loop(run, impacts)
         data = self._data(run, states, motions, records, budget, impacts or NO_IMPACTS)
         with signals_wait(), self.errors():
-            self._loop(impacts is not None)(data, *self.bound.kernels)
+            self._loop(impacts is not None)(data, self.bound.at_nodes, *self.bound.kernels)
 
     def _data(
         self, run: Run, states: Any, motions: Array, records: Records, budget: int, impacts: ImpactBatch

@@ -15,11 +15,12 @@ from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import COUNT
 from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
 
-RESOLUTION = 0.5
+RESOLUTION = 1.0
 """Longest step times the fastest rate that persists in flight."""
 
 LEVELS, MOST_LEVELS = 44, 84
@@ -39,6 +40,7 @@ RULE = record(
     *((name, float, NODES) for name in ("nodes", "weights")),
     *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
     ("integrals", float, ORDERS + 2),
+    ("integrals_of_several", float, (ORDERS + 2, COUNT)),
     real="longest",
     whole="contact_level fresh_level level_count",
 )
@@ -46,22 +48,23 @@ LEVEL = record(
     ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), real="length", whole="built"
 )
 RESPONSE = record(
-    ("flow", float, (NODES, 4)),
-    ("hold", float, (NODES, 2)),
+    ("flow", float, (4, NODES)),
+    ("hold", float, (2, NODES)),
     ("answer_q", float, (NODES, NODES)),
     ("answer_v", float, (NODES, NODES)),
-    ("powers", float, (NODES, ORDERS + 1)),
+    ("powers", float, (ORDERS + 1, NODES)),
 )
 TURN = record(("cosine", float, NODES), ("sine", float, NODES))
-ANSWER = record(("part", float, (NODES, 4)))
+ANSWER = record(("part", float, (4, NODES)))
 
 Propagator = Any
-"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone.
+"""Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone. Where there
+are nodes of evaluation, they are the last axis.
 
 rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
 derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,
 length of level 0 [s]; contact_level, of the longest step in contact; fresh_level, of the first step after a
-release; level_count; integrals, scratch of the oscillator.
+release; level_count; integrals and integrals_of_several, scratch of the oscillator.
 levels[level]: length h [s]; whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v,
 their rates, and the rotor's row: uu, uth, thth, rr.
 responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
@@ -183,13 +186,13 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
             _fill(rule, mode, response, results, i)
             if plant.wave.electrodes > 0:
                 for m in range(ORDERS + 1):
-                    response.powers[i, m] = rule.integrals[m + 1]
+                    response.powers[m, i] = rule.integrals[m + 1]
             for k in range(plant.tone_count):
                 if plant.phasors[j, k].near != 0:
                     omega = plant.tones[k].omega
                     result = response_from_rest(mode.stiffness, mode.damping, omega, s)
                     for part in range(4):
-                        propagator.driven[level, j, k].part[i, part] = result[part]
+                        propagator.driven[level, j, k].part[part, i] = result[part]
 
 
 @inner_kernel
@@ -198,12 +201,12 @@ def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
     integrals, tip_q, tip_v = rule.integrals, results.tip_q, results.tip_v
     w = integrals[1]
     # Eqs. 2.3 and 2.4: what the free part of the state becomes, and what a constant force does.
-    response.flow[i, 0] = integrals[0] + mode.damping * w
-    response.flow[i, 1] = w
-    response.flow[i, 2] = -mode.stiffness * w
-    response.flow[i, 3] = integrals[0]
-    response.hold[i, 0] = integrals[2]
-    response.hold[i, 1] = w
+    response.flow[0, i] = integrals[0] + mode.damping * w
+    response.flow[1, i] = w
+    response.flow[2, i] = -mode.stiffness * w
+    response.flow[3, i] = integrals[0]
+    response.hold[0, i] = integrals[2]
+    response.hold[1, i] = w
     # Eq. 3.3, the answers to the Lagrange polynomials. Summed with the rows over all coordinates they are the
     # matrices T of eqs. 3.4 and 3.7, so that an iteration costs as much with fifty modes as with two.
     u, th, r = mode.row_u, mode.row_th, mode.row_r
@@ -215,14 +218,14 @@ def _fill(rule: Any, mode: Any, response: Any, results: Any, i: int) -> None:
                 scale *= d / results.length
             q += rule.lagrange[m, d] * scale * integrals[d + 2]
             v += rule.lagrange[m, d] * scale * integrals[d + 1]
-        response.answer_q[i, m], response.answer_v[i, m] = q, v
+        response.answer_q[m, i], response.answer_v[m, i] = q, v
         if mode.led != 0:
             # Whatever force acts, it is where its path is.
             continue
-        tip_q[0, i, m] += u * u * q
-        tip_q[1, i, m] += u * th * q
-        tip_q[2, i, m] += th * th * q
-        tip_v[0, i, m] += u * u * v
-        tip_v[1, i, m] += u * th * v
-        tip_v[2, i, m] += th * th * v
-        tip_v[3, i, m] += r * r * v
+        tip_q[0, m, i] += u * u * q
+        tip_q[1, m, i] += u * th * q
+        tip_q[2, m, i] += th * th * q
+        tip_v[0, m, i] += u * u * v
+        tip_v[1, m, i] += u * th * v
+        tip_v[2, m, i] += th * th * v
+        tip_v[3, m, i] += r * r * v

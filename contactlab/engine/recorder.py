@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import fill, load, put, total_of
 from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
 from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
 from contactlab.engine.plant import Plant
@@ -71,6 +72,9 @@ NEGLIGIBLE = 1e-3
 """Share of the motor's energy below which the terms of a step are compared with this share instead: of less,
 round-off decides."""
 
+DEEP = 0.1
+"""Depth over the rotor's radius at which a motion has diverged [1]."""
+
 PIECES = 256
 """Pieces at most in which the terms of a step are summed."""
 
@@ -87,7 +91,10 @@ def commit(run: Run, law: Law, records: Records) -> None:
     s = state.accepted_length
     whole = s == state.length
     # Nodes of a whole step have their motion already; a part that an event cuts off has nodes of its own.
-    added = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
+    if whole and run.step.kind != HELD:
+        added = _terms_of_step(run)
+    else:
+        added = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
     if not whole:
         # The records below leave another state there.
         for j in range(plant.mode_count):
@@ -390,6 +397,40 @@ def _other_power(run: Run, place: int, s: float) -> float:
 
 
 @inner_kernel
+def _terms_of_step(run: Run) -> Terms:
+    """Sum the terms over a whole flight or collocated step, see `_terms`."""
+    plant, state, step, rule = run.plant, run.state, run.step, run.propagator.rule
+    drive, damping, loading = fill(0.0), fill(0.0), fill(0.0)
+    # As `_powers`, at all nodes.
+    for k in range(plant.tone_count):
+        in_phase, quadrature = fill(0.0), fill(0.0)
+        for j in range(plant.mode_count):
+            if plant.modes[j].led != 0:
+                continue
+            v = load(plant.modes[j].v)
+            in_phase = in_phase + plant.phasors[j, k].force_re * v
+            quadrature = quadrature + plant.phasors[j, k].force_im * v
+        tone = plant.tones[k]
+        drive = drive + (in_phase * load(tone.cosine) - quadrature * load(tone.sine))
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        v = load(mode.v)
+        damping = damping + mode.damping * v * v
+        loading = loading - mode.constant * v
+    if plant.wave.electrodes > 0 or plant.wave.led != 0:
+        for i in range(NODES):
+            drive = put(drive, i, drive[i] + _other_power(run, i, rule.nodes[i] * state.length))
+    weights = load(rule.weights) * state.length
+    sums = total_of(weights * drive), total_of(weights * damping), total_of(weights * loading)
+    if step.kind == FLIGHT:
+        return sums[0], sums[1], 0.0, 0.0, sums[2], 0.0, 0.0
+    normal, tangential = load(state.normal.node), load(state.friction.node)
+    friction = total_of(weights * tangential * load(step.slip))
+    contact, p_n, p_t = weights * load(step.loss), weights * normal, weights * tangential
+    return sums[0], sums[1], -friction, total_of(contact), sums[2], total_of(p_n), total_of(p_t)
+
+
+@inner_kernel
 def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Terms:
     """Sum the terms over a length from a start in the step [s], its motion known as WHOLE and others say."""
     state, step, rule = run.state, run.step, run.propagator.rule
@@ -410,18 +451,14 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
         load += weight * loading
         if step.kind == FLIGHT:
             continue
-        if motion == WHOLE and step.kind == COLLOCATED:
-            normal, tangential = state.normal.node[i], state.friction.node[i]
-            slip, loss = step.slip[i], step.loss[i]
+        x = at / state.length
+        normal, tangential = value_at(state.normal, x), value_at(state.friction, x)
+        if step.kind == HELD:
+            rate, slip = rates_in_frame(run, place)
+            loss = -normal * rate
         else:
-            x = at / state.length
-            normal, tangential = value_at(state.normal, x), value_at(state.friction, x)
-            if step.kind == HELD:
-                rate, slip = rates_in_frame(run, place)
-                loss = -normal * rate
-            else:
-                slip = contact_at(run.plant, place)[2]
-                loss = _forces_at(run, law, place, at)[4]
+            slip = contact_at(run.plant, place)[2]
+            loss = _forces_at(run, law, place, at)[4]
         # Friction is the force on the tip: where it opposes the slip, its loss -F v is positive.
         friction -= weight * tangential * slip
         contact += weight * loss
@@ -549,12 +586,13 @@ def _watch(run: Run, s: float) -> None:
         state.watchdog.start, state.watchdog.events, state.watchdog.steps_before = state.time, 0, steps
     elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
-    tip = tip_motion(run.plant, START)
-    gap = contact_at(run.plant, START)[0]
+    tip, lengths = tip_motion(run.plant, START), run.plant.geometry
     # No equation here is meant for a motion that overflows, a tip that leans by a radian or one deep inside
-    # of the rotor.
+    # of the rotor, from which it is as far as it has come from its place at rest.
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
-    if not (finite and abs(tip[1]) < 1.0 and gap > -0.1 * run.plant.geometry.radius):
+    deepest = DEEP * lengths.radius
+    near = abs(tip[0]) + lengths.tip_length * abs(tip[1]) < deepest + lengths.clearance
+    if not (finite and abs(tip[1]) < 1.0 and (near or contact_at(run.plant, START)[0] > -deepest)):
         state.ending = DIVERGED
 
 

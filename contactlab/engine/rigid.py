@@ -128,7 +128,7 @@ def _attempt(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> An
     h = step_length(run.propagator, level)
     state.length = h
     _turn_frame(run, START)
-    free_response(run, level, LAST)
+    free_response(run, level)
     if state.law.projects != 0:
         # Predict (eqs. 49 to 51 of the paper): a pull is no contact force, and nothing is predicted with it.
         p_n, p_t, _, _ = _impulses(run, law, level, gap_rate, slip)
@@ -172,7 +172,7 @@ def _impulses(run: Run, law: Law, level: int, gap_rate: float, slip: float) -> A
         tangential = t_u * mode.row_u + t_th * mode.row_th + mode.row_r
         # Eq. 4.1: w_j(h)/h in place of one over the mass. A mode that turns within the step yields less, an
         # overdamped one hardly at all.
-        mobility = run.propagator.responses[level, j].hold[LAST, 1] / state.length
+        mobility = run.propagator.responses[level, j].hold[1, LAST] / state.length
         nn += mobility * normal * normal
         nt += mobility * normal * tangential
         tt += mobility * tangential * tangential

@@ -3,6 +3,7 @@
 from typing import Any
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import largest, load
 from contactlab.engine.friction import friction_at
 from contactlab.engine.kinematics import contact_after
 from contactlab.engine.memory import end_at, guard_at, limit_at, memory_at
@@ -18,7 +19,6 @@ from contactlab.engine.state import (
     Law,
     Memory,
     Run,
-    largest,
     slope_at,
     value_at,
 )
@@ -26,6 +26,9 @@ from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, STICK
 
 SUMMIT = PEAK + 1
 """The gap at its widest, which ends no step."""
+
+MOST_EVALUATIONS = 100
+"""Of the bracket around the instant of an event."""
 
 TIME_DIGIT = 1e-14
 """Length of the bracket over that of the step at which a search ends."""
@@ -51,8 +54,6 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
-    if event == TOUCH:
-        return float(gap - limit_at(run, law, law.memory, s, (gap, rate, slip))[0])
     memory_at(run, law, law.memory, s)
     end = end_at(run, law, law.memory, rate)
     if event == RELEASE:
@@ -81,7 +82,7 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
     stayed = 0
     before = left
     s = right
-    for _ in range(100):
+    for _ in range(MOST_EVALUATIONS):
         # The secant through both ends, which keeps the bracket. Round-off may put it onto an end, or NaN
         # anywhere: then the middle.
         s = (at_left * right - at_right * left) / (at_left - at_right)
@@ -106,6 +107,59 @@ def locate(run: Run, law: Law, event: int, left: float, right: float, digit: flo
     return s
 
 
+@inner_kernel
+def locate_gap(
+    run: Run,
+    law: Law,
+    event: int,
+    left: tuple[float, float, float],
+    right: tuple[float, float, float],
+    digit: float,
+) -> float:
+    """Find the time of a TOUCH or RELEASE between two instants, at which the gap has different signs.
+
+    An instant is time [s], gap over that of the event [m] and its rate [m/s]. The time is that of gap zero on
+    the inverse cubic through both; the new instant takes the place of the one with its sign. It ends where
+    what a last Newton step leaves is at most `digit` [m], or no digit of the time.
+    """
+    a, gap_a, rate_a = left
+    b, gap_b, rate_b = right
+    if gap_a == 0.0 or gap_a * gap_b > 0.0:
+        # The zero lies at an end, to round-off: the nearer one.
+        return a if abs(gap_a) <= abs(gap_b) else b
+    s = b
+    for count in range(MOST_EVALUATIONS):
+        # Hermite's cubic of the time over the gap: x is the share of the change of the gap up to zero.
+        change, h = gap_b - gap_a, b - a
+        x = -gap_a / change
+        y = 1.0 - x
+        s = a + h * x * x * (1.0 + 2.0 * y) + change * x * y * (y / rate_a - x / rate_b)
+        # A rate near zero puts it anywhere. Every fourth is the middle, so that the bracket shrinks whatever
+        # the rates are.
+        if not a < s < b or count % 4 == 3:
+            s = 0.5 * (a + b)
+        gap, rate, slip, _, _, _, _ = contact_after(run, s)
+        if event == TOUCH:
+            limit, limit_rate = limit_at(run, law, law.memory, s, (gap, rate, slip))
+            gap, rate = gap - limit, rate - limit_rate
+        else:
+            memory_at(run, law, law.memory, s)
+            gap -= end_at(run, law, law.memory, rate)
+        newton = -gap / rate if rate != 0.0 else h
+        # The gap that a Newton step leaves, by the curvature between the ends.
+        left_over = 0.5 * abs((rate_b - rate_a) / h) * newton * newton
+        enough = max(digit, TIME_DIGIT * run.state.length * abs(rate))
+        if abs(gap) <= digit or (a <= s + newton <= b and left_over <= enough):
+            return s + newton if abs(gap) > digit else s
+        if h <= TIME_DIGIT * run.state.length:
+            break
+        if gap * gap_b > 0.0:
+            b, gap_b, rate_b = s, gap, rate
+        else:
+            a, gap_a, rate_a = s, gap, rate
+    return s
+
+
 @part_kernel
 def keeps_slip(run: Run) -> bool:
     """Return whether set-valued friction has a slip that is prescribed, which no friction can hold.
@@ -119,45 +173,52 @@ def keeps_slip(run: Run) -> bool:
 
 
 @inner_kernel
+def _release_before(run: Run, law: Law, i: int, rate: float) -> float:
+    """Locate a release between node i and that before, or the step's start with its gap rate; else -1."""
+    step, nodes, h = run.step, run.propagator.rule.nodes, run.state.length
+    left, before = (nodes[i - 1] * h, step.gap_rate[i - 1]) if i > 0 else (0.0, rate)
+    opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
+    end = nodes[i] * h, opening, now
+    if before > 0.0 > now and opening < 0.0:
+        # The gap may open and close between two nodes.
+        at = locate(run, law, SUMMIT, left, end[0], 0.0)
+        end = at, event_value(run, law, at, RELEASE), 0.0
+        if not end[1] >= 0.0:
+            return -1.0
+    # A gap that is open while it closes is round-off of a touch-down.
+    elif not (opening >= 0.0 and now >= 0.0):
+        return -1.0
+    opened = step.gap[i - 1] - step.end[i - 1] if i > 0 else event_value(run, law, 0.0, RELEASE)
+    at = locate_gap(run, law, RELEASE, (left, opened, before), end, 0.0)
+    return nodes[i] * h if at == left and before < 0.0 else at
+
+
+@inner_kernel
 def first_event(run: Run, law: Law, rate: float) -> tuple[int, float]:
     """Find the earliest event in the step and its time, or NOTHING and the step's length.
 
     `rate` is the gap rate at its start [m/s].
     """
-    state, step = run.state, run.step
-    left, before = 0.0, rate
+    state, step, left = run.state, run.step, 0.0
     sticks = state.mode == STICK
-    slides = largest(state.bound.node) > 0.0 and state.law.friction_kind != RATE_DEPENDENT and not sticks
-    slides = slides and not keeps_slip(run)
+    slides = not sticks and state.law.friction_kind != RATE_DEPENDENT and not keeps_slip(run)
+    slides = slides and largest(load(state.bound.node)) > 0.0
     for i in range(NODES):
         right = run.propagator.rule.nodes[i] * state.length
         # From node to node, as the values there are known already: an event is looked for where one of its
         # signs has changed. All that happens in one interval is located, and the earliest is taken.
-        opening, now = step.gap[i] - step.end[i], step.gap_rate[i]
-        first, s, until = NOTHING, right, right
-        for event in (CONE, REVERSAL, SUMMIT, RELEASE):
-            if event == CONE:
-                ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
-                happened = sticks and abs(state.friction.node[i] - state.bias.node[i]) > ceiling
-            elif event == REVERSAL:
-                happened = slides and state.sign * step.sliding[i] < 0.0
-            elif event == SUMMIT:
-                happened = before > 0.0 > now and opening < 0.0
-            else:
-                # A gap that is open while it closes is round-off of a touch-down.
-                happened = until < right or (opening >= 0.0 and now >= 0.0)
-            if happened:
-                at = locate(run, law, event, left, until, 0.0)
-                if event == SUMMIT:
-                    # The gap may open and close between two nodes.
-                    until = at if event_value(run, law, at, RELEASE) >= 0.0 else until
-                    continue
-                if event == RELEASE and at == left and before < 0.0:
-                    at = right
-                first, s = (event, at) if first == NOTHING or at < s else (first, s)
+        first, s = NOTHING, right
+        ceiling = state.bound.node[i] * (1.0 + CONE_ROUND_OFF)
+        if sticks and abs(state.friction.node[i] - state.bias.node[i]) > ceiling:
+            first, s = CONE, locate(run, law, CONE, left, right, 0.0)
+        elif slides and state.sign * step.sliding[i] < 0.0:
+            first, s = REVERSAL, locate(run, law, REVERSAL, left, right, 0.0)
+        released = _release_before(run, law, i, rate)
+        if released >= 0.0 and (first == NOTHING or released < s):
+            first, s = RELEASE, released
         if first != NOTHING:
             return first, s
-        left, before = right, now
+        left = right
     return NOTHING, state.length
 
 
@@ -221,7 +282,7 @@ def _track(run: Run, law: Law, contact: Any, first: float, gap: float, rate: flo
             # An event or the end of the run cuts the step here.
             right = s
             gap, now, _, _, _, _, _ = contact_after(run, s)
-        peak = max(peak, value_at(state.normal, right / h))
+        peak = max(peak, state.normal.node[i] if s == h else value_at(state.normal, right / h))
         deepest = max(deepest, -gap)
         if before < 0.0 <= now and left < right:
             # The turning point by a line through the rates, and from there by the gap's parabola.

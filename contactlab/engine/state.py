@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.compiler.lanes import COUNT, Lanes, fill, load, store
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
@@ -24,7 +25,7 @@ def _number(value: int) -> int:
     return cast(int, np.int64(value))
 
 
-NODES: Final = _number(5)
+NODES: Final = _number(COUNT)
 """Radau IIA nodes a step: quadrature of order 9, collocation of order 9 for a smooth force."""
 
 LAST, START, BETWEEN, RECORDED, PLACES = NODES - 1, NODES, NODES + 1, NODES + 2, NODES + 3
@@ -203,6 +204,8 @@ STEP: Final = record(
     # The contact at the nodes [m, m/s, W]; `end` is the gap at which it ends; `sliding` is what must keep its
     # sign in slip: the slip, less what a spring of the friction takes of it [m/s].
     *((n, float, NODES) for n in ("gap", "gap_rate", "slip", "loss", "sliding", "end")),
+    # What a compliant law receives as gap [m] and slip [m/s] there, and its answers beside the loss [N].
+    *((n, float, NODES) for n in ("closed", "seen", "normal", "least", "most")),
     # The law's internal variables, their rates at the start, their first values, and whose life is the run.
     ("memory", float, (PLACES, MOST_VARIABLES)),
     *((n, float, MOST_VARIABLES) for n in ("memory_rate", "memory_first", "memory_lasts")),
@@ -224,11 +227,10 @@ STEP: Final = record(
 @part_kernel
 def fit(rule: Any, force: Any) -> None:
     """Lay the polynomial through the values at the nodes."""
-    for d in range(NODES):
-        total = 0.0
-        for m in range(NODES):
-            total += force.node[m] * rule.lagrange[m, d]
-        force.coefficient[d] = total
+    coefficients = fill(0.0)
+    for m in range(NODES):
+        coefficients = coefficients + force.node[m] * load(rule.lagrange[m])
+    store(force.coefficient, coefficients)
 
 
 @part_kernel
@@ -244,6 +246,15 @@ def hold(force: Any, value: float) -> None:
 def value_at(force: Any, x: float) -> float:
     """Return the value of a force polynomial at x = s/h."""
     total = 0.0
+    for d in range(NODES - 1, -1, -1):
+        total = total * x + force.coefficient[d]
+    return total
+
+
+@inner_kernel
+def values_at(force: Any, x: Lanes) -> Lanes:
+    """Return the values of a force polynomial at x = s/h of each node."""
+    total = fill(0.0)
     for d in range(NODES - 1, -1, -1):
         total = total * x + force.coefficient[d]
     return total
@@ -265,15 +276,6 @@ def internal_at(state: Any, x: float) -> float:
     for d in range(NODES - 1, -1, -1):
         total = (total + state.internal_rate.coefficient[d] / (d + 1)) * x
     return float(state.memory[0] + state.length * total)
-
-
-@inner_kernel
-def largest(values: Array) -> float:
-    """Return the largest of a few values."""
-    most = values[0]
-    for value in values:
-        most = max(most, value)
-    return float(most)
 
 
 State = Mapping[str, Any]
@@ -394,6 +396,7 @@ class Law(NamedTuple):
     None before all else.
     """
 
+    at_nodes: Any
     force: Kernel
     friction: Kernel
     impact: Any

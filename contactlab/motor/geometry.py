@@ -15,10 +15,11 @@ The tip end is L = (-L_tip sin th, L_tip cos th + u); the rotor's centre lies at
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, inf, pi, sin, sqrt
-from typing import Annotated, final
+from typing import Annotated, Any, final
 
 from contactlab.checks import Checked
 from contactlab.compiler.kernels import kernel, part_kernel
+from contactlab.compiler.lanes import COUNT, Lanes, largest, put, root
 from contactlab.parameter import Parameter, positive
 
 _ANGLE = Parameter(
@@ -84,10 +85,17 @@ def sine_and_versine(angle: float) -> tuple[float, float]:
 
     A tip leans by a few milliradians; the library's functions took a sixth of a run under Hertz's law.
     """
-    x2 = angle * angle
-    if x2 > SMALL_ANGLE * SMALL_ANGLE:
+    if angle * angle > SMALL_ANGLE * SMALL_ANGLE:
         half = sin(0.5 * angle)
         return sin(angle), 2.0 * half * half
+    small: tuple[float, float] = _taylor(angle)
+    return small
+
+
+@part_kernel
+def _taylor(angle: Any) -> tuple[Any, Any]:
+    """Return sin x and 1 - cos x [1] of a small angle x [rad], or of one in each of some lanes."""
+    x2 = angle * angle
     sine = 1.0 - x2 * (1.0 / 6.0 - x2 * (1.0 / 120.0 - x2 * (1.0 / 5040.0 - x2 * (1.0 / 362880.0))))
     versine = 0.5 - x2 * (1.0 / 24.0 - x2 * (1.0 / 720.0 - x2 * (1.0 / 40320.0)))
     return angle * sine, x2 * versine
@@ -110,15 +118,45 @@ def contact_frame(
         |d|^2 - R^2 without cancellation, so it is good to round-off of itself, not of R.
     """
     sine_th, versine_th = sine_and_versine(th)
+    frame: Frame = _frame(u, sine_th, versine_th, tip_length, radius, clearance, cosine, sine)
+    return frame
+
+
+@part_kernel
+def contact_frames(
+    u: Lanes, th: Lanes, tip_length: float, radius: float, clearance: float, cosine: float, sine: float
+) -> tuple[Lanes, Lanes, Lanes, Lanes, Lanes]:
+    """Return what `contact_frame` does, of a motion in each lane."""
+    sine_th, versine_th = _taylor(th)
+    if largest(th * th) > SMALL_ANGLE * SMALL_ANGLE:
+        for i in range(COUNT):
+            sine_i, versine_i = sine_and_versine(th[i])
+            sine_th, versine_th = put(sine_th, i, sine_i), put(versine_th, i, versine_i)
+    return _frame(u, sine_th, versine_th, tip_length, radius, clearance, cosine, sine)
+
+
+@part_kernel
+def _frame(
+    u: Any,
+    sine_th: Any,
+    versine_th: Any,
+    tip_length: float,
+    radius: float,
+    clearance: float,
+    cosine: float,
+    sine: float,
+) -> tuple[Any, Any, Any, Any, Any]:
+    """Return what `contact_frame` does, from sin th and 1 - cos th [1]: of numbers, or of lanes."""
     cosine_th = 1.0 - versine_th
     # How far the tip has come against x, and how far its leaning has drawn it back.
     aside, back = tip_length * sine_th, tip_length * versine_th
     # In the axes of the contact at rest, along the line of centres and across it.
     across = aside * cosine + (u - back) * sine
     excess = clearance - u * cosine + back * cosine + aside * sine
-    distance = sqrt(across * across + (radius + excess) * (radius + excess))
+    distance = root(across * across + (radius + excess) * (radius + excess))
     gap = (across * across + excess * (2.0 * radius + excess)) / (distance + radius)
-    aslant, straight = -across / distance, -(radius + excess) / distance
+    inverse = -1.0 / distance
+    aslant, straight = across * inverse, (radius + excess) * inverse
     nx = aslant * cosine + straight * sine
     ny = straight * cosine - aslant * sine
     normal = -tip_length * (cosine_th * nx + sine_th * ny)
