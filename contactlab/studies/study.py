@@ -308,9 +308,9 @@ class Result:
         configurations = {label: setup.configuration for label, setup in setups.items()}
         about = {STUDY: write_yaml({"name": study.name, **study.options})}
         if [*configurations] == [""]:
-            about["configuration"] = _as_yaml(configurations[""])
+            about["configuration"] = write_yaml(configurations[""])
         elif configurations:
-            about[SEVERAL] = _as_yaml(configurations)
+            about[SEVERAL] = write_yaml(configurations)
         data.attrs = {**code_attributes(), **about, **data.attrs}
         return cls(study, setups, data, details)
 
@@ -480,7 +480,3 @@ def plain(value: Any) -> Any:
         case _ if isinstance(value, Path) or hasattr(value, "of_text"):
             return str(value)
     return getattr(value, "content_digest", value)
-
-
-def _as_yaml(values: Mapping[str, Any]) -> str:
-    return write_yaml(values)

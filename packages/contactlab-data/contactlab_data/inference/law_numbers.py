@@ -16,6 +16,7 @@ from contactlab.laws.composed import label_of
 from contactlab.laws.declaration import SHARED
 from contactlab.parameter import Parameter
 from contactlab.quantity import UnitError, to_si
+from contactlab.studies.study import Range
 from contactlab.suggestion import suggestion
 from contactlab_data.inference.free_parameters import FreeParameter, chosen_range, fields_of, free_parameters
 from contactlab_data.inference.impact_problem import LawPredictor, Ranges
@@ -29,6 +30,22 @@ FREE_OF: Final[dict[str, tuple[str, ...]]] = {"johnson": ("friction_coefficient"
 
 Free = Mapping[str, Sequence[float | str]]
 """Ranges of free numbers by key, both ends in SI or as texts with units: {"law.restitution": (0.1, 0.9)}."""
+
+FreeNumbers = Free | list[Range] | None
+"""Ranges of free numbers as an option: by key in Python, KEY=LOW..HIGH in a command or file."""
+
+
+def by_key(free: FreeNumbers, known: Sequence[str] | None) -> Free:
+    """Return the ranges of free numbers by key.
+
+    Raises:
+        ConfigurationError: a number has two, or is known.
+    """
+    pairs = [(x.name, (x.start, x.end)) for x in free] if isinstance(free, list) else [*(free or {}).items()]
+    keys = [*(key for key, _ in pairs), *(known or ())]
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+        raise ConfigurationError([f"{key} occurs twice; it must occur once. Leave one out." for key in twice])
+    return dict(pairs)
 
 
 def key_of(field: str) -> str:
