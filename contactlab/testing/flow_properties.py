@@ -9,7 +9,7 @@ from contactlab.laws.consistency import ACCURATELY, NUDGE, TINY, derivative, end
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 from contactlab.testing.claim import Claims, at_most
 from contactlab.testing.flows import Instant, flow_of
-from contactlab.testing.kernel_properties import Worst, answers_of, every_answer
+from contactlab.testing.kernel_properties import Worst, anomalies_of, every_result
 from contactlab.testing.plants import Bench, Evaluator
 
 LOCATED = 1e-6
@@ -158,9 +158,9 @@ def limits_in_order(bench: Bench) -> Claims:
 
 def memory_is_its_own(bench: Bench) -> Claims:
     """No kernel reads more internal variables or parameters than there are, and all answers are numbers."""
-    answers = answers_of(bench)
-    yield at_most("answers that change with what lies beyond the memory", answers.beyond, 0)
-    yield at_most("answers that are no numbers", answers.wild, 0)
+    anomalies = anomalies_of(bench)
+    yield at_most("answers that change with what lies beyond the memory", anomalies.beyond, 0)
+    yield at_most("answers that are no numbers", anomalies.wild, 0)
 
 
 def image_of(bench: Bench) -> Worst:
@@ -170,8 +170,8 @@ def image_of(bench: Bench) -> Worst:
     parity = np.array([item.parity for item in bench.law.internal_variables], dtype=np.float64)
     for at in flow.instants:
         mirrored = at.gap, at.rate, -at.slip, at.speed, parity * at.kept
-        here = np.array(every_answer(evaluator, (at.gap, at.rate, at.slip, at.speed, at.kept)))
-        there = np.array(every_answer(evaluator, mirrored, -1.0, parity))
+        here = np.array(every_result(evaluator, (at.gap, at.rate, at.slip, at.speed, at.kept)))
+        there = np.array(every_result(evaluator, mirrored, -1.0, parity))
         apart = np.abs(here - there) / (np.abs(here) + np.abs(there) + TINY)
         worst.take("answers unlike those to the mirrored state, relative", float(apart.max()))
     return worst

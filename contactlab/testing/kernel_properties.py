@@ -106,7 +106,7 @@ def declares_its_parameters(bench: Bench) -> Claims:
     yield at_most(f"parameters that take an infinite value {taken}", len(taken), 0)
 
 
-def every_answer(
+def every_result(
     evaluator: Evaluator, state: State, side: float = 1.0, signs: Array | float = 1.0
 ) -> list[float]:
     """Return every result of all kernels of a compliant law in a state.
@@ -127,7 +127,7 @@ def every_answer(
     return [float(each) for each in result]
 
 
-class Answers(NamedTuple):
+class Anomalies(NamedTuple):
     """Numbers of states in which answers are not as they must be."""
 
     changed: int  # when asked again
@@ -137,37 +137,36 @@ class Answers(NamedTuple):
 
 
 @lru_cache(maxsize=1)
-def answers_of(bench: Bench) -> Answers:
+def anomalies_of(bench: Bench) -> Anomalies:
     """Evaluate all kernels in all states: with each canary, and in another order after two other calls."""
     law, states = bench.law, [*(drawn_impacts(bench.law.friction_limit) if bench.rigid else states_of(bench))]
     first, *others = (Evaluator(law, canary) for canary in VALUES)
 
-    def answer(evaluator: Evaluator, *state: Any) -> list[float]:
+    def results_of(evaluator: Evaluator, *state: Any) -> list[float]:
         if bench.rigid:
             return [float(each) for each in evaluator.impact(state, evaluator.initial)]
-        return every_answer(evaluator, state)
+        return every_result(evaluator, state)
 
-    results, counts = [answer(first, *state) for state in states], [0, 0, 0, 0]
+    results, counts = [results_of(first, *state) for state in states], np.zeros(4, dtype=np.int64)
     for state, result in [*zip(states, results, strict=True)][::-1]:
         a, b, c, *rest = state
-        answer(first, 1.5 * a, -b, -c, *rest)
-        answer(first, 0.5 * a, 2.0 * b, 0.0, *rest)
-        again, *elsewhere = (answer(evaluator, *state) for evaluator in (first, *others))
-        faults = (
+        results_of(first, 1.5 * a, -b, -c, *rest)
+        results_of(first, 0.5 * a, 2.0 * b, 0.0, *rest)
+        again, *elsewhere = (results_of(evaluator, *state) for evaluator in (first, *others))
+        counts += (
             repr(again) != repr(result),
             not np.isfinite(elsewhere[0]).all(),
             any(repr(each) != repr(result) for each in elsewhere),
             not np.isfinite(result).all(),
         )
-        counts = [count + fault for count, fault in zip(counts, faults, strict=True)]
-    return Answers(*counts)
+    return Anomalies(*counts.tolist())
 
 
 def calls_leave_no_trace(bench: Bench) -> Claims:
     """Answers are finite, and the same in one order and in another with two more calls before each."""
-    answers = answers_of(bench)
-    yield at_most("answers that change when asked again", answers.changed, 0)
-    yield at_most("answers that are no finite numbers", answers.unsound, 0)
+    anomalies = anomalies_of(bench)
+    yield at_most("answers that change when asked again", anomalies.changed, 0)
+    yield at_most("answers that are no finite numbers", anomalies.unsound, 0)
 
 
 def kernel_is_consistent(bench: Bench) -> Claims:
