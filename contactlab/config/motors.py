@@ -18,12 +18,10 @@ from contactlab.motor import (
     Bearing,
     ContactGeometry,
     Drive,
-    FiniteElementResonator,
     Motor,
     NormalModes,
     Piezoceramic,
     PiezoceramicDatasheet,
-    RitzResonator,
     Rotor,
     Steel,
     Waveform,
@@ -72,15 +70,8 @@ def _modes(values: Mapping[str, Any]) -> NormalModes:
     section = dict(values["resonator"])
     basis = section.pop("basis")
     if basis in BASES:
-        constants = dict(values["piezoceramic"])
-        if constants.pop("constants") == "bending":
-            piezoceramic = Piezoceramic(**constants)
-        else:
-            piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
-        section |= {"steel": Steel(**section["steel"]), "piezoceramic": piezoceramic}
-        section |= {f"patch_{edge}": place for edge, place in values["placement"].items()}
-        with as_fault("resonator, piezoceramic or placement: "):
-            return _modes_of_beam(BASES[basis](**section))
+        sections = section, section.pop("steel"), *(values[group] for group in OF_BEAMS)
+        return _modes_of_beam(basis, *(tuple(each.items()) for each in sections))
     raise_faults(
         f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={basis}, "
         "which has nothing of it."
@@ -104,8 +95,20 @@ def _modes(values: Mapping[str, Any]) -> NormalModes:
 
 # A sweep over anything else asks for the same resonator, file and drive again and again.
 @lru_cache(maxsize=256)
-def _modes_of_beam(resonator: RitzResonator | FiniteElementResonator) -> NormalModes:
-    return resonator.modes
+def _modes_of_beam(
+    basis: str, numbers: Numbers, steel: Numbers, piezoceramic: Numbers, placement: Numbers
+) -> NormalModes:
+    constants = dict(piezoceramic)
+    if constants.pop("constants") == "bending":
+        layer = Piezoceramic(**constants)
+    else:
+        layer = PiezoceramicDatasheet(**constants).in_bending()
+    patch = {f"patch_{edge}": place for edge, place in placement}
+    with as_fault("resonator, piezoceramic or placement: "):
+        modes: NormalModes = BASES[basis](
+            **dict(numbers), steel=Steel(**dict(steel)), piezoceramic=layer, **patch
+        ).modes
+    return modes
 
 
 @lru_cache(maxsize=16)
