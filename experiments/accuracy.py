@@ -16,7 +16,8 @@ from references import HERTZ_CASE_A, RIGID_CASE_A
 import contactlab as cl
 from contactlab.config.nesting import flat
 from contactlab.config.schema import declared_in
-from contactlab_data.inference.fit import ENDS, strength
+from contactlab_data.inference.evidence import strength
+from contactlab_data.inference.fit import ENDS
 from contactlab_data.inference.free_parameters import FreeParameter, free_parameters, with_values
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab_data.inference.least_squares import best_fit

@@ -55,7 +55,15 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     place = FOLDER[sweeps]
     lines, single, others = [f"study={verb}"], list[str](), list[str]()
     matched: dict[str, list[str]] = defaultdict(list)
-    patterns = {**dict(_patterns(options)), **({study.files: FILE} if study.files else {})}
+    # Kinds that are read from a word by itself know such words.
+    patterns = {
+        name: each.PATTERN
+        for name, field in options.items()
+        for kind in field.kinds
+        for each in (kind, *get_args(kind))
+        if hasattr(each, "of_text")
+    }
+    patterns |= {study.files: FILE} if study.files else {}
     refuse_dashed(arguments, (*options, "output", *KEYS))
     for word in arguments:
         name, sign, value = word.partition("=")
@@ -64,8 +72,10 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         if name == "output" and sign:
             lines.append(f"{place}={quoted(value)}")
         elif name in options and sign:
-            matched[name] += _values(options[name], value)
-            single += [word] if not _takes_several(options[name]) else []
+            listed = _takes_several(options[name])
+            apart = listed and not value.startswith("[")
+            matched[name] += map(str.strip, value.split(",")) if apart else [value]
+            single += [] if listed else [word]
         elif taken := next((key for key, form in patterns.items() if form.fullmatch(word)), ""):
             matched[taken].append(word)
         else:
@@ -119,23 +129,8 @@ def _of_setups(study: type[Study], overrides: Sequence[str]) -> list[str]:
     return [line for line in overrides if line in listing or line.startswith(own)]
 
 
-def _values(field: DeclaredField, value: str) -> list[str]:
-    """Return the values of an option, separated by commas if it takes several."""
-    several = _takes_several(field) and not value.startswith("[")
-    return [each.strip() for each in value.split(",")] if several else [value]
-
-
 def _takes_several(field: DeclaredField) -> bool:
     return any(get_origin(kind) is list for kind in field.kinds)
-
-
-def _patterns(options: Mapping[str, DeclaredField]) -> Iterator[tuple[str, re.Pattern[str]]]:
-    """Yield the options whose kind is read from a word by itself, each with the pattern of such words."""
-    for name, field in options.items():
-        for kind in field.kinds:
-            for each in (kind, *get_args(kind)):
-                if hasattr(each, "of_text"):
-                    yield name, each.PATTERN
 
 
 def setups_of(

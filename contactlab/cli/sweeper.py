@@ -34,7 +34,7 @@ from contactlab.config.composition import as_written, faults_of, resolved, writt
 from contactlab.config.faults import faults_added, one_line, raise_faults
 from contactlab.config.nesting import Value, flat, quoted
 from contactlab.processes import WorkerError, processors
-from contactlab.results.files import STATE, check_file, error_text
+from contactlab.results.files import LOG, STATE, check_file, error_text
 from contactlab.studies.registry import SIMULATE
 from contactlab.studies.run_state import ABSENT, Job, State, key_of, why_to_run, write_log, write_state
 from contactlab.studies.runner import done_parts
@@ -288,7 +288,13 @@ def _swept(arguments: Arguments, launcher: Launcher, config: DictConfig, batch: 
     folders = _pending(config, folder, jobs) if keep == "runs" else None
     # A run that leaves a folder may need much memory: several at once must be chosen.
     usual = processors() if keep == "metrics" and not study else section.get("workers", 1)
-    own = SweepStudy(plan=plan, workers=settings.workers or usual, scheduler=scheduler, folders=folders)
+    own = SweepStudy(
+        plan=plan,
+        workers=settings.workers or usual,
+        scheduler=scheduler,
+        folders=folders,
+        log=folder.absolute(),
+    )
     dataset = _done(own, folder, None if kind == "basic" else launcher, batch)
     if keep == "runs":
         collect_swept(folder, plan.outputs.series, plan.outputs.metrics if settings.metrics else ())
@@ -296,6 +302,8 @@ def _swept(arguments: Arguments, launcher: Launcher, config: DictConfig, batch: 
     if dataset is None:
         return INCOMPLETE
     print(summary(dataset, dataset.encoding["source"]))
+    if (folder / LOG).exists():
+        tell(f"The traceback of the first failure is in {folder / LOG}.", sys.stderr)
     # Values that cannot go together are refused alone, as the plan says; a run that fails is a failure.
     ended = dataset.attrs["runs_complete"] + dataset.attrs["runs_refused"]
     return COMPLETE if ended == dataset.attrs["runs"] else INCOMPLETE

@@ -1,14 +1,14 @@
 """Check of a configuration against the declarations of its keys and the relations of several keys."""
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from types import NoneType
 from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
-from contactlab.config.faults import unknown_key
 from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, Keys, Section
 from contactlab.config.nesting import flat
-from contactlab.config.options import known_keys
+from contactlab.config.options import known_keys, unknown_key
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
@@ -119,13 +119,11 @@ class Examination:
 
     Attributes:
         values: those that are sound in themselves, in SI.
-        declared: their declarations, by full key.
         faults: key, value and bound, a sentence each.
     """
 
     def __init__(self, configuration: Any, keys: Keys = KEYS, rules: Sequence[Rule] = RULES) -> None:
         self.values: dict[str, Any] = {}
-        self.declared: dict[str, DeclaredField] = {}
         self.faults: list[str] = []
         if not isinstance(configuration, Mapping):
             self.faults.append(f"The configuration is {describe(configuration)}; it must be a mapping.")
@@ -161,7 +159,6 @@ class Examination:
                     values[name] = self._values(own, section[name], f"{key}.", chosen)
                 else:
                     values[name] = _value_of(below, section[name], key)
-                    self.declared[key] = below
             except UnitError as fault:
                 self.faults.append(str(fault))
         unknown = [f"{before}{name}" for name in section if name not in keys]
@@ -189,10 +186,24 @@ def _chosen(section: Section, values: Any, path: str) -> tuple[str, Keys]:
     raise UnitError(f"{key} is {describe(label)}; it must be one of {expected}. Choose by {group}=NAME.")
 
 
-def declared_in(configuration: Mapping[str, Any], keys: Keys = KEYS) -> dict[str, Parameter]:
-    """Return the declarations of the numbers of a configuration, by full key."""
-    declared = Examination(configuration, keys).declared.items()
-    return {key: field.parameter for key, field in declared if field.parameter and field.is_number}
+def declared_in(
+    configuration: Mapping[str, Any], keys: Keys = KEYS, before: str = ""
+) -> dict[str, Parameter]:
+    """Return the declarations of the numbers of a sound configuration, by full key."""
+    declared: dict[str, Parameter] = {}
+    for name, below in keys.items():
+        key = f"{before}{name}"
+        if name not in configuration:
+            continue
+        if isinstance(below, DeclaredField):
+            if below.parameter and below.is_number:
+                declared[key] = below.parameter
+            continue
+        # A law made in Python may be none that is chosen by its name.
+        with suppress(UnitError):
+            _, own = _chosen(below, configuration[name], key)
+            declared |= declared_in(configuration[name], own, f"{key}.")
+    return declared
 
 
 def _value_of(field: DeclaredField, value: Any, key: str) -> Any:

@@ -49,12 +49,14 @@ def simulate_until_steady(
         # A last stretch shorter than a step is avoided.
         last = GROWTH * check >= duration
         ahead = duration - done if last else _to_record(start, record_interval, begin + check)
+        # Compilation is reported as the time zero, once.
+        later = progress and (lambda time: progress(time) if time > 0.0 else None)
         piece = simulate(
             motor,
             law,
             duration=ahead,
             record_interval=min(record_interval, ahead),
-            progress=progress if run is None else _without_zero(progress),
+            progress=progress if run is None else later,
             start=start,
             **others,
         )
@@ -75,8 +77,3 @@ def _to_record(start: State | None, interval: float, until: float) -> float:
         origin = now
     ends = (origin + number * interval for number in count(ceil((until - origin) / interval)))
     return next(end - now for end in ends if now + (end - now) == end)
-
-
-def _without_zero(progress: Callable[[float], None] | None) -> Callable[[float], None] | None:
-    """Suppress the report of compilation, which was made before."""
-    return progress and (lambda time: progress(time) if time > 0.0 else None)

@@ -92,9 +92,11 @@ class Report:
             title=attributes.get("title") or self.question,
             question=self.question,
             findings=self.findings,
+            # Short ones are shown without being unfolded, but for reference.
             tables=[
-                (frame.attrs.get("caption") or name, as_html(frame), _is_open(frame))
+                (caption or name, as_html(frame), len(frame) <= MOST_ROWS and not _is_reference(frame))
                 for name, frame in sorted(self.tables.items(), key=lambda pair: _is_reference(pair[1]))
+                for caption in [frame.attrs.get("caption")]
             ],
             pictures=[(caption, b64encode(data).decode()) for caption, data in pictures.items()],
             options=write_yaml({"study": {"name": self.name, **self.options}}),
@@ -122,11 +124,6 @@ def save_figure(figure: Figure, folder: Path, name: str) -> list[str]:
 
 def _is_reference(frame: Any) -> bool:
     return bool(frame.attrs.get("reference"))
-
-
-def _is_open(frame: Any) -> bool:
-    """Return whether a table is shown without being unfolded: a short one, but for reference."""
-    return len(frame) <= MOST_ROWS and not _is_reference(frame)
 
 
 @cache

@@ -182,18 +182,8 @@ class Study(ABC):
         """Return the values of `quantities` with their errors."""
 
     def evaluate(self, setup: Setup) -> dict[str, Estimate]:
-        """Return the numbers for one setup alone: a sweep keeps nothing else of the study.
-
-        Raises:
-            ValueError: one of `quantities` has none.
-        """
-        numbers = self(setup).numbers
-        if missing := [q.name for q in self.quantities if q.name not in numbers]:
-            raise ValueError(
-                f"The numbers of the study {self.name} are {', '.join(numbers) or 'none'} without "
-                f"{', '.join(missing)}; there must be one for each of its quantities."
-            )
-        return numbers
+        """Return the numbers for one setup alone: a sweep keeps nothing else of the study."""
+        return self(setup).numbers
 
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the sentences that the result supports, the answer to the question first."""
@@ -318,9 +308,9 @@ class Result:
         configurations = {label: setup.configuration for label, setup in setups.items()}
         about = {STUDY: write_yaml({"name": study.name, **study.options})}
         if [*configurations] == [""]:
-            about["configuration"] = _as_yaml(configurations[""])
+            about["configuration"] = write_yaml(configurations[""])
         elif configurations:
-            about[SEVERAL] = _as_yaml(configurations)
+            about[SEVERAL] = write_yaml(configurations)
         data.attrs = {**code_attributes(), **about, **data.attrs}
         return cls(study, setups, data, details)
 
@@ -352,13 +342,13 @@ class Result:
         """What is known by name beside the numbers."""
         return self.study.facts(self.data)
 
-    def __getattr__(self, name: str) -> Any:
-        own = vars(type(self)).get(name)
-        if isinstance(own, property | cached_property):
-            # The study's method raised an AttributeError, which Python takes for a name that is not there.
-            return own.__get__(self)
-        if name.startswith("_"):
-            raise AttributeError(name)
+    def __getattribute__(self, name: str) -> Any:
+        try:
+            return super().__getattribute__(name)
+        except AttributeError:
+            # A method of the study may have raised it, which `__getattr__` would not see.
+            if name.startswith("_") or hasattr(type(self), name):
+                raise
         for named in (self.numbers, self.facts):
             if name in named:
                 return named[name]
@@ -443,7 +433,7 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
         progress: receives the number of finished tasks and that of all.
 
     Raises:
-        ValueError: two tasks have one key.
+        ValueError: two tasks have one key, or of a single setup one of `quantities` has no number.
         TypeError: a task returns no `Part`.
         WorkerError: a worker process died, or has other code.
         OSError: the folder cannot be written to.
@@ -452,11 +442,17 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
     # Imported here: it brings xarray.
     from contactlab.studies.runner import RemovedError, done_parts
 
-    setups = study.put_to(setups)
-    while True:
+    single, setups, result = len(setups) == 1, study.put_to(setups), None
+    while result is None:
         with suppress(RemovedError):
             parts, details = done_parts(study, setups, folder, progress)
-            return Result.of(study, setups, study.combine(setups, parts), details)
+            result = Result.of(study, setups, study.combine(setups, parts), details)
+    if missing := [q.name for q in study.quantities if single and q.name not in result.numbers]:
+        raise ValueError(
+            f"The numbers of the study {study.name} are {', '.join(result.numbers) or 'none'} without "
+            f"{', '.join(missing)}; there must be one for each of its quantities."
+        )
+    return result
 
 
 def finish(result: Result, folder: Path) -> list[str]:
@@ -484,7 +480,3 @@ def plain(value: Any) -> Any:
         case _ if isinstance(value, Path) or hasattr(value, "of_text"):
             return str(value)
     return getattr(value, "content_digest", value)
-
-
-def _as_yaml(values: Mapping[str, Any]) -> str:
-    return write_yaml(values)

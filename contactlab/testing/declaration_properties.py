@@ -46,7 +46,7 @@ def reads_what_it_declares(bench: Bench) -> Claims:
         name for name, value, text in law.effective() if text is not None and not isinstance(value, int)
     ]
     with np.errstate(all="ignore"):
-        for each in (bench, *(replace(bench, law=other) for other in _elsewhere(law))):
+        for each in (bench, replace(bench, law=_elsewhere(law))):
             if unread:
                 before = [*_outputs(each.law, each)]
                 unread = [name for name in unread if not _acts(name, each, before)]
@@ -158,8 +158,8 @@ def _loaded(
     return result
 
 
-def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
-    """Yield the law with other numbers than its own: with an arm of no stiffness its time has no say."""
+def _elsewhere(law: ContactLaw) -> ContactLaw:
+    """Return the law with other numbers than its own: with an arm of no stiffness its time has no say."""
     other = law
     for name, value, text in law.effective():
         if text is not None and not isinstance(value, int):
@@ -167,7 +167,7 @@ def _elsewhere(law: ContactLaw) -> Iterator[ContactLaw]:
                 with suppress(ValueError, TypeError):
                     other = other.changed(name, instead)
                     break
-    yield other
+    return other
 
 
 def _outputs(law: ContactLaw, bench: Bench) -> Iterator[float]:

@@ -9,7 +9,7 @@ from contactlab.laws.consistency import ACCURATELY, NUDGE, TINY, derivative, end
 from contactlab.laws.memory import AT_RELEASE, AT_TOUCH
 from contactlab.testing.claim import Claims, at_most
 from contactlab.testing.flows import Instant, flow_of
-from contactlab.testing.kernel_properties import Worst
+from contactlab.testing.kernel_properties import Worst, anomalies_of, every_result
 from contactlab.testing.plants import Bench, Evaluator
 
 LOCATED = 1e-6
@@ -157,18 +157,10 @@ def limits_in_order(bench: Bench) -> Claims:
 
 
 def memory_is_its_own(bench: Bench) -> Claims:
-    """No kernel reads more internal variables or parameters than there are, and all rates are numbers."""
-    flow = flow_of(bench)
-    if not flow.instants:
-        return
-    changed = wild = 0
-    perturbed = [Evaluator(bench.law, value) for value in (np.nan, 1.0, -1.0)]
-    for at in flow.instants:
-        results = [_results(evaluator, at) for evaluator in perturbed]
-        changed += any(repr(result) != repr(results[0]) for result in results)
-        wild += not np.isfinite(results[0]).all()
-    yield at_most("answers that change with what lies beyond the memory", changed, 0)
-    yield at_most("answers that are no numbers", wild, 0)
+    """No kernel reads more internal variables or parameters than there are, and all answers are numbers."""
+    anomalies = anomalies_of(bench)
+    yield at_most("answers that change with what lies beyond the memory", anomalies.beyond, 0)
+    yield at_most("answers that are no numbers", anomalies.wild, 0)
 
 
 def image_of(bench: Bench) -> Worst:
@@ -177,27 +169,9 @@ def image_of(bench: Bench) -> Worst:
     evaluator = Evaluator(bench.law)
     parity = np.array([item.parity for item in bench.law.internal_variables], dtype=np.float64)
     for at in flow.instants:
-        mirrored = at._replace(slip=-at.slip, kept=parity * at.kept)
-        here = np.array(_results(evaluator, at))
-        there = np.array(_results(evaluator, mirrored, -1.0, parity))
+        mirrored = at.gap, at.rate, -at.slip, at.speed, parity * at.kept
+        here = np.array(every_result(evaluator, (at.gap, at.rate, at.slip, at.speed, at.kept)))
+        there = np.array(every_result(evaluator, mirrored, -1.0, parity))
         apart = np.abs(here - there) / (np.abs(here) + np.abs(there) + TINY)
         worst.take("answers unlike those to the mirrored state, relative", float(apart.max()))
     return worst
-
-
-def _results(evaluator: Evaluator, at: Instant, side: float = 1.0, signs: Array | float = 1.0) -> list[float]:
-    """Return every result of all kernels in a state.
-
-    In the mirror the force along the rotor has the sign of a side, and the internal variables have signs.
-    """
-    normal, bound, stored, loss = evaluator.force(at.gap, at.rate, at.slip, at.speed, at.kept)
-    state = at.gap, at.rate, at.slip, normal, at.kept
-    result = [normal, bound, stored, loss, *(signs * evaluator.rates(*state)), *evaluator.limits(at.kept)]
-    if evaluator.law.guards:
-        result += evaluator.guards(*state).tolist()
-    if evaluator.has_friction:
-        drag, _, friction_energy, stiffness = evaluator.friction(*state)
-        result += [side * drag, friction_energy, stiffness]
-    for event in range(AT_TOUCH, evaluator.law.guards):
-        result += (signs * evaluator.jumped(event, *state)).tolist()
-    return [float(each) for each in result]

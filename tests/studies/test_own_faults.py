@@ -89,6 +89,7 @@ def test_faults_of_a_study_are_told_by_the_command_in_a_line(elsewhere: Elsewher
         log = (elsewhere.folder / f"w{count}" / "run.log").read_text(encoding="utf-8")
         assert "Traceback" in log
         assert "in misspelt" in log
+    assert "in misspelt" in (elsewhere.folder / "swept" / "run.log").read_text(encoding="utf-8")
     for (status, out, err), names in zip(
         results[3:], (("bare", "'only'", "Part"), ("plain", "points"), ("listed", "points")), strict=True
     ):
@@ -113,6 +114,7 @@ class Lacking(Study):
         return {}
 
     def figures(self, data):
+        data.attrs["drawn"] = data.attrs.get("drawn", 0) + 1
         return data.no_such_thing
 
 
@@ -136,8 +138,13 @@ def test_what_the_methods_of_a_study_raise_is_what_its_result_raises() -> None:
     result = Result(Lacking(), {}, xarray.DataTree())
     with pytest.raises(AttributeError, match="no_such_thing"):
         result.plot()
-    with pytest.raises(ValueError, match=r"lacking.*speed"):
-        Lacking().evaluate(cl.build())
+    assert result.data.attrs["drawn"] == 1
+
+
+def test_a_number_that_lacks_is_refused_in_a_run_as_in_a_sweep() -> None:
+    for put in (Lacking().evaluate, Lacking()):
+        with pytest.raises(ValueError, match=r"lacking.*speed"):
+            put(cl.build())
 
 
 @pytest.mark.parametrize("study", [Plain, Listed])

@@ -8,7 +8,6 @@ import xarray
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactlab.arrays import Array
 from contactlab.plot.recording import handy_unit
 from contactlab.plot.style import line_style
 from contactlab.studies.figures import THIN, drawing, legend_above
@@ -31,7 +30,9 @@ def draw(data: xarray.Dataset) -> Figure:
     Between belts torque and input are straight lines, and power and efficiency what follows from them.
     """
     figure, panels = drawing(3, 1, 5.4, sharex=True)
-    units = [_unit(data[name].values, unit) for name, unit in DRAWN.items()]
+    units = [
+        (unit, 1e-2) if unit == "%" else handy_unit([data[name].values], unit) for name, unit in DRAWN.items()
+    ]
     for number, label in enumerate(data["law"].values):
         _draw_law(panels, data.sel(law=label), number, str(label), [scale for _, scale in units])
     torque, power, efficiency = panels
@@ -52,11 +53,6 @@ def draw(data: xarray.Dataset) -> Figure:
     if ((data["kind"] != "periodic") & (data["kind"] != "")).any():
         torque.plot([], [], "o", color="black", markerfacecolor="white", label="mean, no orbit")
     return legend_above(figure, torque)
-
-
-def _unit(values: Array, unit: str) -> tuple[str, float]:
-    """Return the unit in which values are drawn, and its size."""
-    return (unit, 1e-2) if unit == "%" else handy_unit([values], unit)
 
 
 def _draw_law(

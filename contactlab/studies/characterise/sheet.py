@@ -37,6 +37,9 @@ ZERO: Final = 1e-4
 BEST: Final = ("output_power", "electrical_efficiency")
 """Quantities whose greatest value a curve contains."""
 
+QUADRANTS: Final = {(1, 1): "brakes", (-1, 1): "turns the motor back", (1, -1): "drives the motor on"}
+"""What the load does, by the signs of velocity and torque."""
+
 
 class Curve:
     """A speed-torque curve in the making.
@@ -204,10 +207,11 @@ def data_sheet(setup: Setup) -> Part:
         values |= _with_error(quantity, np.transpose([p[name] for p in points]))
     for name, quantity in MOTOR.items():
         values |= _with_error(quantity, np.array(own.get(name, UNKNOWN)))
+    signs = [(np.sign(p.value("velocity")), np.sign(p.value("torque"))) for p in points]
     texts = {
         "kind": [point.kind for point in points],
         "role": _roles(points),
-        "load": _loads(points),
+        "load": [QUADRANTS.get(pair, "") if p.belt else "" for p, pair in zip(points, signs, strict=True)],
         "reason": [point.message for point in points],
     }
     values |= {name: ("point", np.array(column, dtype=object)) for name, column in texts.items()}
@@ -250,13 +254,6 @@ def _roles(points: Sequence[Point]) -> list[str]:
         if (best := greatest(motoring, quantity)) is not None:
             role[id(best)] = f"{role[id(best)]} and efficiency" if id(best) in role else name
     return [role.get(id(point), "") for point in points]
-
-
-def _loads(points: Sequence[Point]) -> list[str]:
-    """Return what the load does at the points, by the quadrant of velocity and torque."""
-    quadrants = {(1, 1): "brakes", (-1, 1): "turns the motor back", (1, -1): "drives the motor on"}
-    signs = [(np.sign(p.value("velocity")), np.sign(p.value("torque"))) for p in points]
-    return [quadrants.get(pair, "") if p.belt else "" for p, pair in zip(points, signs, strict=True)]
 
 
 def _with_error(quantity: Variable, numbers: np.ndarray) -> dict[str, Any]:

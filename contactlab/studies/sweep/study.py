@@ -28,7 +28,7 @@ import xarray
 from contactlab.checks import check_kind, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import compose, overridden
-from contactlab.config.faults import failure_of
+from contactlab.config.faults import failure_of, is_sentence
 from contactlab.config.made_in_python import variable_numbers, with_number
 from contactlab.config.nesting import Value, flat
 from contactlab.estimate import Estimate
@@ -37,10 +37,19 @@ from contactlab.laws import LawError
 from contactlab.metrics import Run, assess
 from contactlab.processes import processors
 from contactlab.progress import part_of_progress, tell_progress
-from contactlab.results.files import digest_of_file, whole_file, whole_netcdf
+from contactlab.results.files import LOG, digest_of_file, whole_file, whole_netcdf
 from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.criterion import STEADY
-from contactlab.studies.run_state import INTERRUPTED, REFUSED, Job, State, Status, leave, write_state
+from contactlab.studies.run_state import (
+    INTERRUPTED,
+    REFUSED,
+    Job,
+    State,
+    Status,
+    leave,
+    write_log,
+    write_state,
+)
 from contactlab.studies.runner import TASKS, Store, done_parts
 from contactlab.studies.study import Part, Progress, Setups, Study, Task
 from contactlab.studies.sweep.dataset import (
@@ -89,6 +98,7 @@ class Sweep(Study):
         make: makes the setup of a cell from the plan.
         question: the study that is put to each setup, where the configuration does not name it.
         folders: folder and job of the cells that leave one and are not complete; None leaves none.
+        log: folder of the traceback of the first cell that failed by a fault of some code; None without.
     """
 
     name: ClassVar[str] = "sweep"
@@ -96,6 +106,7 @@ class Sweep(Study):
     make: Maker = Plan.setup_at
     question: Study | None = None
     folders: Mapping[int, tuple[Path, Job]] | None = None
+    log: Path | None = None
 
     @property
     def delay(self) -> float:  # type: ignore[override]
@@ -115,7 +126,7 @@ class Sweep(Study):
             own = cells[start : start + self.plan.chunk]
             # A task brings the values of its own cells alone.
             rows, folders = self.plan.rows(own), [self.folders[cell] for cell in own] if self.folders else []
-            yield Task(str(own[0]), _done, (own[0], rows, self.make, self.question, folders))
+            yield Task(str(own[0]), _done, (own[0], rows, self.make, self.question, folders, self.log))
 
     @property
     def cells(self) -> Sequence[int]:
@@ -135,19 +146,24 @@ class Sweep(Study):
 
 
 def _done(
-    first: int, plan: Plan, make: Maker, question: Study | None, folders: Sequence[tuple[Path, Job]]
+    first: int,
+    plan: Plan,
+    make: Maker,
+    question: Study | None,
+    folders: Sequence[tuple[Path, Job]],
+    log: Path | None,
 ) -> Part:
     """Run cells and return their numbers along `run`; series are a group, NaN where a run has none.
 
     Args:
         first: number of the first one in the whole sweep.
-        plan, make, question, folders: see `Sweep`.
+        plan, make, question, folders, log: see `Sweep`.
     """
     outputs, runs = plan.outputs, list[Outcome]()
     for cell in range(plan.cells):
         with part_of_progress(cell / plan.cells, (cell + 1) / plan.cells, f"run {first + cell + 1}: "):
             tell_progress("", 0.0)
-            runs.append(_left(*folders[cell]) if folders else _outcome(plan, cell, make, question))
+            runs.append(_left(*folders[cell]) if folders else _outcome(plan, cell, make, question, log))
     root = {name: ("run", column) for name, column in columns_of(runs, outputs.metrics).items()}
     groups = {"/": xarray.Dataset(root)}
     time = next((each.time for each in runs if each.time is not None), None)
@@ -175,7 +191,7 @@ def _left(folder: Path, job: Job) -> Outcome:
     return Outcome(Status[state.state.upper()], state.reason)
 
 
-def _outcome(plan: Plan, cell: int, make: Maker, question: Study | None) -> Outcome:
+def _outcome(plan: Plan, cell: int, make: Maker, question: Study | None, log: Path | None) -> Outcome:
     """Run one cell."""
     outputs = plan.outputs
     try:
@@ -205,6 +221,8 @@ def _outcome(plan: Plan, cell: int, make: Maker, question: Study | None) -> Outc
         # The end of a cluster's time is no result of the cell: the task is to be done again.
         if is_of_a_signal(error):
             raise
+        if log and not is_sentence(error) and not (log / LOG).exists():
+            write_log(log, error)
         return Outcome(reason=failure_of(error))
     return outcome
 
@@ -420,8 +438,9 @@ def sweep(
     report = runs_of(swept, progress) if progress else None
     if output is None:
         return swept.combine({}, done_parts(swept, {}, None, report)[0]).to_dataset()
-    begin(Path(output), swept.plan)
-    return continued(swept, Path(output), report)
+    folder = Path(output)
+    begin(folder, swept.plan)
+    return continued(replace(swept, log=folder.absolute()), folder, report)
 
 
 def _in_python(make: Maker, axes: Iterable[Axis], samples: bool, outputs: Outputs) -> Sweep:

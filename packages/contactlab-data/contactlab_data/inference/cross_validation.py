@@ -32,16 +32,16 @@ from contactlab.arrays import Array
 from contactlab.progress import part_of_progress
 from contactlab.studies.compare.bootstrap import LEVEL, RESAMPLES, mean_intervals, paired_differences
 from contactlab.studies.compare.multiple import holm
-from contactlab_data.inference.free_parameters import FreeParameter, from_cube
+from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.impact_problem import (
-    ROUGH_TOLERANCE,
     ConstantImpulse,
     ImpactPredictor,
     ImpactProblem,
     LawPredictor,
     frictionless,
 )
-from contactlab_data.inference.least_squares import Optimum, best_fit, starting_points
+from contactlab_data.inference.influence import without_idle
+from contactlab_data.inference.least_squares import Optimum, best_fit
 from contactlab_data.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab_data.measured.impacts import MeasuredImpacts, noise_from_outside
 
@@ -85,15 +85,6 @@ CHI_SQUARE: Final = -2.0 * log(RARE)
 
 PLANAR: Final = 3
 """Coordinates of a body in the plane, which impacts without coordinates are taken for."""
-
-IDLE_IMPACTS: Final = 12
-IDLE_SHARES: Final = (0.1, 0.5, 0.9)
-IDLE_POINTS: Final = 8
-"""Impacts in the test whether a number has an effect, places in its range, and Latin-hypercube samples of the
-other numbers: under large friction all contacts stick."""
-
-EXACT: Final = 1e-9
-"""Relative change of a velocity under a rigid law above round-off."""
 
 
 class ValidationError(ValueError):
@@ -233,34 +224,6 @@ def _predictions(
 
 def _texts(texts: Iterable[str]) -> NDArray[Any]:
     return np.array([*texts], dtype=object)
-
-
-def without_idle(predictor: LawPredictor, impacts: MeasuredImpacts) -> LawPredictor:
-    """Fix the numbers of a law that have no effect on impacts at their values.
-
-    Each runs through its range, with several samples of the others, on a dozen of the impacts.
-    """
-    some = impacts.part(np.unique(np.linspace(0, len(impacts) - 1, IDLE_IMPACTS).astype(np.int64)))
-    acts = [_acts(predictor, place, some) for place in range(len(predictor.free))]
-    idle = tuple(item.name for item, act in zip(predictor.free, acts, strict=True) if not act)
-    free = tuple(item for item, act in zip(predictor.free, acts, strict=True) if act)
-    return replace(predictor, free=free, idle=idle)
-
-
-def _acts(predictor: LawPredictor, place: int, impacts: MeasuredImpacts) -> bool:
-    """Return whether a number changes any velocity."""
-    threshold = 10.0 * ROUGH_TOLERANCE if predictor.integrated else EXACT
-    size = np.abs(impacts.velocity_before).max()
-    for point in starting_points(len(predictor.free), IDLE_POINTS, seed=0):
-        after = []
-        for share in IDLE_SHARES:
-            point[place] = share
-            after.append(predictor.velocities_after(from_cube(predictor.free, point), impacts))
-        for other in after[1:]:
-            changed = np.nanmax(np.abs(other - after[0]), initial=0.0) > threshold * size
-            if changed or np.isnan(other).sum() != np.isnan(after[0]).sum():
-                return True
-    return False
 
 
 def assessed(

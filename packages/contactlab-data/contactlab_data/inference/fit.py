@@ -1,11 +1,7 @@
 """Fit of laws to measurements: optimum, posterior with evidence, and predictions, as one tree of datasets.
 
-Laws are compared by Bayes factors B = Z_1 / Z_2, by which the data change the odds of law 1 over law 2.
-Evidence is of law and prior together: an even range that is ten times as wide takes ln 10 from a parameter
-that the data determine. It ranks laws whether or not any is right, so odds are stated only between laws of
-which the one with the larger evidence passes a posterior predictive check.
-
-The check compares a discrepancy T of the data y with that of data replicated by the same posterior sample x:
+A posterior predictive check compares a discrepancy T of the data y with that of data replicated by the same
+posterior sample x:
 
     p = P(T(y_rep, x) >= T(y, x) | y)
 
@@ -17,49 +13,28 @@ Sources: Gelman, Meng and Stern (1996), Stat. Sinica 6, 733; Gelman et al. (2013
 """
 
 import json
-from collections import ChainMap
-from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib.metadata import version
-from itertools import product
-from math import erfc, exp, hypot, inf, log, sqrt
+from math import erfc, sqrt
 from pathlib import Path
-from typing import Any, Final, Literal, final
+from typing import Any, Final
 
 import numpy as np
 import xarray
 
 from contactlab.arrays import Array
-from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import DEGREE
 from contactlab.estimate import Estimate
-from contactlab.laws.composed import label_of
 from contactlab.progress import part_of_progress
-from contactlab.results.yaml_text import write_yaml
 from contactlab.studies.compare.repeats import MARGIN, not_stated
-from contactlab.studies.law_study import NO_LAW
-from contactlab_data.inference.free_parameters import FreeParameter
+from contactlab_data.inference.candidates import Candidate
 from contactlab_data.inference.held_out import HeldOut, folds_of, held_out_misfits, residuals_of
-from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
-from contactlab_data.inference.influence import without_influence
-from contactlab_data.inference.joint_problem import JointProblem
-from contactlab_data.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
 from contactlab_data.inference.least_squares import Optimum, best_fit
-from contactlab_data.inference.motor_problem import points_problem, series_problem
 from contactlab_data.inference.nested_sampling import POINTS, Posterior, sample
-from contactlab_data.inference.path_problem import path_problem
 from contactlab_data.inference.problem import Problem
-from contactlab_data.inference.synthetic import truth_in
-from contactlab_data.measured.impacts import MeasuredImpacts
-from contactlab_data.measured.series import MeasuredPoints, MeasuredSeries
 
 STARTS: Final = 16
 """Default number of starts of least squares."""
-
-
-FEWEST: Final = 3
-"""Least number of impacts to which a law is fitted."""
 
 SEARCHED: Final = 0.2
 """Share of the time of a fit that least squares take, roughly."""
@@ -91,214 +66,7 @@ UNINFORMED: Final = 0.95
 AT_END: Final = 2e-3
 """Distance of an interval from an end of the range below which it lies there, as a share of the range."""
 
-LEAST: Final = log(3.0)
-"""Smallest significant |ln B|."""
-
-_STRENGTHS: Final = (
-    (log(100.0), "decisive"),
-    (log(30.0), "very strong"),
-    (log(10.0), "strong"),
-    (LEAST, "substantial"),
-)
-
 SAMPLED: Final = ("chain", "draw")
-
-Discrepancy = Literal["off", "on", "both"]
-Data = MeasuredSeries | MeasuredImpacts | MeasuredPoints
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A law that is to be fitted.
-
-    Args:
-        label: of the law, and of the discrepancy where the law is fitted with and without.
-        problem: data, law, free numbers and noise.
-        truth: values of free numbers of synthetic data, by name.
-        origin: attributes of the result: data, digest, configuration, likelihood.
-        numbers: sentence on free and fixed numbers.
-    """
-
-    label: str
-    problem: Problem
-    truth: Mapping[str, float]
-    origin: Mapping[str, str]
-    numbers: str
-
-
-def candidates_of(
-    data: Data | Mapping[str, Data],
-    setups: Mapping[str, Setup],
-    free: Free,
-    known: Collection[str] = (),
-    *,
-    own: Collection[str] = (),
-    discrepancy: Discrepancy = "off",
-    degrees_of_freedom: float | None = inf,
-    degree: int = DEGREE,
-    name: str = "",
-    digest: str = "",
-) -> list[Candidate]:
-    """Return the laws to be fitted, twice if with and without discrepancy.
-
-    Args:
-        data: measurements, or several by label.
-        setups: of the laws by label, which names those that are not named by their laws alone.
-        free: ranges by key.
-        known: keys of numbers that have the values of the setups.
-        own: keys of numbers that each of several measurements has of its own.
-        discrepancy: whether the laws may be wrong.
-        degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
-        degree: of the spline through the samples of a path.
-        name: of the data.
-        digest: of their file.
-
-    Raises:
-        ConfigurationError: with every fault.
-    """
-    sets = data if isinstance(data, Mapping) else {"": data}
-    of_impacts = [each for each in sets.values() if isinstance(each, MeasuredImpacts)]
-    for each in of_impacts:
-        _check_impacts(each, discrepancy)
-    if not setups:
-        raise ConfigurationError(NO_LAW)
-    if own and len(sets) == 1:
-        raise ConfigurationError("study.own is set and there is one data set; leave it out.")
-    every, corrections = free_numbers(setups, free, known), corrections_in(free)
-    if unknown := sorted({*own} - {item.name for keys in every.values() for item in keys}):
-        raise ConfigurationError(
-            [f"study.own has {key}, which is not free; leave it out." for key in unknown]
-        )
-    tails = "free" if degrees_of_freedom is None else f"{degrees_of_freedom:g}"
-    likelihood = "normal" if degrees_of_freedom == inf else f"Student-t, degrees of freedom: {tails}"
-    result, faults = list[Candidate](), list[str]()
-    cases = {"off": (False,), "on": (True,), "both": (False, True)}[discrepancy]
-    laws = {place: label_of(setup.law) for place, setup in setups.items()}
-    if len({*laws.values()}) < len(laws):
-        laws = {place: place.replace("/", ".") for place in laws}
-    for (place, setup), may_err in product(setups.items(), cases):
-        keys = every[place]
-        try:
-            problem = _problem_of(sets, setup, keys, corrections, own, degrees_of_freedom, degree, may_err)
-            problem, idle = _with_influence(problem, keys)
-        except ConfigurationError as error:
-            faults += error.faults
-            continue
-        configuration = write_yaml(setup.configuration)
-        origin = {"data": name, "digest": digest, "configuration": configuration, "likelihood": likelihood}
-        notes = {
-            "duplicates": [each.copies_warning() for each in of_impacts],
-            "tracks": [each.tracks.attrs["findings"] for each in of_impacts if each.tracks is not None],
-        }
-        origin |= {key: "\n".join(lines) for key, lines in notes.items() if any(lines)}
-        label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
-        numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
-        truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}
-        stated = numbers_of(setup, [item for item in keys if item.name not in idle], [*free, *known])
-        if idle:
-            stated += f" Not free, since they have no influence on these data: {', '.join(idle)}."
-        result.append(Candidate(label, problem, truth, origin, stated))
-    if faults:
-        raise ConfigurationError(list(dict.fromkeys(faults)))
-    return result
-
-
-def _check_impacts(data: MeasuredImpacts, discrepancy: Discrepancy) -> None:
-    """Raise a ConfigurationError for impacts to which no law can be fitted as asked."""
-    faults = []
-    if len(data) < FEWEST:
-        faults.append(f"There are {len(data)} impacts; there must be at least {FEWEST}.")
-    if data.covariance is None and discrepancy != "off":
-        faults.append(
-            "study.discrepancy must be off: the data state no noise, from which it could be distinguished. "
-            "State it by noise."
-        )
-    if faults:
-        raise ConfigurationError(faults)
-
-
-def of_law(data: Data) -> bool:
-    """Return whether measurements are of a law alone, without a motor."""
-    return isinstance(data, MeasuredImpacts) or (isinstance(data, MeasuredSeries) and bool(data.path))
-
-
-def _problem_of(
-    sets: Mapping[str, Data],
-    setup: Setup,
-    keys: Sequence[FreeParameter],
-    corrections: tuple[FreeParameter, ...],
-    own: Collection[str],
-    degrees_of_freedom: float | None,
-    degree: int,
-    discrepancy: bool,
-) -> Problem:
-    """Return the problem of one law."""
-    of_laws, others = [*map(of_law, sets.values())], [item.name for item in keys if not item.field]
-    if all(of_laws) and others:
-        raise ConfigurationError(f"{', '.join(others)} is of the motor; these data depend on the law alone.")
-    impacts = any(isinstance(data, MeasuredImpacts) for data in sets.values())
-    if corrections and not impacts:
-        raise ConfigurationError(f"{corrections[0].name} is of measured impacts; the data have none.")
-    parts = {}
-    for (label, data), alone in zip(sets.items(), of_laws, strict=True):
-        chosen = [item for item in keys if item.field or not alone]
-        of_data = corrections if isinstance(data, MeasuredImpacts) else ()
-        parts[label] = _problem(
-            data, setup, chosen, of_data, degrees_of_freedom, degree, discrepancy=discrepancy
-        )
-    problem = parts[""] if [*parts] == [""] else JointProblem(parts, own)
-    if not problem.free:
-        raise ConfigurationError(f"No number of law={setup.law.name} is free; add a range, KEY=LOW..HIGH.")
-    return problem
-
-
-def _with_influence(problem: Problem, keys: Sequence[FreeParameter]) -> tuple[Problem, list[str]]:
-    """Return the problem without the numbers that have no influence on its data, and their keys.
-
-    Raises:
-        ConfigurationError: no number has influence, and nothing else is free.
-    """
-    reduced = without_influence(problem)
-    ends = {item.name.removeprefix(f"{label}.") for item in reduced.parameters for label in _labels(problem)}
-    idle = [item.name for item in keys if item.name not in ends]
-    if not reduced.free:
-        raise ConfigurationError(f"{', '.join(idle)} has no influence on these data; free another number.")
-    return reduced, idle
-
-
-def _labels(problem: Problem) -> list[str]:
-    """Return the labels of the data sets of a problem, "" of a single one."""
-    return [*problem.parts] if isinstance(problem, JointProblem) else [""]
-
-
-def _problem(
-    data: Data,
-    setup: Setup,
-    keys: Sequence[FreeParameter],
-    corrections: tuple[FreeParameter, ...],
-    degrees_of_freedom: float | None,
-    degree: int,
-    *,
-    discrepancy: bool,
-) -> Problem:
-    """Return the problem of one law and one data set."""
-    if isinstance(data, MeasuredImpacts):
-        predictor = LawPredictor(setup.law, tuple(keys), label_of(setup.law), tolerance=None)
-        unknown = discrepancy or data.covariance is None
-        return ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
-    if isinstance(data, MeasuredSeries) and data.path:
-        noise: dict[str, Any] = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
-        return path_problem(data, setup.law, keys, **noise, degree=degree)
-    if "resonator" not in setup.configuration:
-        raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
-    if isinstance(data, MeasuredSeries):
-        return series_problem(
-            data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
-        )
-    if discrepancy:
-        raise ConfigurationError("study.discrepancy must be off: operating points have no time.")
-    return points_problem(data, setup.configuration, keys, degrees_of_freedom=degrees_of_freedom)
 
 
 def fitted(
@@ -553,63 +321,4 @@ def _findings(
         known = summary.sel(parameter=[*candidate.truth])
         inside = int(((known["low"] <= known["truth"]) & (known["truth"] <= known["high"])).sum())
         result.append(f"Truth: {inside} of {len(candidate.truth)} known numbers lie in their 90 % intervals.")
-    return result
-
-
-def strength(difference: float, error: float) -> str:
-    """Return the word for a difference of ln Z of either sign; empty where it is not significant.
-
-    Words of Jeffreys (1961), Theory of Probability, app. B.
-    """
-    size = abs(difference)
-    if not size >= max(LEAST, ERRORS * error):
-        return ""
-    return next(word for limit, word in _STRENGTHS if size >= limit)
-
-
-def misfits(fits: Mapping[str, xarray.DataTree]) -> dict[str, str]:
-    """Return the laws that do not fit, by label, with p-value and share of the data in 90 % intervals."""
-    result = {}
-    for label, fit in fits.items():
-        if (spread := fit.attrs["spread"]) > MARGIN:
-            result[label] = f"no function of its inputs: its misfit differs by {100.0 * spread:.2g} %"
-        elif not fit.attrs["fits"]:
-            p = min(fit.attrs[name] for name in ("p_deviance", "p_succession") if name in fit.attrs)
-            result[label] = f"p = {p:.3f}, {fit.attrs['coverage']:.1%} of the data in 90 % intervals"
-    return result
-
-
-def evidences_of(fits: Mapping[str, xarray.DataTree]) -> dict[str, Estimate]:
-    """Return ln Z of the fits by label, in falling order."""
-    every = {
-        label: Estimate(float(fit.attrs["log_evidence"]), float(fit.attrs["log_evidence_error"]))
-        for label, fit in fits.items()
-    }
-    return dict(sorted(every.items(), key=lambda item: -item[1].value))
-
-
-def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
-    """Return which laws do not fit, then the law with the largest evidence beside each of the others."""
-    (first, largest), *others = evidences_of(fits).items()
-    result, failing = [], misfits(fits)
-    if failing:
-        head = "No fit within the noise"
-        if others and len(failing) == len(fits):
-            head = "No law here fits the data within the noise: evidence ranks misfits, and no odds follow"
-        result.append(f"{head}: {'; '.join(f'{label} ({why})' for label, why in failing.items())}.")
-    for other, evidence in others:
-        difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
-        shown = f"ln B = {Estimate(difference, error).text()}"
-        if (bad := first) in failing or fits[bad := other].attrs["spread"] > MARGIN:
-            result.append(
-                f"{first} has a larger evidence than {other} ({shown}), from which no odds follow, as {bad} "
-                "does not fit."
-            )
-        elif word := strength(difference, error):
-            odds = f"{exp(difference):.3g}" if difference < log(1e6) else f"10^{difference / log(10.0):.0f}"
-            result.append(
-                f"The evidence for {first} against {other} is {word}: odds of {odds} to 1 ({shown})."
-            )
-        else:
-            result.append(f"{first} and {other} are not distinguishable ({shown}).")
     return result

@@ -8,8 +8,10 @@ from typing import Any, Final, TypeVar, final
 import numpy as np
 
 from contactlab.arrays import Array
+from contactlab.config import ConfigurationError
 from contactlab.laws.declaration import Declared
 from contactlab.parameter import Parameter, declared_fields
+from contactlab.quantity import UnitError, to_si
 from contactlab.suggestion import suggestion
 
 WIDE: Final = 100.0
@@ -164,19 +166,26 @@ def _declared_range(name: str, value: float, declared: Parameter) -> FreeParamet
     return FreeParameter(name, *ends, False, declared)
 
 
-def chosen_range(name: str, ends: Sequence[float], declared: Parameter) -> FreeParameter:
-    """Return a parameter with an explicit range [SI].
+def chosen_range(
+    name: str, ends: Sequence[float | str], declared: Parameter, field: str = ""
+) -> FreeParameter:
+    """Return a parameter with an explicit range, both ends in SI or as texts with units.
 
     Raises:
-        ValueError: the range is empty, or its ends are not admitted.
+        ConfigurationError: the range has other units, is empty or not admitted.
     """
-    low, high = ends
+    if isinstance(ends, str) or len(ends) != 2:
+        raise ConfigurationError(f"{name} is free in {ends!r}; it must have two ends, LOW and HIGH.")
+    try:
+        low, high = (to_si(x.strip(), declared.unit) if isinstance(x, str) else float(x) for x in ends)
+    except UnitError as error:
+        raise ConfigurationError(f"{name}={'..'.join(map(str, ends))} has an end {error}.") from error
     shown = f"{name} is free from {low:g} to {high:g}{declared.label}"
     if not -inf < low < high < inf:
-        raise ValueError(f"{shown}; the end must be greater than the start, and both finite.")
-    if not all(declared.admits(end) for end in ends):
-        raise ValueError(f"{shown}; both must be {declared.range}. {declared.hint}".rstrip())
-    return FreeParameter(name, low, high, low > 0.0 and high / low >= WIDE, declared)
+        raise ConfigurationError(f"{shown}; the end must be greater than the start, and both finite.")
+    if not (declared.admits(low) and declared.admits(high)):
+        raise ConfigurationError(f"{shown}; both must be {declared.range}. {declared.hint}".rstrip())
+    return FreeParameter(name, low, high, low > 0.0 and high / low >= WIDE, declared, field)
 
 
 def _replaced(owner: _Law, values: Mapping[str, float]) -> _Law:

@@ -15,7 +15,7 @@ from contactlab.laws import Composed, ContactLaw, MultiplierLaw, registry
 from contactlab.laws.composed import label_of
 from contactlab.laws.declaration import SHARED
 from contactlab.parameter import Parameter
-from contactlab.quantity import UnitError, to_si
+from contactlab.studies.study import Range
 from contactlab.suggestion import suggestion
 from contactlab_data.inference.free_parameters import FreeParameter, chosen_range, fields_of, free_parameters
 from contactlab_data.inference.impact_problem import LawPredictor, Ranges
@@ -30,28 +30,26 @@ FREE_OF: Final[dict[str, tuple[str, ...]]] = {"johnson": ("friction_coefficient"
 Free = Mapping[str, Sequence[float | str]]
 """Ranges of free numbers by key, both ends in SI or as texts with units: {"law.restitution": (0.1, 0.9)}."""
 
+FreeNumbers = Free | list[Range] | None
+"""Ranges of free numbers as an option: by key in Python, KEY=LOW..HIGH in a command or file."""
+
+
+def by_key(free: FreeNumbers, known: Sequence[str] | None) -> Free:
+    """Return the ranges of free numbers by key.
+
+    Raises:
+        ConfigurationError: a number has two, or is known.
+    """
+    pairs = [(x.name, (x.start, x.end)) for x in free] if isinstance(free, list) else [*(free or {}).items()]
+    keys = [*(key for key, _ in pairs), *(known or ())]
+    if twice := sorted({key for key in keys if keys.count(key) > 1}):
+        raise ConfigurationError([f"{key} occurs twice; it must occur once. Leave one out." for key in twice])
+    return dict(pairs)
+
 
 def key_of(field: str) -> str:
     """Return the key of a configuration for a field of a law."""
     return FRICTION if field.rpartition(".")[2] == SHARED else f"{LAW}{field}"
-
-
-def _freed(key: str, ends: Sequence[float | str], declared: Parameter, field: str = "") -> FreeParameter:
-    """Return a number that is free in a range.
-
-    Raises:
-        ConfigurationError: the range has other units, is empty or not admitted.
-    """
-    shown = f"{key}={'..'.join(map(str, ends))}"
-    if isinstance(ends, str) or len(ends) != 2:
-        raise ConfigurationError(f"{key} is free in {ends!r}; it must have two ends, LOW and HIGH.")
-    try:
-        span = [to_si(end.strip(), declared.unit) if isinstance(end, str) else float(end) for end in ends]
-        return replace(chosen_range(key, span, declared), field=field)
-    except UnitError as error:
-        raise ConfigurationError(f"{shown} has an end {error}.") from error
-    except ValueError as error:
-        raise ConfigurationError(str(error)) from error
 
 
 def corrections_in(free: Free) -> tuple[FreeParameter, ...]:
@@ -67,7 +65,7 @@ def corrections_in(free: Free) -> tuple[FreeParameter, ...]:
             every = [f"{DATA}{name}" for name in CORRECTIONS]
             hint = suggestion(key, every, f"There are {', '.join(every)}.")
             raise ConfigurationError(f"There is no number {key} of the data. {hint}")
-        result.append(_freed(key, free[key], CORRECTIONS[name], name))
+        result.append(chosen_range(key, free[key], CORRECTIONS[name], name))
     return tuple(result)
 
 
@@ -100,7 +98,7 @@ def free_numbers(
         own = {key_of(item.name): item for item in free_parameters(setup.law)}
         fields = {key_of(name): name for name in fields_of(setup.law)}
         chosen = [
-            _freed(key, ends, declared[key], fields.get(key, ""))
+            chosen_range(key, ends, declared[key], fields.get(key, ""))
             for key, ends in ranges.items()
             if key in declared
         ]
@@ -160,7 +158,7 @@ def _changed(predictor: LawPredictor, key: str, ends: Sequence[float | str] | No
         if declared is not None and key == key_of(name):
             ranges: dict[str, Any] = {x.name: (x.low, x.high) for x in predictor.free if x.name != name}
             if ends is not None:
-                free = _freed(key, ends, declared)
+                free = chosen_range(key, ends, declared)
                 ranges[name] = free.low, free.high
             return replace(predictor, free=free_parameters(predictor.law, ranges))
     return predictor

@@ -23,25 +23,16 @@ from contactlab.studies.law_study import OF_MOTOR, read_file
 from contactlab.studies.run_state import code_in
 from contactlab.studies.study import LENGTH, Part, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table, with_unit
-from contactlab_data.inference.fit import (
-    STARTS,
-    Candidate,
-    Data,
-    Discrepancy,
-    candidates_of,
-    compared,
-    evidences_of,
-    fitted,
-    misfits,
-    of_law,
-)
+from contactlab_data.inference.candidates import Candidate, Data, Discrepancy, candidates_of, of_law
+from contactlab_data.inference.evidence import compared, evidences_of, misfits
+from contactlab_data.inference.fit import STARTS, fitted
 from contactlab_data.inference.held_out import HeldOut, folds_of
+from contactlab_data.inference.law_numbers import FreeNumbers, by_key
 from contactlab_data.inference.nested_sampling import POINTS
 from contactlab_data.inference.synthetic import with_noise, without_errors
 from contactlab_data.measured.files import read_measurements
 from contactlab_data.measured.impacts import MeasuredImpacts
 from contactlab_data.measured.series import MeasuredSeries
-from contactlab_data.studies.free_numbers import FreeNumbers, by_key
 
 OrFree = float | Literal["free"] | None
 """A number of the noise, or that it is free."""

@@ -17,7 +17,8 @@ from contactlab.plot.recording import handy_unit
 from contactlab.plot.style import COLOURS, DASHES
 from contactlab.studies.figures import drawing, explain, legend_above
 from contactlab.studies.tables import unit_for
-from contactlab_data.inference.fit import ENDS, misfits
+from contactlab_data.inference.evidence import misfits
+from contactlab_data.inference.fit import ENDS
 
 CELL: Final = 1.15  # height of a row of the corner plot [in]
 BINS: Final = 24

@@ -33,10 +33,9 @@ from contactlab_data.inference.cross_validation import (
 )
 from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.impact_problem import ImpactPredictor, ImpactProblem, LawPredictor
-from contactlab_data.inference.law_numbers import corrections_in, law_predictors
+from contactlab_data.inference.law_numbers import FreeNumbers, by_key, corrections_in, law_predictors
 from contactlab_data.measured.files import read_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts
-from contactlab_data.studies.free_numbers import FreeNumbers, by_key
 
 SHOWN: Final = 40
 """Largest number of unexplained impacts in a sentence; the dataset has all of them."""

@@ -13,19 +13,14 @@ from support.command_line import Command
 import contactlab as cl
 from contactlab.impacts import velocities_after
 from contactlab.laws.composed import label_of
-from contactlab_data.inference.cross_validation import (
-    ValidationError,
-    folds_of,
-    least_error_fit,
-    noise_of,
-    without_idle,
-)
+from contactlab_data.inference.cross_validation import ValidationError, folds_of, least_error_fit, noise_of
 from contactlab_data.inference.impact_problem import (
     ConstantImpulse,
     ImpactProblem,
     LawPredictor,
     frictionless,
 )
+from contactlab_data.inference.influence import without_idle
 from contactlab_data.inference.law_numbers import usual_laws
 from contactlab_data.measured.files import write_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts

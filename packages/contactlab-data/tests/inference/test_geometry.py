@@ -10,8 +10,8 @@ from data_support.struck_discs import struck_discs
 import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.impacts import velocities_after
+from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.cross_validation import folds_of, pair_p_values
-from contactlab_data.inference.fit import candidates_of
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab_data.inference.law_numbers import corrections_in
 from contactlab_data.measured.bodies import BodyImpacts

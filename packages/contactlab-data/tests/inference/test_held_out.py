@@ -7,7 +7,7 @@ import pytest
 
 import contactlab as cl
 from contactlab.config import ConfigurationError
-from contactlab_data.inference.fit import candidates_of
+from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.held_out import cycles, folds_of, held_out_misfits, residuals_of
 from contactlab_data.inference.problem import Problem
 from contactlab_data.inference.synthetic import made_impacts, with_noise

@@ -7,7 +7,7 @@ import pytest
 
 import contactlab as cl
 from contactlab.config import ConfigurationError
-from contactlab_data.inference.fit import candidates_of
+from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.joint_problem import JointProblem
 from contactlab_data.inference.synthetic import made_impacts, with_noise
 from contactlab_data.measured.series import MeasuredSeries

@@ -15,7 +15,7 @@ from scipy.stats import kstest
 import contactlab as cl
 from contactlab.foreign import digest_of_sources
 from contactlab_data.inference import nested_sampling as nested
-from contactlab_data.inference.fit import strength
+from contactlab_data.inference.evidence import strength
 from contactlab_data.inference.free_parameters import free_parameters, from_cube
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab_data.inference.nested_sampling import sample

@@ -12,7 +12,7 @@ import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.laws.registry import own
 from contactlab_data.inference import path_problem as path_module
-from contactlab_data.inference.fit import candidates_of
+from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.law_numbers import free_numbers
 from contactlab_data.inference.least_squares import best_fit
 from contactlab_data.inference.path_problem import path_problem

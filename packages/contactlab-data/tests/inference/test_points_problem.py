@@ -8,7 +8,7 @@ import pytest
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.studies.compare.repeats import MARGIN
-from contactlab_data.inference.fit import candidates_of
+from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.problem import Problem
 from contactlab_data.measured.files import read_measurements
 from contactlab_data.measured.series import MeasuredPoints

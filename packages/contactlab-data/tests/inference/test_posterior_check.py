@@ -12,16 +12,9 @@ from scipy.stats import chi2
 import contactlab as cl
 from contactlab.config.schema import declared_in
 from contactlab.studies.compare.repeats import MARGIN
-from contactlab_data.inference.fit import (
-    IMPROBABLE,
-    REPLICAS,
-    Candidate,
-    _predictive,
-    compared,
-    fitted,
-    misfits,
-    succession,
-)
+from contactlab_data.inference.candidates import Candidate
+from contactlab_data.inference.evidence import compared, misfits
+from contactlab_data.inference.fit import IMPROBABLE, REPLICAS, _predictive, fitted, succession
 from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.motor_problem import root_mean_square, series_problem
 from contactlab_data.inference.synthetic import made_impacts, made_series

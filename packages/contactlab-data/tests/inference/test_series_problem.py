@@ -6,7 +6,7 @@ import pytest
 import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.config.schema import declared_in
-from contactlab_data.inference.fit import candidates_of
+from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.motor_problem import records_at, series_problem
 from contactlab_data.inference.problem import IMPOSSIBLE
