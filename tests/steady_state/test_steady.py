@@ -189,6 +189,13 @@ def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> N
     assert result.contact_share.value > 0.0
 
 
+def test_numbers_of_a_result_are_those_of_its_data_which_are_made_when_read() -> None:
+    for refine in (False, True):
+        result = cl.Steady(refine=refine)(setup_of())
+        assert result.numbers == result.study.numbers(result.data)
+        assert result.data is result.data
+
+
 def test_what_steps_leave_is_told_with_the_mean() -> None:
     rough, fine = (setup_of(*RIGID, f"solver.contact_step={step}") for step in (2e-7, 2e-9))
     mean, error = converged(rough).velocity
