@@ -1,5 +1,6 @@
 """Steady state that a motor reaches: a transient, an orbit nearby, and a test that it is approached."""
 
+from contextlib import suppress
 from dataclasses import replace
 from math import ceil, inf, log
 from typing import Final
@@ -62,6 +63,12 @@ TAIL: Final = 48
 SAME: Final = 1e-6
 """Relative difference of the states of two equal cycles of an orbit."""
 
+REVERSALS: Final = 8
+"""Contacts of a run whose friction has the other sense a period later: so many are no passage."""
+
+AVERAGED: Final = 240
+"""Periods of a motion across a jump of the period map that are averaged at least."""
+
 DRIFT: Final = 3.0
 """Largest trend of a stationary run, in its statistical errors."""
 
@@ -69,6 +76,13 @@ DRIFT: Final = 3.0
 Start = tuple[float, ModalState | None, float, Array | None, State | None]
 """Phase of the drive [periods], modal state, rotor velocity [rad/s], internal variables and contact of a
 `PeriodMap`."""
+
+
+JUMPS: Final = (
+    "From period to period the slip at a touch-down has another sense, and with it the friction of a law "
+    "that does not stick: the period map jumps there, and no orbit closes across the jump."
+)
+"""Why a motion has no orbit, see `contactlab.Steady`."""
 
 
 class NotSettledError(RuntimeError):
@@ -124,7 +138,12 @@ def settled(
         touches = run.contacts["start_time"] + run.contacts["duration"]
         if touches.max(initial=-inf) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run)
-        if orbit is None:
+        # No orbit closes across a jump of the period map; nothing is to be waited for but means.
+        jumps = orbit is None and _jumps(run) and not repeats_after(samples, REPEATS)
+        if jumps and len(samples) >= AVERAGED:
+            with suppress(NotSettledError):
+                return _without_orbit(clock, run)
+        if orbit is None and not jumps:
             clock, run = _at_section(clock, run)
             # Shoot from the motor's state at the section, for one period of the drive or for as many as a
             # long run shows the motion to have.
@@ -141,10 +160,7 @@ def settled(
             # Not yet: the motor runs on, and the orbit stays a candidate while the motor comes nearer to it.
             run = _on(run, periods)
             distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
-            if distance < far:
-                far = distance
-            else:
-                orbit = None
+            orbit, far = orbit if distance < far else None, distance
         # No orbit is closed next to the motion, though its samples repeat themselves to round-off: the last
         # repetitions are the steady state.
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
@@ -245,42 +261,63 @@ def _drifts_to(orbit: Orbit, z: Array) -> bool:
 
 
 def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: int) -> Steady:
-    """Take the means of a motion that comes to no orbit, and say what kind it is.
+    """Take the means of a motion that comes to no orbit, over another run.
 
     A rotor that still drifts to an orbit is taken to come to it.
     """
-    done = round(run.state["end"] / clock.period)
     if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
-        return _on_orbit(clock, orbit, done)
-    # A motion with no orbit has the means of another run. First, nothing in it may still grow or drift.
-    late = _on(run, periods)
-    for variable, name, values in zip(late.law.lasting, late.lasting, _remembered(late).T, strict=True):
+        return _on_orbit(clock, orbit, round(run.state["end"] / clock.period))
+    return _without_orbit(clock, _on(run, periods))
+
+
+def _without_orbit(clock: PeriodMap, run: Trajectory) -> Steady:
+    """Take the means of a run that is on no orbit, in which nothing grows or drifts, and say its kind."""
+    periods, done = run.time.size - 1, round(run.state["end"] / clock.period)
+    for variable, name, values in zip(run.law.lasting, run.lasting, _remembered(run).T, strict=True):
         if _grows(values) or _drifts(values):
-            last = late.series[name]
+            last = run.series[name]
             raise UnboundedError(
                 f"The internal variable {variable.name} of {clock.setup.law.name} has no steady value: after "
-                f"{done + periods} periods of the drive it still changes by "
+                f"{done} periods of the drive it still changes by "
                 f"{(last[-1] - last[1]) / (periods - 1):.3g} {variable.units} a period, and nothing was "
                 "found that brings it back, so that the motor has no steady state. Simulate it for the time "
                 "that matters; one that only needs longer is given it by `longest`."
             )
-    velocity = np.diff(late.series["rotor_angle"]) / clock.period
+    velocity = np.diff(run.series["rotor_angle"]) / clock.period
     if clock.belt is None and _drifts(velocity):
         raise NotSettledError(
-            f"The rotor has not settled after {done + periods} periods of the drive: over the last {periods} "
+            f"The rotor has not settled after {done} periods of the drive: over the last {periods} "
             f"its velocity, {velocity.mean():.4g} rad/s in the mean, has changed by {trend(velocity)[0]:.2g} "
             "rad/s. Run it longer, by `longest`; a load that drives it, without damping of the rotor, may do "
             "so for ever."
         )
     # A velocity that stays the same to round-off may be that of a rotor too heavy to be seen moving.
     if np.ptp(velocity) <= SETTLED * np.abs(velocity).max():
-        _check_balance(clock, late)
-    samples = _stroboscopic_samples(late)
+        _check_balance(clock, run)
+    samples = _stroboscopic_samples(run)
     # In a contact that lasts, the steps of time stepping do not divide the period.
     count = repeats_after(samples[-TAIL:], max(run.contact_step / clock.period, REPEATS))
     # Rotor and energy follow the tip.
     kind = PERIODIC if count else kind_without_period(samples[:, 2:])
-    return Steady(clock.setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
+    reason = JUMPS if not count and _jumps(run) else ""
+    began = done - periods
+    return Steady(clock.setup, kind, count, run, None, began, clock.belt, phase=clock.phase, reason=reason)
+
+
+def _jumps(run: Trajectory) -> bool:
+    """Return whether the motion of a law without stick goes to and fro across a jump of the period map.
+
+    Its friction has the sense of the slip at the touch-down, whatever comes of it: where that slip passes
+    zero, the impulse jumps by twice its size.
+    """
+    if getattr(run.law, "sticks", True):
+        return False
+    start, sense = run.contacts["start_time"], np.sign(run.contacts["friction_impulse"])
+    if not start.size:
+        return False
+    # The sense of the contact a period later.
+    later = np.interp(start + period_of(run.motor.drive), start, sense, right=0.0)
+    return bool(np.count_nonzero(sense * later < -0.5) >= REVERSALS)
 
 
 def _check_balance(clock: PeriodMap, run: Trajectory) -> None:

@@ -179,6 +179,8 @@ class Steady(Study):
                 )
         elif about["kind"] == PERIODIC:
             sentences.append("No closed orbit was found next to it: no multipliers.")
+        elif "reason" in about:
+            sentences.append(about["reason"])
         return sentences
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
@@ -235,6 +237,7 @@ def tree_of(converged: Converged) -> xarray.DataTree:
     facts |= {"run_duration": best.setup.duration, "warm_up": best.warm_up}
     facts[converged.control] = json.dumps(converged.values)
     facts |= {key: value for key in ("belt", "brake") if (value := getattr(best, key)) is not None}
+    facts |= {"reason": best.reason} if best.reason else {}
     if best.orbit is not None:
         every = best.orbit.multipliers
         for part, values in (("real", every.real), ("imag", every.imag)):

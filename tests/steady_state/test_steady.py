@@ -189,6 +189,21 @@ def test_a_coordinate_that_nothing_brings_back_is_no_orbit_and_no_failure() -> N
     assert result.contact_share.value > 0.0
 
 
+def test_a_law_without_stick_whose_slip_changes_sense_has_means_and_says_why_no_orbit_closes() -> None:
+    slides = free("law=lagrange_slip")
+    assert slides.details.orbit is None
+    assert slides.facts["reason"] == slides.details.reason
+    # Not after the thousands of periods that a motion is waited for which might come to an orbit.
+    assert slides.details.warm_up + slides.details.motion.time.size < 1000
+    setup = setup_of("law=lagrange_slip")
+    period = slides.details.period
+    long = setup.run(duration=4000 * period, record_interval=period)
+    velocity = float(np.diff(long.series["rotor_angle"][[1000, -1]])[0]) / (3000 * period)
+    assert abs(velocity - slides.velocity.value) < slides.velocity.error
+    # Held where every contact slips in one sense, the same law has an orbit.
+    assert at_rest("law=lagrange_slip").details.orbit is not None
+
+
 def test_numbers_of_a_result_are_those_of_its_data_which_are_made_when_read() -> None:
     for refine in (False, True):
         result = cl.Steady(refine=refine)(setup_of())
