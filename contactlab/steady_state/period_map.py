@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.engine import Flow, simulate
+from contactlab.engine import Flow, Simulator, simulate
 from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.state import TOUCHING, State
 from contactlab.laws.base import SET_VALUED, STICK, ContactLaw, MultiplierLaw
@@ -147,7 +147,8 @@ class PeriodMap:
     def _flow(self) -> Flow:
         """The motor, ready to run from many starts."""
         setup = self.setup
-        return Flow(self._motor, setup.law, self.period, setup.contact_step, setup.tolerance, self.contact)
+        numbers = self.period, setup.contact_step, setup.tolerance
+        return Flow(Simulator(self._motor, setup.law, *numbers), self.contact)
 
     @cached_property
     def _weights(self) -> Array:
