@@ -252,12 +252,16 @@ def _drifts_to(orbit: Orbit, z: Array) -> bool:
     if times > MOST_WARM_UP or along.imag.any():
         return False
     # From each place between: first the decay of the other directions, then as long again for the drift, in
-    # which the distance must fall without a change of sign.
-    places = np.linspace(0.0, 1.0, BETWEEN + 1)[1:, None]
-    before = orbit.map.ends(orbit.state + places * (z - orbit.state), times)
-    after = orbit.map.ends(before, times)
-    here, there = (before - orbit.state) @ along.real, (after - orbit.state) @ along.real
-    return bool(np.all((np.abs(there) < np.abs(here)) & (here * there > 0.0)))
+    # which the distance must fall without a change of sign. From the motor's own state first: where it drifts
+    # elsewhere, no other is looked at.
+    *between, own = np.linspace(0.0, 1.0, BETWEEN + 1)[1:, None]
+    for places in ([own], between):
+        before = orbit.map.ends(orbit.state + places * (z - orbit.state), times)
+        after = orbit.map.ends(before, times)
+        here, there = (before - orbit.state) @ along.real, (after - orbit.state) @ along.real
+        if not np.all((np.abs(there) < np.abs(here)) & (here * there > 0.0)):
+            return False
+    return True
 
 
 def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: int) -> Steady:
