@@ -17,6 +17,7 @@ from contactlab.settling.statistics import (
     PERIODIC,
     REPEATS,
     WITHOUT_CONTACT,
+    cycle_of,
     kind_without_period,
     repeats_after,
     trend,
@@ -127,7 +128,7 @@ def settled(
     slowest = float((half - np.sqrt(np.maximum(half**2 - stiffness, 0.0))).min(initial=inf))
     decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
     run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
-    orbit, done = None, 0
+    orbit, done, far = None, 0, (inf, inf)
     while done < longest:
         # The load has turned the rotor back.
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
@@ -147,20 +148,26 @@ def settled(
             clock, run = _at_section(clock, run)
             # Shoot from the motor's state at the section, for one period of the drive or for as many as a
             # long run shows the motion to have.
-            count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
-            orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
+            count = cycle_of(samples, REPEATS) if len(samples) >= TAIL else 1
+            orbit, far = _orbit(replace(clock, periods=count), clock.end_of(run)), (inf, inf)
+        wait = inf
         if orbit is not None:
             # Does the motor go to this orbit? Two test runs of an eighth of the settling time decide by
             # (7.5); a rotor too slow for these by the drift along its slowest direction.
             lasts, most = TEST_RUN * orbit.settling_time, longest * clock.period
             times = ceil(min(lasts, most) / orbit.map.period) or 1
             periods, z = times * orbit.map.periods, clock.end_of(run)
-            if _drifts_to(orbit, z) if lasts > most else _goes_to(orbit, z, times):
+            slow = lasts > most
+            missed = (0.0 if _drifts_to(orbit, z) else inf) if slow else _missed(orbit, z, times)
+            if missed <= DEVIATION:
                 return _on_orbit(clock, orbit, round(run.state["end"] / clock.period) + periods)
-            # Not yet: the motor runs on, and the orbit stays a candidate while the motor comes nearer to it.
+            # Not yet: the motor runs on, and the orbit stays a candidate while the motor comes nearer to it
+            # and moves more as the linearised map says. What that misses falls as the distance does.
             run = _on(run, periods)
-            distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
-            orbit, far = orbit if distance < far else None, distance
+            before, far = far, (float(np.linalg.norm(clock.end_of(run) - orbit.state)), missed)
+            wait = orbit.settling_time / clock.period * log(missed / DEVIATION)
+            nearer = far[0] < before[0] and (slow or far[1] < before[1])
+            orbit, wait = (orbit, wait) if nearer else (None, inf)
         # No orbit is closed next to the motion, though its samples repeat themselves to round-off: the last
         # repetitions are the steady state.
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
@@ -168,9 +175,9 @@ def settled(
             _check_balance(clock, run)
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
-        # Look again after three times as long.
+        # Look again when the linearised map may hold, or else after three times as long.
         if done < longest:
-            run = _on(run, min(2 * done, longest - done))
+            run = _on(run, ceil(min(max(wait, done / 4), 2 * done, longest - done)))
     return _long_run(clock, run, orbit, longest // 2)
 
 
@@ -208,24 +215,23 @@ def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
     return orbit if orbit.stable else None
 
 
-def _goes_to(orbit: Orbit, z: Array, times: int) -> bool:
-    """Return whether the motor follows the linearised map to an orbit, from its state and from half-way.
+def _missed(orbit: Orbit, z: Array, times: int) -> float:
+    """Return how far the motor moves from where the linearised map to an orbit takes it, over what it covers.
 
-    As the rotor is slow, the motor moves along a line; in front of another orbit it would cover less of it.
+    That is the larger of two runs, from its state and from half-way. As the rotor is slow, the motor moves
+    along a line; in front of another orbit it would cover less of it.
     """
     # Half way may lie inside the rotor, and has no end then.
     starts = np.array([z, 0.5 * (z + orbit.state)])
     ends = orbit.map.ends(starts, times)
     if orbit.is_near(ends[0], ARRIVED):
-        return True
-    for before, after in zip(starts, ends, strict=True):
-        # (7.5): |P^m(z) - z* - A^m (z - z*)| <= 0.2 |A^m (z - z*) - (z - z*)|.
-        deviation = before - orbit.state
-        predicted = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
-        missed = np.linalg.norm(after - orbit.state - predicted)
-        if not missed <= DEVIATION * np.linalg.norm(predicted - deviation):
-            return False
-    return True
+        return 0.0
+    # (7.5): |P^m(z) - z* - A^m (z - z*)| <= 0.2 |A^m (z - z*) - (z - z*)|.
+    deviations = starts - orbit.state
+    predicted = deviations @ np.linalg.matrix_power(orbit.jacobian, times).T
+    missed = np.linalg.norm(ends - orbit.state - predicted, axis=1)
+    shares = missed / np.linalg.norm(predicted - deviations, axis=1)
+    return float(shares.max()) if np.isfinite(shares).all() else inf
 
 
 def _on_orbit(clock: PeriodMap, orbit: Orbit, done: int) -> Steady:
@@ -252,14 +258,13 @@ def _drifts_to(orbit: Orbit, z: Array) -> bool:
     if times > MOST_WARM_UP or along.imag.any():
         return False
     # From each place between: first the decay of the other directions, then as long again for the drift, in
-    # which the distance must fall without a change of sign. From the motor's own state first: where it drifts
+    # which the distance must fall without a change of sign. The motor's own state is the first: where it goes
     # elsewhere, no other is looked at.
-    *between, own = np.linspace(0.0, 1.0, BETWEEN + 1)[1:, None]
-    for places in ([own], between):
-        before = orbit.map.ends(orbit.state + places * (z - orbit.state), times)
+    for place in np.linspace(1.0, 0.0, BETWEEN, endpoint=False):
+        before = orbit.map.ends((orbit.state + place * (z - orbit.state))[None], times)
         after = orbit.map.ends(before, times)
-        here, there = (before - orbit.state) @ along.real, (after - orbit.state) @ along.real
-        if not np.all((np.abs(there) < np.abs(here)) & (here * there > 0.0)):
+        here, there = (float((ends - orbit.state)[0] @ along.real) for ends in (before, after))
+        if not (abs(there) < abs(here) and here * there > 0.0):
             return False
     return True
 
