@@ -95,7 +95,7 @@ class UnboundedError(NotSettledError):
 
 
 def settled(
-    setup: Setup, belt: float | None, begins: Start, longest: int, sense: float = 0.0
+    setup: Setup, belt: float | None, begins: Start, longest: int, sense: float = 0.0, cycle: int = 0
 ) -> Steady | None:
     """Compute the steady state that a motor reaches.
 
@@ -106,6 +106,8 @@ def settled(
             variables (None are their initial values) and the contact that goes on (None is none).
         longest: run without an orbit [periods].
         sense: of a rotation that must not be reversed; 0 for one that may.
+        cycle: periods of the drive in an orbit on which the motor begins, of another belt, load or tolerance:
+            one like it is looked for at once; 0 for a motor that comes from elsewhere.
 
     Returns:
         The steady state; None once the rotation is reversed.
@@ -127,7 +129,7 @@ def settled(
     half, stiffness = 0.5 * modes.damping[swings], modes.stiffness[swings]
     slowest = float((half - np.sqrt(np.maximum(half**2 - stiffness, 0.0))).min(initial=inf))
     decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
-    run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
+    run = clock.run(z, LEAST_WARM_UP if cycle else ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
     orbit, done, far = None, 0, (inf, inf)
     while done < longest:
         # The load has turned the rotor back.
@@ -148,7 +150,7 @@ def settled(
             clock, run = _at_section(clock, run)
             # Shoot from the motor's state at the section, for one period of the drive or for as many as a
             # long run shows the motion to have.
-            count = cycle_of(samples, REPEATS) if len(samples) >= TAIL else 1
+            count = cycle_of(samples, REPEATS) if len(samples) >= TAIL else max(cycle, 1)
             orbit, far = _orbit(replace(clock, periods=count), clock.end_of(run)), (inf, inf)
         wait = inf
         if orbit is not None:

@@ -215,6 +215,17 @@ def test_a_cycle_of_two_periods_has_its_orbit_while_the_rotor_still_drifts() -> 
     assert velocity == pytest.approx(twice.velocity.value, rel=1e-6)
 
 
+@pytest.mark.parametrize("overrides", [NEGATIVE, RIGID, ("resonator.stiffness_damping=8e-7",)])
+def test_a_rotor_stopped_on_its_orbit_has_the_torque_of_one_held_from_the_start(
+    overrides: tuple[str, ...],
+) -> None:
+    orbit, at_once = free(*overrides), at_rest(*overrides)
+    stopped = cl.steady(setup_of(*overrides), belt=0.0, start=orbit)
+    assert stopped.periods == at_once.periods
+    assert stopped.torque.value == pytest.approx(at_once.torque.value, rel=1e-7)
+    assert stopped.warm_up <= at_once.warm_up
+
+
 def test_numbers_of_a_result_are_those_of_its_data_which_are_made_when_read() -> None:
     for refine in (False, True):
         result = cl.Steady(refine=refine)(setup_of())
