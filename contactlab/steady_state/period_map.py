@@ -150,11 +150,17 @@ class PeriodMap:
         """The motor, ready to run from many starts."""
         return Flow(self._simulator(self._motor, self.period), self.contact)
 
-    def _simulator(self, motor: Motor, duration: float, like: Simulator | None = None) -> Simulator:
+    @cached_property
+    def _last(self) -> list[Simulator | None]:
+        """The one simulator that was made last, with which the next one shares what is the same."""
+        return [self.like]
+
+    def _simulator(self, motor: Motor, duration: float) -> Simulator:
         """Return a motor under the law that is made ready to run for a duration [s]."""
-        setup = self.setup
-        numbers = duration, setup.contact_step, setup.tolerance
-        return Simulator(motor, setup.law, *numbers, like=like or self.like)
+        numbers = duration, self.setup.contact_step, self.setup.tolerance
+        made = Simulator(motor, self.setup.law, *numbers, like=self._last[0])
+        self._last[0] = made
+        return made
 
     @cached_property
     def _weights(self) -> Array:
@@ -175,8 +181,8 @@ class PeriodMap:
 
     def at_end_of(self, run: Trajectory, phase: float) -> "PeriodMap":
         """Return the map whose section lies where a run ended, at a phase of the drive."""
-        like = self._flow.simulator
-        return replace(self, phase=phase % 1.0, weights=(), contact=contact_at_end(run), like=like)
+        contact, like = contact_at_end(run), self._last[0]
+        return replace(self, phase=phase % 1.0, weights=(), contact=contact, like=like)
 
     def state_of(self, modal: ModalState, velocity: float, memory: Array | None = None) -> Array:
         """Return the state z of normal coordinates, a rotor velocity [rad/s] and its `variables`.
@@ -285,7 +291,7 @@ class PeriodMap:
         rotor = replace(self._motor.rotor, initial_velocity=velocity)
         duration = times * self.period
         motor = replace(self._motor, start=modal, rotor=rotor)
-        trajectory = self._simulator(motor, duration, self._flow.simulator).run(
+        trajectory = self._simulator(motor, duration).run(
             record_interval=min(self.period / records, duration), memory=memory, contact=self.contact
         )
         if trajectory.ending is Ending.INTERRUPTED:
