@@ -223,6 +223,8 @@ def _missed(orbit: Orbit, z: Array, times: int) -> float:
     That is the larger of two runs, from its state and from half-way. As the rotor is slow, the motor moves
     along a line; in front of another orbit it would cover less of it.
     """
+    if orbit.is_near(z, ARRIVED):
+        return 0.0
     # Half way may lie inside the rotor, and has no end then.
     starts = np.array([z, 0.5 * (z + orbit.state)])
     ends = orbit.map.ends(starts, times)
