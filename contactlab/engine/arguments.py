@@ -29,23 +29,13 @@ def check_law(law: ContactLaw) -> None:
         )
 
 
-def check_numbers(
-    law: ContactLaw, duration: float, interval: float, step: float | None, tolerance: float | None
-) -> None:
+def check_numbers(law: ContactLaw, duration: float, step: float | None, tolerance: float | None) -> None:
     """Refuse times, steps and a tolerance that no run can have; arguments and errors as of `simulate`."""
     times = {"duration": duration} | ({} if step is None else {"contact step": step})
     for name, value in times.items():
         check_number(f"The {name}", value)
         if not 0.0 < value < inf:
             raise ValueError(f"The {name} is {value} s; it must be positive and finite.")
-    check_number("The record interval", interval)
-    if not 0.0 < interval <= duration:
-        raise ValueError(
-            f"The record interval is {interval} s; it must be positive and at most the duration, "
-            f"{duration} s."
-        )
-    name = "The record interval, record_interval,"
-    check_records(duration, interval, name, len(law.internal_variables))
     if step is not None and step < SMALLEST_STEP * duration:
         raise ValueError(
             f"The contact step is {step} s; it must be at least {SMALLEST_STEP * duration:.3g} s, "
@@ -65,3 +55,14 @@ def check_tolerance(tolerance: float | None, idle: str = "") -> None:
     check_number("The tolerance", tolerance)
     if not 0.0 < tolerance < 1.0:
         raise ValueError(f"The tolerance is {tolerance}; it must lie between 0 and 1.")
+
+
+def check_interval(law: ContactLaw, duration: float, interval: float) -> None:
+    """Refuse a record interval [s] that no run of a duration [s] can have, or too many records."""
+    check_number("The record interval", interval)
+    if not 0.0 < interval <= duration:
+        raise ValueError(
+            f"The record interval is {interval} s; it must be positive and at most the duration, "
+            f"{duration} s."
+        )
+    check_records(duration, interval, "The record interval, record_interval,", len(law.internal_variables))

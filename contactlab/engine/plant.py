@@ -20,7 +20,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
-from contactlab.engine.state import EVENT_LIMIT, PLACES, new_record, record
+from contactlab.engine.state import EVENT_LIMIT, PLACES, copy_of, new_record, record
 from contactlab.motor.motor import Motor
 from contactlab.motor.waveform import MOST_DEGREE
 
@@ -109,33 +109,72 @@ def root_inertia(plant: Plant) -> float:
     return float(-plant["geometry"]["radius"] / modes_of(plant)["row_r"][-1])
 
 
-def plant_of(motor: Motor) -> Plant:
+def plant_of(motor: Motor, like: tuple[Motor, Plant] | None = None) -> Plant:
     """Assemble the plant of a motor, at rest.
+
+    Args:
+        motor: all that moves.
+        like: another motor and its plant at rest, of which that is copied which both have in common.
 
     Raises:
         ValueError: a tone meets an undamped mode, whose response would grow without bound.
     """
-    modes, rotor, geometry = motor.modes, motor.rotor, motor.geometry
+    modes, drive, rotor = motor.modes, motor.drive, motor.rotor
     root = sqrt(rotor.inertia)
-    omega = motor.drive.angular_frequency
-    count = modes.stiffness.size + 1
-    waveform = motor.drive.waveform
-    electrodes = 0 if waveform is None else modes.coupling.shape[1]
-    rooms = room_for(count, MODES), room_for(omega.size, TONES), room_for(electrodes, ELECTRODES)
-    plant = new_record(plant_record(*rooms))
-    plant["mode_count"], plant["tone_count"] = count, omega.size
-    plant["geometry"] = geometry.numbers
-    made, tones = modes_of(plant), plant["tones"][: omega.size]
-    stiffness, damping = made["stiffness"], made["damping"]
-    stiffness[:-1], damping[:-1] = modes.stiffness, modes.damping
-    damping[-1] = rotor.damping / rotor.inertia
-    prescribed = modes.is_prescribed
+    before, shared = like or (None, None)
+    same = before is not None and modes is before.modes and drive.waveform is before.drive.waveform
+    if before is None or not same or drive.frequency.size != before.drive.frequency.size:
+        before, plant = None, _without_drive(motor)
+    else:
+        plant = copy_of(shared)
+    plant["geometry"] = motor.geometry.numbers
+    made, prescribed = modes_of(plant), modes.is_prescribed
+    turns = made["damping"][-1]
+    made["damping"][-1] = rotor.damping / rotor.inertia
     made["constant"][:-1] = 0.0 if motor.preload is None else np.where(prescribed, 0.0, motor.preload)
     made["constant"][-1] = -rotor.load_torque / root
-    made["row_u"][:-1], made["row_th"][:-1] = modes.approach, modes.tip_slope
-    made["row_w"][:-1] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
-    made["row_r"][-1] = -geometry.rotor_radius / root
-    force = np.zeros((count, omega.size), complex)
+    made["row_r"][-1] = -motor.geometry.rotor_radius / root
+    if before is None or drive is not before.drive or made["damping"][-1] != turns:
+        _add_tones(plant, motor)
+    if prescribed.any():
+        wave = plant["wave"]
+        # Where no free mode moves the gap, no force does: there is no mass behind the contact, and no impact.
+        wave["led_gap"] = not motor.rows_at_rest[0][~prescribed].any()
+        wave["led_slip"] = (
+            motor.slip_is_prescribed and drive.waveform is not None and not drive.frequency.size
+        )
+        # Without a mass behind the contact no impulse scales its errors: forces at these bounds do.
+        wave["depth"], wave["approach"] = _reach(motor)
+    return plant
+
+
+def _without_drive(motor: Motor) -> Plant:
+    """Return a plant of modes and waveform, without tones, rotor and geometry."""
+    modes, waveform, tones = motor.modes, motor.drive.waveform, motor.drive.frequency.size
+    count = modes.stiffness.size + 1
+    electrodes = 0 if waveform is None else modes.coupling.shape[1]
+    rooms = room_for(count, MODES), room_for(tones, TONES), room_for(electrodes, ELECTRODES)
+    plant = new_record(plant_record(*rooms))
+    plant["mode_count"], plant["tone_count"] = count, tones
+    made, wave = modes_of(plant)[:-1], plant["wave"]
+    made["stiffness"], made["damping"] = modes.stiffness, modes.damping
+    made["row_u"], made["row_th"] = modes.approach, modes.tip_slope
+    made["row_w"] = 0.0 if modes.rotor_displacement is None else modes.rotor_displacement
+    if modes.is_prescribed.any():
+        made["led"], wave["led"] = modes.is_prescribed, 1
+    if waveform is not None:
+        wave["electrodes"], wave["offset"] = electrodes, waveform.start
+        wave["period"] = waveform.period if waveform.periodic else 0.0
+        plant["couplings"][: count - 1, :electrodes] = modes.coupling
+    return plant
+
+
+def _add_tones(plant: Plant, motor: Motor) -> None:
+    """Write forces and steady state of the tones into a plant."""
+    made, omega = modes_of(plant), motor.drive.angular_frequency
+    tones, phasors = plant["tones"][: omega.size], plant["phasors"][: made.size, : omega.size]
+    stiffness, damping = made["stiffness"], made["damping"]
+    force = np.zeros((made.size, omega.size), complex)
     force[:-1] = motor.force_phasors
     # Eq. 2.2: the steady state is the force over k - omega^2 + i c omega.
     dynamic = stiffness[:, None] - omega**2 + 1j * damping[:, None] * omega
@@ -144,7 +183,7 @@ def plant_of(motor: Motor) -> Plant:
         mode, tone = np.unravel_index(margin.argmin(), margin.shape)
         raise ValueError(
             f"The tone at {motor.drive.frequency[tone]} Hz meets mode {mode + 1} at "
-            f"{modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
+            f"{motor.modes.natural_frequency[mode]} Hz, which has no damping: its response grows without "
             "bound. Give the resonator damping or move the tone."
         )
     # The rotor has no stiffness and so no resonance: only modes can be near one.
@@ -155,23 +194,9 @@ def plant_of(motor: Motor) -> Plant:
     tones["omega"] = omega
     tones["steady_u"] = np.abs(made["row_u"] @ steady)
     tones["steady_th"] = np.abs(made["row_th"] @ steady)
-    phasors = plant["phasors"][:count, : omega.size]
     phasors["force_re"], phasors["force_im"] = force.real, force.imag
     phasors["steady_re"], phasors["steady_im"] = steady.real, steady.imag
     phasors["near"] = near
-    wave = plant["wave"]
-    if prescribed.any():
-        made["led"][:-1], wave["led"] = prescribed, 1
-        # Where no free mode moves the gap, no force does: there is no mass behind the contact, and no impact.
-        wave["led_gap"] = not motor.rows_at_rest[0][~prescribed].any()
-        wave["led_slip"] = motor.slip_is_prescribed and waveform is not None and not omega.size
-        # Without a mass behind the contact no impulse scales its errors: forces at these bounds do.
-        wave["depth"], wave["approach"] = _reach(motor)
-    if waveform is not None:
-        wave["electrodes"], wave["offset"] = electrodes, waveform.start
-        wave["period"] = waveform.period if waveform.periodic else 0.0
-        plant["couplings"][: count - 1, :electrodes] = modes.coupling
-    return plant
 
 
 def _reach(motor: Motor) -> tuple[float, float]:

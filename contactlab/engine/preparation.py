@@ -46,6 +46,7 @@ from contactlab.engine.state import (
     HEAD,
     NO_INSTANTS,
     NO_OUTPUTS,
+    SPEED,
     STATE,
     STEP,
     TOUCHING,
@@ -53,6 +54,7 @@ from contactlab.engine.state import (
     Read,
     Records,
     Run,
+    copy_of,
     new_record,
 )
 from contactlab.interrupts import signals_wait
@@ -110,10 +112,13 @@ class Prepared(NamedTuple):
     """What is recorded beside tip and rotor, see `contactlab.motor.outputs`."""
     signature: int = 0
     """Digest of motor, law, steps and tolerance: runs that share them go on from each other bit for bit."""
+    source: tuple[Motor, ContactLaw] | None = None
+    """Motor and law as given; the law without what follows from the rotor's radius."""
 
     def run_of(self, state: Any) -> Run:
-        """Return the context of a run in a state."""
-        run = Run(self.plant, self.propagator, state, new_record(STEP))
+        """Return the context of a run in a state, with a plant and a scratch of its own."""
+        self.row[SPEED] = 0.0
+        run = Run(copy_of(self.plant), self.propagator, state, new_record(STEP))
         for k, variable in enumerate(self.law.internal_variables):
             run.step["memory_first"][k] = variable.initial
             run.step["memory_lasts"][k] = variable.life == "run"
@@ -172,6 +177,16 @@ class Prepared(NamedTuple):
         if isinstance(self.law, PenaltyLaw):
             return run_compliant
         return evaluate_rigid if impacts else run_rigid
+
+    @property
+    def bound_law(self) -> tuple[Array, Array, Bound, LawErrors]:
+        """What `take_in` returns of the law, with a row of its own as before any contact."""
+        parameters, row = _between_canaries(self.parameters)
+        row[: HEAD + len(self.law.internal_variables)] = [
+            0.0,
+            *(v.initial for v in self.law.internal_variables),
+        ]
+        return parameters, row, self.bound, self.errors
 
     @property
     def constrained(self) -> bool:
@@ -297,18 +312,23 @@ def prepared(
     motor: Motor,
     law: ContactLaw,
     duration: float,
-    interval: float,
     contact_step: float | None,
     tolerance: float | None,
+    like: Prepared | None = None,
 ) -> Prepared:
-    """Make a motor and a law ready; arguments and errors as of `contactlab.engine.simulate`."""
+    """Make a motor and a law ready; arguments and errors as of `contactlab.engine.Simulator`."""
     check_kinds(motor, law)
-    law = law.on_rotor(motor.geometry.rotor_radius)
+    source, radius = (motor, law), motor.geometry.rotor_radius
+    before = like.source if like else None
+    if like and before and law is before[1] and radius == before[0].geometry.rotor_radius:
+        law, bound_law = like.law, like.bound_law
+    else:
+        law, bound_law = law.on_rotor(radius), None
     if contact_step is None:
         contact_step = default_contact_step(motor, law, duration)
-    check_numbers(law, duration, interval, contact_step, tolerance)
-    parameters, row, bound, errors = take_in(law)
-    plant = plant_of(motor)
+    check_numbers(law, duration, contact_step, tolerance)
+    parameters, row, bound, errors = bound_law or take_in(law)
+    plant = plant_of(motor, (before[0], like.plant) if like and before else None)
     if isinstance(law, MultiplierLaw) and plant["wave"]["led_gap"]:
         raise ValueError(
             f"{law.name} is rigid, and every mode that moves the tip towards the rotor is prescribed; a "
@@ -337,7 +357,9 @@ def prepared(
     numbers = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
     numbers = *numbers, *(plant[name] for name in ("tones", "geometry", "wave"))
     signature = signature_of(law, *numbers, parameters, waves, steps)
-    return Prepared(law, duration, contact_step, tolerance, *made, waves, output_rows(motor), signature)
+    same = before and motor.modes is before[0].modes and motor.drive is before[0].drive
+    read = like.read if like and same else output_rows(motor)
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source)
 
 
 def signature_of(law: ContactLaw, *contents: Any) -> int:
@@ -370,7 +392,11 @@ def take_in(law: ContactLaw, once: bool = False) -> tuple[Array, Array, Bound, L
         with errors():
             check_kernels(law, parameters, *bound.kernels)
         _sound.append(made_of)
-    # What the law may only read, the engine writes.
-    row = guarded(parameters)
-    memory: Any = row.base
-    return row, memory[CANARIES:-CANARIES], bound, errors
+    return *_between_canaries(parameters), bound, errors
+
+
+def _between_canaries(row: Array) -> tuple[Array, Array]:
+    """Return a copy of a law's row that it may only read, and the same memory for the engine to write."""
+    parameters = guarded(row)
+    memory: Any = parameters.base
+    return parameters, memory[CANARIES:-CANARIES]

@@ -1,7 +1,7 @@
 """Runs of a motor with a contact law: one with its trajectory, or many without records."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass, field
 from functools import cached_property
 from typing import Any, final
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import ON_GRID
+from contactlab.engine.arguments import check_interval
 from contactlab.engine.explanation import balanced
 from contactlab.engine.flight import CLEAR
 from contactlab.engine.initial_state import (
@@ -48,8 +49,6 @@ STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
 
 
-# Numbers that overflow end a run, with a sentence.
-@np.errstate(all="ignore")
 def simulate(
     motor: Motor,
     law: ContactLaw,
@@ -97,96 +96,165 @@ def simulate(
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    ready = prepared(motor, law, duration, record_interval, contact_step, tolerance)
-    law, plant = ready.law, ready.plant
-    contact_step = 0.0 if ready.constrained else ready.contact_step
-    q, v = (modes_of(plant)[name][:, START] for name in ("q", "v"))
-    states = np.zeros(1, STATE)
-    state, parted = states[0], states["contact"][:0]
-    if start is None:
-        states[0] = fresh_state() if contact is None else state_in_contact(contact)
-        _begin(state, ready, motor, record_interval, memory)
-    else:
-        check_start(start, plant, law)
-        parted = _go_on(states, ready, start, record_interval)
-    earlier = state["contact_of_run"].copy()
-    for name in EXTREMES:
-        state["contact_of_run"][name] = 0.0
-    run = ready.run_of(state)
-    motions = np.stack([q, v])[None]
-    # The records at 0, interval, 2 interval, ... and at the end.
-    intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
-    records = ready.records(intervals + 1, run, instants)
-    ready.prepare_loop(run)
-
-    if progress is not None:
-        progress(0.0)
-    finished: list[Any] = [parted]
-    ends: list[Array] = [np.tile(memory_of(state, law), (parted.size, 1))]
-
-    def collect(kept: int) -> None:
-        """Move all but the last finished contacts out of the run's storage."""
-        contacts, kept = run.step["contacts"], min(kept, state["contact_count"])
-        count = state["contact_count"] - kept
-        finished.append(contacts[:count].copy())
-        ends.append(records.ends[:count].copy())
-        contacts[:kept], records.ends[:kept] = contacts[count:][:kept], records.ends[count:][:kept]
-        state["contact_count"] = kept
-
-    ending, message = Ending.COMPLETE, ""
-    try:
-        while state.time < state.end and state.ending == RUNNING:
-            ready.advance(run, states, motions, records, STEPS_PER_CALL)
-            # What the last one has stored may be lost until the next.
-            collect(1)
-            if progress is not None:
-                progress(float(state.time))
-    except KeyboardInterrupt:
-        ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
-    if state.ending != RUNNING:
-        ending, message = ready.explain(run)
-    collect(0)
-    cut = _cut_contact(state)
-    finished.append(cut)
-    ends.append(memory_of(state, law)[None][: cut.size])
-    time, series, contact_modes = take_series(run, records.series)
-    series |= output_series(motor, time, records.outputs[: time.size])
-    names = [f"internal_{variable.name}" for variable in law.internal_variables]
-    series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
-    if ending is Ending.COMPLETE:
-        ending, message = balanced(run, series, contact_modes, contact_step)
-    rows, memory = np.concatenate(finished, dtype=cut.dtype), np.concatenate(ends).T
-    contacts = {variable.name: rows[variable.name].copy() for variable in contact_variables(law)}
-    part = _first_part(state, earlier, contacts)
-    return Trajectory(
-        motor=motor,
-        law=law,
-        duration=duration,
-        contact_step=contact_step,
+    simulator = Simulator(motor, law, duration, contact_step, tolerance)
+    return simulator.run(
         record_interval=record_interval,
-        time=time,
-        series=series,
-        contact_mode=contact_modes,
-        contacts=contacts | dict(zip(names, memory.copy(), strict=True)),
-        statistics={name: int(state[name]) for name in COUNTS.split()},
-        ending=ending,
-        message=message,
-        final=ModalState(q[:-1].copy(), v[:-1].copy()),
-        state=_state_to_go_on(run, series, ending, cut),
-        part=part,
-        earlier_loss=float(state["earlier_loss"]),
-        impulse_error=np.nan if state["law"]["stepped"] else float(state["impulse_error"]),
-        instant_forces=records.forces,
+        progress=progress,
+        start=start,
+        memory=memory,
+        contact=contact,
+        instants=instants,
     )
 
 
-def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: Array | None) -> None:
+@final
+@dataclass(frozen=True, eq=False)
+class Simulator:
+    """A motor under a contact law made ready once, to run as often as wanted.
+
+        >>> from contactlab.laws import HertzPenalty
+        >>> from contactlab.motor.bodies import ball
+        >>> simulator = Simulator(ball(1e-3, height=1e-4), HertzPenalty(), 1e-2)
+        >>> first, again = (simulator.run(record_interval=1e-3) for _ in range(2))
+        >>> first.series["gap"].tobytes() == again.series["gap"].tobytes()
+        True
+
+    Runs follow each other; none depends on those before.
+
+    Args:
+        motor: what moves.
+        law: what acts between tip and rotor.
+        duration: of each run [s], positive; after the start that is continued.
+        contact_step: longest step in contact of a penalty law [s], or the step of the time stepping of a
+            multiplier law; None takes that of `contactlab.engine.defaults.default_contact_step`.
+        tolerance: error of a collocated step [1]; None takes the default. Time stepping has none.
+        like: another simulator, with which this one shares what is the same: bound kernels and consistency
+            check of the same law object, the part of the plant that modes, drive and waveform make where
+            they are the same objects, and the step responses.
+
+    Raises:
+        ValueError: an argument out of range, or an undamped mode that a tone meets.
+        TypeError: an argument of another kind, or a law of neither family.
+        LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
+    """
+
+    motor: Motor
+    law: ContactLaw
+    duration: float
+    contact_step: float | None = None
+    tolerance: float | None = None
+    like: InitVar["Simulator | None"] = None
+    ready: Prepared = field(init=False, repr=False)
+
+    @np.errstate(all="ignore")
+    def __post_init__(self, like: "Simulator | None") -> None:
+        numbers = self.duration, self.contact_step, self.tolerance
+        object.__setattr__(self, "ready", prepared(self.motor, self.law, *numbers, like and like.ready))
+
+    # Numbers that overflow end a run, with a sentence.
+    @np.errstate(all="ignore")
+    def run(
+        self,
+        *,
+        record_interval: float,
+        progress: Callable[[float], None] | None = None,
+        start: State | None = None,
+        memory: Array | None = None,
+        contact: State | None = None,
+        instants: Array = NO_INSTANTS,
+    ) -> Trajectory:
+        """Run from a start; arguments, result and errors as of `simulate`."""
+        motor, ready = self.motor, self.ready
+        law, duration = ready.law, ready.duration
+        check_interval(law, duration, record_interval)
+        contact_step = 0.0 if ready.constrained else ready.contact_step
+        states = np.zeros(1, STATE)
+        state, parted = states[0], states["contact"][:0]
+        run = ready.run_of(state)
+        q, v = (modes_of(run.plant)[name][:, START] for name in ("q", "v"))
+        if start is None:
+            states[0] = fresh_state() if contact is None else state_in_contact(contact)
+            _begin(run, ready, motor, record_interval, memory)
+        else:
+            check_start(start, run.plant, law)
+            parted = _go_on(states, run, ready, start, record_interval)
+        earlier = state["contact_of_run"].copy()
+        for name in EXTREMES:
+            state["contact_of_run"][name] = 0.0
+        motions = np.stack([q, v])[None]
+        # The records at 0, interval, 2 interval, ... and at the end.
+        intervals = max(int(np.ceil(duration / record_interval - ON_GRID)), 1)
+        records = ready.records(intervals + 1, run, instants)
+        ready.prepare_loop(run)
+
+        if progress is not None:
+            progress(0.0)
+        finished: list[Any] = [parted]
+        ends: list[Array] = [np.tile(memory_of(state, law), (parted.size, 1))]
+
+        def collect(kept: int) -> None:
+            """Move all but the last finished contacts out of the run's storage."""
+            contacts, kept = run.step["contacts"], min(kept, state["contact_count"])
+            count = state["contact_count"] - kept
+            finished.append(contacts[:count].copy())
+            ends.append(records.ends[:count].copy())
+            contacts[:kept], records.ends[:kept] = contacts[count:][:kept], records.ends[count:][:kept]
+            state["contact_count"] = kept
+
+        ending, message = Ending.COMPLETE, ""
+        try:
+            while state.time < state.end and state.ending == RUNNING:
+                ready.advance(run, states, motions, records, STEPS_PER_CALL)
+                # What the last one has stored may be lost until the next.
+                collect(1)
+                if progress is not None:
+                    progress(float(state.time))
+        except KeyboardInterrupt:
+            ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
+        if state.ending != RUNNING:
+            ending, message = ready.explain(run)
+        collect(0)
+        cut = _cut_contact(state)
+        finished.append(cut)
+        ends.append(memory_of(state, law)[None][: cut.size])
+        time, series, contact_modes = take_series(run, records.series)
+        series |= output_series(motor, time, records.outputs[: time.size])
+        names = [f"internal_{variable.name}" for variable in law.internal_variables]
+        series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
+        if ending is Ending.COMPLETE:
+            ending, message = balanced(run, series, contact_modes, contact_step)
+        rows, memory = np.concatenate(finished, dtype=cut.dtype), np.concatenate(ends).T
+        contacts = {variable.name: rows[variable.name].copy() for variable in contact_variables(law)}
+        part = _first_part(state, earlier, contacts)
+        return Trajectory(
+            motor=motor,
+            law=law,
+            duration=duration,
+            contact_step=contact_step,
+            record_interval=record_interval,
+            time=time,
+            series=series,
+            contact_mode=contact_modes,
+            contacts=contacts | dict(zip(names, memory.copy(), strict=True)),
+            statistics={name: int(state[name]) for name in COUNTS.split()},
+            ending=ending,
+            message=message,
+            final=ModalState(q[:-1].copy(), v[:-1].copy()),
+            state=_state_to_go_on(run, series, ending, cut),
+            part=part,
+            earlier_loss=float(state["earlier_loss"]),
+            impulse_error=np.nan if state["law"]["stepped"] else float(state["impulse_error"]),
+            instant_forces=records.forces,
+        )
+
+
+def _begin(run: Run, ready: Prepared, motor: Motor, interval: float, memory: Array | None) -> None:
     """Set plant and state to the start of a motor at t = 0."""
-    modes = modes_of(ready.plant)
+    state, modes = run.state, modes_of(run.plant)
     q, v = modes["q"][:, START], modes["v"][:, START]
     v[-1] = -motor.rotor.initial_velocity * motor.geometry.rotor_radius / modes["row_r"][-1]
     q[:-1], v[:-1] = motor.first_motion
-    contact = contact_from(ready.plant, q, v)
+    contact = contact_from(run.plant, q, v)
     touches = state["phase"] == TOUCHING
     if not touches and (fault := overlap_at(contact[0], ready.law)):
         raise ValueError(fault)
@@ -203,13 +271,13 @@ def _begin(state: Any, ready: Prepared, motor: Motor, interval: float, memory: A
         state["watchdog"]["longest_quiet"] = np.inf
 
 
-def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
+def _go_on(states: Any, run: Run, ready: Prepared, start: State, interval: float) -> Any:
     """Set plant and state to the end of a run; under all the same to before the step that the end cut.
 
     Another rotor has the same angle and velocity, and what touches depends on gap and law. Returns the
     contact that is parted by that, if any.
     """
-    modes = modes_of(ready.plant)
+    modes = modes_of(run.plant)
     q, v = modes["q"][:, START], modes["v"][:, START]
     same = start["signature"] == ready.signature
     states[0], q[:], v[:] = state_from_value(start, BEFORE if same else "")
@@ -219,10 +287,10 @@ def _go_on(states: Any, ready: Prepared, start: State, interval: float) -> Any:
         # What the cut step lost stands in the run before, and is lost again.
         state["earlier_loss"] = start["limits.stored_energy"] - state["limits"]["stored_energy"]
         return none
-    inertia = root_inertia(ready.plant) / start["root_inertia"]
+    inertia = root_inertia(run.plant) / start["root_inertia"]
     # The rotor's coordinate is sqrt(J) alpha (eq. 1.8): with another J the same angle is another number.
     q[-1], v[-1] = inertia * q[-1], inertia * v[-1]
-    gap, rate, _ = contact_from(ready.plant, q, v)
+    gap, rate, _ = contact_from(run.plant, q, v)
     # Another clearance or geometry moves the contact: what touched may be open, and the reverse.
     moved, compliant = gap != state["gap"], state["law"]["compliant"] != 0
     if moved and (fault := overlap_at(gap, ready.law)):
@@ -311,18 +379,11 @@ class Flow:
     """Map of starts of a motor at t = 0 to their ends, the same bits as `simulate`, without records.
 
     Args:
-        motor: what moves; its own start is ignored.
-        law: what acts between tip and rotor.
-        duration: [s].
-        contact_step, tolerance: as of `contactlab.engine.simulate`, and so are the errors.
+        simulator: motor and law, whose duration the flow takes; the motor's own start is ignored.
         contact: as of `simulate`; starts and ends then have the same contact, and all internal variables.
     """
 
-    motor: Motor
-    law: ContactLaw
-    duration: float
-    contact_step: float | None = None
-    tolerance: float | None = None
+    simulator: Simulator
     contact: State | None = None
 
     def __call__(
@@ -343,15 +404,17 @@ class Flow:
             LawError: the law's own code raised an exception, which is the cause.
             KeyboardInterrupt: somebody pressed Ctrl-C.
         """
-        ready, made = self._ready, modes_of(self._ready.plant)
-        radius, row = self.motor.geometry.rotor_radius, made["row_r"][-1]
+        ready = self.simulator.ready
+        run = ready.run_of(self._fresh[0])
+        made, radius = modes_of(run.plant), float(run.plant["geometry"]["radius"])
+        row = made["row_r"][-1]
         motions = np.zeros((len(rotor_velocity), 2, made.size))
         motions[:, 0, :-1], motions[:, 1, :-1] = displacement, velocity
         motions[:, 1, -1] = -rotor_velocity * radius / row
         whole = np.repeat(self._fresh.view(BYTES), len(motions))
         states: Any = whole.view(STATE)
-        states["end"] = times * self.duration
-        contacts = contacts_from(ready.plant, motions[:, 0], motions[:, 1])
+        states["end"] = times * ready.duration
+        contacts = contacts_from(run.plant, motions[:, 0], motions[:, 1])
         for state, values in zip(states, memory if memory is not None else (), strict=False):
             ready.begin_with(state, values)
         if self._touches:
@@ -365,7 +428,6 @@ class Flow:
             ]
             messages = [overlap_at(gap, ready.law) for gap, _, _ in contacts]
         going = np.flatnonzero([not message for message in messages])
-        run = ready.run_of(self._fresh[0])
         records = ready.records(0, run)
         while going.size:
             # What waits here for Ctrl-C is as long as one run's wait, however many there are.
@@ -378,9 +440,9 @@ class Flow:
         # a time.
         for i in np.flatnonzero(states["ending"] != RUNNING):
             made["q"][:, START], made["v"][:, START] = motions[i]
-            messages[i] = ready.explain(ready.run_of(states[i]))[1]
+            messages[i] = ready.explain(run._replace(state=states[i]))[1]
         messages = [text or self._elsewhere(state) for text, state in zip(messages, states, strict=True)]
-        lasting = [self.contact is not None or each.life == "run" for each in self.law.internal_variables]
+        lasting = [self.contact is not None or each.life == "run" for each in ready.law.internal_variables]
         remembered = np.array([memory_of(state, ready.law)[lasting] for state in states])
         remembered = remembered.reshape(len(motions), sum(lasting))
         broken = [bool(message) for message in messages]
@@ -399,7 +461,7 @@ class Flow:
         if self.contact is None:
             return "The run ends over what its last contact has left of a dent." if kept > touches else ""
         if self._touches:
-            count = [i for i, each in enumerate(self.law.internal_variables) if each.discrete]
+            count = [i for i, each in enumerate(self.simulator.law.internal_variables) if each.discrete]
             same = touches and bool(state["mode"] == self.contact["mode"])
             same = same and np.array_equal(state["memory"][count], self.contact["memory"][count])
         else:
@@ -407,14 +469,9 @@ class Flow:
         return "" if same else "The run ends in another contact than that of its start."
 
     @cached_property
-    def _ready(self) -> Prepared:
-        numbers = self.duration, self.duration, self.contact_step, self.tolerance
-        return prepared(self.motor, self.law, *numbers)
-
-    @cached_property
     def _fresh(self) -> Any:
         """The state of every start but for its phase, shape (1,)."""
         states = np.zeros(1, STATE)
         states[0] = fresh_state() if self.contact is None else state_in_contact(self.contact)
-        self._ready.set_up(states[0], self.duration)
+        self.simulator.ready.set_up(states[0], self.simulator.duration)
         return states

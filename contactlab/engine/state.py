@@ -89,6 +89,12 @@ def new_record(kind: np.dtype[Any], **values: object) -> Any:
     return made[0]
 
 
+def copy_of(record: Any) -> Any:
+    """Return a copy of a record of `new_record`, byte by byte: NumPy copies its fields one by one."""
+    kind = record.dtype
+    return np.frombuffer(bytearray(record.base.view(np.uint8)), kind)[0]
+
+
 FORCE: Final = record(("node", float, NODES), ("coefficient", float, NODES))
 """A force over a step: its values at the nodes and the polynomial in s/h through them."""
 

@@ -27,6 +27,9 @@ ANGLES: Final = 100
 REPEATS: Final = 1e-3
 """Relative difference of states at which a motion is periodic."""
 
+ALIKE: Final = 0.2
+"""Ratio of the change of states over a cycle to that over one of its periods, at most."""
+
 PERIODIC, QUASI_PERIODIC, CHAOTIC = "periodic", "quasi-periodic", "chaotic"
 APERIODIC, WITHOUT_CONTACT, STANDING = "aperiodic", "without contact", "standing"
 """Kinds of motion; aperiodic is one of which quasi-periodic and chaotic are not told apart."""
@@ -113,6 +116,20 @@ def repeats_after(states: Array, tolerance: float) -> int:
         if np.all(np.abs(late[count:] - late[:-count]) <= tolerance):
             return count
     return 0
+
+
+def cycle_of(states: Array, tolerance: float) -> int:
+    """Return the number of periods in a cycle of a motion, which may drift; 1 where none is seen.
+
+    What drifts is the farther from itself the more periods lie between, so that a cycle is seen where the
+    states are much more alike after several periods than after one. Arguments as of `repeats_after`.
+    """
+    if count := repeats_after(states, tolerance):
+        return count
+    late = states[len(states) // 2 :]
+    most = min(MOST_PERIODS, len(late) - 1)
+    moved = [float(np.abs(late[count:] - late[:-count]).max()) for count in range(1, most + 1)]
+    return next((count for count, each in enumerate(moved, 1) if each <= ALIKE * moved[0]), 1)
 
 
 def chaos_indicator(values: Array) -> float:

@@ -1,5 +1,6 @@
 """Steady state that a motor reaches: a transient, an orbit nearby, and a test that it is approached."""
 
+from contextlib import suppress
 from dataclasses import replace
 from math import ceil, inf, log
 from typing import Final
@@ -16,6 +17,7 @@ from contactlab.settling.statistics import (
     PERIODIC,
     REPEATS,
     WITHOUT_CONTACT,
+    cycle_of,
     kind_without_period,
     repeats_after,
     trend,
@@ -62,6 +64,12 @@ TAIL: Final = 48
 SAME: Final = 1e-6
 """Relative difference of the states of two equal cycles of an orbit."""
 
+REVERSALS: Final = 8
+"""Contacts of a run whose friction has the other sense a period later: so many are no passage."""
+
+AVERAGED: Final = 240
+"""Periods of a motion across a jump of the period map that are averaged at least."""
+
 DRIFT: Final = 3.0
 """Largest trend of a stationary run, in its statistical errors."""
 
@@ -69,6 +77,13 @@ DRIFT: Final = 3.0
 Start = tuple[float, ModalState | None, float, Array | None, State | None]
 """Phase of the drive [periods], modal state, rotor velocity [rad/s], internal variables and contact of a
 `PeriodMap`."""
+
+
+JUMPS: Final = (
+    "From period to period the slip at a touch-down has another sense, and with it the friction of a law "
+    "that does not stick: the period map jumps there, and no orbit closes across the jump."
+)
+"""Why a motion has no orbit, see `contactlab.Steady`."""
 
 
 class NotSettledError(RuntimeError):
@@ -80,7 +95,7 @@ class UnboundedError(NotSettledError):
 
 
 def settled(
-    setup: Setup, belt: float | None, begins: Start, longest: int, sense: float = 0.0
+    setup: Setup, belt: float | None, begins: Start, longest: int, sense: float = 0.0, cycle: int = 0
 ) -> Steady | None:
     """Compute the steady state that a motor reaches.
 
@@ -91,6 +106,8 @@ def settled(
             variables (None are their initial values) and the contact that goes on (None is none).
         longest: run without an orbit [periods].
         sense: of a rotation that must not be reversed; 0 for one that may.
+        cycle: periods of the drive in an orbit on which the motor begins, of another belt, load or tolerance:
+            one like it is looked for at once; 0 for a motor that comes from elsewhere.
 
     Returns:
         The steady state; None once the rotation is reversed.
@@ -112,8 +129,8 @@ def settled(
     half, stiffness = 0.5 * modes.damping[swings], modes.stiffness[swings]
     slowest = float((half - np.sqrt(np.maximum(half**2 - stiffness, 0.0))).min(initial=inf))
     decayed = -log(FORGOTTEN) / (slowest * clock.period) if slowest > 0.0 else inf
-    run = clock.run(z, ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
-    orbit, done = None, 0
+    run = clock.run(z, LEAST_WARM_UP if cycle else ceil(min(max(decayed, LEAST_WARM_UP), MOST_WARM_UP)))
+    orbit, done, far = None, 0, (inf, inf)
     while done < longest:
         # The load has turned the rotor back.
         if sense and sense * float(np.diff(run.series["rotor_angle"][[0, -1]])[0]) <= 0.0:
@@ -124,27 +141,35 @@ def settled(
         touches = run.contacts["start_time"] + run.contacts["duration"]
         if touches.max(initial=-inf) < 0.5 * (run.time[0] + run.time[-1]):
             return _without_contact(clock, run)
-        if orbit is None:
+        # No orbit closes across a jump of the period map; nothing is to be waited for but means.
+        jumps = orbit is None and _jumps(run) and not repeats_after(samples, REPEATS)
+        if jumps and len(samples) >= AVERAGED:
+            with suppress(NotSettledError):
+                return _without_orbit(clock, run)
+        if orbit is None and not jumps:
             clock, run = _at_section(clock, run)
             # Shoot from the motor's state at the section, for one period of the drive or for as many as a
             # long run shows the motion to have.
-            count = repeats_after(samples, REPEATS) if len(samples) >= TAIL else 1
-            orbit, far = _orbit(replace(clock, periods=max(count, 1)), clock.end_of(run)), inf
+            count = cycle_of(samples, REPEATS) if len(samples) >= TAIL else max(cycle, 1)
+            orbit, far = _orbit(replace(clock, periods=count), clock.end_of(run)), (inf, inf)
+        wait = inf
         if orbit is not None:
             # Does the motor go to this orbit? Two test runs of an eighth of the settling time decide by
             # (7.5); a rotor too slow for these by the drift along its slowest direction.
             lasts, most = TEST_RUN * orbit.settling_time, longest * clock.period
             times = ceil(min(lasts, most) / orbit.map.period) or 1
             periods, z = times * orbit.map.periods, clock.end_of(run)
-            if _drifts_to(orbit, z) if lasts > most else _goes_to(orbit, z, times):
+            slow = lasts > most
+            missed = (0.0 if _drifts_to(orbit, z) else inf) if slow else _missed(orbit, z, times)
+            if missed <= DEVIATION:
                 return _on_orbit(clock, orbit, round(run.state["end"] / clock.period) + periods)
-            # Not yet: the motor runs on, and the orbit stays a candidate while the motor comes nearer to it.
+            # Not yet: the motor runs on, and the orbit stays a candidate while the motor comes nearer to it
+            # and moves more as the linearised map says. What that misses falls as the distance does.
             run = _on(run, periods)
-            distance = float(np.linalg.norm(clock.end_of(run) - orbit.state))
-            if distance < far:
-                far = distance
-            else:
-                orbit = None
+            before, far = far, (float(np.linalg.norm(clock.end_of(run) - orbit.state)), missed)
+            wait = orbit.settling_time / clock.period * log(missed / DEVIATION)
+            nearer = far[0] < before[0] and (slow or far[1] < before[1])
+            orbit, wait = (orbit, wait) if nearer else (None, inf)
         # No orbit is closed next to the motion, though its samples repeat themselves to round-off: the last
         # repetitions are the steady state.
         elif len(states) >= TAIL and (count := repeats_after(states[-TAIL:], SETTLED)):
@@ -152,9 +177,9 @@ def settled(
             _check_balance(clock, run)
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
-        # Look again after three times as long.
+        # Look again when the linearised map may hold, or else after three times as long.
         if done < longest:
-            run = _on(run, min(2 * done, longest - done))
+            run = _on(run, ceil(min(max(wait, done / 4), 2 * done, longest - done)))
     return _long_run(clock, run, orbit, longest // 2)
 
 
@@ -192,24 +217,25 @@ def _orbit(section: PeriodMap, z: Array) -> Orbit | None:
     return orbit if orbit.stable else None
 
 
-def _goes_to(orbit: Orbit, z: Array, times: int) -> bool:
-    """Return whether the motor follows the linearised map to an orbit, from its state and from half-way.
+def _missed(orbit: Orbit, z: Array, times: int) -> float:
+    """Return how far the motor moves from where the linearised map to an orbit takes it, over what it covers.
 
-    As the rotor is slow, the motor moves along a line; in front of another orbit it would cover less of it.
+    That is the larger of two runs, from its state and from half-way. As the rotor is slow, the motor moves
+    along a line; in front of another orbit it would cover less of it.
     """
+    if orbit.is_near(z, ARRIVED):
+        return 0.0
     # Half way may lie inside the rotor, and has no end then.
     starts = np.array([z, 0.5 * (z + orbit.state)])
     ends = orbit.map.ends(starts, times)
     if orbit.is_near(ends[0], ARRIVED):
-        return True
-    for before, after in zip(starts, ends, strict=True):
-        # (7.5): |P^m(z) - z* - A^m (z - z*)| <= 0.2 |A^m (z - z*) - (z - z*)|.
-        deviation = before - orbit.state
-        predicted = np.linalg.matrix_power(orbit.jacobian, times) @ deviation
-        missed = np.linalg.norm(after - orbit.state - predicted)
-        if not missed <= DEVIATION * np.linalg.norm(predicted - deviation):
-            return False
-    return True
+        return 0.0
+    # (7.5): |P^m(z) - z* - A^m (z - z*)| <= 0.2 |A^m (z - z*) - (z - z*)|.
+    deviations = starts - orbit.state
+    predicted = deviations @ np.linalg.matrix_power(orbit.jacobian, times).T
+    missed = np.linalg.norm(ends - orbit.state - predicted, axis=1)
+    shares = missed / np.linalg.norm(predicted - deviations, axis=1)
+    return float(shares.max()) if np.isfinite(shares).all() else inf
 
 
 def _on_orbit(clock: PeriodMap, orbit: Orbit, done: int) -> Steady:
@@ -236,51 +262,75 @@ def _drifts_to(orbit: Orbit, z: Array) -> bool:
     if times > MOST_WARM_UP or along.imag.any():
         return False
     # From each place between: first the decay of the other directions, then as long again for the drift, in
-    # which the distance must fall without a change of sign.
-    places = np.linspace(0.0, 1.0, BETWEEN + 1)[1:, None]
-    before = orbit.map.ends(orbit.state + places * (z - orbit.state), times)
-    after = orbit.map.ends(before, times)
-    here, there = (before - orbit.state) @ along.real, (after - orbit.state) @ along.real
-    return bool(np.all((np.abs(there) < np.abs(here)) & (here * there > 0.0)))
+    # which the distance must fall without a change of sign. The motor's own state is the first: where it goes
+    # elsewhere, no other is looked at.
+    for place in np.linspace(1.0, 0.0, BETWEEN, endpoint=False):
+        before = orbit.map.ends((orbit.state + place * (z - orbit.state))[None], times)
+        after = orbit.map.ends(before, times)
+        here, there = (float((ends - orbit.state)[0] @ along.real) for ends in (before, after))
+        if not (abs(there) < abs(here) and here * there > 0.0):
+            return False
+    return True
 
 
 def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: int) -> Steady:
-    """Take the means of a motion that comes to no orbit, and say what kind it is.
+    """Take the means of a motion that comes to no orbit, over another run.
 
     A rotor that still drifts to an orbit is taken to come to it.
     """
-    done = round(run.state["end"] / clock.period)
     if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
-        return _on_orbit(clock, orbit, done)
-    # A motion with no orbit has the means of another run. First, nothing in it may still grow or drift.
-    late = _on(run, periods)
-    for variable, name, values in zip(late.law.lasting, late.lasting, _remembered(late).T, strict=True):
+        return _on_orbit(clock, orbit, round(run.state["end"] / clock.period))
+    return _without_orbit(clock, _on(run, periods))
+
+
+def _without_orbit(clock: PeriodMap, run: Trajectory) -> Steady:
+    """Take the means of a run that is on no orbit, in which nothing grows or drifts, and say its kind."""
+    periods, done = run.time.size - 1, round(run.state["end"] / clock.period)
+    for variable, name, values in zip(run.law.lasting, run.lasting, _remembered(run).T, strict=True):
         if _grows(values) or _drifts(values):
-            last = late.series[name]
+            last = run.series[name]
             raise UnboundedError(
                 f"The internal variable {variable.name} of {clock.setup.law.name} has no steady value: after "
-                f"{done + periods} periods of the drive it still changes by "
+                f"{done} periods of the drive it still changes by "
                 f"{(last[-1] - last[1]) / (periods - 1):.3g} {variable.units} a period, and nothing was "
                 "found that brings it back, so that the motor has no steady state. Simulate it for the time "
                 "that matters; one that only needs longer is given it by `longest`."
             )
-    velocity = np.diff(late.series["rotor_angle"]) / clock.period
+    velocity = np.diff(run.series["rotor_angle"]) / clock.period
     if clock.belt is None and _drifts(velocity):
         raise NotSettledError(
-            f"The rotor has not settled after {done + periods} periods of the drive: over the last {periods} "
+            f"The rotor has not settled after {done} periods of the drive: over the last {periods} "
             f"its velocity, {velocity.mean():.4g} rad/s in the mean, has changed by {trend(velocity)[0]:.2g} "
             "rad/s. Run it longer, by `longest`; a load that drives it, without damping of the rotor, may do "
             "so for ever."
         )
     # A velocity that stays the same to round-off may be that of a rotor too heavy to be seen moving.
     if np.ptp(velocity) <= SETTLED * np.abs(velocity).max():
-        _check_balance(clock, late)
-    samples = _stroboscopic_samples(late)
+        _check_balance(clock, run)
+    samples = _stroboscopic_samples(run)
     # In a contact that lasts, the steps of time stepping do not divide the period.
     count = repeats_after(samples[-TAIL:], max(run.contact_step / clock.period, REPEATS))
     # Rotor and energy follow the tip.
     kind = PERIODIC if count else kind_without_period(samples[:, 2:])
-    return Steady(clock.setup, kind, count, late, None, done, clock.belt, phase=clock.phase)
+    reason = JUMPS if not count and _jumps(run) else ""
+    began = done - periods
+    return Steady(clock.setup, kind, count, run, None, began, clock.belt, phase=clock.phase, reason=reason)
+
+
+def _jumps(run: Trajectory) -> bool:
+    """Return whether the motion of a law without stick goes to and fro across a jump of the period map.
+
+    Its friction has the sense of the slip at the touch-down, whatever comes of it: where that slip passes
+    zero, the impulse jumps by twice its size.
+    """
+    if getattr(run.law, "sticks", True):
+        return False
+    start, sense = run.contacts["start_time"], np.sign(run.contacts["friction_impulse"])
+    if not start.size:
+        return False
+    # The sense of the contact a period later.
+    later = np.interp(start + period_of(run.motor.drive), start, sense, right=0.0)
+    return bool(np.count_nonzero(sense * later < -0.5) >= REVERSALS)
 
 
 def _check_balance(clock: PeriodMap, run: Trajectory) -> None:

@@ -59,8 +59,9 @@ def steady(
     _check(belt, load, brake, longest)
     rotor = setup.motor.rotor
     begins: Start = 0.0, setup.motor.start, rotor.initial_velocity, None, None
+    cycle = 0
     if isinstance(start, Steady):
-        begins = start.end
+        begins, cycle = start.end, start.periods if start.orbit else 0
         # Internal variables and a contact that lasts are those of one law.
         if memory_mark(start.setup.law) != memory_mark(setup.law):
             begins = *begins[:3], None, None
@@ -72,7 +73,7 @@ def steady(
         return _braked(setup, float(brake), begins, longest)
     if load is not None:
         setup = _loaded(setup, float(load))
-    state = settled(setup, belt, begins, longest)
+    state = settled(setup, belt, begins, longest, cycle=cycle)
     assert state is not None
     return state
 

@@ -67,6 +67,7 @@ class Steady:
         belt: velocity at which the rotor was held [rad/s]; None for one that is free.
         brake: torque of a load against whatever motion there is [N m]; None for another load.
         phase: of the drive where the motion begins [periods].
+        reason: why there is no orbit, a sentence, where that is known.
     """
 
     setup: Setup
@@ -78,6 +79,7 @@ class Steady:
     belt: float | None = None
     brake: float | None = None
     phase: float = 0.0
+    reason: str = ""
 
     def __repr__(self) -> str:
         return f"<Steady: {self.kind}, {self.velocity.text(digits=6)} rad/s under {self.setup.law.title}>"

@@ -83,8 +83,8 @@ class Parts(Mapping[str, xarray.DataTree]):
 
     def __getitem__(self, key: str) -> xarray.DataTree:
         match self._places[key]:
-            case Part(data):
-                return data
+            case Part() as part:
+                return part.data
             case Path() as file:
                 try:
                     with xarray.open_datatree(file, engine="netcdf4") as tree:
@@ -101,6 +101,11 @@ class Parts(Mapping[str, xarray.DataTree]):
     def count(self) -> int:
         """Number of tasks, finished or not."""
         return len(self._places)
+
+    @property
+    def unmade(self) -> bool:
+        """Whether the data of every task are made only when they are read."""
+        return all(isinstance(place, Part) and callable(place.source) for place in self._places.values())
 
     @property
     def missing(self) -> list[str]:
@@ -252,7 +257,7 @@ def _done_by_worker(task: Task, package: str, sources: Mapping[str, str]) -> tup
             f"The sources of {', '.join(others)} in a worker are not those of this process. They were edited "
             "meanwhile, or it is a Dask worker from before; start that anew."
         )
-    return task.key, part
+    return task.key, replace(part, source=part.data)
 
 
 def _by_dask(address: str, tasks: Sequence[Task]) -> Iterator[tuple[str, Part]]:

@@ -3,6 +3,7 @@
 import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from operator import attrgetter, methodcaller
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
@@ -110,7 +111,7 @@ class Steady(Study):
         if isinstance(begun, Converged):
             begun = begun.best
         part = _steady_state(setup, self.refine, {**self.arguments, "start": begun})
-        result = Result.of(self, {"": setup}, part.data, part.details)
+        result = Result.of(self, {"": setup}, part.source, part.details)
         if output is not None:
             result.save(output)
         return result
@@ -125,10 +126,15 @@ class Steady(Study):
         every = estimates(data["steady"].to_dataset(), self.quantities)
         return {"velocity": every["rotor_velocity"], **every}
 
+    def numbers_of(self, details: Any) -> dict[str, Estimate]:
+        """Return the quantities as `numbers` does, without the orbit that the data show."""
+        every = _means(details)
+        return {"velocity": every["rotor_velocity"], **every}
+
     def evaluate(self, setup: Setup) -> dict[str, Estimate]:
         """Return the quantities of one setup, without the orbit that its data show."""
         state = find_refined(setup, refine=self.refine, **self.arguments)
-        return dict(zip((q.name for q in self.quantities), _means(state), strict=True))
+        return _means(state if self.refine else state.best)
 
     def facts(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return kind, periods, phase and, of an orbit, its multipliers' attributes."""
@@ -173,6 +179,8 @@ class Steady(Study):
                 )
         elif about["kind"] == PERIODIC:
             sentences.append("No closed orbit was found next to it: no multipliers.")
+        elif "reason" in about:
+            sentences.append(about["reason"])
         return sentences
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
@@ -196,16 +204,16 @@ class Steady(Study):
 
 def _steady_state(setup: Setup, refine: bool, arguments: dict[str, Any]) -> Part:
     state = find_refined(setup, refine=refine, **arguments)
-    return Part(tree_of(state), state if refine else state.best)
+    return Part(partial(tree_of, state), state if refine else state.best)
 
 
-def _means(converged: Converged) -> list[Estimate]:
-    """Return the values of `Steady.quantities`."""
+def _means(state: Converged | State) -> dict[str, Estimate]:
+    """Return `Steady.quantities` by name; those of a single step have no discretisation error."""
     names = ("velocity", "torque", "impulse", "peak_force", "contact_share")
-    return [
-        *(converged.value(attrgetter(name)) for name in names),
-        *(converged.value(methodcaller("average", name)) for name in CUMULATIVE[1:]),
-    ]
+    each: list[Any] = [attrgetter(name) for name in names]
+    each += [methodcaller("average", name) for name in CUMULATIVE[1:]]
+    values = [state.value(of) if isinstance(state, Converged) else of(state) for of in each]
+    return dict(zip((quantity.name for quantity in Steady.quantities), values, strict=True))
 
 
 def tree_of(converged: Converged) -> xarray.DataTree:
@@ -221,7 +229,7 @@ def tree_of(converged: Converged) -> xarray.DataTree:
     tree.attrs["title"] = f"Steady state of a standing-wave piezoelectric motor with the contact law {law}"
     tree["time"].attrs["long_name"] = f"time since the drive's phase of {best.phase:.9g} periods"
     variables: dict[str, Any] = {}
-    for quantity, (value, error) in zip(Steady.quantities, _means(converged), strict=True):
+    for quantity, (value, error) in zip(Steady.quantities, _means(converged).values(), strict=True):
         for name, number, about in (("", value, ""), ("_error", error, "error of the ")):
             meaning = {"units": quantity.units, "long_name": about + quantity.long_name}
             variables[quantity.name + name] = (), number, meaning
@@ -229,6 +237,7 @@ def tree_of(converged: Converged) -> xarray.DataTree:
     facts |= {"run_duration": best.setup.duration, "warm_up": best.warm_up}
     facts[converged.control] = json.dumps(converged.values)
     facts |= {key: value for key in ("belt", "brake") if (value := getattr(best, key)) is not None}
+    facts |= {"reason": best.reason} if best.reason else {}
     if best.orbit is not None:
         every = best.orbit.multipliers
         for part, values in (("real", every.real), ("imag", every.imag)):

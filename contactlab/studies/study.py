@@ -13,10 +13,10 @@ from __future__ import annotations
 import re
 import shutil
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from html import escape
 from inspect import get_annotations
 from pathlib import Path
@@ -181,6 +181,11 @@ class Study(ABC):
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return the values of `quantities` with their errors."""
 
+    def numbers_of(self, details: Any) -> dict[str, Estimate] | None:
+        """Return the numbers from the details of the one task, None where the data alone have them."""
+        del details
+        return None
+
     def evaluate(self, setup: Setup) -> dict[str, Estimate]:
         """Return the numbers for one setup alone: a sweep keeps nothing else of the study."""
         return self(setup).numbers
@@ -292,27 +297,44 @@ class Result:
     Args:
         study: the question.
         setups: what it was put to; of a file, those that can be built again.
-        data: of the study.
+        source: the data of the study, or a function that makes them when they are read first.
         details: the object of the analysis where the study has one task and it ran in this process: its
             attributes are attributes of the result too; None where the data were read from a file.
     """
 
     study: Study
     setups: Setups
-    data: xarray.DataTree
+    source: xarray.DataTree | Callable[[], xarray.DataTree]
     details: Any = None
 
     @classmethod
-    def of(cls, study: Study, setups: Setups, data: xarray.DataTree, details: Any = None) -> Result:
+    def of(
+        cls,
+        study: Study,
+        setups: Setups,
+        source: xarray.DataTree | Callable[[], xarray.DataTree],
+        details: Any = None,
+    ) -> Result:
         """Return a result whose data say what they were made from, and by which code."""
         configurations = {label: setup.configuration for label, setup in setups.items()}
-        about = {STUDY: write_yaml({"name": study.name, **study.options})}
-        if [*configurations] == [""]:
-            about["configuration"] = write_yaml(configurations[""])
-        elif configurations:
-            about[SEVERAL] = write_yaml(configurations)
-        data.attrs = {**code_attributes(), **about, **data.attrs}
-        return cls(study, setups, data, details)
+
+        def make() -> xarray.DataTree:
+            data = source() if callable(source) else source
+            about = {STUDY: write_yaml({"name": study.name, **study.options})}
+            if [*configurations] == [""]:
+                # A single task may have written it already.
+                about["configuration"] = data.attrs.get("configuration") or write_yaml(configurations[""])
+            elif configurations:
+                about[SEVERAL] = write_yaml(configurations)
+            data.attrs = {**code_attributes(), **about, **data.attrs}
+            return data
+
+        return cls(study, setups, make if callable(source) else make(), details)
+
+    @cached_property
+    def data(self) -> xarray.DataTree:
+        """The data of the study, an xarray tree."""
+        return self.source() if callable(self.source) else self.source
 
     @property
     def configurations(self) -> dict[str, Any]:
@@ -325,7 +347,8 @@ class Result:
     @cached_property
     def numbers(self) -> dict[str, Estimate]:
         """The named numbers with their errors."""
-        return self.study.numbers(self.data)
+        known = None if self.details is None else self.study.numbers_of(self.details)
+        return self.study.numbers(self.data) if known is None else known
 
     @cached_property
     def tables(self) -> dict[str, pandas.DataFrame]:
@@ -446,7 +469,8 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
     while result is None:
         with suppress(RemovedError):
             parts, details = done_parts(study, setups, folder, progress)
-            result = Result.of(study, setups, study.combine(setups, parts), details)
+            combined = partial(study.combine, setups, parts)
+            result = Result.of(study, setups, combined if parts.unmade else combined(), details)
     if missing := [q.name for q in study.quantities if single and q.name not in result.numbers]:
         raise ValueError(
             f"The numbers of the study {study.name} are {', '.join(result.numbers) or 'none'} without "

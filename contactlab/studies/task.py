@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Final, final
 
 from contactlab.config.faults import add_place
@@ -29,12 +30,17 @@ class Part:
     """Result of one task.
 
     Args:
-        data: what is stored and combined.
-        details: the object of the analysis from which the data were made; it is not stored.
+        source: what is stored and combined, or a function that makes it when it is read first.
+        details: the object of the analysis from which the data are made; it is not stored.
     """
 
-    data: xarray.DataTree
+    source: xarray.DataTree | Callable[[], xarray.DataTree]
     details: Any = None
+
+    @cached_property
+    def data(self) -> xarray.DataTree:
+        """What is stored and combined."""
+        return self.source() if callable(self.source) else self.source
 
 
 @final

@@ -41,11 +41,12 @@ def flying(seed: int, drive: str) -> Motor:
 @pytest.mark.parametrize("seed", range(12))
 def test_no_curvature_exceeds_its_bound_which_tends_to_that_at_the_start(seed: int, drive: str) -> None:
     motor, rng = flying(seed, drive), np.random.default_rng(seed)
-    ready = prepared(motor, hertz(), 1e-3, 1e-3, None, None)
+    ready = prepared(motor, hertz(), 1e-3, None, None)
     state = fresh_state()
     ready.set_up(state, 1e-3)
     state.time = rng.uniform(0.0, 9e-4)
-    run, modes = ready.run_of(state), modes_of(ready.plant)
+    run = ready.run_of(state)
+    modes = modes_of(run.plant)
     rates = np.sqrt(np.maximum(modes["stiffness"], 1.0))
     modes["v"][:, START] = 10.0 ** rng.uniform(-5.0, -2.0) * rng.normal(size=rates.size)
     modes["q"][:, START] = 1e-3 * rng.normal(size=rates.size) / rates

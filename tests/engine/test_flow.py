@@ -9,7 +9,7 @@ from support.faulty_laws import NoNumber
 from support.motors import case_a, default_motor, every_law, hertz
 
 from contactlab.arrays import Array
-from contactlab.engine import Flow, simulate
+from contactlab.engine import Flow, Simulator, simulate
 from contactlab.laws import ContactLaw, LagrangeStick, MoreauJean, Newton, Poisson, Stronge
 from contactlab.laws.composed import Composed
 from contactlab.laws.friction import LuGre, Mindlin, Regularised
@@ -54,7 +54,7 @@ def test_every_start_ends_where_a_run_from_it_does_to_the_bit(
     law: ContactLaw, seed: int, periods: float
 ) -> None:
     q, v, rotor = some_starts(seed, 3)
-    ends = Flow(case_a(), law, periods * PERIOD)(q, v, rotor)
+    ends = Flow(Simulator(case_a(), law, periods * PERIOD))(q, v, rotor)
     assert ends.messages == ("", "", "")
     for i in range(3):
         run = ended(started(case_a(), q[i], v[i], rotor[i]), law, periods * PERIOD)
@@ -71,7 +71,7 @@ def test_a_start_inside_the_rotor_is_refused_by_a_rigid_law_alone_and_the_others
     q = np.abs(q) * inwards * np.array([[-1.0], [1.0], [-1.0]])
     v = -np.abs(v) * inwards
     for law in (hertz(), LagrangeStick()):
-        ends = Flow(motor, law, PERIOD)(q, v, rotor)
+        ends = Flow(Simulator(motor, law, PERIOD))(q, v, rotor)
         rigid = law.name == "lagrange_stick"
         assert [bool(message) for message in ends.messages] == [False, rigid, False]
         assert np.isnan(ends.velocity).any(axis=1).tolist() == [False, rigid, False]
@@ -82,7 +82,7 @@ def test_a_run_that_breaks_off_says_what_its_own_run_says_and_the_others_reach_t
     motor, law = default_motor(voltage_1=0.0, voltage_2=0.0), NoNumber()
     q, v, rotor = np.zeros((2, 4)), np.zeros((2, 4)), np.zeros(2)
     v[1] = -1e-2 * motor.modes.tip_displacement
-    ends = Flow(motor, law, PERIOD)(q, v, rotor)
+    ends = Flow(Simulator(motor, law, PERIOD))(q, v, rotor)
     assert ends.messages == ("", ended(started(motor, q[1], v[1], 0.0), law, PERIOD).message)
     assert np.array_equal(ends.velocity[0], np.zeros(4))
     assert np.isnan(ends.velocity[1]).all()

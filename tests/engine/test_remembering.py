@@ -18,7 +18,7 @@ from support.closed_form_memory import (
 from support.command_line import cases
 from support.flights import DURATION, random_flight
 
-from contactlab.engine import Flow, simulate
+from contactlab.engine import Flow, Simulator, simulate
 from contactlab.laws import ContactLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.damping import HuntCrossley
@@ -154,7 +154,7 @@ def test_many_starts_at_once_remember_apart(law: ContactLaw) -> None:
     motor = paper_motor()
     made = simulate(motor, law, duration=6e-4, record_interval=6e-4)
     zero = np.zeros((3, motor.modes.stiffness.size))
-    ends = Flow(motor, law, 6e-4)(zero, zero, np.zeros(3))
+    ends = Flow(Simulator(motor, law, 6e-4))(zero, zero, np.zeros(3))
     for i in range(3):
         assert_array_equal(ends.displacement[i], made.final.displacement)
 

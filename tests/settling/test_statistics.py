@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 import contactlab as cl
-from contactlab.settling.statistics import chaos_indicator, kind_without_period, mean_with_error, trend
+from contactlab.settling.statistics import (
+    chaos_indicator,
+    cycle_of,
+    kind_without_period,
+    mean_with_error,
+    trend,
+)
 
 
 def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
@@ -15,6 +21,15 @@ def autoregressive(memory: float, size: int, seed: int) -> np.ndarray:
     for i, kick in enumerate(rng.normal(size=size - 1)):
         values[i + 1] = share * values[i] + kick
     return 1.0 + values
+
+
+@pytest.mark.parametrize("cycle", [1, 2, 3, 4])
+def test_a_cycle_is_seen_through_a_drift(cycle: int) -> None:
+    places = np.arange(60)
+    drift = np.exp(-places / 100.0)[:, None]
+    # One of the cycle's states differs from the others by a fifth of what the drift has left.
+    states = drift + np.where(places % cycle == 0, 0.2, 0.0)[:, None]
+    assert cycle_of(states, 1e-3) == cycle
 
 
 @pytest.mark.parametrize("memory", [0.1, 5.0, 40.0])

@@ -7,7 +7,7 @@ from support.command_line import cases
 from support.settled_motors import by_run, drawn
 
 import contactlab as cl
-from contactlab.engine import Flow
+from contactlab.engine import Flow, Simulator
 from contactlab.motor.bodies import block
 from contactlab.motor.drive import period_of
 from contactlab.steady_state import NotSettledError, UnboundedError
@@ -94,7 +94,7 @@ def test_a_dent_that_is_not_cleared_is_part_of_the_state() -> None:
     between = 0.5 * (made["start_time"][0] + made["duration"][0] + made["start_time"][1])
     assert motor.start is not None
     start = motor.start.displacement[None], motor.start.velocity[None], np.zeros(1)
-    over, before = (Flow(motor, FreshDent(), duration)(*start) for duration in (between, 5e-6))
+    over, before = (Flow(Simulator(motor, FreshDent(), duration))(*start) for duration in (between, 5e-6))
     assert over.messages[0]
     assert np.isnan(over.displacement).all()
     assert before.messages == ("",)

@@ -98,7 +98,7 @@ def quantities_of(state: Steady, names: Sequence[str]) -> dict[str, Estimate]:
         force = state.average("normal_force")
         result["normal_impulse"] = Estimate(state.period * force.value, state.period * force.error)
     if "stall_torque" in names:
-        result["stall_torque"] = steady(state.setup, belt=0.0, longest=LONGEST).torque
+        result["stall_torque"] = steady(state.setup, belt=0.0, start=state, longest=LONGEST).torque
     if "start_time" in names:
         result["start_time"] = start_time(state.setup, state.velocity.value)
     return result
