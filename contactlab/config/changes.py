@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Final
 
 from contactlab.config.faults import ConfigurationError
-from contactlab.config.nesting import flat, nested
 from contactlab.quantity import UnitError, to_si
 
 CHANGEABLE: Final = ("drive.", "rotor.load_torque", "rotor.damping", "contact.preload")
@@ -27,8 +26,7 @@ def changed(
         ConfigurationError: a text that is no change, a time that does not lie between the one before and the
             duration, or a key that cannot change.
     """
-    now, before = flat(values), 0.0
-    now[KEY] = None
+    now, before = {**values, "solver": {**values.get("solver", {}), "changes": None}}, 0.0
     for text in changes:
         when, *pairs = (part.strip() for part in text.split(";"))
         try:
@@ -43,14 +41,20 @@ def changed(
         changed_here = set[str]()
         for pair in pairs:
             key, sign, value = (part.strip() for part in pair.partition("="))
-            if not sign or key not in now or not key.startswith(CHANGEABLE) or key == "drive.signal":
+            group, _, name = key.partition(".")
+            if (
+                not sign
+                or not key.startswith(CHANGEABLE)
+                or key == "drive.signal"
+                or name not in now.get(group, ())
+            ):
                 names = ", ".join(CHANGEABLE)
                 raise ConfigurationError(f"{KEY} has '{pair}'; it must be KEY=VALUE of {names}.")
-            if now[key] is None and key == "contact.preload":
+            if now[group][name] is None and key == "contact.preload":
                 raise ConfigurationError(f"{KEY} has '{pair}'; contact.preload must be there from the start.")
             if key in changed_here:
                 raise ConfigurationError(f"{KEY} has '{text}', with {key} twice; it must occur once.")
             changed_here.add(key)
-            now[key] = value
-        yield time, nested(now)
+            now[group] = {**now[group], name: value}
+        yield time, now.copy()
         before = time

@@ -21,7 +21,7 @@ from omegaconf import DictConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 from yaml import YAMLError
 
-from contactlab.config.faults import ConfigurationError, one_line, raise_faults, unknown_key
+from contactlab.config.faults import ConfigurationError, one_line, raise_faults
 from contactlab.config.groups import FAMILIES, GROUPS, LAW, Section
 from contactlab.config.nesting import flat, nested, quoted
 from contactlab.config.options import (
@@ -32,6 +32,7 @@ from contactlab.config.options import (
     groups,
     help_on_keys,
     known_keys,
+    unknown_key,
 )
 from contactlab.laws.registry import part_named
 from contactlab.quantity import describe

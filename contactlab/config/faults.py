@@ -1,16 +1,12 @@
 """Faults of a configuration, each with key, value and bound."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from traceback import walk_tb
 from typing import Final
 
-from contactlab.config.groups import GROUPS
-from contactlab.config.options import known_keys
 from contactlab.foreign import is_library
-from contactlab.laws.registry import PARTS
-from contactlab.suggestion import suggestion
 
 RAISED: Final = "Raised in "
 """Beginning of the note of an exception on its place."""
@@ -93,27 +89,3 @@ def place_of(error: BaseException) -> str:
     ]
     foreign = [place for module, place in frames if not is_library(module)]
     return (foreign or [place for _, place in frames] or ["an unknown place"])[-1]
-
-
-def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
-    """Return the fault of a key that is unknown, or does not belong to the chosen option of its group."""
-    group = key.rpartition(".")[0].replace(".", "/")
-    if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
-        text = f"{key} does not belong to {kind}; it must be absent with this choice of {group}."
-        return f"{text} {_with_part(key)}".rstrip()
-    *path, _ = key.split(".")
-    depth = len(path) + 1
-    # Keys and groups beside it.
-    siblings = [".".join(parts[:depth]) for name in known if (parts := name.split("."))[: len(path)] == path]
-    expected = ", ".join(dict.fromkeys(siblings or ("law", *GROUPS)))
-    return f"{key} is not a known key. {suggestion(key, known, f'It must be one of {expected}.')}"
-
-
-def _with_part(key: str) -> str:
-    """Return how a law has the part of a key; empty for the key of no part."""
-    group, _, rest = key.partition(".")
-    family = rest.partition(".")[0]
-    if group != "law" or family not in PARTS:
-        return ""
-    normal = "" if family == "normal" else "law/normal=hertz_point "
-    return f"Parts are chosen as in law=composed {normal}law/{family}=NAME."

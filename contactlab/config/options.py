@@ -1,6 +1,6 @@
 """The options of every group, every full key, and help on them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import MISSING
 from functools import cache
@@ -14,6 +14,7 @@ from contactlab.config.nesting import nested
 from contactlab.laws.declaration import family_of, members_of
 from contactlab.laws.registry import class_of
 from contactlab.parameter import DeclaredField
+from contactlab.suggestion import suggestion
 
 
 def conf_directory() -> Path:
@@ -103,6 +104,25 @@ def known_keys(law: str = "") -> list[str]:
                 keys |= dict(full_keys(LAW.options[name], "law."))
     others = {group: section for group, section in _sections.items() if group.partition("/")[0] != "law"}
     return [*keys, *dict(full_keys(others))]
+
+
+def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
+    """Return the fault of a key that is unknown, or does not belong to the chosen option of its group."""
+    group = key.rpartition(".")[0].replace(".", "/")
+    if kind and any(f"{name}.".startswith(f"{key}.") for name in known_keys()):
+        text = f"{key} does not belong to {kind}; it must be absent with this choice of {group}."
+        first, _, rest = key.partition(".")
+        family = rest.partition(".")[0]
+        if first != "law" or family not in FAMILIES:
+            return text
+        normal = "" if family == "normal" else "law/normal=hertz_point "
+        return f"{text} Parts are chosen as in law=composed {normal}law/{family}=NAME."
+    *path, _ = key.split(".")
+    depth = len(path) + 1
+    # Keys and groups beside it.
+    siblings = [".".join(parts[:depth]) for name in known if (parts := name.split("."))[: len(path)] == path]
+    expected = ", ".join(dict.fromkeys(siblings or ("law", *GROUPS)))
+    return f"{key} is not a known key. {suggestion(key, known, f'It must be one of {expected}.')}"
 
 
 def help_on_keys() -> str:

@@ -5,10 +5,9 @@ from types import NoneType
 from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
-from contactlab.config.faults import unknown_key
 from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, Keys, Section
 from contactlab.config.nesting import flat
-from contactlab.config.options import known_keys
+from contactlab.config.options import known_keys, unknown_key
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class

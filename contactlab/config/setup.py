@@ -9,39 +9,25 @@ from functools import lru_cache, reduce
 from pathlib import Path
 from typing import Any, final
 
-from contactlab.checks import check_kind, check_records, checked_arguments
+from contactlab.checks import check_records, checked_arguments
 from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
-from contactlab.config.drives import drive_of, named_file
-from contactlab.config.faults import ConfigurationError, as_fault, faults_added, one_line, raise_faults
-from contactlab.config.groups import BASES, GROUPS, MODAL, OF_BEAMS, resonator_class
+from contactlab.config.faults import ConfigurationError, as_fault, faults_added, one_line
 from contactlab.config.made_in_python import PLACES, with_number
-from contactlab.config.nesting import flat, nested
-from contactlab.config.schema import FRICTION, Examination
+from contactlab.config.motors import motor_of
+from contactlab.config.nesting import flat
+from contactlab.config.schema import Examination
 from contactlab.engine.arguments import check_kinds
-from contactlab.engine.defaults import DEFAULT_TOLERANCE, default_contact_step, default_record_interval
+from contactlab.engine.defaults import run_numbers
 from contactlab.engine.equilibrium import at_rest
 from contactlab.engine.preparation import take_in
 from contactlab.engine.simulation import simulate
 from contactlab.foreign import is_own
 from contactlab.immutable import Frozen, frozen
 from contactlab.laws import ContactLaw, LawError
-from contactlab.laws.base import is_stepped
+from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import build_law, classes_of, law_class
-from contactlab.motor import (
-    Bearing,
-    ContactGeometry,
-    Motor,
-    NormalModes,
-    Piezoceramic,
-    PiezoceramicDatasheet,
-    Rotor,
-    Steel,
-    on_bearing,
-)
-from contactlab.motor.modal import modes_of
-from contactlab.motor.table import read_table
-from contactlab.parameter import DeclaredField
+from contactlab.motor import Motor
 from contactlab.results.netcdf import contents_of, keep, settings_of
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
@@ -124,10 +110,8 @@ class Setup:
             TypeError: the motor or the law is of another kind.
         """
         check_kinds(motor, law)
-        interval = default_record_interval(motor, duration) if record_interval is None else record_interval
-        step = default_contact_step(motor, law, duration) if contact_step is None else contact_step
-        usual = None if is_stepped(law, step) else DEFAULT_TOLERANCE
-        return cls(motor, law, duration, interval, step, usual if tolerance is None else tolerance)
+        numbers = run_numbers(motor, law, duration, record_interval, contact_step, tolerance)
+        return cls(motor, law, duration, *numbers)
 
     @property
     def made_in_python(self) -> bool:
@@ -259,55 +243,30 @@ def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | N
 
 def rebuild(configuration: Values) -> Setup:
     """Check a whole configuration, such as a recorded one, and build from it; nothing may be absent."""
-    resolved, law = _checked(configuration)
-    source = frozen({**configuration})
-    solver, record = resolved["solver"], resolved["record"]
-    motor = _motor(resolved)
-    if record["interval"] is None:
-        record["interval"] = default_record_interval(motor, solver["duration"])
+    values, law = _checked(configuration)
+    motor = motor_of(values)
+    solver, record, changes = values["solver"], values["record"], values["solver"]["changes"] or ()
+    duration, step = solver["duration"], solver["contact_step"]
+    numbers = run_numbers(motor, law, duration, record["interval"], step, solver["tolerance"])
+    record["interval"], step, solver["tolerance"] = numbers
+    solver["contact_step"] = None if step is None else min(step, duration)
     with as_fault():
-        more, parts = len(law.internal_variables), len(solver["changes"] or ()) + 1
-        check_records(solver["duration"], record["interval"], "record.interval", more, parts)
-    if (preload := resolved["contact"]["preload"]) is not None:
+        more, parts = len(law.internal_variables), len(changes) + 1
+        check_records(duration, record["interval"], "record.interval", more, parts)
+    if (preload := values["contact"]["preload"]) is not None:
         with as_fault(f"contact.preload is {preload:g} N. ", LawError):
             motor = at_rest(motor, law)
-    later = changed(resolved, solver["changes"] or (), solver["duration"])
-    changes = tuple((time, _motor(_checked(each)[0])) for time, each in later)
+    later = tuple((time, motor_of(_checked(each)[0])) for time, each in changed(values, changes, duration))
     if solver["until"] == STEADY:
         with as_fault():
             check_until_steady(motor.drive, record["interval"])
     # What follows from the rotor takes its place in the configuration.
-    of_law = {key for key, value in resolved["law"].items() if not isinstance(value, str | dict)}
-    resolved["law"] |= {key: getattr(law, key) for key in of_law}
-    step = default_contact_step(motor, law, solver["duration"])
-    if solver["contact_step"] is None and step is not None:
-        solver["contact_step"] = min(step, solver["duration"])
-    if solver["tolerance"] is None and not is_stepped(law, solver["contact_step"]):
-        solver["tolerance"] = DEFAULT_TOLERANCE
-    numbers = {key: value for key, value in solver.items() if key != "changes"}
-    interval = record["interval"]
-    files = tuple(contents_of(resolved).values())
-    origin = Origin(source, frozen(resolved), motor, law, changes, files)
-    return Setup(motor, law, record_interval=interval, **numbers, changes=changes, origin=origin)
-
-
-def _motor(values: dict[str, Any]) -> Motor:
-    """Return the motor of a configuration, and write into it what follows from modes, files and rotor."""
-    contact, rotor = values["contact"], dict(values["rotor"])
-    radius, mass = rotor.pop("radius"), rotor.pop("mass")
-    bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
-    if values["resonator"]["basis"] in BASES:
-        modes = _modes(tuple(flat({group: values[group] for group in ("resonator", *OF_BEAMS)}).items()))
-    else:
-        modes = _other_modes(values)
-    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"], contact["angle"])
-    motor = Motor(modes, drive_of(values["drive"], modes), geometry, Rotor(**rotor))
-    if contact["preload"] is None:
-        return motor
-    if mass is None:
-        mass = values["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
-    with as_fault():
-        return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
+    of_law = {key for key, value in values["law"].items() if not isinstance(value, str | dict)}
+    values["law"] |= {key: getattr(law, key) for key in of_law}
+    arguments = {name: values[section][key] for name, (section, key) in PLACES.items()}
+    files = tuple(contents_of(values).values())
+    origin = Origin(frozen({**configuration}), frozen(values), motor, law, later, files)
+    return Setup(motor, law, **arguments, changes=later, origin=origin)
 
 
 def validate(configuration: Values) -> dict[str, Any]:
@@ -317,64 +276,18 @@ def validate(configuration: Values) -> dict[str, Any]:
 
 def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     examined = Examination(configuration)
-    law, sound, faults = None, flat(examined.values), examined.faults
-    if {FRICTION, "rotor.radius"} <= sound.keys() and not any(f.startswith("law") for f in faults):
+    law, faults = None, examined.faults
+    contact, rotor = (examined.values.get(name, {}) for name in ("contact", "rotor"))
+    if SHARED in contact and "radius" in rotor and not any(f.startswith("law") for f in faults):
         with faults_added(faults):
-            law = _law(examined.values["law"], sound[FRICTION], sound["rotor.radius"])
+            law = _law(examined.values["law"], contact[SHARED], rotor["radius"])
     if faults or law is None:
         raise ConfigurationError(faults)
     return examined.values, law
 
 
-# A sweep over anything else asks for the same law, drive and resonator again and again.
+# A sweep over anything else asks for the same law again and again.
 _take_in_once = lru_cache(maxsize=4096)(take_in)
-
-
-@lru_cache(maxsize=256)
-def _modes(values: tuple[tuple[str, Any], ...]) -> NormalModes:
-    """Return the modes of a resonator by its sections, flat."""
-    resonator, constants, placement = nested(dict(values)).values()
-    if constants.pop("constants") == "bending":
-        piezoceramic = Piezoceramic(**constants)
-    else:
-        piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
-    resonator |= {"steel": Steel(**resonator["steel"]), "piezoceramic": piezoceramic}
-    resonator |= {f"patch_{edge}": place for edge, place in placement.items()}
-    with as_fault("resonator, piezoceramic or placement: "):
-        modes: NormalModes = BASES[resonator.pop("basis")](**resonator).modes
-    return modes
-
-
-def _other_modes(values: Values) -> NormalModes:
-    """Return the modes of a file, completing path and digest of the section, or another package's."""
-    section = values["resonator"]
-    basis = section["basis"]
-    raise_faults(
-        f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={basis}, "
-        "which has nothing of it."
-        for group in OF_BEAMS
-        for key, field in next(iter(GROUPS[group].options.values())).items()
-        if isinstance(field, DeclaredField) and values[group].get(key) != field.default
-    )
-    if basis != MODAL:
-        numbers = {key: value for key, value in section.items() if key != "basis"}
-        try:
-            modes: NormalModes = resonator_class(basis)(**numbers).modes
-            check_kind("modes", modes, NormalModes)
-        # A resonator of another package may refuse, or fail, in ways of its own.
-        except Exception as error:
-            fault = f"resonator={basis} cannot be made from its numbers: {one_line(error)}"
-            raise ConfigurationError(fault) from error
-        return modes
-    path, content = named_file("resonator", section)
-    with as_fault(f"resonator.file is '{path}': ", OSError):
-        return _read_modes(content, values["contact"]["tip_length"], section["modes"])
-
-
-@lru_cache(maxsize=16)
-def _read_modes(content: bytes, tip_length: float, most: int | None) -> NormalModes:
-    """Read a content once."""
-    return modes_of(read_table(content), tip_length, most)
 
 
 def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:

@@ -4,7 +4,7 @@ from typing import Final
 
 from contactlab.checks import SMALLEST_STEP
 from contactlab.engine.plant import persisting_rates
-from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.laws.base import ContactLaw, PenaltyLaw, is_stepped
 from contactlab.motor.motor import Motor
 
 DEFAULT_TOLERANCE = 1e-7
@@ -19,6 +19,27 @@ RECORD_TURN, CONTACT_TURN = 1.0 / 32.0, 1.0 / 512.0
 
 DEFAULT_COUNT: Final = 1e5
 """Number of records, and of longest steps in contact, beyond which their defaults shorten no more."""
+
+
+def run_numbers(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float,
+    record_interval: float | None,
+    contact_step: float | None,
+    tolerance: float | None,
+) -> tuple[float, float | None, float | None]:
+    """Return record interval [s], contact step [s] and tolerance [1] of a run, defaults in place of None.
+
+    A rigid law in its limit has no contact step, time stepping no tolerance.
+    """
+    if record_interval is None:
+        record_interval = default_record_interval(motor, duration)
+    if contact_step is None:
+        contact_step = default_contact_step(motor, law, duration)
+    if tolerance is None and not is_stepped(law, contact_step):
+        tolerance = DEFAULT_TOLERANCE
+    return record_interval, contact_step, tolerance
 
 
 def default_record_interval(motor: Motor, duration: float) -> float:

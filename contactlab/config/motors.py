@@ -1,6 +1,9 @@
-"""The drive of a configuration, and the files that configurations name, recorded by path and digest."""
+"""The motor of a checked configuration: its modes, its drive, and the files that these come from.
 
-from collections.abc import Iterator
+Files are recorded by path and digest.
+"""
+
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Final, cast
@@ -8,10 +11,27 @@ from typing import Any, Final, cast
 import numpy as np
 
 from contactlab.arrays import Array
-from contactlab.config.faults import ConfigurationError, as_fault, raise_faults
-from contactlab.config.groups import SIGNALS
-from contactlab.motor import Drive, NormalModes, Waveform
+from contactlab.checks import check_kind
+from contactlab.config.faults import ConfigurationError, as_fault, one_line, raise_faults
+from contactlab.config.groups import BASES, GROUPS, MODAL, OF_BEAMS, SIGNALS, resonator_class
+from contactlab.motor import (
+    Bearing,
+    ContactGeometry,
+    Drive,
+    FiniteElementResonator,
+    Motor,
+    NormalModes,
+    Piezoceramic,
+    PiezoceramicDatasheet,
+    RitzResonator,
+    Rotor,
+    Steel,
+    Waveform,
+    on_bearing,
+)
+from contactlab.motor.modal import modes_of
 from contactlab.motor.table import MeasurementError, Table, read_table
+from contactlab.parameter import DeclaredField
 from contactlab.results.files import check_file
 from contactlab.results.netcdf import keep, recorded_content
 
@@ -24,7 +44,76 @@ _UNITS: Final = {"time": "s", "frequency": "Hz", "voltage": "V", "phase": "rad"}
 Numbers = tuple[tuple[str, Any], ...]
 
 
-def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
+def motor_of(values: dict[str, Any]) -> Motor:
+    """Return the motor of a checked configuration, to which what follows from modes and files is added.
+
+    Raises:
+        ConfigurationError: the sections do not fit each other, or a file cannot be used.
+    """
+    contact, rotor = values["contact"], dict(values["rotor"])
+    radius, mass = rotor.pop("radius"), rotor.pop("mass")
+    bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
+    modes = _modes(values)
+    geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"], contact["angle"])
+    motor = Motor(modes, _drive(values["drive"], modes), geometry, Rotor(**rotor))
+    if contact["preload"] is None:
+        return motor
+    if mass is None:
+        mass = values["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
+    with as_fault():
+        return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
+
+
+def _modes(values: Mapping[str, Any]) -> NormalModes:
+    """Return the modes of the beam, of a file, or of another package's resonator.
+
+    Path and digest of a file are completed in its section.
+    """
+    section = dict(values["resonator"])
+    basis = section.pop("basis")
+    if basis in BASES:
+        constants = dict(values["piezoceramic"])
+        if constants.pop("constants") == "bending":
+            piezoceramic = Piezoceramic(**constants)
+        else:
+            piezoceramic = PiezoceramicDatasheet(**constants).in_bending()
+        section |= {"steel": Steel(**section["steel"]), "piezoceramic": piezoceramic}
+        section |= {f"patch_{edge}": place for edge, place in values["placement"].items()}
+        with as_fault("resonator, piezoceramic or placement: "):
+            return _modes_of_beam(BASES[basis](**section))
+    raise_faults(
+        f"{group}.{key} is {values[group].get(key)}; it must be left out with resonator={basis}, "
+        "which has nothing of it."
+        for group in OF_BEAMS
+        for key, field in next(iter(GROUPS[group].options.values())).items()
+        if isinstance(field, DeclaredField) and values[group].get(key) != field.default
+    )
+    if basis == MODAL:
+        path, content = _named_file("resonator", values["resonator"])
+        with as_fault(f"resonator.file is '{path}': ", OSError):
+            return _modes_of_file(content, values["contact"]["tip_length"], section["modes"])
+    try:
+        modes: NormalModes = resonator_class(basis)(**section).modes
+        check_kind("modes", modes, NormalModes)
+    # A resonator of another package may refuse, or fail, in ways of its own.
+    except Exception as error:
+        fault = f"resonator={basis} cannot be made from its numbers: {one_line(error)}"
+        raise ConfigurationError(fault) from error
+    return modes
+
+
+# A sweep over anything else asks for the same resonator, file and drive again and again.
+@lru_cache(maxsize=256)
+def _modes_of_beam(resonator: RitzResonator | FiniteElementResonator) -> NormalModes:
+    return resonator.modes
+
+
+@lru_cache(maxsize=16)
+def _modes_of_file(content: bytes, tip_length: float, most: int | None) -> NormalModes:
+    return modes_of(read_table(content), tip_length, most)
+
+
+def _drive(values: dict[str, Any], modes: NormalModes) -> Drive:
     """Return the drive of a section, and write what follows from modes or file into the section.
 
     Raises:
@@ -34,7 +123,7 @@ def drive_of(values: dict[str, Any], modes: NormalModes) -> Drive:
     numbers = {key: value for key, value in values.items() if key != "signal"}
     signal, electrodes = values["signal"], modes.coupling.shape[1]
     if "file" in numbers:
-        path, content = named_file("drive", values)
+        path, content = _named_file("drive", values)
         numbers = {**numbers, "digest": values["digest"]}
         del numbers["file"]
         with as_fault(f"drive.file is '{path}': ", OSError):
@@ -90,7 +179,7 @@ def _columns(table: Table, names: list[str]) -> Iterator[Array]:
         yield table.numbers(name, _UNITS[name.partition("_")[0]])
 
 
-def named_file(group: str, section: dict[str, Any]) -> tuple[Path, bytes]:
+def _named_file(group: str, section: dict[str, Any]) -> tuple[Path, bytes]:
     """Return path and content of the file of a section, and write whole path and digest into the section.
 
     The content of a dataset stands for that of a file that is gone or has changed since.
