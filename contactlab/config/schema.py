@@ -159,7 +159,7 @@ class Examination:
                     chosen, own = _chosen(below, section[name], key)
                     values[name] = self._values(own, section[name], f"{key}.", chosen)
                 else:
-                    values[name] = _value_of(below, section[name], key)
+                    values[name] = value_of(below, section[name], key)
                     self.declared[key] = below
             except UnitError as fault:
                 self.faults.append(str(fault))
@@ -194,7 +194,7 @@ def declared_in(configuration: Mapping[str, Any], keys: Keys = KEYS) -> dict[str
     return {key: field.parameter for key, field in declared if field.parameter and field.is_number}
 
 
-def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
+def value_of(field: DeclaredField, value: Any, key: str) -> Any:
     """Return a value in SI; a UnitError with key and bound if it is faulty."""
     if field.is_number:
         try:

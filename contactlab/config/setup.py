@@ -27,7 +27,7 @@ from contactlab.immutable import Frozen, frozen
 from contactlab.laws import ContactLaw, LawError
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import build_law, classes_of, law_class
-from contactlab.motor import Motor
+from contactlab.motor import Motor, NormalModes
 from contactlab.results.netcdf import contents_of, keep, settings_of
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
@@ -243,8 +243,24 @@ def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | N
 
 def rebuild(configuration: Values) -> Setup:
     """Check a whole configuration, such as a recorded one, and build from it; nothing may be absent."""
-    values, law = _checked(configuration)
-    motor = motor_of(values)
+    return assembled(configuration, *_checked(configuration))
+
+
+def assembled(
+    configuration: Values, values: dict[str, Any], law: ContactLaw, modes: NormalModes | None = None
+) -> Setup:
+    """Return the setup of a checked configuration.
+
+    Args:
+        configuration: as given.
+        values: of it, checked and in SI; what follows from them is added.
+        law: that of the values.
+        modes: those of the values, where they are known.
+
+    Raises:
+        ConfigurationError: the sections do not fit each other, or a file cannot be used.
+    """
+    motor = motor_of(values, modes)
     solver, record, changes = values["solver"], values["record"], values["solver"]["changes"] or ()
     duration, step = solver["duration"], solver["contact_step"]
     numbers = run_numbers(motor, law, duration, record["interval"], step, solver["tolerance"])
@@ -280,7 +296,7 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     contact, rotor = (examined.values.get(name, {}) for name in ("contact", "rotor"))
     if SHARED in contact and "radius" in rotor and not any(f.startswith("law") for f in faults):
         with faults_added(faults):
-            law = _law(examined.values["law"], contact[SHARED], rotor["radius"])
+            law = law_of(examined.values["law"], contact[SHARED], rotor["radius"])
     if faults or law is None:
         raise ConfigurationError(faults)
     return examined.values, law
@@ -290,7 +306,8 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
 _take_in_once = lru_cache(maxsize=4096)(take_in)
 
 
-def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+def law_of(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+    """Return the law of a section, on a rotor of a radius [m]; a ConfigurationError if it cannot be made."""
     name = values["name"]
     try:
         law: ContactLaw = build_law(law_class(name), values, friction_coefficient)

@@ -309,7 +309,9 @@ def prepared(
     check_kinds(motor, law)
     source, radius = (motor, law), motor.geometry.rotor_radius
     before = like.source if like else None
-    if like and before and law is before[1] and radius == before[0].geometry.rotor_radius:
+    # Interpreted functions may have changed since.
+    known = like and before and law is before[1] and not like.bound.callbacks
+    if like and before and known and radius == before[0].geometry.rotor_radius:
         law, bound_law = like.law, like.bound_law
     else:
         law, bound_law = law.on_rotor(radius), None

@@ -1,5 +1,6 @@
 """Runs of a motor with a contact law: one with its trajectory, or many without records."""
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
 from functools import cached_property
@@ -47,6 +48,9 @@ from contactlab.variables import EXTREMES, SUMS
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
+
+_last: deque["Simulator"] = deque(maxlen=1)
+"""That of the last call of `simulate`, with which the next one shares what is the same."""
 
 
 def simulate(
@@ -96,7 +100,8 @@ def simulate(
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    simulator = Simulator(motor, law, duration, contact_step, tolerance)
+    simulator = Simulator(motor, law, duration, contact_step, tolerance, _last[-1] if _last else None)
+    _last.append(simulator)
     return simulator.run(
         record_interval=record_interval,
         progress=progress,
