@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, reduce
 from pathlib import Path
-from typing import Any, final
+from typing import Any, Final, final
 
 from contactlab.checks import check_records, checked_arguments
 from contactlab.config.changes import changed
@@ -34,6 +34,12 @@ from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]
+
+_PLACED: Final = {
+    section: {key: name for name, (group, key) in PLACES.items() if group == section}
+    for section, _ in PLACES.values()
+}
+"""Attributes of a setup that are numbers of a run, by section and key."""
 
 
 @final
@@ -76,17 +82,19 @@ class Setup:
     configuration: Frozen = field(init=False)
 
     def __post_init__(self) -> None:
-        origin, rotor = self.origin, asdict(self.motor.rotor)
+        origin, motor = self.origin, self.motor
         if origin is not None and origin.is_of(self):
-            configuration = {name: dict(section) for name, section in origin.configuration.items()}
-            configuration["rotor"] |= rotor
+            configuration = {**origin.configuration}
+            if motor.rotor is not origin.motor.rotor:
+                configuration["rotor"] = {**configuration["rotor"], **asdict(motor.rotor)}
         else:
             configuration = settings_of(self.motor, self.law)
             if self.changes:
                 changes = [f"{time!r}; another motor" for time, _ in self.changes]
                 configuration["solver"] = {"changes": changes}
-        for name, (section, key) in PLACES.items():
-            configuration.setdefault(section, {})[key] = getattr(self, name)
+        for section, keys in _PLACED.items():
+            numbers = {key: getattr(self, name) for key, name in keys.items()}
+            configuration[section] = {**configuration.get(section, {}), **numbers}
         object.__setattr__(self, "configuration", frozen(configuration))
 
     @classmethod

@@ -1,6 +1,6 @@
-"""Setups of one configuration with other values of some keys, only what these change made anew."""
+"""Setups of a configuration with other values of some keys; only what these change is made anew."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Final, NamedTuple, final
 
 from contactlab.config.faults import ConfigurationError
@@ -92,6 +92,7 @@ class Variation:
 
     def __init__(self, configuration: Values, build: Callable[[Values], Setup]) -> None:
         self._configuration, self._build = configuration, build
+        self._keys: Collection[str] | None = None
         self._common: _Common | None = None
 
     def setup(self, point: Mapping[str, Any]) -> Setup:
@@ -100,12 +101,13 @@ class Variation:
         Raises:
             ConfigurationError: with every fault.
         """
-        common = self._common
-        if common and common.fields.keys() == point.keys() and (shared := common.setup(point)):
+        again = point.keys() == self._keys
+        if again and self._common and (shared := self._common.setup(point)):
             return shared
         configuration = self._configuration
         for key, value in point.items():
             configuration = with_key(configuration, key, value)
         setup = self._build(configuration)
-        self._common = _Common.of(setup, configuration, point)
+        if not again:
+            self._keys, self._common = point.keys(), _Common.of(setup, configuration, point)
         return setup

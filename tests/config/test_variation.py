@@ -60,4 +60,31 @@ def test_a_varied_number_gives_the_setup_of_its_whole_configuration_or_its_fault
         assert varied == whole
         if isinstance(varied, Setup) and isinstance(whole, Setup):
             assert str(varied.configuration) == str(whole.configuration)
-            assert varied.origin is not None and varied.source == whole.source
+            assert varied.origin is not None
+            assert varied.source == whole.source
+
+
+def test_one_configuration_is_built_whole_and_what_a_number_does_not_change_is_shared() -> None:
+    whole = []
+
+    def counted(configuration: Values) -> Setup:
+        whole.append(configuration)
+        return built(configuration)
+
+    variation = Variation(compose([]), counted)
+    setups = [variation.setup({"drive.phase": 0.1 * i, "contact.clearance": 1e-6}) for i in range(4)]
+    assert len(whole) == 1
+    assert [setup.configuration["drive"]["phase"] for setup in setups] == [0.1 * i for i in range(4)]
+    assert all(setup.motor.modes is setups[0].motor.modes for setup in setups)
+    assert all(setup.law is setups[0].law for setup in setups)
+    # Another number changes the law.
+    assert variation.setup({"contact.friction_coefficient": 0.2}).law != setups[0].law
+    assert variation.setup({"contact.friction_coefficient": 0.1}).law.friction_limit == 0.1
+    assert len(whole) == 2
+
+
+def test_a_number_that_others_refer_to_changes_them_too() -> None:
+    variation = Variation(with_key(compose([]), "drive.voltage_2", "${drive.voltage_1}"), built)
+    for voltage in (80.0, 90.0):
+        drive = variation.setup({"drive.voltage_1": voltage}).configuration["drive"]
+        assert drive["voltage_1"] == drive["voltage_2"] == voltage
