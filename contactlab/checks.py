@@ -178,6 +178,11 @@ def check_fields(owner: Any, title: str = "") -> None:
     kinds, ranges = [], []
     for name, field in declared_fields(owner_class).items():
         value, parameter = getattr(owner, name), field.parameter
+        # Nearly every value is a number in its range, or of the very class.
+        if type(value) in field.kinds and (
+            parameter.admits(value) if parameter and type(value) is float else not isinstance(value, Real)
+        ):
+            continue
         if field.is_number and isinstance(value, str) and str not in field.kinds:
             assert parameter is not None
             value = in_si(f"{title}: {name}", value, parameter.unit)

@@ -47,7 +47,7 @@ def frozen(value: Any) -> Any:
     if type(value) in PLAIN or isinstance(value, Frozen):
         return value
     if isinstance(value, Mapping):
-        return Frozen({key: frozen(each) for key, each in value.items()})
+        return Frozen({key: x if type(x) in PLAIN else frozen(x) for key, x in value.items()})
     return tuple(map(frozen, value)) if isinstance(value, list | tuple) else value
 
 

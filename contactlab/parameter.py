@@ -61,7 +61,7 @@ class Parameter:
     def _includes(self, value: float) -> bool:
         return self.above < value < self.below and self.at_least <= value <= self.at_most
 
-    @property
+    @cached_property
     def may_vanish(self) -> bool:
         """Whether 0 is in the range: then nothing is divided by the number, however small it is."""
         return self._includes(0.0)

@@ -42,8 +42,10 @@ _UNITS: Final = {"time": "s", "frequency": "Hz", "voltage": "V", "phase": "rad"}
 Numbers = tuple[tuple[str, Any], ...]
 
 
-def motor_of(values: dict[str, Any]) -> Motor:
+def motor_of(values: dict[str, Any], modes: NormalModes | None = None) -> Motor:
     """Return the motor of a checked configuration, to which what follows from modes and files is added.
+
+    The modes are made where they are not known.
 
     Raises:
         ConfigurationError: the sections do not fit each other, or a file cannot be used.
@@ -51,7 +53,7 @@ def motor_of(values: dict[str, Any]) -> Motor:
     contact, rotor = values["contact"], dict(values["rotor"])
     radius, mass = rotor.pop("radius"), rotor.pop("mass")
     bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
-    modes = _modes(values)
+    modes = modes or _modes(values)
     geometry = ContactGeometry(contact["tip_length"], radius, contact["clearance"], contact["angle"])
     motor = Motor(modes, _drive(values["drive"], modes), geometry, Rotor(**rotor))
     if contact["preload"] is None:

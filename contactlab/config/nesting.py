@@ -33,6 +33,14 @@ def nested(values: Mapping[str, Any]) -> dict[str, Any]:
     return configuration
 
 
+def with_key(configuration: Mapping[str, Any], key: str, value: Any) -> dict[str, Any]:
+    """Return a configuration with another value of a key; sections without the key are shared."""
+    first, _, rest = key.partition(".")
+    below = configuration.get(first)
+    inner = below if isinstance(below, Mapping) else {}
+    return {**configuration, first: with_key(inner, rest, value) if rest else value}
+
+
 def quoted(text: str) -> str:
     """Return a text as the value of an override."""
     return "'" + re.sub(r"(\\*)'", r"\1\1\\'", text) + "'"

@@ -158,7 +158,7 @@ class Examination:
                     chosen, own = _chosen(below, section[name], key)
                     values[name] = self._values(own, section[name], f"{key}.", chosen)
                 else:
-                    values[name] = _value_of(below, section[name], key)
+                    values[name] = value_of(below, section[name], key)
             except UnitError as fault:
                 self.faults.append(str(fault))
         unknown = [f"{before}{name}" for name in section if name not in keys]
@@ -186,27 +186,33 @@ def _chosen(section: Section, values: Any, path: str) -> tuple[str, Keys]:
     raise UnitError(f"{key} is {describe(label)}; it must be one of {expected}. Choose by {group}=NAME.")
 
 
-def declared_in(
-    configuration: Mapping[str, Any], keys: Keys = KEYS, before: str = ""
-) -> dict[str, Parameter]:
+def declared_in(configuration: Mapping[str, Any], keys: Keys = KEYS) -> dict[str, Parameter]:
     """Return the declarations of the numbers of a sound configuration, by full key."""
-    declared: dict[str, Parameter] = {}
+    fields = numbers_in(configuration, keys)
+    return {key: field.parameter for key, field in fields.items() if field.parameter}
+
+
+def numbers_in(
+    configuration: Mapping[str, Any], keys: Keys = KEYS, before: str = ""
+) -> dict[str, DeclaredField]:
+    """Return the fields of a sound configuration that are numbers, by full key."""
+    numbers: dict[str, DeclaredField] = {}
     for name, below in keys.items():
         key = f"{before}{name}"
         if name not in configuration:
             continue
         if isinstance(below, DeclaredField):
-            if below.parameter and below.is_number:
-                declared[key] = below.parameter
+            if below.is_number:
+                numbers[key] = below
             continue
         # A law made in Python may be none that is chosen by its name.
         with suppress(UnitError):
             _, own = _chosen(below, configuration[name], key)
-            declared |= declared_in(configuration[name], own, f"{key}.")
-    return declared
+            numbers |= numbers_in(configuration[name], own, f"{key}.")
+    return numbers
 
 
-def _value_of(field: DeclaredField, value: Any, key: str) -> Any:
+def value_of(field: DeclaredField, value: Any, key: str) -> Any:
     """Return a value in SI; a UnitError with key and bound if it is faulty."""
     if field.is_number:
         try:

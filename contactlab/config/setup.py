@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, reduce
 from pathlib import Path
-from typing import Any, final
+from typing import Any, Final, final
 
 from contactlab.checks import check_records, checked_arguments
 from contactlab.config.changes import changed
@@ -27,13 +27,19 @@ from contactlab.immutable import Frozen, frozen
 from contactlab.laws import ContactLaw, LawError
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import build_law, classes_of, law_class
-from contactlab.motor import Motor
+from contactlab.motor import Motor, NormalModes
 from contactlab.results.netcdf import contents_of, keep, settings_of
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
 
 Values = Mapping[str, Any]
+
+_PLACED: Final = {
+    section: {key: name for name, (group, key) in PLACES.items() if group == section}
+    for section, _ in PLACES.values()
+}
+"""Attributes of a setup that are numbers of a run, by section and key."""
 
 
 @final
@@ -76,17 +82,19 @@ class Setup:
     configuration: Frozen = field(init=False)
 
     def __post_init__(self) -> None:
-        origin, rotor = self.origin, asdict(self.motor.rotor)
+        origin, motor = self.origin, self.motor
         if origin is not None and origin.is_of(self):
-            configuration = {name: dict(section) for name, section in origin.configuration.items()}
-            configuration["rotor"] |= rotor
+            configuration = {**origin.configuration}
+            if motor.rotor is not origin.motor.rotor:
+                configuration["rotor"] = {**configuration["rotor"], **asdict(motor.rotor)}
         else:
             configuration = settings_of(self.motor, self.law)
             if self.changes:
                 changes = [f"{time!r}; another motor" for time, _ in self.changes]
                 configuration["solver"] = {"changes": changes}
-        for name, (section, key) in PLACES.items():
-            configuration.setdefault(section, {})[key] = getattr(self, name)
+        for section, keys in _PLACED.items():
+            numbers = {key: getattr(self, name) for key, name in keys.items()}
+            configuration[section] = {**configuration.get(section, {}), **numbers}
         object.__setattr__(self, "configuration", frozen(configuration))
 
     @classmethod
@@ -243,8 +251,24 @@ def build(configuration: Values | Sequence[str] = (), config_dir: str | Path | N
 
 def rebuild(configuration: Values) -> Setup:
     """Check a whole configuration, such as a recorded one, and build from it; nothing may be absent."""
-    values, law = _checked(configuration)
-    motor = motor_of(values)
+    return assembled(configuration, *_checked(configuration))
+
+
+def assembled(
+    configuration: Values, values: dict[str, Any], law: ContactLaw, modes: NormalModes | None = None
+) -> Setup:
+    """Return the setup of a checked configuration.
+
+    Args:
+        configuration: as given.
+        values: of it, checked and in SI; what follows from them is added.
+        law: that of the values.
+        modes: those of the values, where they are known.
+
+    Raises:
+        ConfigurationError: the sections do not fit each other, or a file cannot be used.
+    """
+    motor = motor_of(values, modes)
     solver, record, changes = values["solver"], values["record"], values["solver"]["changes"] or ()
     duration, step = solver["duration"], solver["contact_step"]
     numbers = run_numbers(motor, law, duration, record["interval"], step, solver["tolerance"])
@@ -280,7 +304,7 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     contact, rotor = (examined.values.get(name, {}) for name in ("contact", "rotor"))
     if SHARED in contact and "radius" in rotor and not any(f.startswith("law") for f in faults):
         with faults_added(faults):
-            law = _law(examined.values["law"], contact[SHARED], rotor["radius"])
+            law = law_of(examined.values["law"], contact[SHARED], rotor["radius"])
     if faults or law is None:
         raise ConfigurationError(faults)
     return examined.values, law
@@ -290,7 +314,8 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
 _take_in_once = lru_cache(maxsize=4096)(take_in)
 
 
-def _law(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+def law_of(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
+    """Return the law of a section, on a rotor of a radius [m]; a ConfigurationError if it cannot be made."""
     name = values["name"]
     try:
         law: ContactLaw = build_law(law_class(name), values, friction_coefficient)

@@ -129,7 +129,12 @@ def balanced(
     # The records know of contacts as well; without any flight there is neither a least nor a most.
     seen = np.array([state.least_remainder, state.most_remainder]) - start
     residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
-    share = openness(max(float(residual) - _round_off(run), 0.0), float(state.turnover), 0.0, start)
+    share = openness(float(residual), float(state.turnover), 0.0, start)
+    if not share <= LEDGER_LIMIT:
+        share = openness(max(float(residual) - _round_off(run), 0.0), float(state.turnover), 0.0, start)
+    opened = _opened_by_contact(series, modes, float(state.turnover)) if share <= LEDGER_LIMIT else np.nan
+    if opened <= LEDGER_LIMIT:
+        return Ending.COMPLETE, ""
     swing, unresolved = contact_step * resolved_rate(run.plant), ""
     if swing > RESOLVED:
         unresolved = (
@@ -145,9 +150,6 @@ def balanced(
     )
     # A ledger that is no number is not closed.
     if share <= LEDGER_LIMIT:
-        opened = _opened_by_contact(series, modes, float(state.turnover))
-        if opened <= LEDGER_LIMIT:
-            return Ending.COMPLETE, ""
         return Ending.UNBALANCED, (
             f"The run reached its end, but in contact its energy ledger opens by {opened:.3g} of what a "
             f"contact stores and loses; it must be at most {LEDGER_LIMIT:g}. {way_out}"

@@ -18,6 +18,7 @@ from contactlab.engine.state import (
     TOUCHING,
     EndState,
     State,
+    copy_of,
     new_record,
     state_as_value,
     state_from_value,
@@ -85,13 +86,16 @@ def overlap_at(gap: float, law: ContactLaw) -> str:
     )
 
 
+# A first step continues a polynomial of zeros, of some length.
+_FRESH: Final = new_record(
+    STATE, length=1.0, least_remainder=np.inf, most_remainder=-np.inf, initial_energy=np.nan
+)
+_FRESH["limits"]["release_gap"] = np.inf
+
+
 def fresh_state() -> Any:
     """Return the state of a run at t = 0, whose phase is not set yet."""
-    # A first step continues a polynomial of zeros, of some length.
-    unknown = {"least_remainder": np.inf, "most_remainder": -np.inf, "initial_energy": np.nan}
-    state = new_record(STATE, length=1.0, **unknown)
-    state["limits"]["release_gap"] = np.inf
-    return state
+    return copy_of(_FRESH)
 
 
 def state_in_contact(contact: State) -> Any:

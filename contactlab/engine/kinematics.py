@@ -99,11 +99,12 @@ def contact_from(plant: Plant, q: Array, v: Array) -> tuple[float, float, float]
 def contacts_from(plant: Plant, q: Array, v: Array) -> list[tuple[float, float, float]]:
     """Return the contacts of many motions, shape (motion, coordinate), see `contact_from`."""
     modes, lengths = modes_of(plant), plant["geometry"].item()
-    rows = [modes[f"row_{row}"] for row in ("u", "th", "u", "th", "r")]
-    # Of a row alone or among others, a sum over the last axis is the same to the bit.
-    seen = [(row * of).sum(axis=-1).tolist() for row, of in zip(rows, (q, q, v, v, v), strict=True)]
+    parts = np.empty((5, *q.shape))
+    for part, row, of in zip(parts, ("u", "th", "u", "th", "r"), (q, q, v, v, v), strict=True):
+        np.multiply(modes[f"row_{row}"], of, out=part)
     contacts = []
-    for u, th, u_rate, th_rate, rotor in zip(*seen, strict=True):
+    # Of a row alone or among others, a sum over the last axis is the same to the bit.
+    for u, th, u_rate, th_rate, rotor in parts.sum(axis=-1).T.tolist():
         gap, n_u, n_th, t_u, t_th = contact_frame(u, th, *lengths)
         contacts.append((gap, n_u * u_rate + n_th * th_rate, t_u * u_rate + t_th * th_rate + rotor))
     return contacts

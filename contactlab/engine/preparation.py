@@ -112,8 +112,10 @@ class Prepared(NamedTuple):
     """What is recorded beside tip and rotor, see `contactlab.motor.outputs`."""
     signature: int = 0
     """Digest of motor, law, steps and tolerance: runs that share them go on from each other bit for bit."""
-    source: tuple[Motor, ContactLaw] | None = None
+    source: tuple[Motor | None, ContactLaw | None] = (None, None)
     """Motor and law as given; the law without what follows from the rotor's radius."""
+    rate: float = 0.0
+    """Fastest rate that persists [rad/s]."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state, with a plant and a scratch of its own."""
@@ -318,17 +320,20 @@ def prepared(
 ) -> Prepared:
     """Make a motor and a law ready; arguments and errors as of `contactlab.engine.Simulator`."""
     check_kinds(motor, law)
+    shared: Any = like
+    others: Any = shared.source if like else (None, None)
+    other, other_law = others
     source, radius = (motor, law), motor.geometry.rotor_radius
-    before = like.source if like else None
-    if like and before and law is before[1] and radius == before[0].geometry.rotor_radius:
-        law, bound_law = like.law, like.bound_law
+    # Interpreted functions may have changed since.
+    if law is other_law and radius == other.geometry.rotor_radius and not shared.bound.callbacks:
+        law, bound_law = shared.law, shared.bound_law
     else:
         law, bound_law = law.on_rotor(radius), None
     if contact_step is None:
         contact_step = default_contact_step(motor, law, duration)
     check_numbers(law, duration, contact_step, tolerance)
     parameters, row, bound, errors = bound_law or take_in(law)
-    plant = plant_of(motor, (before[0], like.plant) if like and before else None)
+    plant = plant_of(motor, (other, shared.plant) if other else None)
     if isinstance(law, MultiplierLaw) and plant["wave"]["led_gap"]:
         raise ValueError(
             f"{law.name} is rigid, and every mode that moves the tip towards the rotor is prescribed; a "
@@ -336,7 +341,9 @@ def prepared(
         )
     stepped = is_stepped(law, contact_step)
     # A step follows the fastest vibration, and none may be so short that it does not move the clock.
-    rate, most = resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
+    same = other and motor.modes is other.modes
+    vibrates_alike = same and np.array_equal(motor.drive.frequency, other.drive.frequency)
+    rate, most = shared.rate if vibrates_alike else resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(
             f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
@@ -344,7 +351,7 @@ def prepared(
         )
     if contact_step is None:
         contact_step = resolving_step(rate, duration)
-    propagator = _workspace.propagator(plant, contact_step, duration, stepped)
+    propagator = _workspace.propagator(plant, contact_step, duration, stepped, rate)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
     made = stepped, plant, propagator, bound, parameters, row, errors
     waveform = motor.drive.waveform
@@ -357,9 +364,8 @@ def prepared(
     numbers = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
     numbers = *numbers, *(plant[name] for name in ("tones", "geometry", "wave"))
     signature = signature_of(law, *numbers, parameters, waves, steps)
-    same = before and motor.modes is before[0].modes and motor.drive is before[0].drive
-    read = like.read if like and same else output_rows(motor)
-    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source)
+    read = shared.read if same and motor.drive is other.drive else output_rows(motor)
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source, rate)
 
 
 def signature_of(law: ContactLaw, *contents: Any) -> int:
@@ -367,7 +373,8 @@ def signature_of(law: ContactLaw, *contents: Any) -> int:
     names = ",".join(f"{each.__module__}.{each.__qualname__}" for each in classes_of(law))
     digest = sha256(names.encode())
     for content in contents:
-        digest.update(content.tobytes())
+        # As bytes: NumPy copies records field by field.
+        digest.update(np.ascontiguousarray(content).view(np.uint8).data)
     return int.from_bytes(digest.digest()[:8], "little", signed=True)
 
 

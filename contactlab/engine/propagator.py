@@ -126,20 +126,24 @@ class Workspace:
         self._key: tuple[object, ...] = ()
         self._propagator: Propagator = None
 
-    def propagator(self, plant: Plant, contact_step: float, duration: float, exact: bool) -> Propagator:
+    def propagator(
+        self, plant: Plant, contact_step: float, duration: float, exact: bool, rate: float | None = None
+    ) -> Propagator:
         """Return a ladder for a plant that has the contact step [s] as one of its levels.
 
         The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;
         after a release the steps start short enough for the fastest transient and double from there.
-        Steps in contact have that length at most, or `exact`ly.
+        Steps in contact have that length at most, or `exact`ly. The rate is that of `resolved_rate`, where it
+        is known.
         """
+        rate = resolved_rate(plant) if rate is None else rate
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
         # All lengths are one length halved: the responses to each are computed once, however often a contact
         # refines its steps.
-        doublings = floor(log2(resolving_step(resolved_rate(plant), duration) / contact_step))
+        doublings = floor(log2(resolving_step(rate, duration) / contact_step))
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
-        names = ["stiffness", "damping", "row_u", "row_th", "row_r", "led"]
-        modes = [plant.modes[name].tobytes() for name in names]
+        coordinates, names = plant.modes, ["stiffness", "damping", "row_u", "row_th", "row_r", "led"]
+        modes = [coordinates[name].tobytes() for name in names]
         waves = bool(plant.wave["electrodes"])
         # All that a response depends on. The amplitudes of the tones are none of it, so that a sweep of
         # voltages shares them.

@@ -1,5 +1,6 @@
 """Runs of a motor with a contact law: one with its trajectory, or many without records."""
 
+from collections import deque
 from collections.abc import Callable
 from dataclasses import InitVar, dataclass, field
 from functools import cached_property
@@ -27,6 +28,7 @@ from contactlab.engine.recorder import take_series
 from contactlab.engine.state import (
     BEFORE,
     BYTES,
+    CONTACT,
     COUNTS,
     NO_INSTANTS,
     PRESSED,
@@ -37,6 +39,7 @@ from contactlab.engine.state import (
     EndState,
     Run,
     State,
+    copy_of,
     state_from_value,
 )
 from contactlab.laws.base import FREE, ContactLaw
@@ -47,6 +50,9 @@ from contactlab.variables import EXTREMES, SUMS
 
 STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
+
+_last: deque["Simulator"] = deque(maxlen=1)
+"""That of the last call of `simulate`, with which the next one shares what is the same."""
 
 
 def simulate(
@@ -96,7 +102,8 @@ def simulate(
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    simulator = Simulator(motor, law, duration, contact_step, tolerance)
+    simulator = Simulator(motor, law, duration, contact_step, tolerance, _last[-1] if _last else None)
+    _last.append(simulator)
     return simulator.run(
         record_interval=record_interval,
         progress=progress,
@@ -178,7 +185,7 @@ class Simulator:
         else:
             check_start(start, run.plant, law)
             parted = _go_on(states, run, ready, start, record_interval)
-        earlier = state["contact_of_run"].copy()
+        earlier = states["contact_of_run"].copy()[0]
         for name in EXTREMES:
             state["contact_of_run"][name] = 0.0
         motions = np.stack([q, v])[None]
@@ -187,19 +194,20 @@ class Simulator:
         records = ready.records(intervals + 1, run, instants)
         ready.prepare_loop(run)
 
-        if progress is not None:
-            progress(0.0)
-        finished: list[Any] = [parted]
-        ends: list[Array] = [np.tile(memory_of(state, law), (parted.size, 1))]
+        tell = progress or (lambda _: None)
+        tell(0.0)
+        finished = [_table(parted)]
+        ends = [np.tile(memory_of(state, law), (parted.size, 1))]
+        contacts = _table(run.step["contacts"])
 
         def collect(kept: int) -> None:
             """Move all but the last finished contacts out of the run's storage."""
-            contacts, kept = run.step["contacts"], min(kept, state["contact_count"])
-            count = state["contact_count"] - kept
-            finished.append(contacts[:count].copy())
-            ends.append(records.ends[:count].copy())
-            contacts[:kept], records.ends[:kept] = contacts[count:][:kept], records.ends[count:][:kept]
-            state["contact_count"] = kept
+            kept = min(kept, state["contact_count"])
+            if count := state["contact_count"] - kept:
+                finished.append(contacts[:count].copy())
+                ends.append(records.ends[:count].copy())
+                contacts[:kept], records.ends[:kept] = contacts[count:][:kept], records.ends[count:][:kept]
+                state["contact_count"] = kept
 
         ending, message = Ending.COMPLETE, ""
         try:
@@ -207,15 +215,17 @@ class Simulator:
                 ready.advance(run, states, motions, records, STEPS_PER_CALL)
                 # What the last one has stored may be lost until the next.
                 collect(1)
-                if progress is not None:
-                    progress(float(state.time))
+                tell(float(state.time))
         except KeyboardInterrupt:
             ending, message = Ending.INTERRUPTED, f"Interrupted at {state.time:.6g} s."
         if state.ending != RUNNING:
             ending, message = ready.explain(run)
         collect(0)
-        cut = _cut_contact(state)
-        finished.append(cut)
+        # The contact that the end cuts, if it cuts one, has no separation.
+        cut = states["contact"][: int(state.phase == TOUCHING)].copy()
+        cut["separation_velocity"] = np.nan
+        cut["energy_loss"] -= state.spring_energy
+        finished.append(_table(cut))
         ends.append(memory_of(state, law)[None][: cut.size])
         time, series, contact_modes = take_series(run, records.series)
         series |= output_series(motor, time, records.outputs[: time.size])
@@ -223,9 +233,13 @@ class Simulator:
         series |= dict(zip(names, records.traces[: time.size].T.copy(), strict=True))
         if ending is Ending.COMPLETE:
             ending, message = balanced(run, series, contact_modes, contact_step)
-        rows, memory = np.concatenate(finished, dtype=cut.dtype), np.concatenate(ends).T
-        contacts = {variable.name: rows[variable.name].copy() for variable in contact_variables(law)}
-        part = _first_part(state, earlier, contacts)
+        columns = (
+            np.ascontiguousarray(np.concatenate(finished).T),
+            np.ascontiguousarray(np.concatenate(ends).T),
+        )
+        table = dict(zip(CONTACT.names or (), columns[0], strict=True))
+        table = {variable.name: table[variable.name] for variable in contact_variables(law)}
+        part = _first_part(state, earlier, table)
         return Trajectory(
             motor=motor,
             law=law,
@@ -235,7 +249,7 @@ class Simulator:
             time=time,
             series=series,
             contact_mode=contact_modes,
-            contacts=contacts | dict(zip(names, memory.copy(), strict=True)),
+            contacts=table | dict(zip(names, columns[1], strict=True)),
             statistics={name: int(state[name]) for name in COUNTS.split()},
             ending=ending,
             message=message,
@@ -307,12 +321,10 @@ def _go_on(states: Any, run: Run, ready: Prepared, start: State, interval: float
     return none
 
 
-def _cut_contact(state: Any) -> Any:
-    """Return the contact that the end of a run cuts, which has no separation; none, shape (0,), in flight."""
-    cut = state.contact.copy().reshape(1)
-    cut["separation_velocity"] = np.nan
-    cut["energy_loss"] -= state.spring_energy
-    return cut[: int(state.phase == TOUCHING)]
+def _table(contacts: Any) -> Array:
+    """Return records of contacts as numbers, shape (contact, variable), in their memory where it is whole."""
+    numbers: Array = np.ascontiguousarray(contacts).view(np.float64)
+    return numbers.reshape(-1, len(CONTACT.names or ()))
 
 
 def _first_part(state: Any, earlier: Any, contacts: dict[str, Array]) -> dict[str, float]:
@@ -335,23 +347,32 @@ def _state_to_go_on(run: Run, series: dict[str, Array], ending: Ending, cut: Any
 
     The contact that the end cut, if it cut one, is kept as it is there.
     """
-    state, modes = run.state, modes_of(run.plant)
-    q, v = modes["q"][:, START], modes["v"][:, START]
-    if not ending.reached_end:
-        state["end"] = state["time"]
-        run.step["saved"][0], modes["saved_q"], modes["saved_v"] = state, q, v
-    # What a run under another motor needs to know of this one.
-    state["gap"], state["root_inertia"] = contact_from(run.plant, q, v)[0], root_inertia(run.plant)
-    for name in ("normal_force", "friction_force", "energy_residual"):
-        if series[name].size:
-            state[name] = series[name][-1]
-    state["contact_of_run"]["start_time"] = np.nan
-    if cut.size:
-        state["contact_of_run"] = cut[0]
-    before = run.step["saved"][0]
-    for name in ("normal_force", "friction_force", "initial_energy", "end", "contact_of_run"):
-        before[name] = state[name]
-    return EndState((state, q, v), (before, modes["saved_q"], modes["saved_v"]))
+    plant, state, before = run.plant, copy_of(run.state), copy_of(run.step["saved"][0])
+    forces = {
+        name: series[name][-1]
+        for name in ("normal_force", "friction_force", "energy_residual")
+        if series[name].size
+    }
+
+    def parts() -> tuple[tuple[Any, Array, Array], tuple[Any, Array, Array]]:
+        modes = modes_of(plant)
+        q, v = modes["q"][:, START], modes["v"][:, START]
+        earlier, saved = before, (modes["saved_q"], modes["saved_v"])
+        if not ending.reached_end:
+            state["end"] = state["time"]
+            earlier, saved = copy_of(state), (q, v)
+        # What a run under another motor needs to know of this one.
+        state["gap"], state["root_inertia"] = contact_from(plant, q, v)[0], root_inertia(plant)
+        for name, value in forces.items():
+            state[name] = value
+        state["contact_of_run"]["start_time"] = np.nan
+        if cut.size:
+            state["contact_of_run"] = cut[0]
+        for name in ("normal_force", "friction_force", "initial_energy", "end", "contact_of_run"):
+            earlier[name] = state[name]
+        return (state, q, v), (earlier, *saved)
+
+    return EndState(parts)
 
 
 @final

@@ -5,7 +5,8 @@ be many small kernels that compile soon. What has a size of its own (modes, tone
 record, with room for more than most motors have, so that the code is the same for all of them.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
 from typing import Any, Final, NamedTuple, cast, final
 
 import numpy as np
@@ -90,7 +91,7 @@ def new_record(kind: np.dtype[Any], **values: object) -> Any:
 
 
 def copy_of(record: Any) -> Any:
-    """Return a copy of a record of `new_record`, byte by byte: NumPy copies its fields one by one."""
+    """Return a copy of the only record of an array, byte by byte: NumPy copies its fields one by one."""
     kind = record.dtype
     return np.frombuffer(bytearray(record.base.view(np.uint8)), kind)[0]
 
@@ -326,17 +327,29 @@ def state_as_value(state: Any, q: Array, v: Array) -> dict[str, Any]:
 
 @final
 class EndState(Mapping[str, Any]):
-    """State in which a run ended, see `State`; what is read of it is taken from its records then.
+    """State in which a run ended, see `State`; made when it is read first, and taken from records then.
 
     Args:
-        end, before: the state, q and v at the end, and at the start of the step that the end cut; copied.
+        parts: returns the state, q and v at the end, and at the start of the step that the end cut; copied.
     """
 
-    def __init__(self, end: tuple[Any, Array, Array], before: tuple[Any, Array, Array]) -> None:
-        self._parts = {
+    def __init__(
+        self, parts: Callable[[], tuple[tuple[Any, Array, Array], tuple[Any, Array, Array]]]
+    ) -> None:
+        self._make: Any = parts
+
+    @cached_property
+    def _parts(self) -> dict[str, tuple[Any, Array, Array]]:
+        parts = zip(("", BEFORE), self._make(), strict=True)
+        # What it was made from is large.
+        self._make = None
+        return {
             prefix: (state.view(BYTES).copy().view(LEAVES), q.copy(), v.copy())
-            for prefix, (state, q, v) in (("", end), (BEFORE, before))
+            for prefix, (state, q, v) in parts
         }
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_parts": self._parts, "_make": None}
 
     def record(self, prefix: str) -> tuple[Any, Array, Array]:
         """Return the state record, displacements and rates at the end, or BEFORE."""

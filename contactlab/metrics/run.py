@@ -24,6 +24,7 @@ from contactlab.laws.base import Damping, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.memory import Remembering
 from contactlab.laws.registry import PARTS, class_of
+from contactlab.motor import Drive
 from contactlab.quantity import UnitError, to_si
 from contactlab.results.files import damage
 from contactlab.results.netcdf import (
@@ -100,6 +101,7 @@ class Run:
     source: str = ""  # where it is from
     label: str = ""  # beside other runs
     lasting: tuple[str, ...] = ()  # columns of internal variables whose life is the run
+    drive: Drive | None = None  # of a run in memory, whose dataset has attributes
 
     @classmethod
     def of(cls, source: xarray.DataTree | Run) -> Run:
@@ -132,9 +134,9 @@ class Run:
             law=trajectory.law.name,
             law_parameters=trajectory.law.describe(),
             contact_step=trajectory.contact_step,
-            attributes={"drive_period": drive_period(trajectory.motor.drive)},
             sound=trajectory.ending.reached_end,
             lasting=trajectory.lasting,
+            drive=trajectory.motor.drive,
         )
 
     @cached_property
@@ -160,17 +162,20 @@ class Run:
         except (NotApplicableError, ZeroDivisionError):
             return 0.0
 
+    @cached_property
+    def _drive_period(self) -> float:
+        """Period after which all tones repeat themselves [s]; zero for none."""
+        return drive_period(self.drive) if self.drive else period_in(self.attributes, self.configuration)
+
     @property
     def periods(self) -> float:
         """Periods of the drive that the run lasts, not rounded [1]; one where it has none."""
-        period = period_in(self.attributes, self.configuration)
-        return self.gain("time") / period if period else 1.0
+        return self.gain("time") / self._drive_period if self._drive_period else 1.0
 
     @cached_property
     def settling(self) -> Settling:
         """Whether the motor has settled, and to what."""
-        period = period_in(self.attributes, self.configuration)
-        return settling_of(self.columns, self.rows, period, self.lasting)
+        return settling_of(self.columns, self.rows, self._drive_period, self.lasting)
 
     def holds(self, name: str) -> bool:
         """Return whether the root has this variable."""

@@ -45,7 +45,11 @@ class TwoMode(Checked):
 
     def drive(self) -> "Drive":
         """Return the drive; the frequency must be a number."""
-        return Drive.two_mode(**vars(self))
+        assert self.frequency is not None
+        first = -1j * self.voltage_1 * np.exp(1j * self.phase)
+        second = -1j * self.voltage_2
+        tones = np.array([self.frequency, self.frequency_ratio * self.frequency])
+        return Drive(tones, np.array([[first, second], [first, -second]], dtype=np.complex128))
 
 
 @final
@@ -127,15 +131,10 @@ class Drive(Immutable):
         if self.waveform is not None and (count := self.waveform.pieces.c.shape[2]) != electrodes:
             raise ValueError(f"The waveform has {count} electrodes; it must have {electrodes}, as the tones.")
 
-    @classmethod
+    @staticmethod
     @checked_arguments(voltage_1="V", voltage_2="V", frequency="Hz", frequency_ratio="1", phase="rad")
     def two_mode(
-        cls,
-        voltage_1: float,
-        voltage_2: float,
-        frequency: float,
-        frequency_ratio: float = 2.0,
-        phase: float = 0.0,
+        voltage_1: float, voltage_2: float, frequency: float, frequency_ratio: float = 2.0, phase: float = 0.0
     ) -> "Drive":
         """Return the paper's drive (eqs. 1 and 2), with w2 = frequency_ratio w1; see `TwoMode`.
 
@@ -145,11 +144,7 @@ class Drive(Immutable):
         >>> Drive.two_mode(100.0, 100.0, frequency=3210.0).frequency.tolist()
         [3210.0, 6420.0]
         """
-        TwoMode(voltage_1, voltage_2, frequency, frequency_ratio, phase)
-        first = -1j * voltage_1 * np.exp(1j * phase)
-        second = -1j * voltage_2
-        tones = np.array([frequency, frequency_ratio * frequency])
-        return cls(tones, np.array([[first, second], [first, -second]], dtype=np.complex128))
+        return TwoMode(voltage_1, voltage_2, frequency, frequency_ratio, phase).drive()
 
     @property
     def voltages(self) -> bool:

@@ -299,6 +299,8 @@ class Motor(Checked, Immutable):
         motion = np.zeros((2, modes.stiffness.size))
         if start is not None:
             motion[:] = start.displacement, start.velocity
+        if modes.prescribed is None:
+            return motion[0], motion[1]
         for order, values in enumerate(motion):
             path = modes.coupling @ drive.voltage(0.0, order) if drive.voltages else 0.0
             np.copyto(values, path, where=modes.is_prescribed)

@@ -31,7 +31,10 @@ def output_rows(motor: Motor) -> tuple[Array, NDArray[np.complex128]]:
     phasors = np.zeros((len(rows), 2, drive.frequency.size), np.complex128)
     if modes.capacitance is not None and drive.voltages:
         charge = (1.0 - 1j * modes.loss_tangent) * (modes.capacitance @ drive.phasors)
-        phasors[: len(electrodes)] = np.stack([charge, 1j * drive.angular_frequency * charge], axis=1)
+        phasors[: len(electrodes), 0], phasors[: len(electrodes), 1] = (
+            charge,
+            1j * drive.angular_frequency * charge,
+        )
     return np.array(rows).reshape(len(rows), modes.stiffness.size), phasors
 
 

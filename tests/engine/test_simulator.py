@@ -1,5 +1,6 @@
 """A simulator's runs are those of `simulate`, whatever ran before and whatever it shares with another."""
 
+import pickle
 from dataclasses import replace
 
 import numpy as np
@@ -78,6 +79,14 @@ def test_what_is_shared_with_another_simulator_changes_no_bit(
     assert shares.ready.plant.tobytes() == alone.ready.plant.tobytes()
     assert shares.ready.signature == alone.ready.signature
     assert content(shares.run(record_interval=1e-4)) == content(alone.run(record_interval=1e-4))
+
+
+def test_a_state_that_nobody_has_read_goes_through_pickle() -> None:
+    run = simulate(case_a(), HertzPenalty(), duration=DURATION, record_interval=DURATION)
+    copied = pickle.loads(pickle.dumps(run.state))
+    assert {name: np.asarray(x).tobytes() for name, x in copied.items()} == {
+        name: np.asarray(x).tobytes() for name, x in run.state.items()
+    }
 
 
 def test_another_law_than_that_of_the_simulator_shared_with_acts() -> None:

@@ -14,11 +14,12 @@ from support.command_line import Command
 from support.sweeps import METRICS_ALONE
 
 from contactlab.config import build
+from contactlab.config.nesting import with_key
 from contactlab.metrics import METRICS
 from contactlab.studies.run_state import Status
 from contactlab.studies.runner import TASKS
 from contactlab.studies.sweep.dataset import DATASET
-from contactlab.studies.sweep.plan import Outputs, with_key
+from contactlab.studies.sweep.plan import Outputs
 
 SHORT = "solver.duration=1 ms"
 HERE = (*METRICS_ALONE, SHORT, "hydra.sweep.dir=here")

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from itertools import product
 from math import ceil, prod
 from typing import TYPE_CHECKING, Any, Final, Literal, final
@@ -17,8 +18,9 @@ from contactlab.checks import read_json
 from contactlab.config import ConfigurationError, Setup, rebuild
 from contactlab.config.composition import options_of, with_references
 from contactlab.config.faults import faults_added, raise_faults
-from contactlab.config.nesting import Value
+from contactlab.config.nesting import Value, with_key
 from contactlab.config.schema import KEYS, declared_in
+from contactlab.config.variation import Variation
 from contactlab.laws import ContactLaw
 from contactlab.metrics import METRICS
 from contactlab.quantity import describe
@@ -215,17 +217,27 @@ class Plan:
         places = zip(self.axes, self.places(cell), strict=True)
         return {axis.key: axis.values[place] for axis, place in places}
 
+    def _of_base(self, cell: int) -> tuple[int, dict[str, Value]]:
+        """Return the number of a cell's base, and the value of each key that is no group."""
+        point = self.point(cell)
+        return self.choices.index(tuple(point.pop(group) for group in self.groups)), point
+
     def configuration(self, cell: int) -> Configuration:
         """Return the configuration of a cell."""
-        point = self.point(cell)
-        configuration = self.bases[self.choices.index(tuple(point.pop(group) for group in self.groups))]
+        base, point = self._of_base(cell)
+        configuration = self.bases[base]
         for key, value in point.items():
             configuration = with_key(configuration, key, value)
         return configuration
 
+    @cached_property
+    def _variations(self) -> list[Variation]:
+        return [Variation(base, _built) for base in self.bases]
+
     def setup_at(self, cell: int) -> Setup:
         """Build the setup of a cell; a ConfigurationError if its values together are faulty."""
-        return _built(self.configuration(cell))
+        base, point = self._of_base(cell)
+        return self._variations[base].setup(point)
 
     def study_at(self, cell: int) -> "Study":
         """Return the study that is put to the setup of a cell."""
@@ -277,11 +289,11 @@ def planned(
     if outputs.series and any(base["solver"].get("until") == STEADY for base in bases):
         raise ConfigurationError("solver.until is steady; series must be at the same times in every run.")
     values = {key: column for key, column in columns.items() if key not in groups}
-    trials = _trials(bases, values)
-    outputs = outputs.of_laws(setup.law for setup in _sound_setups(trials))
+    trials = [Variation(trial, _built) for trial in _trials(bases, values)]
+    outputs = outputs.of_laws(setup.law for setup in _sound_setups(trials, {}))
     declared = {}
     # Of groups alone too: a value that none of them admits is refused before anything is written.
-    sound = _sound(trials).configuration
+    sound = _sound(trials, {}).configuration
     if values:
         study = {"study": bases[0]["study"]} if "study" in bases[0] else {}
         declared = declared_in({**sound, **study}, WITH_STUDY if study else KEYS)
@@ -296,7 +308,7 @@ def planned(
                 numbers = [each for value in column for each in spread(key, value, units)]
                 for number in numbers:
                     with faults_added(faults):
-                        _sound([with_key(trial, key, number) for trial in trials])
+                        _sound(trials, {key: number})
         if not samples and len({*numbers}) < len(numbers):
             faults.append(f"{key} has a value twice; every value must occur once.")
         axes.append(Axis(key, tuple(numbers), units, meaning))
@@ -353,14 +365,6 @@ def full_keys(
     return full
 
 
-def with_key(configuration: Configuration, key: str, value: Value) -> Configuration:
-    """Return a configuration with another value of a key; sections without the key are shared."""
-    first, _, rest = key.partition(".")
-    below = configuration.get(first)
-    inner = below if isinstance(below, Mapping) else {}
-    return {**configuration, first: with_key(inner, rest, value) if rest else value}
-
-
 def _built(configuration: Configuration) -> Setup:
     """Build the setup of a cell, and check its study where it has one.
 
@@ -390,16 +394,16 @@ def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: O
             yield f"{key} is swept and series are kept; they must be at the same times in every run."
 
 
-def _sound(trials: Sequence[Configuration]) -> Setup:
-    """Build the first trial that is sound; where none is, raise the faults of the first."""
-    return next(_sound_setups(trials), None) or _built(trials[0])
+def _sound(trials: Sequence[Variation], point: Mapping[str, Value]) -> Setup:
+    """Build the first trial that is sound at a point; where none is, raise the faults of the first."""
+    return next(_sound_setups(trials, point), None) or trials[0].setup(point)
 
 
-def _sound_setups(trials: Iterable[Configuration]) -> Iterator[Setup]:
-    """Yield the setups of the trials that are sound."""
+def _sound_setups(trials: Iterable[Variation], point: Mapping[str, Value]) -> Iterator[Setup]:
+    """Yield the setups of the trials that are sound at a point."""
     for trial in trials:
         with suppress(ConfigurationError):
-            yield _built(trial)
+            yield trial.setup(point)
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:
