@@ -146,7 +146,9 @@ def settled(
         if jumps and len(samples) >= AVERAGED:
             with suppress(NotSettledError):
                 return _without_orbit(clock, run)
-        if orbit is None and not jumps:
+        # Newton's method fails at a jump from afar, too: it is not tried again while a jump may lie ahead.
+        later = not getattr(setup.law, "sticks", True) and 0 < done < AVERAGED
+        if orbit is None and not (jumps or later):
             clock, run = _at_section(clock, run)
             # Shoot from the motor's state at the section, for one period of the drive or for as many as a
             # long run shows the motion to have.
