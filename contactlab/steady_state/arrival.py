@@ -146,7 +146,9 @@ def settled(
         if jumps and len(samples) >= AVERAGED:
             with suppress(NotSettledError):
                 return _without_orbit(clock, run)
-        if orbit is None and not jumps:
+        # Newton's method fails at a jump from afar, too: it is not tried again while a jump may lie ahead.
+        later = not getattr(setup.law, "sticks", True) and 0 < done < AVERAGED
+        if orbit is None and not (jumps or later):
             clock, run = _at_section(clock, run)
             # Shoot from the motor's state at the section, for one period of the drive or for as many as a
             # long run shows the motion to have.
@@ -178,9 +180,12 @@ def settled(
             return Steady(setup, PERIODIC, count, run, None, done, clock.belt, phase=clock.phase)
         done = round(run.state["end"] / clock.period)
         # Look again when the linearised map may hold, or else after three times as long.
-        if done < longest:
-            run = _on(run, ceil(min(max(wait, done / 4), 2 * done, longest - done)))
-    return _long_run(clock, run, orbit, longest // 2)
+        more = ceil(min(max(wait, done / 4), 2 * done, longest - done))
+        run = _on(run, more) if more > 0 else run
+    # A rotor that still drifts to an orbit is taken to come to it; others have the means of another run.
+    if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
+        return _on_orbit(clock, orbit, done)
+    return _without_orbit(clock, _on(run, longest // 2))
 
 
 def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:
@@ -271,16 +276,6 @@ def _drifts_to(orbit: Orbit, z: Array) -> bool:
         if not (abs(there) < abs(here) and here * there > 0.0):
             return False
     return True
-
-
-def _long_run(clock: PeriodMap, run: Trajectory, orbit: Orbit | None, periods: int) -> Steady:
-    """Take the means of a motion that comes to no orbit, over another run.
-
-    A rotor that still drifts to an orbit is taken to come to it.
-    """
-    if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
-        return _on_orbit(clock, orbit, round(run.state["end"] / clock.period))
-    return _without_orbit(clock, _on(run, periods))
 
 
 def _without_orbit(clock: PeriodMap, run: Trajectory) -> Steady:
