@@ -24,7 +24,7 @@ from contactlab.engine.friction import (
 )
 from contactlab.engine.kinematics import add_collocated, checked, contact_at
 from contactlab.engine.memory import SLIP_ROUND_OFF, end_at, jump, missed_flow, open_step, recall_start
-from contactlab.engine.nodes import FIRST, mobility, open_nodes
+from contactlab.engine.nodes import FIRST, mobilities, open_nodes
 from contactlab.engine.plant import delassus
 from contactlab.engine.propagator import step_length
 from contactlab.engine.rootfinding import (
@@ -97,7 +97,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
     state.length = h
     # -f_v dv/dF of eq. 3.9: above one sweeps diverge, and a small error of the force is a large one of the
     # slip.
-    stiffness = known.steepness * mobility(run, level, FIRST, FIRST)
+    stiffness = known.steepness * mobilities(run, level, FIRST)[FIRST]
     sweeps = iterate(run, law, level, known, stretch, stiffness)
     state.accepted_length = 0.0
     state.sweeps += sweeps
@@ -120,7 +120,7 @@ def attempt(run: Run, law: Law, level: int, known: Known) -> float:
         error = max(error, abs(state.friction.coefficient[0] - known.friction) / (1.0 + stiffness))
         # Eq. 3.11: the law is evaluated half-way between the nodes too, where a kink of a variable's rate
         # shows.
-        flows, yielding = depends or state.mode == STICK, mobility(run, level, FIRST, FIRST)
+        flows, yielding = depends or state.mode == STICK, mobilities(run, level, FIRST)[FIRST]
         error = missed_between(run, law, flows, yielding, error, allowed / h)
         if depends and error <= allowed / h:
             error = missed_past_limits(run, law, known.normal, error)
@@ -173,7 +173,7 @@ def _highest_coefficient(run: Run, level: int) -> float:
     # is its derivative over the mobility, with the highest coefficient -NODES v_0/prod_i c_i.
     slip, yielding = contact_at(run.plant, START)[2], 0.0
     for m in range(NODES):
-        yielding += mobility(run, level, LAST, m)
+        yielding += mobilities(run, level, m)[LAST]
     return highest + NODES * NODE_PRODUCT * slip / yielding
 
 

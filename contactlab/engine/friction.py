@@ -27,7 +27,7 @@ from contactlab.engine.memory import (
     recall,
     recall_start,
 )
-from contactlab.engine.nodes import mobility, push_nodes, solve_linear
+from contactlab.engine.nodes import mobilities, push_nodes, solve_linear
 from contactlab.engine.propagator import step_length
 from contactlab.engine.state import HEAD, NODES, START, Law, Run, value_at
 from contactlab.laws.base import ELASTOPLASTIC, SLIP
@@ -220,18 +220,20 @@ def correct_friction(
     size, noise, flowed, most = abs(state.memory[0]), 0.0, 0.0, 0.0
     h, system, derivative = state.length, step.system, run.propagator.rule.derivative
     right = NODES if holds else 2 * NODES
+    for m in range(NODES):
+        answers = mobilities(run, level, m)
+        for i in range(NODES):
+            system[i, m] = answers[i]
     for i in range(NODES):
         if holds:
             # Eq. 3.7: friction that ends the slip at every node.
-            for m in range(NODES):
-                system[i, m] = mobility(run, level, i, m)
             system[i, right] = kept - step.slip[i]
             continue
         # Eq. 3.9: the law's friction and the rate of its variable, both at once.
         f, g, f_v, f_z, g_v, g_z = _derivatives(run, law, i, least)
         noise = max(noise, h * abs(g_v) * SLIP_ROUND_OFF)
         for m in range(NODES):
-            s = mobility(run, level, i, m)
+            s = system[i, m]
             same = 1.0 if m == i else 0.0
             system[i, m] = same - f_v * s
             system[i, NODES + m] = -f_z * same

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import load, store
+from contactlab.compiler.lanes import Lanes, load, store
 from contactlab.engine.kinematics import free_response, tip_motions
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, Run, fit
@@ -100,16 +100,14 @@ def push_nodes(run: Run) -> None:
 
 
 @inner_kernel
-def mobility(run: Run, level: int, i: int, m: int) -> float:
-    """Return d slip_i / d friction_m [m/s/N] (eq. 3.7)."""
+def mobilities(run: Run, level: int, m: int) -> Lanes:
+    """Return d slip_i / d friction_m [m/s/N] of all nodes i (eq. 3.7)."""
     step, tip_v = run.step, run.propagator.levels[level].tip_v
-    t_u, t_th = step.t_u[i], step.t_th[i]
     s_u, s_th = step.t_u[m], step.t_th[m]
-    return float(
-        t_u * (tip_v[0, m, i] * s_u + tip_v[1, m, i] * s_th)
-        + t_th * (tip_v[1, m, i] * s_u + tip_v[2, m, i] * s_th)
-        + tip_v[3, m, i]
-    )
+    uu, mixed, thth = load(tip_v[0, m]), load(tip_v[1, m]), load(tip_v[2, m])
+    by_u, by_th = uu * s_u + mixed * s_th, mixed * s_u + thth * s_th
+    answered: Lanes = load(step.t_u) * by_u + load(step.t_th) * by_th + load(tip_v[3, m])
+    return answered
 
 
 @part_kernel

@@ -20,8 +20,9 @@ from contactlab.engine.oscillator import impulse_integrals, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
 
-RESOLUTION = 1.0
-"""Longest step times the fastest rate that persists in flight."""
+RESOLUTION = 0.5
+"""Longest step times the fastest rate that persists in flight: of a power that turns twice as fast the
+quadrature of the ledger misses at most 1.7e-11, see docs/theory/flight.md."""
 
 LEVELS, MOST_LEVELS = 44, 84
 """Levels of a ladder, if its contact step leaves the room below, and the most: OUTLASTING over the smallest

@@ -54,6 +54,8 @@ def event_value(run: Run, law: Law, s: float, event: int) -> float:
     gap, rate, slip, _, _, _, _ = contact_after(run, s)
     if event == SUMMIT:
         return rate
+    if event == TOUCH:
+        return float(gap - limit_at(run, law, law.memory, s, (gap, rate, slip))[0])
     memory_at(run, law, law.memory, s)
     end = end_at(run, law, law.memory, rate)
     if event == RELEASE:
@@ -120,8 +122,11 @@ def locate_gap(
 
     An instant is time [s], gap over that of the event [m] and its rate [m/s]. The time is that of gap zero on
     the inverse cubic through both; the new instant takes the place of the one with its sign. It ends where
-    what a last Newton step leaves is at most `digit` [m], or no digit of the time.
+    what a last Newton step leaves is at most `digit` [m], or no digit of the time. A law with limits of its
+    own, which may depend on the gap rate, has no such rate.
     """
+    if run.state.law.has_limits != 0:
+        return locate(run, law, event, left[0], right[0], digit)
     a, gap_a, rate_a = left
     b, gap_b, rate_b = right
     if gap_a == 0.0 or gap_a * gap_b > 0.0:
@@ -138,13 +143,7 @@ def locate_gap(
         # the rates are.
         if not a < s < b or count % 4 == 3:
             s = 0.5 * (a + b)
-        gap, rate, slip, _, _, _, _ = contact_after(run, s)
-        if event == TOUCH:
-            limit, limit_rate = limit_at(run, law, law.memory, s, (gap, rate, slip))
-            gap, rate = gap - limit, rate - limit_rate
-        else:
-            memory_at(run, law, law.memory, s)
-            gap -= end_at(run, law, law.memory, rate)
+        gap, rate, _, _, _, _, _ = contact_after(run, s)
         newton = -gap / rate if rate != 0.0 else h
         # The gap that a Newton step leaves, by the curvature between the ends.
         left_over = 0.5 * abs((rate_b - rate_a) / h) * newton * newton

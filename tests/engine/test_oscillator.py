@@ -11,7 +11,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
 
-from contactlab.engine.oscillator import impulse_integrals
+from contactlab.compiler.kernels import kernel
+from contactlab.compiler.lanes import COUNT, load
+from contactlab.engine.oscillator import impulse_integrals, integrals_of_several
 
 Array = np.ndarray
 
@@ -116,3 +118,22 @@ def test_random_oscillators_are_the_closed_form(k: float, c: float, s: float) ->
         s = SERIES_REACH / (c + sqrt(k))
     error = np.abs(integrals(k, c, s) - exact(k, c, s))
     assert np.all(error <= 5e-15 * (10.0 + (c + sqrt(k)) * s) * scales(k, s))
+
+
+@kernel
+def _of_several(k, c, s, top, out):  # type: ignore[no-untyped-def]
+    integrals_of_several(load(k), load(c), s, top, out)
+
+
+@settings(deadline=None)
+@given(st.lists(st.tuples(stiffness, damping), min_size=COUNT, max_size=COUNT), time)
+def test_oscillators_in_lanes_are_the_closed_form_each(pairs: list[tuple[float, float]], s: float) -> None:
+    k, c = np.array(pairs).T
+    fastest = (c + np.sqrt(k)).max()
+    s = min(s, SERIES_REACH / fastest) if fastest > 0.0 else s
+    out = np.zeros((TOP + 2, COUNT))
+    _of_several(k, c, s, TOP, out)
+    for i in range(COUNT):
+        # All are doubled as often as the fastest needs it.
+        allowed = 5e-15 * (10.0 + fastest * s) * scales(k[i], s)
+        assert np.all(np.abs(out[:, i] - exact(k[i], c[i], s)) <= allowed)
