@@ -62,6 +62,7 @@ class Kernel:
         made: Any = fleeting_kernel(self.py_func, **pipeline, **self.targetoptions)
         if self._inner and whole:
             whole.inner[self.py_func] = made
+            whole.ignore_literals(made)
         elif not self._inner and is_own(self.py_func):
             _keep_in(code_folder(), made)
         return made

@@ -13,12 +13,36 @@ from collections.abc import Callable
 from typing import Any, ClassVar, cast
 
 from numba import njit
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.funcdesc import default_mangler
+from numba.core.typed_passes import (
+    InlineOverloads,
+    IRLegalization,
+    NativeLowering,
+    NopythonTypeInference,
+    NoPythonBackend,
+    PreLowerStripPhis,
+)
+from numba.core.types import unliteral
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    GenericRewrites,
+    IRProcessing,
+    ReconstructSSA,
+    RewriteSemanticConstants,
+    TranslateByteCode,
+)
 
 inner: dict[Callable[..., object], Any] = {}
 """Inner kernels by the functions that they are made from."""
+
+
+def ignore_literals(kernel: Any) -> None:
+    """Let an inner kernel be compiled once for all values of a number, not again for each literal."""
+    template = kernel.get_call_template
+    kernel.get_call_template = lambda arguments, named: template(tuple(map(unliteral, arguments)), named)
 
 
 class Unit:
@@ -67,16 +91,41 @@ class PartCompiler(CompilerBase):
         """Return the only one."""
         if not Unit.open:
             return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        # Within a unit the number of a function tells it from others.
+        self.state.targetctx.mangler = _short_name
         return [_pipeline(self.state, _JoinUnit)]
 
 
 def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
-    """Return the compiler's own passes, which write into the open unit, and one that makes a way in."""
-    state.library, state.flags.no_compile = Unit.open[-1].library, True
-    passes: PassManager = DefaultPassBuilder.define_nopython_pipeline(state)
-    passes.add_pass_after(last, NativeLowering)
+    """Return the compiler's own passes, which write into the open unit, and one that makes a way in.
+
+    Passes for closures, `with` statements, array expressions and parallel loops are left out: kernels have none.
+    """
+    state.library, state.flags = Unit.open[-1].library, _Flags(state.flags)
+    state.flags.no_compile = True
+    passes: Any = PassManager("unit")
+    for each in (
+        *(TranslateByteCode, FixupArgs, IRProcessing, RewriteSemanticConstants, DeadBranchPrune),
+        *(GenericRewrites, ReconstructSSA, NopythonTypeInference, PreLowerStripPhis, InlineOverloads),
+        *(IRLegalization, NativeLowering, last, NoPythonBackend),
+    ):
+        passes.add_pass(each, each.__name__)
     passes.finalize()
-    return passes
+    return cast(PassManager, passes)
+
+
+class _Flags(Flags):
+    """Options of the compiler, compared by those that are set: they are in every key of its own caches."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Flags) and self._values == other._values
+
+    __hash__ = Flags.__hash__
+
+
+def _short_name(name: str, _: Any, **rest: Any) -> str:
+    """Return a name without the types of the arguments, which are records of hundreds of fields."""
+    return cast(str, default_mangler(name, (), **rest))
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)
