@@ -89,6 +89,11 @@ def kernel(function: Function, **options: Any) -> Function:
     return function if INTERPRETED else cast(Function, Kernel(function, options, inner=False))
 
 
+def unit_kernel(function: Function) -> Function:
+    """Make a kernel that kernels alone call, by its address, see `contactlab.compiler.ahead`."""
+    return kernel(function, no_cpython_wrapper=True)
+
+
 def inner_kernel(function: Function, **options: Any) -> Function:
     """Make a kernel whose machine code only kernels call, with whose code it is kept.
 

@@ -20,8 +20,8 @@ from numba.core.typed_passes import (
     InlineOverloads,
     IRLegalization,
     NativeLowering,
-    NopythonTypeInference,
     NoPythonBackend,
+    NopythonTypeInference,
     PreLowerStripPhis,
 )
 from numba.core.types import unliteral
@@ -61,7 +61,25 @@ class Unit:
         return [(each, key, each.overloads.pop(key)) for each, key in self.parts if key in each.overloads]
 
 
-class WholeCompiler(CompilerBase):
+class _Flags(Flags):
+    """Options of the compiler, compared by those that are set: they are in every key of its own caches."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Flags) and self._values == other._values
+
+    __hash__ = Flags.__hash__
+
+
+class _Compiler(CompilerBase):
+    """Compiles with options that are soon compared."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function."""
+        self.state.flags = _Flags(self.state.flags)  # type: ignore[no-untyped-call]
+        return super().compile_extra(function)  # type: ignore[no-untyped-call]
+
+
+class WholeCompiler(_Compiler):
     """Compiles a kernel as a unit."""
 
     def define_pipelines(self) -> list[PassManager]:
@@ -75,7 +93,7 @@ class WholeCompiler(CompilerBase):
         unit, hidden = Unit(library), Unit.open[-1].take_parts() if Unit.open else []
         Unit.open.append(unit)
         try:
-            return super().compile_extra(function)  # type: ignore[no-untyped-call]
+            return super().compile_extra(function)
         finally:
             Unit.open.pop()
             for _, _, code in unit.take_parts():
@@ -84,7 +102,7 @@ class WholeCompiler(CompilerBase):
                 part.overloads[key] = code
 
 
-class PartCompiler(CompilerBase):
+class PartCompiler(_Compiler):
     """Compiles an inner kernel into the unit that is open, or by itself where none is."""
 
     def define_pipelines(self) -> list[PassManager]:
@@ -99,10 +117,10 @@ class PartCompiler(CompilerBase):
 def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
     """Return the compiler's own passes, which write into the open unit, and one that makes a way in.
 
-    Passes for closures, `with` statements, array expressions and parallel loops are left out: kernels have none.
+    Those for closures, `with` statements, array expressions and parallel loops are left out: kernels have
+    none.
     """
-    state.library, state.flags = Unit.open[-1].library, _Flags(state.flags)
-    state.flags.no_compile = True
+    state.library, state.flags.no_compile = Unit.open[-1].library, True
     passes: Any = PassManager("unit")
     for each in (
         *(TranslateByteCode, FixupArgs, IRProcessing, RewriteSemanticConstants, DeadBranchPrune),
@@ -112,15 +130,6 @@ def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
         passes.add_pass(each, each.__name__)
     passes.finalize()
     return cast(PassManager, passes)
-
-
-class _Flags(Flags):
-    """Options of the compiler, compared by those that are set: they are in every key of its own caches."""
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Flags) and self._values == other._values
-
-    __hash__ = Flags.__hash__
 
 
 def _short_name(name: str, _: Any, **rest: Any) -> str:

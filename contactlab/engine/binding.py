@@ -34,6 +34,7 @@ from numba import types
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
+from contactlab.compiler.ahead import Signature
 from contactlab.compiler.kernels import INTERPRETED, fleeting_kernel, generated_kernel, remade
 from contactlab.engine.state import HEAD, SPEED
 from contactlab.foreign import compiled_constants, is_own
@@ -122,7 +123,7 @@ SIGNATURES: Final = {
 }
 """Signatures of the bound kernels by name, in the order in which the loop takes them."""
 
-LIMITS, FORCE, FRICTION, IMPACT = map(list(SIGNATURES).index, ("limits", "force", "friction_force", "impact"))
+LIMITS, FORCE, FRICTION = map(list(SIGNATURES).index, ("limits", "force", "friction_force"))
 
 _STATE: Final = "gap, gap_rate, slip, normal"
 _ARGUMENTS: Final = {
@@ -160,8 +161,7 @@ class Bound(NamedTuple):
     """A law's bound kernels.
 
     Args:
-        kernels: in the order of `SIGNATURES`; None for `impact` and `bound` of a compliant law, and for
-            all kernels that few laws have of a plain law.
+        kernels: in the order of `SIGNATURES`; None for all kernels that few laws have of a plain law.
         callbacks: functions that the Python interpreter runs in place of some of them.
         plain: whether it has no rates, guards, jumps and limits.
     """
@@ -462,7 +462,7 @@ def _bound(shape: _Shape) -> Bound:
     kernels: list[Any] = []
     callbacks: list[Callback] = []
     for name, signature in SIGNATURES.items():
-        if (name in ("impact", "bound") and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
+        if plain and name in _OF_FEW:
             kernels.append(None)
             continue
         kernel, callback = _compiled(name, *sources[name], kinds, owners, signature)
@@ -522,10 +522,7 @@ def _kept(name: str, source: str, signature: Any) -> Any:
     kernel = generated_kernel(name, source)
     _compile(kernel, signature)
     # By its address, which is looked up in every call of the loop otherwise. Its own kernels raise nothing.
-    made: Any = types.CompileResultWAP(kernel.get_compile_result(signature))
-    # Its type, which every call would make anew.
-    made._numba_type_ = types.FunctionType(signature)
-    return made
+    return Signature(kernel, signature).code
 
 
 @lru_cache(maxsize=512)
