@@ -109,8 +109,9 @@ class PartCompiler(_Compiler):
         """Return the only one."""
         if not Unit.open:
             return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
-        # Within a unit the number of a function tells it from others.
-        self.state.targetctx.mangler = _short_name
+        # Without the types of the arguments, records of hundreds of fields: within a unit the number of a
+        # function tells it from others.
+        self.state.targetctx.mangler = lambda name, _, **rest: default_mangler(name, (), **rest)
         return [_pipeline(self.state, _JoinUnit)]
 
 
@@ -130,11 +131,6 @@ def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
         passes.add_pass(each, each.__name__)
     passes.finalize()
     return cast(PassManager, passes)
-
-
-def _short_name(name: str, _: Any, **rest: Any) -> str:
-    """Return a name without the types of the arguments, which are records of hundreds of fields."""
-    return cast(str, default_mangler(name, (), **rest))
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)

@@ -138,15 +138,15 @@ class EngineUnit(NamedTuple):
     seconds_with_variables: float
 
 
-RUNS: Final = EngineUnit(run_loop, "runs", 10.0, 13.0)
+RUNS: Final = EngineUnit(run_loop, "runs", 9.0, 12.0)
 CONTACTS: Final = {
-    True: EngineUnit(contact_compliant, "compliant contacts", 9.0, 12.0),
-    False: EngineUnit(contact_rigid, "rigid contacts", 9.0, 12.0),
+    True: EngineUnit(contact_compliant, "compliant contacts", 8.0, 11.0),
+    False: EngineUnit(contact_rigid, "rigid contacts", 8.0, 11.0),
 }
 """Steps in contact by whether a law is compliant."""
 
 IMPACTS: Final = {
-    True: EngineUnit(impacts_compliant, "impacts under compliant laws", 2.0, 2.0),
+    True: EngineUnit(impacts_compliant, "impacts under compliant laws", 1.0, 1.0),
     False: EngineUnit(impacts_rigid, "impacts under rigid laws", 1.0, 1.0),
 }
 """Impacts by whether a law is compliant."""
