@@ -176,14 +176,14 @@ print(*made.functions, coulomb(3.0, 0.25), *hertz_elastic(2.0, 0.5))
 
 @pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
 def test_what_another_process_compiles_is_loaded_and_the_same(tmp_path: Path) -> None:
-    words = []
+    outputs = []
     for count in (1, 2):
         environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / str(count))}
         line = [sys.executable, "-c", AT_ONCE, str(count)]
         done = subprocess.run(line, capture_output=True, text=True, check=True, env=environment)
-        words.append(done.stdout.split())
-    assert ["coulomb" in each for each in words] == [True, False]
-    assert words[0][-5:] == words[1][-5:]
+        outputs.append(done.stdout.split())
+    assert ["coulomb" in each for each in outputs] == [True, False]
+    assert outputs[0][-5:] == outputs[1][-5:]
 
 
 WITHOUT_UNITS = {
