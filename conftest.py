@@ -42,8 +42,8 @@ LONGEST = (
 )
 """Modules of tens of seconds: they run first, so that no worker has one left where the others have ended."""
 
-COMPILATIONS = ("archard", "lagrange_stick"), ("hertz_penalty", "lagrange_ageing")
-"""Laws whose runs and impacts compile all loops of the engine, about as long in each of two processes."""
+COMPILATIONS = ("archard", "lagrange_ageing"), ("hertz_penalty", "lagrange_stick")
+"""Laws whose runs and impacts compile all units of the engine, by processes that have none in common."""
 
 COMPILATION = """
 import sys
@@ -56,7 +56,7 @@ for name in sys.argv[1:]:
     simulate(block(1.0), LAWS[name](), duration=1e-4, record_interval=1e-4)
     velocities_after(LAWS[name](), [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
 """
-"""Compiles loops of the engine, or loads their code."""
+"""Compiles units of the engine, or loads their code."""
 
 
 def pytest_configure() -> None:

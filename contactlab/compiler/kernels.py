@@ -62,6 +62,7 @@ class Kernel:
         made: Any = fleeting_kernel(self.py_func, **pipeline, **self.targetoptions)
         if self._inner and whole:
             whole.inner[self.py_func] = made
+            whole.ignore_literals(made)
         elif not self._inner and is_own(self.py_func):
             _keep_in(code_folder(), made)
         return made
@@ -86,6 +87,11 @@ def kernel(function: Function, **options: Any) -> Function:
     run meanwhile, so that one can end the process where a law's code does not return.
     """
     return function if INTERPRETED else cast(Function, Kernel(function, options, inner=False))
+
+
+def unit_kernel(function: Function) -> Function:
+    """Make a kernel that kernels alone call, by its address, see `contactlab.compiler.ahead`."""
+    return kernel(function, no_cpython_wrapper=True)
 
 
 def inner_kernel(function: Function, **options: Any) -> Function:

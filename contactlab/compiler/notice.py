@@ -75,7 +75,7 @@ class Compiled(event.Listener):
         """Print how long it took."""
         if self._bar is not None:
             self._bar.close()
-            _say(f"compiled {len(self.functions)} functions in {self._elapsed:.0f} s.")
+            _say(f"compiled in {self._elapsed:.0f} s.")
 
     @property
     def _elapsed(self) -> float:

@@ -13,12 +13,36 @@ from collections.abc import Callable
 from typing import Any, ClassVar, cast
 
 from numba import njit
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
+from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_machinery import LoweringPass, PassManager, register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.funcdesc import default_mangler
+from numba.core.typed_passes import (
+    InlineOverloads,
+    IRLegalization,
+    NativeLowering,
+    NoPythonBackend,
+    NopythonTypeInference,
+    PreLowerStripPhis,
+)
+from numba.core.types import unliteral
+from numba.core.untyped_passes import (
+    DeadBranchPrune,
+    FixupArgs,
+    GenericRewrites,
+    IRProcessing,
+    ReconstructSSA,
+    RewriteSemanticConstants,
+    TranslateByteCode,
+)
 
 inner: dict[Callable[..., object], Any] = {}
 """Inner kernels by the functions that they are made from."""
+
+
+def ignore_literals(kernel: Any) -> None:
+    """Let an inner kernel be compiled once for all values of a number, not again for each literal."""
+    template = kernel.get_call_template
+    kernel.get_call_template = lambda arguments, named: template(tuple(map(unliteral, arguments)), named)
 
 
 class Unit:
@@ -37,7 +61,25 @@ class Unit:
         return [(each, key, each.overloads.pop(key)) for each, key in self.parts if key in each.overloads]
 
 
-class WholeCompiler(CompilerBase):
+class _Flags(Flags):
+    """Options of the compiler, compared by those that are set: they are in every key of its own caches."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Flags) and self._values == other._values
+
+    __hash__ = Flags.__hash__
+
+
+class _Compiler(CompilerBase):
+    """Compiles with options that are soon compared."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile a function."""
+        self.state.flags = _Flags(self.state.flags)  # type: ignore[no-untyped-call]
+        return super().compile_extra(function)  # type: ignore[no-untyped-call]
+
+
+class WholeCompiler(_Compiler):
     """Compiles a kernel as a unit."""
 
     def define_pipelines(self) -> list[PassManager]:
@@ -51,7 +93,7 @@ class WholeCompiler(CompilerBase):
         unit, hidden = Unit(library), Unit.open[-1].take_parts() if Unit.open else []
         Unit.open.append(unit)
         try:
-            return super().compile_extra(function)  # type: ignore[no-untyped-call]
+            return super().compile_extra(function)
         finally:
             Unit.open.pop()
             for _, _, code in unit.take_parts():
@@ -60,23 +102,35 @@ class WholeCompiler(CompilerBase):
                 part.overloads[key] = code
 
 
-class PartCompiler(CompilerBase):
+class PartCompiler(_Compiler):
     """Compiles an inner kernel into the unit that is open, or by itself where none is."""
 
     def define_pipelines(self) -> list[PassManager]:
         """Return the only one."""
         if not Unit.open:
             return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
+        # Without the types of the arguments, records of hundreds of fields: within a unit the number of a
+        # function tells it from others.
+        self.state.targetctx.mangler = lambda name, _, **rest: default_mangler(name, (), **rest)
         return [_pipeline(self.state, _JoinUnit)]
 
 
 def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
-    """Return the compiler's own passes, which write into the open unit, and one that makes a way in."""
+    """Return the compiler's own passes, which write into the open unit, and one that makes a way in.
+
+    Those for closures, `with` statements, array expressions and parallel loops are left out: kernels have
+    none.
+    """
     state.library, state.flags.no_compile = Unit.open[-1].library, True
-    passes: PassManager = DefaultPassBuilder.define_nopython_pipeline(state)
-    passes.add_pass_after(last, NativeLowering)
+    passes: Any = PassManager("unit")
+    for each in (
+        *(TranslateByteCode, FixupArgs, IRProcessing, RewriteSemanticConstants, DeadBranchPrune),
+        *(GenericRewrites, ReconstructSSA, NopythonTypeInference, PreLowerStripPhis, InlineOverloads),
+        *(IRLegalization, NativeLowering, last, NoPythonBackend),
+    ):
+        passes.add_pass(each, each.__name__)
     passes.finalize()
-    return passes
+    return cast(PassManager, passes)
 
 
 @register_pass(mutates_CFG=False, analysis_only=False)

@@ -34,6 +34,7 @@ from numba import types
 
 from contactlab.arrays import Array
 from contactlab.checks import shown
+from contactlab.compiler.ahead import Signature
 from contactlab.compiler.kernels import INTERPRETED, fleeting_kernel, generated_kernel, remade
 from contactlab.engine.state import HEAD, NODES, SPEED, STEP
 from contactlab.foreign import compiled_constants, is_own
@@ -120,13 +121,14 @@ SIGNATURES: Final = {
     "jump": _real(_whole, _whole, *_state, _row),
     "limits": types.UniTuple(_real, 2)(_real, _row),
 }
-"""Signatures of the bound kernels by name, in the order in which the loop takes them."""
+"""Signatures of the bound kernels by name."""
 
 
 @cache
-def at_nodes_signature() -> Any:
-    """Return the signature of the kernel that evaluates the force at all nodes, `Bound.at_nodes`."""
-    return types.void(numba.from_dtype(STEP), _real, types.Array(_real, 1, "C"), _row)
+def signatures_of_loop() -> tuple[Any, ...]:
+    """Return the signatures of what the loops take of a law, `Bound.of_loop`."""
+    at_nodes = types.void(numba.from_dtype(STEP), _real, types.Array(_real, 1, "C"), _row)
+    return at_nodes, *SIGNATURES.values()
 
 
 _AT_NODES: Final = """
@@ -149,7 +151,10 @@ def at_nodes(step, impact_speed, row, parameters):
 """
 """Source of the kernel that evaluates the force at all nodes; row and parameters are the same memory."""
 
-LIMITS, FORCE, FRICTION, IMPACT = map(list(SIGNATURES).index, ("limits", "force", "friction_force", "impact"))
+_AS_PART: Final = "from contactlab.compiler.kernels import inner_kernel\n\n\n@inner_kernel\n"
+"""What makes the kernel of a force that follows part of that at all nodes."""
+
+LIMITS, FORCE, FRICTION = map(list(SIGNATURES).index, ("limits", "force", "friction_force"))
 
 _STATE: Final = "gap, gap_rate, slip, normal"
 _ARGUMENTS: Final = {
@@ -187,18 +192,22 @@ class Bound(NamedTuple):
     """A law's bound kernels.
 
     Args:
-        kernels: in the order of `SIGNATURES`; None for `impact` and `bound` of a compliant law, and for
-            all kernels that few laws have of a plain law.
+        kernels: in the order of `SIGNATURES`; None for all kernels that few laws have of a plain law.
         callbacks: functions that the Python interpreter runs in place of some of them.
         plain: whether it has no rates, guards, jumps and limits.
-        at_nodes: evaluates the force of a compliant law at all nodes of a step, each with the internal
-            variables there, in one call; None of a rigid law.
+        at_nodes: evaluates the force at all nodes of a step, each with the internal variables there, in one
+            call.
     """
 
     kernels: tuple[Any, ...]
     callbacks: tuple[Callback, ...]
     plain: bool
     at_nodes: Any
+
+    @property
+    def of_loop(self) -> tuple[Any, ...]:
+        """What the loops take of a law."""
+        return self.at_nodes, *self.kernels
 
 
 def row_of(law: ContactLaw) -> Array:
@@ -492,27 +501,21 @@ def _bound(shape: _Shape) -> Bound:
     kernels: list[Any] = []
     callbacks: list[Callback] = []
     for name, signature in SIGNATURES.items():
-        if (name in ("impact", "bound") and isinstance(law, PenaltyLaw)) or (plain and name in _OF_FEW):
+        if plain and name in _OF_FEW:
             kernels.append(None)
             continue
         kernel, callback = _compiled(name, *sources[name], kinds, owners, signature)
         kernels.append(kernel)
         callbacks += [callback] if callback else []
-    at_nodes: Any = None
-    if isinstance(law, PenaltyLaw):
-        variables = len(law.internal_variables)
-        over = _AT_NODES.format(nodes=NODES, head=HEAD, variables=variables)
-        source, used = sources["force"]
-        # Around a law that the Python interpreter runs stands its compiled stand-in.
-        if any(name == "force" for name, _ in callbacks):
-            at_nodes = _session("at_nodes", over, (("force", kernels[FORCE]),), at_nodes_signature())
-        else:
-            whole = f"{_INNER}\n\n\n@inner_kernel\n{source}\n{over}"
-            at_nodes, _ = _compiled("at_nodes", whole, used, kinds, owners, at_nodes_signature())
+    over = _AT_NODES.format(nodes=NODES, head=HEAD, variables=len(law.internal_variables))
+    source, used = sources["force"]
+    # Around a law that the Python interpreter runs stands its compiled stand-in.
+    if any(name == "force" for name, _ in callbacks):
+        at_nodes = _session("at_nodes", over, (("force", kernels[FORCE]),), signatures_of_loop()[0])
+    else:
+        whole = f"{_AS_PART}{source}\n{over}"
+        at_nodes, _ = _compiled("at_nodes", whole, used, kinds, owners, signatures_of_loop()[0])
     return Bound(tuple(kernels), tuple(callbacks), plain, at_nodes)
-
-
-_INNER: Final = "from contactlab.compiler.kernels import inner_kernel"
 
 
 _bound_own = lru_cache(maxsize=256)(_bound)
@@ -566,10 +569,7 @@ def _kept(name: str, source: str, signature: Any) -> Any:
     kernel = generated_kernel(name, source)
     _compile(kernel, signature)
     # By its address, which is looked up in every call of the loop otherwise. Its own kernels raise nothing.
-    made: Any = types.CompileResultWAP(kernel.get_compile_result(signature))
-    # Its type, which every call would make anew.
-    made._numba_type_ = types.FunctionType(signature)
-    return made
+    return Signature(kernel, signature).code
 
 
 @lru_cache(maxsize=512)

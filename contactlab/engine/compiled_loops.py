@@ -1,58 +1,29 @@
-"""The compiled loops, one for each kind of contact: what they are called with, and how long they compile."""
+"""The units that the engine is compiled in: what each is called with, how long it compiles, and who needs it.
 
-from typing import Any, Final, NamedTuple
+The loop of runs is one unit for all laws; a step in contact, of which there are a compliant and a rigid one,
+is another that the loop calls by its address, and so are impacts. Each is compiled for laws with internal
+variables, and for those without, whose last four kernels are None.
+"""
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any, Final, NamedTuple, final
+
+import numba
 import numpy as np
+from numba import types
+from numba.extending import overload
 
-from contactlab.arrays import Array
-from contactlab.compiler.kernels import inner_kernel, kernel
-from contactlab.engine.binding import IMPACT, Bound
+from contactlab.compiler.ahead import Signature, compile_all
+from contactlab.compiler.kernels import INTERPRETED, inner_kernel, kernel, unit_kernel
+from contactlab.compiler.notice import telling
+from contactlab.engine.binding import Bound, signatures_of_loop
 from contactlab.engine.compliant import step_compliant
 from contactlab.engine.constrained import step_rigid
 from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
-from contactlab.engine.loop import run_law
+from contactlab.engine.loop import LoopData, run_law
 from contactlab.engine.state import ImpactBatch, Law, Memory, Records, Run
-
-SECONDS: Final = {
-    "compliant laws": 18.0,
-    "rigid laws": 20.0,
-    "compliant laws with internal variables": 24.0,
-    "rigid laws with internal variables": 27.0,
-    "impacts under rigid laws": 1.0,
-    "impacts under rigid laws with internal variables": 1.0,
-}
-"""What the loop is compiled for, and the time that an idle processor takes for each by itself [s]."""
-
-
-def kind_of(bound: Bound, impacts: bool) -> str:
-    """Return what the loop is compiled for; that of a compliant law serves runs and impacts."""
-    rigid = bound.kernels[IMPACT] is not None
-    family = "compliant laws" if not rigid else "impacts under rigid laws" if impacts else "rigid laws"
-    return family if bound.plain else f"{family} with internal variables"
-
-
-class LoopData(NamedTuple):
-    """All that the compiled loops read and write beside the kernels of a law.
-
-    Plant, propagator and scratch of a step, each the only record of an array: of a record by itself the
-    compiler would ask for a description of its fields at every call, which takes longer than the rest of it.
-    States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
-    that another call continues the runs, by `budget` steps of each start. Where there are impacts, they are
-    integrated or evaluated instead.
-    """
-
-    plant: Any
-    propagator: Any
-    step: Any
-    states: Any
-    motions: Array
-    records: Records
-    waves: Array
-    parameters: Array
-    row: Array
-    budget: int
-    impacts: ImpactBatch
-
+from contactlab.processes import processors
 
 NO_IMPACTS: Final = ImpactBatch(
     np.zeros((0, 5)), np.zeros(0, OUTCOME), np.zeros((0, 0), MOMENT), Records.of(0, 0, 0).series
@@ -61,7 +32,7 @@ NO_IMPACTS: Final = ImpactBatch(
 
 
 @inner_kernel
-def law_of(
+def _law_of(
     data: LoopData,
     at_nodes: Any,
     force: Any,
@@ -78,19 +49,22 @@ def law_of(
     return Law(at_nodes, force, friction, impact, bound, data.parameters, data.row, memory)
 
 
-@inner_kernel
 def _memory_of(rate: Any, guard: Any, jump: Any, limits: Any) -> Memory | None:
-    """Return the kernels of internal variables, None without: then code about these is compiled to nothing.
+    """Return the kernels of internal variables; None without, and code about these is compiled to nothing."""
+    return None if rate is None else Memory(rate, guard, jump, limits)
 
-    By itself, as the compiler finds one type for the two results of a function, but none for two laws.
-    """
-    if rate is None:
-        return None
-    return Memory(rate, guard, jump, limits)
+
+@overload(_memory_of, strict=False)
+def _typed_memory(rate: Any, guard: Any, jump: Any, limits: Any) -> Any:  # noqa: ARG001 - the compiler's own
+    """Return the function for the types of the kernels: one type of the result for each."""
+    if rate is types.none:
+        return lambda rate, guard, jump, limits: None  # noqa: ARG005
+    return lambda rate, guard, jump, limits: Memory(rate, guard, jump, limits)
 
 
 @kernel
-def run_compliant(
+def run_loop(
+    step: Any,
     data: LoopData,
     at_nodes: Any,
     force: Any,
@@ -102,24 +76,28 @@ def run_compliant(
     jump: Any,
     limits: Any,
 ) -> None:
-    """Run a compliant law until the end, an ending, full contact storage or so many steps of each start.
+    """Run any law, see `run_law`."""
+    run_law(data, _law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits), step)
 
-    Impacts under it are integrated by the same code, most of which is that of a contact.
 
-    Each of these functions is compiled for laws with internal variables, and for those without, whose last
-    four kernels are None.
-    """
-    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    law = law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
-    if data.impacts.outcomes.size > 0:
-        integrate_impacts(run, data.states, data.motions, data.records, data.impacts, law, data.waves)
-    else:
-        run_law(run, data.states, data.motions, data.records, law, step_compliant, data.budget, data.waves)
+@unit_kernel
+def contact_compliant(run: Run, law: Law) -> int:
+    """Take a step in contact under a compliant law."""
+    return step_compliant(run, law)
+
+
+@unit_kernel
+def contact_rigid(run: Run, law: Law) -> int:
+    """Take a step in contact under a rigid law, in its limit of no step or in time stepping."""
+    return step_rigid(run, law)
 
 
 @kernel
-def run_rigid(
+def impacts_compliant(
+    loop: Any,
+    step: Any,
     data: LoopData,
+    impacts: ImpactBatch,
     at_nodes: Any,
     force: Any,
     friction: Any,
@@ -130,15 +108,16 @@ def run_rigid(
     jump: Any,
     limits: Any,
 ) -> None:
-    """Run a rigid law in its limit of no step or in time stepping, see `run_compliant`."""
-    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    law = law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
-    run_law(run, data.states, data.motions, data.records, law, step_rigid, data.budget, data.waves)
+    """Integrate impacts of a compliant law."""
+    law = _law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
+    kernels = (at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
+    integrate_impacts(data, impacts, law, loop, step, kernels)
 
 
 @kernel
-def evaluate_rigid(
+def impacts_rigid(
     data: LoopData,
+    impacts: ImpactBatch,
     at_nodes: Any,
     force: Any,
     friction: Any,
@@ -150,10 +129,87 @@ def evaluate_rigid(
     limits: Any,
 ) -> None:
     """Evaluate impacts of a rigid law."""
-    law = law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
-    run = Run(data.plant[0], data.propagator[0], data.states[0], data.step[0])
-    evaluate_impacts(run, data.states[0], data.impacts, law)
+    evaluate_impacts(
+        data, impacts, _law_of(data, at_nodes, force, friction, impact, bound, rate, guard, jump, limits)
+    )
 
 
-LOOPS: Final = {"run_compliant", "run_rigid", "evaluate_rigid"}
-"""Names of the compiled loops, one for each kind of contact."""
+@final
+class EngineUnit(NamedTuple):
+    """What is compiled as one, and the time that an idle processor takes for it [s]."""
+
+    kernel: Any
+    name: str
+    seconds: float
+    seconds_with_variables: float
+
+
+RUNS: Final = EngineUnit(run_loop, "runs", 9.0, 12.0)
+CONTACTS: Final = {
+    True: EngineUnit(contact_compliant, "compliant contacts", 8.0, 11.0),
+    False: EngineUnit(contact_rigid, "rigid contacts", 8.0, 11.0),
+}
+"""Steps in contact by whether a law is compliant."""
+
+IMPACTS: Final = {
+    True: EngineUnit(impacts_compliant, "impacts under compliant laws", 1.0, 1.0),
+    False: EngineUnit(impacts_rigid, "impacts under rigid laws", 1.0, 1.0),
+}
+"""Impacts by whether a law is compliant."""
+
+
+def units_of(compliant: bool, impacts: bool) -> list[EngineUnit]:
+    """Return the units that runs or impacts take, each after those that call it."""
+    if impacts and not compliant:
+        return [IMPACTS[False]]
+    return [*([IMPACTS[True]] if impacts else []), RUNS, CONTACTS[compliant]]
+
+
+def name_of(units: list[EngineUnit], plain: bool) -> str:
+    """Return what units are, for laws without internal variables or with them."""
+    names = " and ".join(unit.name for unit in units)
+    return names if plain else f"{names} with internal variables"
+
+
+def loop_of(bound: Bound, compliant: bool, data: LoopData, impacts: bool) -> Callable[..., None]:
+    """Return the function of data, impacts if there are any, and a law's kernels; compile what it lacks.
+
+    The data are of the types alone that are to come.
+    """
+    units = units_of(compliant, impacts)
+    if INTERPRETED:
+        codes = [unit.kernel for unit in units]
+    else:
+        signatures = _signatures(units, bound, data)
+        missing = [i for i in range(len(units)) if not signatures[i].is_there()]
+        seconds = [units[i].seconds if bound.plain else units[i].seconds_with_variables for i in missing]
+        usual = max(seconds, default=0.0) if processors() > 1 else sum(seconds)
+        with telling(name_of([units[i] for i in missing], bound.plain), usual):
+            compile_all([signatures[i] for i in missing])
+        codes = [units[0].kernel, *(each.code for each in signatures[1:])]
+    entry, *callees = codes
+    return partial(entry, *callees)
+
+
+def _signatures(units: list[EngineUnit], bound: Bound, data: LoopData) -> list[Signature]:
+    """Return the units with the types of their arguments and result."""
+    # Left to itself the compiler would take each law for a type of its own.
+    kernels = [
+        types.none if each is None else types.FunctionType(signature)
+        for each, signature in zip(bound.of_loop, signatures_of_loop(), strict=True)
+    ]
+    tuple_of: Any = types.BaseTuple.from_types
+    kinds = numba.typeof(data)
+    records = data.plant, data.propagator, data.states, data.step
+    run = tuple_of([numba.typeof(each).dtype for each in records], Run)
+    memory = types.none if bound.plain else tuple_of(kernels[5:], Memory)
+    law = tuple_of([*kernels[:5], numba.typeof(data.parameters), numba.typeof(data.row), memory], Law)
+    made: list[Signature] = []
+    for unit in reversed(units):
+        if unit in CONTACTS.values():
+            made.append(Signature(unit.kernel, types.int64(run, law)))
+            continue
+        callees = [types.FunctionType(each.types) for each in reversed(made)]
+        impacts = [numba.typeof(NO_IMPACTS)] if unit in IMPACTS.values() else []
+        made.append(Signature(unit.kernel, types.void(*callees, kinds, *impacts, *kernels)))
+    return made[::-1]

@@ -11,14 +11,13 @@ numbers depend neither on the units nor on the other impacts.
 """
 
 from math import sqrt
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.engine.compliant import step_compliant
-from contactlab.engine.loop import run_law
+from contactlab.engine.loop import LoopData
 from contactlab.engine.recorder import end_with_forces
 from contactlab.engine.rigid import remaining_slip
 from contactlab.engine.state import (
@@ -50,7 +49,7 @@ STEP_SHARE: Final = 0.5
 HALVINGS: Final = 70
 """Number of halvings, from 1 m, in the search for the penetration that stops the impact."""
 
-NO_END: Final = 2**62
+NO_END: Final = cast(int, np.int64(2**62))
 """Steps that an impact may take: those of a pace are counted by the engine."""
 
 OUTCOME: Final = record(
@@ -65,8 +64,10 @@ MOMENT: Final = record(real="time normal_force friction_force gap")
 
 
 @inner_kernel
-def evaluate_impacts(run: Run, state: Any, impacts: ImpactBatch, law: Law) -> None:
+def evaluate_impacts(data: LoopData, impacts: ImpactBatch, law: Law) -> None:
     """Evaluate the kernel of a rigid law for every impact."""
+    state = data.states[0]
+    run = Run(data.plant[0], data.propagator[0], state, data.step[0])
     for i in range(impacts.outcomes.size):
         contact, outcome = impacts.contacts[i], impacts.outcomes[i]
         for k in range(state.law.variables):
@@ -111,13 +112,15 @@ def _give_up(outcome: Any, ending: int) -> None:
 
 @inner_kernel
 def integrate_impacts(
-    run: Run, states: Any, motions: Array, records: Records, impacts: ImpactBatch, law: Law, waves: Array
+    data: LoopData, impacts: ImpactBatch, law: Law, run_loop: Any, step: Any, kernels: Any
 ) -> None:
-    """Integrate every impact of a compliant law.
+    """Integrate every impact of a compliant law by the loop and its step in contact.
 
     The states are a fresh one, and room for that of the impact. Histories may have no record; then `records`
     are not used, else they have two more, and `silent` none.
     """
+    states, motions, records = data.states, data.motions, data.records
+    run = Run(data.plant[0], data.propagator[0], states[0], data.step[0])
     count = impacts.histories.shape[1]
     for i in range(impacts.outcomes.size):
         contact, outcome, state = impacts.contacts[i], impacts.outcomes[i], states[1]
@@ -141,7 +144,11 @@ def integrate_impacts(
             written = Records(impacts.silent, *records[1:])
             if k == 1:
                 state.first, state.interval, written = 1, outcome.duration / count, records
-            run_law(run, states[1:], motions, written, law, step_compliant, NO_END, waves)
+            scratch = data.plant, data.propagator, data.step
+            each = LoopData(
+                *scratch, states[1:], motions, written, data.waves, data.parameters, data.row, NO_END
+            )
+            run_loop(step, each, *kernels)
             _read(motions, contact, state, outcome)
             if outcome.ending != RUNNING:
                 break

@@ -1,6 +1,6 @@
 """The hybrid loop: a phase proposes a step, it is committed, and its event opens or closes a contact."""
 
-from typing import Any
+from typing import Any, NamedTuple, final
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel
@@ -37,42 +37,59 @@ TOUCH_REFINEMENT = 6
 """Levels below the contact step at which a compliant contact begins: the force starts as a power of time."""
 
 
+@final
+class LoopData(NamedTuple):
+    """All that the loop reads and writes beside the kernels of a law.
+
+    Plant, propagator and scratch of a step, each the only record of an array: of a record by itself the
+    compiler would ask for a description of its fields at every call, which takes longer than the rest of it.
+    States, shape (start,), motions, shape (start, q or v, coordinate), and records contain everything, so
+    that another call continues the runs, by `budget` steps of each start.
+    """
+
+    plant: Any
+    propagator: Any
+    step: Any
+    states: Any
+    motions: Array
+    records: Records
+    waves: Array
+    parameters: Array
+    row: Array
+    budget: int
+
+
 @inner_kernel
-def run_law(
-    run: Run,
-    states: Any,
-    motions: Array,
-    records: Records,
-    law: Law,
-    step_contact: Any,
-    budget: int,
-    waves: Array,
-) -> None:
-    """Run a law from starts, at most `budget` steps from each; `step_contact` takes a step in contact."""
-    for i in range(states.size):
-        each, left = Run(run.plant, run.propagator, states[i], run.step), budget
-        for j in range(run.plant.mode_count):
-            mode = run.plant.modes[j]
-            mode.q[START], mode.v[START] = motions[i, 0, j], motions[i, 1, j]
-        law.row[SPEED] = each.state.impact_speed
-        while left > 0 and _opens_step(each, law, waves):
-            if each.state.phase == TOUCHING:
-                event = step_contact(each, law)
-            elif each.state.phase == PRESSED:
+def run_law(data: LoopData, law: Law, step_contact: Any) -> None:
+    """Run a law from starts until the end, an ending, full contact storage or so many steps of each.
+
+    `step_contact` takes a step in contact.
+    """
+    plant, propagator, step = data.plant[0], data.propagator[0], data.step[0]
+    for i in range(data.states.size):
+        run, motion, left = Run(plant, propagator, data.states[i], step), data.motions[i], data.budget
+        for j in range(plant.mode_count):
+            mode = plant.modes[j]
+            mode.q[START], mode.v[START] = motion[0, j], motion[1, j]
+        law.row[SPEED] = run.state.impact_speed
+        while left > 0 and _opens_step(run, law, data.waves):
+            if run.state.phase == TOUCHING:
+                event = step_contact(run, law)
+            elif run.state.phase == PRESSED:
                 # A rigid contact from the start on: its touch-down takes no time, and what is recorded there
                 # is before the impact.
-                each.step.kind, each.state.accepted_length = FLIGHT, 0.0
+                run.step.kind, run.state.accepted_length = FLIGHT, 0.0
                 event = TOUCH
             else:
-                event = step_flight(each, law)
+                event = step_flight(run, law)
             # Ledger, records and clock are those of the mode that the step was solved in; only then does the
             # event change it.
-            commit(each, law, records)
-            _act(each, law, records.ends, event)
+            commit(run, law, data.records)
+            _act(run, law, data.records.ends, event)
             left -= 1
-        for j in range(run.plant.mode_count):
-            mode = run.plant.modes[j]
-            motions[i, 0, j], motions[i, 1, j] = mode.q[START], mode.v[START]
+        for j in range(plant.mode_count):
+            mode = plant.modes[j]
+            motion[0, j], motion[1, j] = mode.q[START], mode.v[START]
 
 
 @inner_kernel

@@ -7,39 +7,18 @@ from functools import partial
 from hashlib import sha256
 from typing import Any, Final, NamedTuple, final
 
-import numba
 import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.checks import ON_GRID, SMALLEST_STEP
-from contactlab.compiler.kernels import INTERPRETED
-from contactlab.compiler.notice import telling
 from contactlab.engine.arguments import check_kinds, check_numbers
-from contactlab.engine.binding import (
-    FORCE,
-    FRICTION,
-    LIMITS,
-    SIGNATURES,
-    Bound,
-    at_nodes_signature,
-    bind,
-    law_errors,
-    row_of,
-)
-from contactlab.engine.compiled_loops import (
-    NO_IMPACTS,
-    SECONDS,
-    LoopData,
-    evaluate_rigid,
-    kind_of,
-    run_compliant,
-    run_rigid,
-)
+from contactlab.engine.binding import FORCE, FRICTION, LIMITS, Bound, bind, law_errors, row_of
+from contactlab.engine.compiled_loops import loop_of
 from contactlab.engine.compliant import kinked_variables
 from contactlab.engine.defaults import DEFAULT_TOLERANCE, default_contact_step
 from contactlab.engine.explanation import explain
 from contactlab.engine.initial_state import memory_mark
-from contactlab.engine.loop import TOUCH_REFINEMENT
+from contactlab.engine.loop import TOUCH_REFINEMENT, LoopData
 from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of, resolved_rate
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
@@ -72,8 +51,8 @@ SMALLEST: Final = float(np.finfo(np.float64).tiny)
 IDLE_LIMIT: Final = 1000
 """Steps in a row that hardly move the clock, of a law without kinks between which its steps shrink."""
 
-_compiled: set[object] = set()
-"""Kinds of laws that the loop is compiled for, with the rooms for coordinates and tones."""
+_loops: dict[object, Callable[..., None]] = {}
+"""Loops that are compiled, by kinds of laws and the rooms for coordinates and tones."""
 
 _sound: deque[object] = deque(maxlen=64)
 """Kernels and parameters of the last laws that passed the consistency check."""
@@ -131,26 +110,16 @@ class Prepared(NamedTuple):
         contacts, variables = run.step["contacts"].size, len(self.law.internal_variables)
         return Records.of(count, contacts, variables, self.read, instants)
 
-    def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> None:
-        """Compile the loop for a run or for impacts, or load its code."""
-        kind = kind_of(self.bound, impacts is not None)
-        room = kind, run.plant["phasors"].shape, run.plant["couplings"].shape
-        if INTERPRETED or room in _compiled:
-            return
-        # Left to itself the compiler would take each law for a type of its own.
-        signatures = at_nodes_signature(), *SIGNATURES.values()
-        kernels = [
-            numba.types.none if each is None else numba.types.FunctionType(signature)
-            for each, signature in zip((self.bound.at_nodes, *self.bound.kernels), signatures, strict=True)
-        ]
-        data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0, NO_IMPACTS)
-        # Compiled by types alone, with values that are never run.
-        loop: Any = self._loop(impacts is not None)
-        with telling(kind, SECONDS[kind]):
-            loop.disable_compile(False)
-            loop.compile((numba.typeof(data), *kernels))
-            loop.disable_compile()
-        _compiled.add(room)
+    def prepare_loop(self, run: Run, impacts: ImpactBatch | None = None) -> Callable[..., None]:
+        """Return the loop for a run or for impacts; compile it, or load its code, where it is new."""
+        compliant = isinstance(self.law, PenaltyLaw)
+        shapes = run.plant["phasors"].shape, run.plant["couplings"].shape
+        room = compliant, self.bound.plain, impacts is None, shapes
+        if room not in _loops:
+            # Compiled by types alone, with values that are never run.
+            data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0)
+            _loops[room] = loop_of(self.bound, compliant, data, impacts is not None)
+        return _loops[room]
 
     def advance(
         self,
@@ -162,23 +131,15 @@ class Prepared(NamedTuple):
         impacts: ImpactBatch | None = None,
     ) -> None:
         """Continue runs by a number of steps each, or work impacts off."""
-        self.prepare_loop(run, impacts)
-        data = self._data(run, states, motions, records, budget, impacts or NO_IMPACTS)
+        loop = self.prepare_loop(run, impacts)
+        data = self._data(run, states, motions, records, budget)
         with signals_wait(), self.errors():
-            self._loop(impacts is not None)(data, self.bound.at_nodes, *self.bound.kernels)
+            loop(data, *([] if impacts is None else [impacts]), *self.bound.of_loop)
 
-    def _data(
-        self, run: Run, states: Any, motions: Array, records: Records, budget: int, impacts: ImpactBatch
-    ) -> LoopData:
+    def _data(self, run: Run, states: Any, motions: Array, records: Records, budget: int) -> LoopData:
         plant, propagator, step = (each.base for each in (run.plant, run.propagator, run.step))
         law = self.waves, self.parameters, self.row
-        return LoopData(plant, propagator, step, states, motions, records, *law, budget, impacts)
-
-    def _loop(self, impacts: bool) -> Any:
-        """Return the compiled loop of the kind of contact."""
-        if isinstance(self.law, PenaltyLaw):
-            return run_compliant
-        return evaluate_rigid if impacts else run_rigid
+        return LoopData(plant, propagator, step, states, motions, records, *law, budget)
 
     @property
     def bound_law(self) -> tuple[Array, Array, Bound, LawErrors]:

@@ -153,6 +153,39 @@ def test_every_inner_kernel_is_its_python_function_to_python() -> None:
     assert sum(not each.startswith("<class") for each in outcomes) > 50
 
 
+AT_ONCE = """
+import sys
+from numba import types
+from contactlab.compiler import ahead
+from contactlab.compiler.ahead import Signature, compile_all
+from contactlab.compiler.notice import telling
+from contactlab.laws.base import coulomb
+from contactlab.laws.normal.elastic import hertz_elastic
+
+ahead.processors = lambda: int(sys.argv[1])
+pair = (types.float64, types.float64)
+forces = Signature(hertz_elastic, types.UniTuple(types.float64, 4)(*pair))
+friction = Signature(coulomb, types.float64(*pair))
+assert not friction.is_there()
+with telling() as made:
+    compile_all([forces, friction])
+assert friction.is_there()
+print(*made.functions, coulomb(3.0, 0.25), *hertz_elastic(2.0, 0.5))
+"""
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_what_another_process_compiles_is_loaded_and_the_same(tmp_path: Path) -> None:
+    outputs = []
+    for count in (1, 2):
+        environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path / str(count))}
+        line = [sys.executable, "-c", AT_ONCE, str(count)]
+        done = subprocess.run(line, capture_output=True, text=True, check=True, env=environment)
+        outputs.append(done.stdout.split())
+    assert ["coulomb" in each for each in outputs] == [True, False]
+    assert outputs[0][-5:] == outputs[1][-5:]
+
+
 WITHOUT_UNITS = {
     "no module": "import sys; sys.modules['contactlab.compiler.units'] = None",
     "an error": "from contactlab.compiler import units; units._JoinUnit.run_pass = lambda *_: 1 / 0",

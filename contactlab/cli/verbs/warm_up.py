@@ -31,7 +31,7 @@ def main(arguments: list[str]) -> int:
     from contactlab.compiler.notice import telling
     from contactlab.config import build
     from contactlab.engine.binding import bind
-    from contactlab.engine.compiled_loops import LOOPS, SECONDS, kind_of
+    from contactlab.engine.compiled_loops import name_of, units_of
     from contactlab.impacts import velocities_after
     from contactlab.laws.base import ContactLaw, PenaltyLaw
     from contactlab.laws.composed import Composed
@@ -40,20 +40,20 @@ def main(arguments: list[str]) -> int:
     if INTERPRETED:
         print("NUMBA_DISABLE_JIT asks for no compiled code: there is nothing to compile.")
         return COMPLETE
-    width, whole = max(map(len, SECONDS)), perf_counter()
+    whole = perf_counter()
     for overrides in FAMILIES:
         setup = build(overrides)
-        # An impact of a compliant law is integrated as a run is.
-        for impacts in (False,) if isinstance(setup.law, PenaltyLaw) else (False, True):
+        compliant, plain = isinstance(setup.law, PenaltyLaw), bind(setup.law).plain
+        for impacts in (False, True):
             began = perf_counter()
             with telling() as compiled:
                 if impacts:
                     velocities_after(setup.law, [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
                 else:
                     setup.run(duration=DURATION, record_interval=DURATION)
-            done = "compiled" if LOOPS & {*compiled.functions} else "was there, loaded"
-            kind = kind_of(bind(setup.law), impacts)
-            print(f"{kind:<{width}}  {done} in {perf_counter() - began:.1f} s", flush=True)
+            done = "compiled" if compiled.functions else "loaded"
+            name = name_of(units_of(compliant, impacts), plain)
+            print(f"{done} in {perf_counter() - began:4.1f} s  {name}", flush=True)
     # What makes a law's own functions of its kernels.
     made: list[ContactLaw] = [law() for law in LAWS.values()]
     for family, parts in PARTS.items():
