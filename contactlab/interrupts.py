@@ -12,10 +12,6 @@ _ASKING: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGXCPU", "SIGUSR1"
 """Signals that ask a program to end, where a system has them."""
 
 
-_handler_of: Final[Callable[[int], object]] = getattr(signal.getsignal, "__wrapped__", signal.getsignal)
-"""Returns a handler; without the enumeration of Python's own answer, which takes ten times as long."""
-
-
 @contextmanager
 def signals_wait() -> Iterator[None]:
     """Let a signal that asks the program to end wait for the end of the context; a second one acts at once.
@@ -36,7 +32,7 @@ def signals_wait() -> Iterator[None]:
 
     for name in _ASKING:
         number = getattr(signal, name, None)
-        if number is not None and callable(handler := _handler_of(number)):
+        if number is not None and callable(handler := signal.getsignal(number)):
             handlers[number] = handler
             signal.signal(number, wait)
     try:
