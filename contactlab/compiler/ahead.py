@@ -30,7 +30,10 @@ class Signature(NamedTuple):
         return code
 
     def is_there(self) -> bool:
-        """Load the code if it is kept, and return whether it is."""
+        """Load the code if it is kept, and return whether it is; the kernel takes no other types then.
+
+        A law of another package is a type of its own, which is converted where nothing is compiled for it.
+        """
         if self.types.args in self.kernel.overloads:
             return True
         context = self.kernel.targetctx
@@ -40,6 +43,7 @@ class Signature(NamedTuple):
         # As the compiler takes it in itself; asked for it, it would compile what is not kept.
         context.insert_user_function(code.entry_point, code.fndesc, [code.library])
         self.kernel.add_overload(code)
+        self.kernel.disable_compile()
         return True
 
     def compile(self) -> None:
