@@ -148,9 +148,9 @@ def locate_gap(
         # The gap that a Newton step leaves, by the curvature between the ends.
         left_over = 0.5 * abs((rate_b - rate_a) / h) * newton * newton
         enough = max(digit, TIME_DIGIT * run.state.length * abs(rate))
-        if abs(gap) <= digit or (a <= s + newton <= b and left_over <= enough):
-            return s + newton if abs(gap) > digit else s
-        if h <= TIME_DIGIT * run.state.length:
+        if a <= s + newton <= b and left_over <= enough:
+            return s + newton
+        if abs(gap) <= digit or h <= TIME_DIGIT * run.state.length:
             break
         if gap * gap_b > 0.0:
             b, gap_b, rate_b = s, gap, rate
