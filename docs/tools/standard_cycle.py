@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.driving import drive
-from contactlab.engine.binding import IMPACT, LIMITS
+from contactlab.engine.binding import LIMITS, SIGNATURES
 from contactlab.engine.preparation import take_in
 from contactlab.laws import ContactLaw, LagrangeStick, MultiplierLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
@@ -189,7 +189,7 @@ def _impacts(law: MultiplierLaw) -> Curves:
 
     def impulses(rate: float, slip: float) -> tuple[float, float]:
         # As the engine calls it in an impact, with the internal variables of a first touch.
-        p_n, p_t = bound.kernels[IMPACT](-rate, slip, d_nn, d_nt, d_tt, row)
+        p_n, p_t = bound.kernels[[*SIGNATURES].index("impact")](-rate, slip, d_nn, d_nt, d_tt, row)
         return p_n, p_t
 
     speeds = np.linspace(0.0, 2.0 * APPROACH, 201)[1:]

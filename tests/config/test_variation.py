@@ -7,7 +7,7 @@ import pytest
 from contactlab.config import ConfigurationError, rebuild
 from contactlab.config.composition import compose, with_references
 from contactlab.config.nesting import Value, with_key
-from contactlab.config.schema import Examination
+from contactlab.config.schema import numbers_in
 from contactlab.config.setup import Setup, Values
 from contactlab.config.variation import Variation
 from contactlab.parameter import DeclaredField
@@ -23,8 +23,7 @@ BASES = {
 NUMBERS = {
     f"{name}: {key}": (lines, key, field)
     for name, lines in BASES.items()
-    for key, field in Examination(compose(lines)).declared.items()
-    if field.is_number
+    for key, field in numbers_in(compose(lines)).items()
 }
 
 

@@ -152,8 +152,8 @@ def test_a_creep_does_not_hang_on_the_scale_of_forces(scale: float) -> None:
 def test_steep_friction_takes_the_steps_of_the_motion_and_few_sweeps() -> None:
     """A slider just stiffer than critical at ten times its reference velocity, m V/(a N) of a tenth of a us.
 
-    The bed swings at 1e5 rad/s: a step is a sixth of its period, and one that would not resolve it costs no
-    sweep.
+    The bed swings at 1e5 rad/s: each period costs a few steps and two dozen sweeps at most; a step
+    that would not resolve it costs none.
     """
     normal, mass, bed, speed, duration = 10.0, 1e-3, 1e7, 1e-5, 0.02
     friction = cl.RateAndState(0.6, 0.01, 0.015, 1e-6, 1e-6, fresh_age=1e-6 / speed, creep_velocity=1e-12)
@@ -172,7 +172,7 @@ def test_steep_friction_takes_the_steps_of_the_motion_and_few_sweeps() -> None:
     assert run.complete, run.message
     period = 2.0 * pi * (mass / bed) ** 0.5
     assert run.statistics["contact_steps"] < 6.0 * duration / period
-    assert run.statistics["sweeps"] < 4 * run.statistics["contact_steps"]
+    assert run.statistics["sweeps"] < 24.0 * duration / period
 
 
 def test_a_default_step_moves_the_clock_of_any_run() -> None:

@@ -22,7 +22,8 @@ def test_a_rotor_without_friction_turns_as_load_and_damping_balance(law: str, da
     rotor = f"rotor.damping={damping}", "rotor.initial_velocity=1"
     for load in (0.0, damping):
         result = cl.steady(cl.build([f"law={law}", FREE, *rotor, f"rotor.load_torque={load}"]))
-        assert abs(result.velocity.value + load / damping) <= result.velocity.error < 1e-5
+        # The round-off of a period, over 1 - lambda, which goes with the damping.
+        assert abs(result.velocity.value + load / damping) <= result.velocity.error < 2e-15 / damping
         assert not result.details.orbit.neutral.any()
 
 
