@@ -66,7 +66,7 @@ def iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffn
     """Iterate the forces of a step in the ways that may contract; returns the number of sweeps, 0 for none.
 
     A damping that relaxes the normal force within the step takes Newton steps, and one that hardly does takes
-    them where the law's answers in turn do not contract; a spring that is too stiff for them has none. Friction
+    them where the law's answers in turn do not contract; a spring too stiff for them has none. Friction
     that is steep in the slip, by a `stiffness` above one, begins with the slip before the step, and from rest
     where that does not contract; other friction does so where its law's answers do not.
     """
