@@ -32,9 +32,9 @@ AT_SLIP_BEFORE, AT_REST = 1, 2
 LEAST_DAMPED = 0.1
 """Answer of a damping to the normal force in a step [1] below which the law's answers in turn contract."""
 
-MOST_ELASTIC = 20.0
-"""Answer of a spring to the normal force in a step, k h^2 D_nn/2 [1], from which on the law's answers in turn
-diverge: the squared matrix A of the Radau rule has the spectral radius 0.0253."""
+MOST_ELASTIC = 10.0
+"""Answer of a spring to the normal force in a step, k h^2 D_nn/2 [1], from which on a sweep contracts by less
+than two: the squared matrix A of the Radau rule has the spectral radius 0.0253."""
 
 TOUCHED = -1e-22
 """Gap [m] that stands for one just closed: of a force that jumps there, a step begins with the far side."""
@@ -66,7 +66,7 @@ def iterate(run: Run, law: Law, level: int, known: Known, stretch: float, stiffn
     """Iterate the forces of a step in the ways that may contract; returns the number of sweeps, 0 for none.
 
     A damping that relaxes the normal force within the step takes Newton steps, and one that hardly does takes
-    them where the law's answers in turn do not contract; a spring that makes them diverge has none. Friction
+    them where the law's answers in turn do not contract; a spring too stiff for them has none. Friction
     that is steep in the slip, by a `stiffness` above one, begins with the slip before the step, and from rest
     where that does not contract; other friction does so where its law's answers do not.
     """

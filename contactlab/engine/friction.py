@@ -221,9 +221,9 @@ def correct_friction(
     h, system, derivative = state.length, step.system, run.propagator.rule.derivative
     right = NODES if holds else 2 * NODES
     for m in range(NODES):
-        yielding = mobilities(run, level, m)
+        column = mobilities(run, level, m)
         for i in range(NODES):
-            system[i, m] = yielding[i]
+            system[i, m] = column[i]
     for i in range(NODES):
         if holds:
             # Eq. 3.7: friction that ends the slip at every node.

@@ -128,7 +128,7 @@ def _of_several(k, c, s, top, out):  # type: ignore[no-untyped-def]
 @settings(deadline=None)
 @given(st.lists(st.tuples(stiffness, damping), min_size=COUNT, max_size=COUNT), time)
 def test_oscillators_in_lanes_are_the_closed_form_each(pairs: list[tuple[float, float]], s: float) -> None:
-    k, c = map(np.array, zip(*pairs, strict=True))
+    k, c = np.array(pairs).T.copy()
     fastest = (c + np.sqrt(k)).max()
     s = min(s, SERIES_REACH / fastest) if fastest > 0.0 else s
     out = np.zeros((TOP + 2, COUNT))
