@@ -209,6 +209,11 @@ class Bound(NamedTuple):
         """What the loops take of a law."""
         return self.at_nodes, *self.kernels
 
+    @property
+    def may_raise(self) -> bool:
+        """Whether a kernel is another package's, whose exceptions are to reach the caller."""
+        return any(hasattr(each, "py_func") for each in self.of_loop)
+
 
 def row_of(law: ContactLaw) -> Array:
     """Return the row of a law before any contact."""

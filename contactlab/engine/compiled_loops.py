@@ -186,7 +186,10 @@ def loop_of(bound: Bound, compliant: bool, data: LoopData, impacts: bool) -> Cal
         usual = max(seconds, default=0.0) if processors() > 1 else sum(seconds)
         with telling(name_of([units[i] for i in missing], bound.plain), usual):
             compile_all([signatures[i] for i in missing])
-        codes = [units[0].kernel, *(each.code for each in signatures[1:])]
+        # A call by the address alone drops exceptions; one of the kernel itself, which is looked up in every
+        # call of the loop, passes them on.
+        callees = [each.kernel.compiled if bound.may_raise else each.code for each in signatures[1:]]
+        codes = [units[0].kernel, *callees]
     entry, *callees = codes
     return partial(entry, *callees)
 

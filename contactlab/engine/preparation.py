@@ -114,7 +114,7 @@ class Prepared(NamedTuple):
         """Return the loop for a run or for impacts; compile it, or load its code, where it is new."""
         compliant = isinstance(self.law, PenaltyLaw)
         shapes = run.plant["phasors"].shape, run.plant["couplings"].shape
-        room = compliant, self.bound.plain, impacts is None, shapes
+        room = compliant, self.bound.plain, self.bound.may_raise, impacts is None, shapes
         if room not in _loops:
             # Compiled by types alone, with values that are never run.
             data = self._data(run, np.zeros(1, STATE), np.zeros((1, 2, 1)), Records.of(1, 0, 0), 0)
