@@ -10,6 +10,7 @@ beyond what that documents, with the libraries of code that passes write into.
 """
 
 from collections.abc import Callable
+from hashlib import sha256
 from typing import Any, ClassVar, cast
 
 from numba import njit
@@ -109,10 +110,18 @@ class PartCompiler(_Compiler):
         """Return the only one."""
         if not Unit.open:
             return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
-        # Without the types of the arguments, records of hundreds of fields: within a unit the number of a
-        # function tells it from others.
-        self.state.targetctx.mangler = lambda name, _, **rest: default_mangler(name, (), **rest)
+        self.state.targetctx.mangler = _short_name
         return [_pipeline(self.state, _JoinUnit)]
+
+
+def _short_name(name: str, types: Any, **rest: Any) -> str:
+    """Return a name with a digest of the arguments' types, which are records of hundreds of fields.
+
+    The digest tells it from code of other types that another process has made: of one name, the code that is
+    loaded first would be called for both.
+    """
+    digest = sha256(repr(types).encode()).hexdigest()[:16]
+    return cast(str, default_mangler(f"{name}_{digest}", (), **rest))
 
 
 def _pipeline(state: Any, last: type[LoweringPass]) -> PassManager:
