@@ -76,6 +76,7 @@ class _Compiler(CompilerBase):
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function."""
+        self.state.targetctx.mangler = short_name
         self.state.flags = _Flags(self.state.flags)  # type: ignore[no-untyped-call]
         return super().compile_extra(function)  # type: ignore[no-untyped-call]
 
@@ -110,15 +111,14 @@ class PartCompiler(_Compiler):
         """Return the only one."""
         if not Unit.open:
             return [DefaultPassBuilder.define_nopython_pipeline(self.state)]
-        self.state.targetctx.mangler = _short_name
         return [_pipeline(self.state, _JoinUnit)]
 
 
-def _short_name(name: str, types: Any, **rest: Any) -> str:
+def short_name(name: str, types: Any, **rest: Any) -> str:
     """Return a name with a digest of the arguments' types, which are records of hundreds of fields.
 
-    The digest tells it from code of other types that another process has made: of one name, the code that is
-    loaded first would be called for both.
+    The compiler itself numbers functions and records, anew in every process: code of other types that another
+    process has made may then have the same name, and what is loaded first is called for both.
     """
     digest = sha256(repr(types).encode()).hexdigest()[:16]
     return cast(str, default_mangler(f"{name}_{digest}", (), **rest))
