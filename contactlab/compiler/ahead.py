@@ -21,7 +21,7 @@ class Signature(NamedTuple):
 
     @property
     def code(self) -> Any:
-        """The machine code, as other kernels take it for an argument: by its address."""
+        """The machine code, which other kernels call by its address: exceptions do not come through."""
         from numba.core.types import CompileResultWAP, FunctionType
 
         code: Any = CompileResultWAP(self.kernel.get_compile_result(self.types))

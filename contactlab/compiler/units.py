@@ -72,7 +72,7 @@ class _Flags(Flags):
 
 
 class _Compiler(CompilerBase):
-    """Compiles with options that are soon compared."""
+    """Compiles with names of the types and with options that are soon compared."""
 
     def compile_extra(self, function: Any) -> Any:
         """Compile a function."""
