@@ -1,10 +1,10 @@
 """Kernels compiled before they are called, by processes at once where there are several of them."""
 
-import os
 import pickle
 import subprocess
 import sys
 import warnings
+from contextlib import suppress
 from typing import Any, NamedTuple, final
 
 from contactlab.compiler.folders import code_folder, code_name
@@ -61,19 +61,21 @@ def compile_all(signatures: list[Signature]) -> None:
     if not signatures:
         return
     first, *others = signatures
-    command = [sys.executable, "-P", "-c", f"from {__name__} import compile_beside; compile_beside()"]
     # This process may have found its modules in other places than another would.
-    places = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    places = "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer)"
+    command = [sys.executable, "-P", "-c", f"{places}; from {__name__} import compile_beside; compile_beside()"]
     pipe, nothing = subprocess.PIPE, subprocess.DEVNULL
     # What lives for one process alone no other one finds.
     at_once = sys.executable and processors() > 1 and code_folder().name == code_name()
     begun = []
     try:
         for each in others if at_once else []:
-            process = subprocess.Popen(command, stdin=pipe, stdout=nothing, stderr=nothing, env=places)
+            process = subprocess.Popen(command, stdin=pipe, stdout=nothing, stderr=nothing)
             begun.append(process)
             assert process.stdin
-            with process.stdin as message:
+            # One that could not begin does not read.
+            with suppress(BrokenPipeError), process.stdin as message:
+                pickle.dump(sys.path, message)
                 pickle.dump((each.kernel.__module__, each.kernel.__name__, each.types), message)
         first.compile()
         for process in begun:
