@@ -1,0 +1,378 @@
+"""When does the contact law matter, over drawn motors, against what is not known of each?
+
+This is the plan, written before the first motor ran: motors and inputs are those of `motor_population`.
+
+**Contrasts** (`CONTRASTS`) change one thing between two laws of the same motor. Every law with a restitution
+has the motor's own in a straight impact at the motor's own speed: the median approach of its contacts under
+`poisson`, weighted by their impulses. **Null contrasts** change nothing that is physics: another start, a
+friction coefficient larger by a millionth, a tolerance a hundred times the default's.
+
+**Size.** c = ln |Q_a / Q_b| of a quantity Q; infinite where Q has another sign under b, or is zero to its
+error under one of both. Motors without a steady state under a law are an outcome, counted by law.
+
+**Share.** Of the variance of ln |Q| over laws and motors, the share of law, of motor, and of law x motor,
+which is what no common factor of a law explains, with intervals by bootstrap over motors.
+
+**Against knowledge.** |c| over the half-width of the 95 % prediction of ln |Q|, with secants s of ln |Q|
+over the inputs of `KNOWN` under `poisson`: h = 1.96 sqrt(s' S s), with S as of a catalogue and of a bench,
+and after the speed has been measured to `MEASURED` at two other voltages, which a linear Gaussian model takes
+in.
+
+**Practice.** A law whose friction coefficient and restitution are fitted to the speeds at two voltages under
+`TRUTH` predicts the third: |ln| of its ratio to the truth, by law, of the first `CALIBRATED` motors.
+
+**Map.** ln |c| by an additive spline of the groups, fitted on the first `FITTED` motors and judged on the
+others, at which nobody has looked before: R^2 and coverage of its 90 % intervals.
+
+**Stop.** At `LOOK` motors, if no contrast of laws has a share of law x motor above the largest of the null
+contrasts' upper ends, in speed and in torque, that is the result.
+
+**What will be said** is one of `SENTENCES`.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf
+from typing import Any, Final
+
+import matplotlib.pyplot as plt
+import numpy as np
+import xarray
+from experiment import Experiment, main, part_of
+from matplotlib.figure import Figure
+from motor_population import ABSOLUTE, GROUPS, KNOWN, LAWS, begun, drawn, groups_of, law_of, motor_of
+from scipy.optimize import least_squares
+
+import contactlab as cl
+from contactlab.arrays import Array
+from contactlab.estimate import Estimate
+from contactlab.steady_state import BrokenOffError, NotSettledError, Steady, steady
+from contactlab.steady_state.means import LONGEST, motion_of
+from contactlab.studies.characterise.transients import start_time
+from contactlab.studies.study import Part, Setups, Task
+
+MOTORS, FITTED, LOOK, STARTED, CALIBRATED = 256, 192, 64, 64, 64
+"""Motors in all, those on which the map is fitted, those at the look, those whose start is timed, and those
+to which laws are fitted."""
+
+TRUTH: Final = "flores, mindlin"
+"""The law that stands for the motor to which others are fitted: the one with most in it."""
+
+FREE: Final = {"friction coefficient": (0.02, 1.5), "restitution": (0.02, 0.98)}
+"""Numbers that are fitted to a motor, with their bounds."""
+
+FIT_STEP, MOST_EVALUATIONS, MISSED = 0.01, 8, 3.0
+"""Relative step of the finite differences of a fit, its most evaluations, and the residual of a motor that
+has no steady state."""
+
+SLOWEST: Final = 1e-3
+"""Least speed of a motor's own impacts [m/s]: one that never leaves its rotor has none."""
+
+NEAR: Final = 1e-6
+"""Relative change of the friction coefficient of a null contrast."""
+
+COARSE: Final = 1e-5
+"""Tolerance of a null contrast, a hundred times the default."""
+
+MEASURED: Final = 0.02
+"""Standard deviation of ln |speed| as measured."""
+
+POINTS: Final = (1.0, 0.75, 1.3)
+"""Operating points, as factors of the voltages; the last two are those at which the motor is measured."""
+
+NULLS: Final = ("another start", "friction", "tolerance")
+STATES: Final = (*LAWS, *(f"{law}, {null}" for law in ("poisson", "flores") for null in NULLS))
+
+CONTRASTS: Final = {
+    "rigid or compliant": ("poisson", "flores"),
+    "restitution of velocity or of impulse": ("newton", "poisson"),
+    "restitution of impulse or of energy": ("poisson", "stronge"),
+    "rigid or elastic stick": ("flores", "flores, mindlin"),
+    "restitution constant or by speed": ("newton", "johnson"),
+    "always slip or stick": ("lagrange_slip", "lagrange_stick"),
+    "damping of the contact": ("flores", "tsuji"),
+    **{f"null: {law}, {null}": (law, f"{law}, {null}") for law in ("poisson", "flores") for null in NULLS},
+}
+
+QUANTITIES: Final = ("rotor_velocity", "stall_torque", "normal_impulse", "start_time")
+
+SENTENCES: Final = (
+    "The groups say where the law decides: {contrasts} are predicted with an R^2 of {r2} in motors that were "
+    "not looked at.",
+    "No map: in motors that were not looked at, the groups explain at most {r2} of how much the law matters.",
+)
+
+OUTCOMES: Final = ("steady", "not settled", "broken off", "no such law")
+BRIEF: Final = (3, 13)
+"""Motors of the short form."""
+
+RESAMPLES, LEVEL, SEED = 2000, 0.95, 0
+
+
+def settle(
+    made: cl.Motor, law: cl.ContactLaw, velocity: float = 0.0, tolerance: float | None = None
+) -> tuple[int, Steady | None]:
+    """Return the outcome, an index of `OUTCOMES`, and the steady state."""
+    try:
+        return 0, steady(begun(made, law, velocity), law, tolerance=tolerance)
+    except NotSettledError:
+        return 1, None
+    except BrokenOffError:
+        return 2, None
+
+
+def numbers_of(state: Steady | None, starts: bool) -> list[Estimate]:
+    """Return the quantities of a steady state, NaN where there is none."""
+    none = Estimate(np.nan, np.nan)
+    if state is None:
+        return [none] * len(QUANTITIES)
+    force = state.average("normal_force")
+    try:
+        torque = steady(state.setup, belt=0.0, start=state, longest=LONGEST).torque
+    except (BrokenOffError, NotSettledError):
+        torque = none
+    start = start_time(state.setup, state.velocity.value) if starts else none
+    return [state.velocity, torque, Estimate(state.period * force.value, state.period * force.error), start]
+
+
+def own_speed(state: Steady | None) -> float:
+    """Return the median approach of the contacts, weighted by impulse, at least `SLOWEST` [m/s]."""
+    if state is None:
+        return SLOWEST
+    contacts = motion_of(state).contacts
+    speed, impulse = -contacts["approach_velocity"], contacts["normal_impulse"]
+    order = np.argsort(speed)
+    share = np.cumsum(impulse[order])
+    middle = int(np.searchsorted(share, 0.5 * share[-1])) if share.size else 0
+    return max(float(speed[order][middle]) if share.size else 0.0, SLOWEST)
+
+
+def moved(motor: Mapping[str, Any], name: str, by: float) -> dict[str, Any]:
+    """Return a motor with an input moved by some of its standard deviations on a bench."""
+    step = by * KNOWN[name].bench
+    return {**motor, name: motor[name] + step if name in ABSOLUTE else motor[name] * float(np.exp(step))}
+
+
+def secants(motor: Mapping[str, Any], speed: float) -> Array:
+    """Return d ln |speed| over a deviation of each input on a bench, shape (input, point)."""
+    ends = [[log_speeds("poisson", moved(motor, x, by), speed, POINTS) for by in (1.0, -1.0)] for x in KNOWN]
+    return np.array([0.5 * (above - below) for above, below in ends])
+
+
+def log_speeds(name: str, motor: Mapping[str, Any], speed: float, points: Sequence[float]) -> Array:
+    """Return ln |speed| of a motor under a law at operating points, NaN where it has no steady state."""
+    values = []
+    for scale in points:
+        made = motor_of(motor, scale)
+        state = settle(made, law_of(name, motor, made, speed))[1]
+        values.append(np.log(abs(state.velocity.value)) if state else np.nan)
+    return np.array(values)
+
+
+def prediction_errors(motor: Mapping[str, Any], speed: float) -> Array:
+    """Return |ln| of predicted over true speed where no law was fitted, shape (law,)."""
+    truth = log_speeds(TRUTH, motor, speed, POINTS)
+    errors = []
+    for name in LAWS:
+
+        def residual(values: Array, name: str = name) -> Array:
+            changed = {**motor, **dict(zip(FREE, values.tolist(), strict=True))}
+            return np.nan_to_num(log_speeds(name, changed, speed, POINTS[1:]) - truth[1:], nan=MISSED)
+
+        try:
+            start = [np.clip(motor[key], *bounds) for key, bounds in FREE.items()]
+            bounds = np.transpose([*FREE.values()])
+            fit = least_squares(
+                residual, start, bounds=bounds, diff_step=FIT_STEP, max_nfev=MOST_EVALUATIONS
+            )
+            changed = {**motor, **dict(zip(FREE, fit.x.tolist(), strict=True))}
+            errors.append(abs(log_speeds(name, changed, speed, POINTS[:1])[0] - truth[0]))
+        # A law may have no such restitution.
+        except ValueError:
+            errors.append(np.nan)
+    return np.array(errors)
+
+
+def computed(number: int, starts: bool, fits: bool) -> Part:
+    """Return everything of one motor."""
+    motor = drawn(number)
+    made = motor_of(motor)
+    speed = own_speed(settle(made, law_of("poisson", motor, made, SLOWEST))[1])
+    rows, outcomes, states, laws = [], [], dict[str, Steady | None](), dict[str, cl.ContactLaw]()
+    for name in LAWS:
+        try:
+            laws[name] = law_of(name, motor, made, speed)
+            outcome, states[name] = settle(made, laws[name])
+        except ValueError:
+            outcome, states[name] = 3, None
+        outcomes.append(outcome)
+        rows.append(numbers_of(states[name], starts))
+    for name in ("poisson", "flores"):
+        law, state = laws[name], states[name]
+        near = law_of(
+            name,
+            moved(motor, "friction coefficient", NEAR / KNOWN["friction coefficient"].bench),
+            made,
+            speed,
+        )
+        there = state.velocity.value if state else 0.0
+        for outcome, other in (
+            settle(made, law, -0.5 * there),
+            settle(made, near),
+            settle(made, law, tolerance=COARSE),
+        ):
+            outcomes.append(outcome)
+            rows.append(numbers_of(other, starts))
+    values = np.array([[(x.value, x.error) for x in row] for row in rows])
+    data = {
+        "value": (("state", "quantity"), values[..., 0]),
+        "error": (("state", "quantity"), values[..., 1]),
+        "outcome": ("state", outcomes),
+        "group_value": ("group", groups_of(motor, made, laws["flores"], speed)),
+        "secant": (("input", "point"), secants(motor, speed)),
+        "prediction_error": ("law", prediction_errors(motor, speed) if fits else np.full(len(LAWS), np.nan)),
+    }
+    return part_of(xarray.Dataset(data))
+
+
+def contrast(value: Array, error: Array) -> Array:
+    """Return c of two states, values and their errors of shape (2, ...): NaN where one is missing."""
+    determined = np.abs(value) > 2.0 * error
+    with np.errstate(all="ignore"):
+        size = np.log(np.abs(value[0] / value[1]))
+    opposed = (value[0] * value[1] < 0.0) | (determined[0] != determined[1])
+    size = np.where(opposed, inf, size)
+    # Two that are zero to their errors do not differ.
+    size = np.where(determined.any(axis=0), size, 0.0)
+    return np.asarray(np.where(np.isfinite(value).all(axis=0), size, np.nan))
+
+
+def shares(logarithm: Array) -> Array:
+    """Return the shares of law, motor and law x motor in the variance of ln |Q|, shape (motor, law)."""
+    whole = logarithm.mean()
+    law, motor = logarithm.mean(axis=0) - whole, logarithm.mean(axis=1) - whole
+    rest = logarithm - whole - law - motor[:, None]
+    parts = np.array([(law**2).mean(), (motor**2).mean(), (rest**2).mean()])
+    return np.asarray(parts / parts.sum())
+
+
+def interval(statistic: Any, rows: Array) -> tuple[Array, Array, Array]:
+    """Return a statistic of rows, and the ends of its interval by bootstrap over them."""
+    rng = np.random.default_rng(SEED)
+    drawn = [statistic(rows[rng.integers(len(rows), size=len(rows))]) for _ in range(RESAMPLES)]
+    low, high = np.quantile(drawn, [0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL], axis=0)
+    return statistic(rows), low, high
+
+
+def half_widths(secant: Array) -> Array:
+    """Return the half-width of ln |speed| as of a catalogue, a bench, and measured, shape (motor, level).
+
+    Args:
+        secant: shape (motor, input, point), over deviations on a bench.
+    """
+    ratio = np.array([known.catalogue / known.bench for known in KNOWN.values()])
+    result = []
+    for s in secant:
+        catalogue = ratio[:, None] * s
+        covariance = s.T @ s
+        seen = covariance[1:, 1:] + MEASURED**2 * np.eye(len(POINTS) - 1)
+        after = covariance[0, 0] - covariance[0, 1:] @ np.linalg.solve(seen, covariance[1:, 0])
+        result.append([catalogue[:, 0] @ catalogue[:, 0], covariance[0, 0], max(after, 0.0)])
+    return np.asarray(1.96 * np.sqrt(result))
+
+
+class LawContrasts(Experiment):
+    """In which motors does which difference of laws change what the motor does?"""
+
+    says = "One difference of laws at least has a share of law x motor above all null contrasts."
+
+    def tasks(self, setups: Setups) -> Iterator[Task]:
+        """Yield a task a motor; the short form has few."""
+        del setups
+        for number in BRIEF if self.short else range(MOTORS):
+            starts, fits = (number < most and not self.short for most in (STARTED, CALIBRATED))
+            yield Task(f"{number:04d}", computed, (number, starts, fits))
+
+    def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
+        """Return everything by motor, with contrasts and half-widths."""
+        del setup
+        data = xarray.concat(parts, "motor").assign_coords(
+            state=[*STATES],
+            quantity=[*QUANTITIES],
+            group=[*GROUPS],
+            input=[*KNOWN],
+            point=[*POINTS],
+            law=[*LAWS],
+        )
+        pairs = [[STATES.index(name) for name in pair] for pair in CONTRASTS.values()]
+        value, error = (data[x].transpose("state", "motor", "quantity").values for x in ("value", "error"))
+        sizes = [contrast(value[pair], error[pair]) for pair in pairs]
+        return data.assign(
+            contrast_size=(("contrast", "motor", "quantity"), np.array(sizes)),
+            half_width=(("motor", "level"), half_widths(data["secant"].values)),
+        ).assign_coords(contrast=[*CONTRASTS], level=["catalogue", "bench", "measured"])
+
+    def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
+        """Return the contrasts: sizes, turned motors, shares, and motors beyond each level of knowledge."""
+        rows: list[dict[str, object]] = []
+        for quantity in QUANTITIES[:3]:
+            for name, pair in CONTRASTS.items():
+                size = np.abs(data["contrast_size"].sel(contrast=name, quantity=quantity).values)
+                known = ~np.isnan(size)
+                row: dict[str, object] = {"quantity": quantity, "contrast": name, "motors": int(known.sum())}
+                row["turned"] = int(np.isinf(size).sum())
+                row["median"] = float(np.median(size[known])) if known.any() else np.nan
+                both = data["value"].sel(state=[*pair], quantity=quantity).values
+                whole = both[np.isfinite(size) & (both != 0.0).all(axis=-1)]
+                if len(whole) > 2:
+                    share, low, high = interval(shares, np.log(np.abs(whole)))
+                    row |= {"share": float(share[2]), "low": float(low[2]), "high": float(high[2])}
+                if quantity == "rotor_velocity":
+                    for level in data["level"].values:
+                        width = data["half_width"].sel(level=level).values
+                        some = known & np.isfinite(width)
+                        row[f"beyond {level}"] = float((size > width)[some].mean()) if some.any() else np.nan
+                rows.append(row)
+        return rows
+
+    def draw(self, data: xarray.Dataset) -> Figure:
+        """Draw the sizes of the contrasts in speed, and how many motors lie beyond what is known."""
+        figure, (left, right) = plt.subplots(1, 2, figsize=(12.0, 5.0), layout="constrained")
+        for number, name in enumerate(CONTRASTS):
+            size = np.abs(data["contrast_size"].sel(contrast=name, quantity="rotor_velocity").values)
+            size = size[np.isfinite(size)]
+            height = number + 0.3 * np.linspace(-1.0, 1.0, max(size.size, 1))[: size.size]
+            left.plot(
+                np.maximum(size, 1e-9), height, ".", markersize=3.0, color="C3" if "null" in name else "C0"
+            )
+        left.set_yticks(range(len(CONTRASTS)), [*CONTRASTS])
+        left.set_xscale("log")
+        left.set_xlabel("|ln of the ratio of speeds|")
+        for name in (name for name in CONTRASTS if "null" not in name):
+            size = np.abs(data["contrast_size"].sel(contrast=name, quantity="rotor_velocity").values)
+            ratio = np.sort(size / data["half_width"].sel(level="bench").values)
+            ratio = ratio[~np.isnan(ratio)]
+            if ratio.size:
+                right.step(np.maximum(ratio, 1e-6), 1.0 - np.arange(ratio.size) / ratio.size, label=name)
+        right.axvline(1.0, color="0.4", linewidth=0.8)
+        right.set_xscale("log")
+        right.set_xlabel("over the half-width of what a bench predicts")
+        right.set_ylabel("share of motors beyond")
+        right.legend(fontsize=8)
+        return figure
+
+    def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
+        """State the contrasts whose share of law x motor lies above all null contrasts'."""
+        rows = [row for row in self.rows(data) if "share" in row and row["quantity"] != "normal_impulse"]
+        if not rows:
+            return "Too few motors for a share.", False
+        chance = max((float(row["high"]) for row in rows if "null" in str(row["contrast"])), default=inf)  # type: ignore[arg-type]
+        above = [row for row in rows if "null" not in str(row["contrast"]) and float(row["low"]) > chance]  # type: ignore[arg-type]
+        names = [
+            f"{row['contrast']} ({str(row['quantity']).replace('_', ' ')}, {row['share']:.2g})"
+            for row in above
+        ]
+        return f"Above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}.", bool(above)
+
+
+if __name__ == "__main__":
+    main(__file__)
