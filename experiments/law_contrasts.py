@@ -181,9 +181,7 @@ def prediction_errors(motor: Mapping[str, Any], speed: float) -> Array:
         try:
             start = [np.clip(motor[key], *bounds) for key, bounds in FREE.items()]
             bounds = np.transpose([*FREE.values()])
-            fit = least_squares(
-                residual, start, bounds=bounds, diff_step=FIT_STEP, max_nfev=MOST_EVALUATIONS
-            )
+            fit = least_squares(residual, start, bounds=bounds, diff_step=FIT_STEP, max_nfev=MOST_EVALUATIONS)
             changed = {**motor, **dict(zip(FREE, fit.x.tolist(), strict=True))}
             errors.append(abs(log_speeds(name, changed, speed, POINTS[:1])[0] - truth[0]))
         # A law may have no such restitution.

@@ -30,6 +30,7 @@ def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(comman
     [
         ("one_contact", {"one_contact.py": f"docs/gallery/{ONE_CONTACT.name}"}),
         ("drops", {"drops.csv": "docs/gallery/drops.csv"}),
+        ("motor_measurement", {"motor_measurement.csv": "docs/gallery/motor_measurement.csv"}),
         *(
             (
                 copy,

@@ -88,6 +88,11 @@ def examples() -> Iterator[Example]:
         onward = f"contactlab validate {path.name} law=newton,poisson compares laws with it."
         if re.search(r"^[^#].*\bslip\b", text, re.MULTILINE):
             onward = f"contactlab drive {path.name} law=composed law/friction=dahl draws a law beside it."
+        elif re.search(r"^[^#].*\brotor_velocity\b", text, re.MULTILINE):
+            free = "law.restitution=0.1..0.9 contact.friction_coefficient=0.1..0.6"
+            onward = (
+                f"contactlab fit {path.name} law=newton resonator=finite_element {free} fits a law to it."
+            )
         yield Example(path.stem, match[1] if match else "", path, path.name, onward)
     for copy, (folder, group, onward) in PACKAGES.items():
         text = (root / folder / "pyproject.toml").read_text(encoding="utf-8")

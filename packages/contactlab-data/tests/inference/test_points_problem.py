@@ -7,6 +7,7 @@ import pytest
 
 import contactlab as cl
 from contactlab.arrays import Array
+from contactlab.cli.verbs.example import examples
 from contactlab.studies.compare.repeats import MARGIN
 from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.problem import Problem
@@ -62,6 +63,18 @@ def test_a_fit_finds_the_truth(tmp_path: Path) -> None:
     )
     restitution = fitted.numbers["law.restitution"]
     assert abs(restitution.value - 0.4) < 4.0 * restitution.error
+
+
+def test_the_template_of_a_motor_is_explained_by_the_law_and_the_motor_that_made_it() -> None:
+    template = next(each.source for each in examples() if each.name == "motor_measurement")
+
+    def misfit(*others: str) -> float:
+        setup = cl.build(["law=newton", "resonator=finite_element", "law.restitution=0.4", *others])
+        free = {"contact.friction_coefficient": (0.1, 0.6)}
+        (candidate,) = candidates_of(read_measurements(template), {"": setup}, free)
+        return float(np.abs(candidate.problem.residuals(np.array([0.25]))).max())
+
+    assert misfit() < 3.0 < 10.0 < misfit("drive.phase=-0.3")
 
 
 @pytest.mark.parametrize(
