@@ -1,5 +1,7 @@
 """Lanes: five float64, one of each node of a step, in one register of the processor, computed with at once.
 
+A register has eight; rows of arrays, and what is filled as `fill_all`, use them all.
+
 Lanes are a number type of the compiler (`contactlab.compiler.registers`): `+ - * /`, `abs` and the functions
 below act on every lane as on a float64, so that the bits are those of a loop over the nodes, whatever the
 width of the processor's registers. A number beside lanes is that number in each; `lanes[i]` is lane i. There
@@ -16,13 +18,21 @@ from contactlab.arrays import Array
 COUNT: Final = 5
 """Lanes that are used, of eight in a register: nodes of a step."""
 
+WIDTH: Final = 8
+"""Lanes of a register: nodes of the ledger in flight, or coordinates."""
+
 Lanes = Array
-"""Type of lanes without machine code, shape (COUNT,)."""
+"""Type of lanes without machine code, shape (COUNT,) or (WIDTH,)."""
 
 
 def fill(value: float) -> Lanes:
     """Return lanes that all are one number."""
     return np.full(COUNT, value, np.float64)
+
+
+def fill_all(value: float) -> Lanes:
+    """Return lanes of a whole register that all are one number."""
+    return np.full(WIDTH, value, np.float64)
 
 
 def load(values: Array) -> Lanes:
@@ -36,7 +46,7 @@ def store(values: Array, lanes: Lanes) -> None:
 
 
 def entry(values: Array, m: int) -> Any:
-    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes, shape (n, COUNT)."""
+    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes, shape (n, WIDTH)."""
     return values[m].copy()
 
 
@@ -75,6 +85,16 @@ def root(value: Any) -> Any:
 def largest(lanes: Lanes) -> float:
     """Return the largest lane, as `max` of the lanes in their order."""
     return float(max(lanes))
+
+
+def largest_of_all(lanes: Lanes) -> float:
+    """Return the largest lane of a whole register, as `largest`."""
+    return largest(lanes)
+
+
+def total_of_all(lanes: Lanes) -> float:
+    """Return the sum of the lanes of a whole register, as `total_of`."""
+    return total_of(lanes)
 
 
 def total_of(lanes: Lanes) -> float:

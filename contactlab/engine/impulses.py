@@ -102,7 +102,7 @@ def become(run: Run, law: Law, mode: int, slip: float) -> None:
 @inner_kernel
 def _ends(run: Run, rebound: float, lost: float) -> bool:
     """Return whether the flights after a rebound [m/s], which lost a share of the speed, count as none."""
-    state, longest = run.state, run.propagator.rule.longest
+    state, longest = run.state, run.propagator.rule.resolved
     pressing = -free_accelerations(run, START, 0.0)[0]
     # T = 2 w/(|a| (1 - e)) of all flights; where impacts lose nearly nothing, 2 w/|a| of a single one.
     if lost < NEARLY_ELASTIC and longest <= state.watchdog.longest_quiet:

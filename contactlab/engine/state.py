@@ -225,6 +225,8 @@ STEP: Final = record(
     ("contacts", CONTACT, 512),
     # The state before the step that reaches the end.
     ("saved", STATE, (1,)),
+    # What a whole flight adds to the ledger [J].
+    real="flown_drive flown_damping flown_load",
     # Kind of the step; whether the gap at which the next contact begins moves in flight.
     whole="kind limit_moves",
 )
