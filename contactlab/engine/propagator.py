@@ -181,9 +181,9 @@ class Workspace:
         rule.longest, rule.contact_level = longest, max(doublings, 0 if exact else FLIGHT_DOUBLINGS)
         rule.resolved = longest * 0.5 ** min(int(rule.contact_level), FLIGHT_DOUBLINGS)
         rule.level_count = max(LEVELS, rule.contact_level + ROOM)
-        # A release leaves transients of all modes: the first step turns the fastest by a quarter of a radian
-        # at most, and later ones double.
-        rule.fresh_level = min(max(8, ceil(log2(turns)) + 2), rule.level_count - 8)
+        # A release leaves transients of all modes: the first step turns the fastest by a radian at most, and
+        # later ones double.
+        rule.fresh_level = min(max(6, ceil(log2(turns))), rule.level_count - 8 - FLIGHT_DOUBLINGS)
         self._key, self._propagator = key, propagator
         return propagator
 
