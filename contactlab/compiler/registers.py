@@ -109,7 +109,6 @@ def _each(builder: Any, register: Any, count: int) -> list[Any]:
     return [builder.extract_element(register, _INDEX(i)) for i in range(count)]
 
 
-@_define(lanes.fill_all, LANES, types.float64)
 @_define(lanes.fill, LANES, types.float64)
 def filled(builder: Any, number: Any) -> Any:
     """Emit lanes that all are one number."""
@@ -199,6 +198,11 @@ def loaded(builder: Any, first: Any) -> Any:
     return _shuffled(builder, four, rest, [*range(WIDTH)])
 
 
+@_define(lanes.load_all, LANES, NUMBERS)
+def _loaded_all(builder: Any, first: Any) -> Any:
+    return builder.load(builder.bitcast(first, _REGISTER.as_pointer()), align=8)
+
+
 @_define(lanes.store, types.void, NUMBERS, LANES)
 def stored(builder: Any, first: Any, register: Any) -> None:
     """Emit the setting of the numbers from a pointer on to lanes."""
@@ -219,18 +223,18 @@ def _set_number(builder: Any, first: Any, m: Any, value: Any) -> None:
 
 
 def _row(builder: Any, first: Any, m: Any) -> Any:
-    row = builder.gep(first, [builder.mul(m, ir.Constant(m.type, WIDTH))])
-    return builder.bitcast(row, _REGISTER.as_pointer())
+    return builder.gep(first, [builder.mul(m, ir.Constant(m.type, WIDTH))])
 
 
 @_define(lanes.entry, LANES, ROWS, types.intp)
 def _lanes_of_row(builder: Any, first: Any, m: Any) -> Any:
-    return builder.load(_row(builder, first, m), align=8)
+    return _loaded_all(builder, _row(builder, first, m))
 
 
 @_define(lanes.set_entry, types.void, ROWS, types.intp, LANES)
 def _set_row(builder: Any, first: Any, m: Any, register: Any) -> None:
-    builder.store(register, _row(builder, first, m), align=8)
+    row = builder.bitcast(_row(builder, first, m), _REGISTER.as_pointer())
+    builder.store(register, row, align=8)
 
 
 def _define_folded(function: Any, count: int, emit: Callable[..., Any]) -> None:

@@ -17,8 +17,8 @@ from contactlab.compiler.lanes import (
     Lanes,
     entry,
     fill,
-    fill_all,
     load,
+    load_all,
     put,
     set_entry,
     store,
@@ -356,9 +356,9 @@ def flow_to(run: Run, s: float) -> None:
         _turn(tone, START, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
     # As many coordinates at once as there are lanes.
     for first in range(0, plant.mode_count, WIDTH):
-        stiffness, damping, constant = fill_all(0.0), fill_all(0.0), fill_all(0.0)
-        free_q, free_v = fill_all(0.0), fill_all(0.0)
-        row_u, row_th, row_r = fill_all(0.0), fill_all(0.0), fill_all(0.0)
+        stiffness, damping, constant = fill(0.0), fill(0.0), fill(0.0)
+        free_q, free_v = fill(0.0), fill(0.0)
+        row_u, row_th, row_r = fill(0.0), fill(0.0), fill(0.0)
         for i in range(min(plant.mode_count - first, WIDTH)):
             mode = plant.modes[first + i]
             stiffness, damping = put(stiffness, i, mode.stiffness), put(damping, i, mode.damping)
@@ -406,7 +406,7 @@ def fly(run: Run, level: int, place: int) -> tuple[float, float, float]:
         # Addition theorems, as in `_turn`.
         set_entry(tone.flight, 0, tone.cosine[START] * cosine - tone.sine[START] * sine)
         set_entry(tone.flight, 1, tone.cosine[START] * sine + tone.sine[START] * cosine)
-    driving, damped, loading = fill_all(0.0), fill_all(0.0), fill_all(0.0)
+    driving, damped, loading = fill(0.0), fill(0.0), fill(0.0)
     for j in range(plant.mode_count):
         mode, integrals = plant.modes[j], propagator.flights[level, j].flight
         rate, w = entry(integrals, 0), entry(integrals, 1)
@@ -414,9 +414,9 @@ def fly(run: Run, level: int, place: int) -> tuple[float, float, float]:
         q = (rate[last] + mode.damping * w[last]) * mode.free_q + w[last] * mode.free_v
         q += mode.constant * integrals[2, last]
         v = rate * mode.free_v + w * (mode.constant - mode.stiffness * mode.free_q)
-        force = fill_all(0.0)
+        force = fill(0.0)
         if waves:
-            power = fill_all(1.0)
+            power = fill(1.0)
             for m in range(ORDERS):
                 derivative = plant.forces[j, m]
                 q += derivative * integrals[m + 2, last]
@@ -449,7 +449,7 @@ def _by_wave(plant: Plant, response: Any, j: int, integrated: int) -> Lanes:
     added = fill(0.0)
     if plant.wave.electrodes > 0:
         for m in range(ORDERS):
-            added = added + load(response.powers[m + integrated]) * plant.forces[j, m]
+            added = added + load_all(response.powers[m + integrated]) * plant.forces[j, m]
     return added
 
 
@@ -459,7 +459,7 @@ def free_response(run: Run, level: int) -> None:
     plant, propagator = run.plant, run.propagator
     for k in range(plant.tone_count):
         tone, turn = plant.tones[k], propagator.turns[level, k]
-        cosine, sine = load(turn.cosine), load(turn.sine)
+        cosine, sine = load_all(turn.cosine), load_all(turn.sine)
         # Addition theorems, as in `_turn`.
         store(tone.cosine, tone.cosine[START] * cosine - tone.sine[START] * sine)
         store(tone.sine, tone.cosine[START] * sine + tone.sine[START] * cosine)
@@ -467,15 +467,15 @@ def free_response(run: Run, level: int) -> None:
         mode, response = plant.modes[j], propagator.responses[level, j]
         q0, v0 = mode.free_q, mode.free_v
         flow, hold = response.flow, response.hold
-        q, v = fill(0.0), load(flow[2]) * q0 + load(flow[3]) * v0
-        v = v + (load(hold[1]) * mode.constant + _by_wave(plant, response, j, 0))
+        q, v = fill(0.0), load_all(flow[2]) * q0 + load_all(flow[3]) * v0
+        v = v + (load_all(hold[1]) * mode.constant + _by_wave(plant, response, j, 0))
         for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
             cosine, sine = load(tone.cosine), load(tone.sine)
             q = q + (phasor.steady_re * cosine - phasor.steady_im * sine)
             v = v - tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        q = q + (load(flow[0]) * q0 + load(flow[1]) * v0)
-        q = q + load(hold[0]) * mode.constant
+        q = q + (load_all(flow[0]) * q0 + load_all(flow[1]) * v0)
+        q = q + load_all(hold[0]) * mode.constant
         store(mode.q, q + _by_wave(plant, response, j, 1))
         store(mode.v, v)
         if mode.near != 0:
@@ -550,7 +550,7 @@ def add_collocated(run: Run, level: int) -> None:
             u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
             q += response.answer_q[m, LAST] * push
-            v = v + load(response.answer_v[m]) * push
+            v = v + load_all(response.answer_v[m]) * push
         mode.q[LAST] = q
         store(mode.v, v)
 
@@ -566,7 +566,7 @@ def add_constant(run: Run, level: int, displacement: bool, rates: bool) -> None:
         if displacement:
             mode.q[LAST] += response.hold[0, LAST] * push
         if rates:
-            store(mode.v, load(mode.v) + load(response.hold[1]) * push)
+            store(mode.v, load(mode.v) + load_all(response.hold[1]) * push)
 
 
 @inner_kernel

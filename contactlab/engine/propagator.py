@@ -45,7 +45,8 @@ OUTLASTING = 2.0**20
 
 RULE = record(
     *((name, float, NODES) for name in ("nodes", "weights")),
-    *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
+    ("lagrange", float, (NODES, WIDTH)),
+    ("derivative", float, (NODES, NODES)),
     ("integrals", float, ORDERS + 2),
     ("integrals_of_several", float, (ORDERS + 2, WIDTH)),
     ("flight", float, (2, WIDTH)),
@@ -53,20 +54,20 @@ RULE = record(
     whole="contact_level fresh_level level_count",
 )
 LEVEL = record(
-    ("tip_q", float, (3, NODES, NODES)),
-    ("tip_v", float, (4, NODES, NODES)),
+    ("tip_q", float, (3, NODES, WIDTH)),
+    ("tip_v", float, (4, NODES, WIDTH)),
     ("flight", float, (2, WIDTH)),
     real="length",
     whole="built flown",
 )
 RESPONSE = record(
-    ("flow", float, (4, NODES)),
-    ("hold", float, (2, NODES)),
-    ("answer_q", float, (NODES, NODES)),
-    ("answer_v", float, (NODES, NODES)),
-    ("powers", float, (ORDERS + 1, NODES)),
+    ("flow", float, (4, WIDTH)),
+    ("hold", float, (2, WIDTH)),
+    ("answer_q", float, (NODES, WIDTH)),
+    ("answer_v", float, (NODES, WIDTH)),
+    ("powers", float, (ORDERS + 1, WIDTH)),
 )
-TURN = record(("cosine", float, NODES), ("sine", float, NODES))
+TURN = record(("cosine", float, WIDTH), ("sine", float, WIDTH))
 ANSWER = record(("part", float, (4, NODES)))
 INTEGRALS = record(("flight", float, (ORDERS + 2, WIDTH)))
 TURN_IN_FLIGHT = record(("flight", float, (2, WIDTH)))
@@ -74,7 +75,7 @@ ANSWER_IN_FLIGHT = record(("flight", float, (4, WIDTH)))
 
 Propagator = Any
 """Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone. Where there
-are nodes of evaluation, they are the last axis.
+are nodes of evaluation, they are the last axis, in what is read as lanes with room for a register.
 
 rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
 derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; flight,
@@ -175,7 +176,7 @@ class Workspace:
         propagator = new_record(propagator_record(*plant.phasors.shape))
         propagator.levels["length"][:BY_RECORD] = longest * 0.5 ** np.arange(BY_RECORD)
         rule = propagator.rule
-        rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
+        rule.nodes, rule.weights, rule.lagrange[:, :NODES], rule.derivative = radau_rule(NODES)
         nodes, weights, _, _ = radau_rule(WIDTH)
         rule.flight[:] = nodes, weights
         rule.longest, rule.contact_level = longest, max(doublings, 0 if exact else FLIGHT_DOUBLINGS)

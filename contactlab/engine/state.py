@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import COUNT, Lanes, fill, load, store
+from contactlab.compiler.lanes import COUNT, Lanes, fill, load_all, store
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
@@ -238,7 +238,7 @@ def fit(rule: Any, force: Any) -> None:
     """Lay the polynomial through the values at the nodes."""
     coefficients = fill(0.0)
     for m in range(NODES):
-        coefficients = coefficients + force.node[m] * load(rule.lagrange[m])
+        coefficients = coefficients + force.node[m] * load_all(rule.lagrange[m])
     store(force.coefficient, coefficients)
 
 

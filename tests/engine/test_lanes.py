@@ -19,11 +19,11 @@ from contactlab.compiler.lanes import (
     WIDTH,
     entry,
     fill,
-    fill_all,
     larger,
     largest,
     largest_of_all,
     load,
+    load_all,
     put,
     root,
     set_entry,
@@ -36,7 +36,7 @@ from contactlab.compiler.lanes import (
 
 ANY = st.one_of(st.floats(), st.sampled_from([0.0, -0.0, inf, -inf, nan, 5e-324, 1e308]))
 EIGHT = st.lists(ANY, min_size=WIDTH, max_size=WIDTH).map(np.array)
-ROWS = 15, WIDTH
+ROWS = 16, WIDTH
 
 
 @kernel
@@ -54,12 +54,13 @@ def _operations(a, b, x, rows):  # type: ignore[no-untyped-def]
     set_entry(rows, 9, where_less(left, right, left, x))
     set_entry(rows, 10, where_less(left, right, x, right))
     set_entry(rows, 11, put(left, 3, x))
-    set_entry(rows, 12, fill_all(x) + 2)
+    set_entry(rows, 12, fill(x) + 2)
     store(rows[13], five + fill(x))
     rows[14, 0], rows[14, 1] = largest(five), total_of(five)
     rows[14, 2], rows[14, 3] = largest_of_all(left), total_of_all(left)
     rows[14, 4], rows[14, 5] = left[2], root(x)
     set_entry(rows[14], 6, entry(a[0], 1))
+    set_entry(rows, 15, load_all(b[0]))
 
 
 def _by_numbers(a: np.ndarray, b: np.ndarray, x: float) -> np.ndarray:
@@ -85,6 +86,7 @@ def _by_numbers(a: np.ndarray, b: np.ndarray, x: float) -> np.ndarray:
         rows[13, :COUNT] = a[:COUNT] + x
         rows[14, :4] = max(a[:COUNT]), reduce(add, a[:COUNT]), max(a), reduce(add, a)
     rows[14, 4:7] = a[2], sqrt(x) if x >= 0.0 else nan, a[1]
+    rows[15] = b
     return rows
 
 
