@@ -47,12 +47,17 @@ def store(values: Array, lanes: Lanes) -> None:
 
 
 def entry(values: Array, m: int) -> Any:
-    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes, shape (n, WIDTH)."""
-    return values[m].copy()
+    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes.
+
+    An array of two axes is one of lanes, WIDTH numbers after WIDTH numbers: a row has lanes once or more.
+    """
+    return values[m] if values.ndim == 1 else values.reshape(-1, WIDTH)[m].copy()
 
 
 def set_entry(values: Array, m: int, value: Any) -> None:
     """Set number m of an array of numbers, or lanes m of an array of lanes, see `entry`."""
+    if values.ndim > 1:
+        values = values.reshape(-1, WIDTH)
     values[m] = value
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, load, load_all, store
+from contactlab.compiler.lanes import WIDTH, Lanes, entry, load, load_all, set_entry, store
 from contactlab.engine.kinematics import free_response, tip_motions
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, Run, fit
@@ -136,7 +136,11 @@ def fit_nodes(run: Run) -> None:
 
 @inner_kernel
 def solve_linear(system: Array, n: int) -> None:
-    """Solve n linear equations in place, their right side in column n, with row pivots."""
+    """Solve n linear equations in place, their right side in column n, with row pivots.
+
+    A row has room for two registers.
+    """
+    registers = 2 if n >= WIDTH else 1
     # Downwards: the largest entry of a column is the pivot. A zero one leaves NaN or infinity, which the
     # callers' largest changes pass on, so that the step is shortened.
     for p in range(n):
@@ -145,13 +149,18 @@ def solve_linear(system: Array, n: int) -> None:
             if abs(system[row, p]) > abs(system[best, p]):
                 best = row
         if best != p:
-            for column in range(p, n + 1):
-                system[p, column], system[best, column] = system[best, column], system[p, column]
+            for k in range(registers):
+                kept = entry(system, 2 * p + k)
+                set_entry(system, 2 * p + k, entry(system, 2 * best + k))
+                set_entry(system, 2 * best + k, kept)
+        # Whole rows: what stands below the diagonal and beyond the right side is not read again.
+        share = 1.0 / system[p, p]
         for row in range(p + 1, n):
-            ratio = system[row, p] / system[p, p]
-            for column in range(p + 1, n + 1):
-                system[row, column] -= ratio * system[p, column]
-    # Upwards: the entries below the diagonal are not cleared and not read again.
+            ratio = system[row, p] * share
+            for k in range(registers):
+                less = ratio * entry(system, 2 * p + k)
+                set_entry(system, 2 * row + k, entry(system, 2 * row + k) - less)
+    # Upwards.
     for p in range(n - 1, -1, -1):
         for column in range(p + 1, n):
             system[p, n] -= system[p, column] * system[column, n]

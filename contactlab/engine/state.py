@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import COUNT, Lanes, fill, load_all, store
+from contactlab.compiler.lanes import COUNT, WIDTH, Lanes, fill, load_all, store
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
@@ -219,7 +219,7 @@ STEP: Final = record(
     # The tip's motion there without contact, and the directions, of which a HELD step keeps the first.
     *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
-    ("system", float, (2 * NODES, 2 * NODES + 1)),
+    ("system", float, (2 * NODES, 2 * WIDTH)),
     # Stretches of a flight that wait to be searched, and contacts that wait to be collected.
     *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate", "wait_limit", "wait_limit_rate")),
     ("contacts", CONTACT, 512),
