@@ -162,6 +162,7 @@ def solve_linear(system: Array, n: int) -> None:
                 set_entry(system, 2 * row + k, entry(system, 2 * row + k) - less)
     # Upwards.
     for p in range(n - 1, -1, -1):
+        left = system[p, n]
         for column in range(p + 1, n):
-            system[p, n] -= system[p, column] * system[column, n]
-        system[p, n] /= system[p, p]
+            left -= system[p, column] * system[column, n]
+        system[p, n] = left / system[p, p]

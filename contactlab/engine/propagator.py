@@ -89,8 +89,8 @@ force; answer_q and answer_v, q and v from l_m; powers, under a waveform: v from
 further on q.
 turns[level, k]: cosine and sine of omega_k c_i h.
 driven[level, j, k]: answers from rest of the nearly resonant pairs, see `response_from_rest`.
-flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight, where cosine and sine
-are those of turns_in_flight[level, k] and answers those of driven_in_flight[level, j, k].
+flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight; there are cosine and
+sine in turns_in_flight[level, k], and answers from rest in driven_in_flight[level, j, k].
 """
 
 
@@ -131,7 +131,7 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
 
 
 def resolving_step(rate: float, duration: float) -> float:
-    """Return the longest step in contact [s] that resolves a rate [rad/s]: the duration, where there is none."""
+    """Return the longest step in contact [s] that resolves a rate [rad/s]; without one it is the duration."""
     return min(RESOLUTION / rate, OUTLASTING * duration) if rate > 0.0 else duration
 
 
