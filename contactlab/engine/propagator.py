@@ -25,7 +25,7 @@ RESOLUTION = 0.5
 quadrature of the ledger misses at most 1.7e-11, see docs/theory/flight.md."""
 
 FLIGHT_DOUBLINGS = 2
-"""How often that step is doubled in flight: the quadrature there, of more nodes, misses 1.3e-12."""
+"""How often that step is doubled in flight: the quadrature there, of more nodes, misses 1.2e-12."""
 
 LEVELS, MOST_LEVELS = 46, 86
 """Levels of a ladder, if its contact step leaves the room below, and the most: OUTLASTING over the smallest
@@ -89,8 +89,8 @@ force; answer_q and answer_v, q and v from l_m; powers, under a waveform: v from
 further on q.
 turns[level, k]: cosine and sine of omega_k c_i h.
 driven[level, j, k]: answers from rest of the nearly resonant pairs, see `response_from_rest`.
-flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight; there are cosine and
-sine in turns_in_flight[level, k], and answers from rest in driven_in_flight[level, j, k].
+flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight; turns_in_flight[level, k]
+and driven_in_flight[level, j, k]: cosine and sine, and answers from rest, there.
 """
 
 

@@ -97,7 +97,8 @@ def commit(run: Run, law: Law, records: Records) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, plant = run.state, run.plant
     s = state.accepted_length
-    whole = s == state.length
+    # What has not moved has no motion at nodes: a rigid contact from the start on.
+    whole = s == state.length and s > 0.0
     # Nodes of a whole step have their motion already; a part that an event cuts off has nodes of its own.
     if whole and run.step.kind == FLIGHT:
         flown = run.step
