@@ -89,8 +89,8 @@ force; answer_q and answer_v, q and v from l_m; powers, under a waveform: v from
 further on q.
 turns[level, k]: cosine and sine of omega_k c_i h.
 driven[level, j, k]: answers from rest of the nearly resonant pairs, see `response_from_rest`.
-flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight; turns_in_flight[level, k]
-and driven_in_flight[level, j, k]: cosine and sine, and answers from rest, there.
+flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight.
+turns_in_flight[level, k], driven_in_flight[level, j, k]: cosine and sine, and answers from rest, there.
 """
 
 
