@@ -21,7 +21,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, entry, largest_of_all, root, set_entry
+from contactlab.compiler.lanes import entry, largest_of_all, root, set_entry
 
 REACH = 0.25
 """Largest (c + sqrt k) d of the power series; longer times are doubled."""
@@ -43,20 +43,14 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
 
 
 @inner_kernel
-def integrals_at_several(k: float, c: float, s: Lanes, top: int, out: Array) -> None:
-    """Fill out[i] with what `impulse_integrals` does, of a time in each lane."""
-    _fill_integrals(k, c, (c + sqrt(k)) * largest_of_all(s), s, top, out)
-
-
-@inner_kernel
-def integrals_of_several(k: Lanes, c: Lanes, s: float, top: int, out: Array) -> None:
-    """Fill out[i] with what `impulse_integrals` does, of an oscillator in each lane."""
-    _fill_integrals(k, c, largest_of_all(c + root(k)) * s, s, top, out)
+def integrals_of_several(k: Any, c: Any, s: Any, top: int, out: Array) -> None:
+    """Fill out[i] with what `impulse_integrals` does, of an oscillator or of a time in each lane."""
+    _fill_integrals(k, c, largest_of_all((c + root(k)) * s), s, top, out)
 
 
 @part_kernel
 def _fill_integrals(k: Any, c: Any, reach: float, s: Any, top: int, out: Array) -> None:
-    """Fill out[i] = I_(i-1)(s) of one oscillator, or of one in each lane, whose motions turn by a reach."""
+    """Fill out[i] = I_(i-1)(s) of one oscillator, or of several, whose motions turn by a reach at most."""
     # c + sqrt k bounds the rate of any motion, under- or overdamped: over a time that is short against its
     # reciprocal the series is short.
     d, doublings = s, 0
@@ -73,8 +67,8 @@ def _fill_integrals(k: Any, c: Any, reach: float, s: Any, top: int, out: Array) 
     # s^n/n! of w is s^(n+m)/(n+m)! after m integrations.
     cd, kdd = c * d, k * d * d
     before = 0.0 * cd
-    one = before + 1.0
-    now, highest, second = one, before, before
+    begins = before + 1.0
+    now, highest, second = begins, before, before
     lower = 1.0 / factorial
     upper = lower / (top + 1)
     for n in range(1, TERMS):
@@ -85,7 +79,7 @@ def _fill_integrals(k: Any, c: Any, reach: float, s: Any, top: int, out: Array) 
         before, now = now, -cd * now - kdd * before
     # The others down I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable while (c + sqrt k) d is small. The
     # powers are multiplied up, not divided down: a rigid body must keep its place to the last bit.
-    set_entry(out, 0, one)
+    set_entry(out, 0, begins)
     for m in range(1, top):
         set_entry(out, m, entry(out, m - 1) * d / m)
     set_entry(out, top + 1, highest * power * d)

@@ -16,7 +16,7 @@ from numpy.polynomial import Legendre, Polynomial
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.compiler.lanes import WIDTH, entry, set_entry
-from contactlab.engine.oscillator import impulse_integrals, integrals_at_several, response_from_rest
+from contactlab.engine.oscillator import impulse_integrals, integrals_of_several, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
 
@@ -238,7 +238,7 @@ def lay_flight(plant: Plant, propagator: Propagator, level: int, start: float, l
     top = ORDERS if plant.wave.electrodes > 0 else 1
     for j in range(plant.mode_count):
         mode = plant.modes[j]
-        integrals_at_several(mode.stiffness, mode.damping, times, top, propagator.flights[level, j].flight)
+        integrals_of_several(mode.stiffness, mode.damping, times, top, propagator.flights[level, j].flight)
         for k in range(plant.tone_count):
             if plant.phasors[j, k].near != 0:
                 driven = propagator.driven_in_flight[level, j, k].flight

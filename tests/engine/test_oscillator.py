@@ -13,7 +13,7 @@ from hypothesis import given, settings, strategies as st
 
 from contactlab.compiler.kernels import kernel
 from contactlab.compiler.lanes import WIDTH, entry
-from contactlab.engine.oscillator import impulse_integrals, integrals_at_several, integrals_of_several
+from contactlab.engine.oscillator import impulse_integrals, integrals_of_several
 
 Array = np.ndarray
 
@@ -127,7 +127,7 @@ def _of_several(k, c, s, top, out):  # type: ignore[no-untyped-def]
 
 @kernel
 def _at_several(k, c, s, top, out):  # type: ignore[no-untyped-def]
-    integrals_at_several(k, c, entry(s, 0), top, out)
+    integrals_of_several(k, c, entry(s, 0), top, out)
 
 
 @settings(deadline=None)
