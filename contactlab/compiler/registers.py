@@ -104,11 +104,6 @@ def _shuffled(builder: Any, left: Any, right: Any, order: list[int]) -> Any:
     return builder.shuffle_vector(left, right, ir.Constant(ir.VectorType(_INDEX, len(order)), order))
 
 
-def _each(builder: Any, register: Any, count: int) -> list[Any]:
-    """Return the lanes that are used, numbers by themselves."""
-    return [builder.extract_element(register, _INDEX(i)) for i in range(count)]
-
-
 @_define(lanes.fill, LANES, types.float64)
 def filled(builder: Any, number: Any) -> Any:
     """Emit lanes that all are one number."""
@@ -239,9 +234,12 @@ def _set_row(builder: Any, first: Any, m: Any, register: Any) -> None:
 
 def _define_folded(function: Any, count: int, emit: Callable[..., Any]) -> None:
     """Define a function of two numbers, taken of the first lanes one after another."""
-    _define(function, types.float64, LANES)(
-        lambda builder, register: reduce(partial(emit, builder), _each(builder, register, count))
-    )
+
+    def fold(builder: Any, register: Any) -> Any:
+        lanes_used = (builder.extract_element(register, _INDEX(i)) for i in range(count))
+        return reduce(partial(emit, builder), lanes_used)
+
+    _define(function, types.float64, LANES)(fold)
 
 
 _define_folded(lanes.total_of, COUNT, _added)
