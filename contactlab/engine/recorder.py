@@ -605,12 +605,14 @@ def _watch(run: Run, s: float) -> None:
     elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
     tip, lengths = tip_motion(run.plant, START), run.plant.geometry
-    # No equation here is meant for a motion that overflows, a tip that leans by a radian or one deep inside
-    # of the rotor, from which it is as far as it has come from its place at rest.
+    # No equation here is meant for a motion that overflows, a tip that leans by a radian, as it may between
+    # the ends of a step, or one deep inside of the rotor, from which it is as far as it has come from its
+    # place at rest.
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     deepest = DEEP * lengths.radius
     near = abs(tip[0]) + lengths.tip_length * abs(tip[1]) < deepest + lengths.clearance
-    if not (finite and abs(tip[1]) < 1.0 and (near or contact_at(run.plant, START)[0] > -deepest)):
+    leans = abs(tip[1]) + 0.5 * s * abs(tip[3]) >= 1.0
+    if not (finite and not leans and (near or contact_at(run.plant, START)[0] > -deepest)):
         state.ending = DIVERGED
 
 
