@@ -1,5 +1,8 @@
 """Lanes: five float64, one of each node of a step, in one register of the processor, computed with at once.
 
+A register has eight, which rows of arrays and the functions "of all" use; others leave the last three as they
+come.
+
 Lanes are a number type of the compiler (`contactlab.compiler.registers`): `+ - * /`, `abs` and the functions
 below act on every lane as on a float64, so that the bits are those of a loop over the nodes, whatever the
 width of the processor's registers. A number beside lanes is that number in each; `lanes[i]` is lane i. There
@@ -16,32 +19,45 @@ from contactlab.arrays import Array
 COUNT: Final = 5
 """Lanes that are used, of eight in a register: nodes of a step."""
 
+WIDTH: Final = 8
+"""Lanes of a register: nodes of the ledger in flight, or coordinates."""
+
 Lanes = Array
-"""Type of lanes without machine code, shape (COUNT,)."""
+"""Type of lanes without machine code, shape (WIDTH,)."""
 
 
 def fill(value: float) -> Lanes:
-    """Return lanes that all are one number."""
-    return np.full(COUNT, value, np.float64)
+    """Return lanes that all are one number, in a whole register."""
+    return np.full(WIDTH, value, np.float64)
 
 
 def load(values: Array) -> Lanes:
-    """Return the first numbers of an array as lanes."""
-    return np.array(values[:COUNT])
+    """Return the first numbers of an array as lanes; those that are not used have any value."""
+    return np.append(values[:COUNT], [values[COUNT - 1]] * (WIDTH - COUNT))
+
+
+def load_all(values: Array) -> Lanes:
+    """Return the first numbers of an array as lanes of a whole register, at which it has room for one."""
+    return np.array(values[:WIDTH])
 
 
 def store(values: Array, lanes: Lanes) -> None:
     """Set the first numbers of an array to lanes."""
-    values[:COUNT] = lanes
+    values[:COUNT] = lanes[:COUNT]
 
 
 def entry(values: Array, m: int) -> Any:
-    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes, shape (n, COUNT)."""
-    return values[m].copy()
+    """Return number m of an array of numbers, shape (n,), or lanes m of one of lanes.
+
+    An array of two axes is one of lanes, WIDTH numbers after WIDTH numbers: a row has lanes once or more.
+    """
+    return values[m] if values.ndim == 1 else values.reshape(-1, WIDTH)[m].copy()
 
 
 def set_entry(values: Array, m: int, value: Any) -> None:
     """Set number m of an array of numbers, or lanes m of an array of lanes, see `entry`."""
+    if values.ndim > 1:
+        values = values.reshape(-1, WIDTH)
     values[m] = value
 
 
@@ -74,9 +90,19 @@ def root(value: Any) -> Any:
 
 def largest(lanes: Lanes) -> float:
     """Return the largest lane, as `max` of the lanes in their order."""
+    return float(max(lanes[:COUNT]))
+
+
+def largest_of_all(lanes: Lanes) -> float:
+    """Return the largest lane of a whole register, as `largest`."""
     return float(max(lanes))
+
+
+def total_of_all(lanes: Lanes) -> float:
+    """Return the sum of the lanes of a whole register, as `total_of`."""
+    return float(sum(lanes[1:], start=lanes[0]))
 
 
 def total_of(lanes: Lanes) -> float:
     """Return the sum of the lanes, in their order."""
-    return float(sum(lanes[1:], start=lanes[0]))
+    return float(sum(lanes[1:COUNT], start=lanes[0]))

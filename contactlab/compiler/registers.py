@@ -7,6 +7,7 @@ instruction is that of IEEE in each lane. The type is made with Numba's interfac
 
 import operator
 from collections.abc import Callable
+from functools import partial, reduce
 from typing import Any, Final, final
 
 from llvmlite import ir
@@ -16,10 +17,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import lower_builtin, models, register_model
 
 from contactlab.compiler import lanes
-from contactlab.compiler.lanes import COUNT
-
-WIDTH: Final = 8
-"""Lanes of a register. Those beyond `COUNT` have any values, which nothing reads."""
+from contactlab.compiler.lanes import COUNT, WIDTH
 
 
 @final
@@ -106,11 +104,6 @@ def _shuffled(builder: Any, left: Any, right: Any, order: list[int]) -> Any:
     return builder.shuffle_vector(left, right, ir.Constant(ir.VectorType(_INDEX, len(order)), order))
 
 
-def _each(builder: Any, register: Any) -> list[Any]:
-    """Return the lanes that are used, numbers by themselves."""
-    return [builder.extract_element(register, _INDEX(i)) for i in range(COUNT)]
-
-
 @_define(lanes.fill, LANES, types.float64)
 def filled(builder: Any, number: Any) -> Any:
     """Emit lanes that all are one number."""
@@ -133,11 +126,15 @@ def _define_mixed(function: Any, emit: Callable[..., Any], *signatures: tuple[An
         _define(function, LANES, *kinds)(by_filling)
 
 
+def _added(builder: Any, left: Any, right: Any) -> Any:
+    return builder.fadd(left, right)
+
+
 def _larger(builder: Any, left: Any, right: Any) -> Any:
     return builder.select(builder.fcmp_ordered(">", right, left), right, left)
 
 
-_define_binary(operator.add, lambda builder, left, right: builder.fadd(left, right))
+_define_binary(operator.add, _added)
 _define_binary(operator.sub, lambda builder, left, right: builder.fsub(left, right))
 _define_binary(operator.mul, lambda builder, left, right: builder.fmul(left, right))
 _define_binary(operator.truediv, lambda builder, left, right: builder.fdiv(left, right))
@@ -196,6 +193,11 @@ def loaded(builder: Any, first: Any) -> Any:
     return _shuffled(builder, four, rest, [*range(WIDTH)])
 
 
+@_define(lanes.load_all, LANES, NUMBERS)
+def _loaded_all(builder: Any, first: Any) -> Any:
+    return builder.load(builder.bitcast(first, _REGISTER.as_pointer()), align=8)
+
+
 @_define(lanes.store, types.void, NUMBERS, LANES)
 def stored(builder: Any, first: Any, register: Any) -> None:
     """Emit the setting of the numbers from a pointer on to lanes."""
@@ -216,30 +218,31 @@ def _set_number(builder: Any, first: Any, m: Any, value: Any) -> None:
 
 
 def _row(builder: Any, first: Any, m: Any) -> Any:
-    return builder.gep(first, [builder.mul(m, ir.Constant(m.type, COUNT))])
+    return builder.gep(first, [builder.mul(m, ir.Constant(m.type, WIDTH))])
 
 
 @_define(lanes.entry, LANES, ROWS, types.intp)
 def _lanes_of_row(builder: Any, first: Any, m: Any) -> Any:
-    return loaded(builder, _row(builder, first, m))
+    return _loaded_all(builder, _row(builder, first, m))
 
 
 @_define(lanes.set_entry, types.void, ROWS, types.intp, LANES)
 def _set_row(builder: Any, first: Any, m: Any, register: Any) -> None:
-    stored(builder, _row(builder, first, m), register)
+    row = builder.bitcast(_row(builder, first, m), _REGISTER.as_pointer())
+    builder.store(register, row, align=8)
 
 
-@_define(lanes.total_of, types.float64, LANES)
-def _summed(builder: Any, register: Any) -> Any:
-    sum_, *others = _each(builder, register)
-    for other in others:
-        sum_ = builder.fadd(sum_, other)
-    return sum_
+def _define_folded(function: Any, count: int, emit: Callable[..., Any]) -> None:
+    """Define a function of two numbers, taken of the first lanes one after another."""
+
+    def fold(builder: Any, register: Any) -> Any:
+        lanes_used = (builder.extract_element(register, _INDEX(i)) for i in range(count))
+        return reduce(partial(emit, builder), lanes_used)
+
+    _define(function, types.float64, LANES)(fold)
 
 
-@_define(lanes.largest, types.float64, LANES)
-def _most(builder: Any, register: Any) -> Any:
-    most, *others = _each(builder, register)
-    for other in others:
-        most = _larger(builder, most, other)
-    return most
+_define_folded(lanes.total_of, COUNT, _added)
+_define_folded(lanes.total_of_all, WIDTH, _added)
+_define_folded(lanes.largest, COUNT, _larger)
+_define_folded(lanes.largest_of_all, WIDTH, _larger)

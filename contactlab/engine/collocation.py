@@ -11,7 +11,18 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, fill, larger, largest, load, put, smaller, store, where_less
+from contactlab.compiler.lanes import (
+    Lanes,
+    fill,
+    larger,
+    largest,
+    load,
+    load_all,
+    put,
+    smaller,
+    store,
+    where_less,
+)
 from contactlab.engine.friction import HELD_SLIP, LEAST_SLIP, correct_friction, follow_bound, friction_at
 from contactlab.engine.kinematics import contact_at
 from contactlab.engine.memory import correct_memory, end_at, guess_memory, recall
@@ -126,9 +137,9 @@ def _answered(run: Run, level: int, stiffness: float, damping: float, lean: floa
     # Eq. 3.4 differentiated: node m presses along n + lean t, all nodes move along n. Positive: a force opens
     # the gap, which lets the force fall.
     push_u, push_th = step.n_u[m] + lean * step.t_u[m], step.n_th[m] + lean * step.t_th[m]
-    u = stiffness * load(tip_q[0, m]) + damping * load(tip_v[0, m])
-    mixed = stiffness * load(tip_q[1, m]) + damping * load(tip_v[1, m])
-    th = stiffness * load(tip_q[2, m]) + damping * load(tip_v[2, m])
+    u = stiffness * load_all(tip_q[0, m]) + damping * load_all(tip_v[0, m])
+    mixed = stiffness * load_all(tip_q[1, m]) + damping * load_all(tip_v[1, m])
+    th = stiffness * load_all(tip_q[2, m]) + damping * load_all(tip_v[2, m])
     by_u, by_th = u * push_u + mixed * push_th, mixed * push_u + th * push_th
     falls: Lanes = load(step.n_u) * by_u + load(step.n_th) * by_th
     return falls

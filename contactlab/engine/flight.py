@@ -18,13 +18,13 @@ from contactlab.engine.kinematics import (
     contact_after,
     contact_at,
     contact_of,
+    fly,
     free_accelerations,
-    free_response,
     tip_motion,
 )
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.plant import ORDERS, Plant
-from contactlab.engine.propagator import build_level, step_length
+from contactlab.engine.propagator import build_flight, step_length
 from contactlab.engine.rootfinding import locate_gap
 from contactlab.engine.state import (
     FLIGHT,
@@ -104,8 +104,8 @@ def step_flight(run: Run, law: Law) -> int:
             opening = _certain_opening(before, widens, bound, h, coarse)
     state.length = h
     # The motion at the end is exact; all that follows is what happens on the way to it.
-    build_level(run.plant, run.propagator, level)
-    free_response(run, level)
+    build_flight(run.plant, run.propagator, level)
+    run.step.flown_drive, run.step.flown_damping, run.step.flown_load = fly(run, level, LAST)
     gap, rate, slip, _, _, _, _ = contact_at(run.plant, LAST)
     last_limit, last_limit_rate = limit_at(run, law, law.memory, h, (gap, rate, slip))
     gap -= last_limit

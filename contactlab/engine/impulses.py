@@ -1,13 +1,13 @@
 """Impulses of a rigid contact in its limit of no step: impacts, and corrections of what a step has left.
 
-An impact is the law's, with the Delassus matrix D of the contact as it stands. After an impact with a rebound
-w the tip flies, as long as that matters: under a pressing acceleration a the flight takes 2 w/|a|, and with
-the restitution e = w/|w_before| the infinitely many that follow it T = 2 w/(|a| (1 - e)) in all. Where T is
-shorter than sqrt(tolerance) times the longest step, they are taken as one impulse that leaves no rebound:
-what they change beyond that is of second order in T. Nearly elastic rebounds, e > 0.99, never end; they count
-as none where a single flight is as short as that, which takes the velocity w from the motion. In plants so
-slow that all flights are shorter than a step, T is compared with the longest of them so far, whatever e is. A
-flight that is no digit of the gap high is none.
+An impact is the law's, with the Delassus matrix D of the contact as it stands. After an impact with a
+rebound w the tip flies, as long as that matters: under a pressing acceleration a the flight takes 2 w/|a|,
+and with the restitution e = w/|w_before| the infinitely many that follow it T = 2 w/(|a| (1 - e)) in all.
+Where T is shorter than sqrt(tolerance) times the longest step in contact, they are taken as one impulse
+that leaves no rebound: what they change beyond that is of second order in T. Nearly elastic rebounds, e >
+0.99, never end; they count as none where a single flight is as short as that, which takes the velocity w
+from the motion. In plants so slow that all flights are shorter than a step, T is compared with the longest
+of them so far, whatever e is. A flight that is no digit of the gap high is none.
 """
 
 from math import inf, sqrt
@@ -102,7 +102,7 @@ def become(run: Run, law: Law, mode: int, slip: float) -> None:
 @inner_kernel
 def _ends(run: Run, rebound: float, lost: float) -> bool:
     """Return whether the flights after a rebound [m/s], which lost a share of the speed, count as none."""
-    state, longest = run.state, run.propagator.rule.longest
+    state, longest = run.state, run.propagator.rule.resolved
     pressing = -free_accelerations(run, START, 0.0)[0]
     # T = 2 w/(|a| (1 - e)) of all flights; where impacts lose nearly nothing, 2 w/|a| of a single one.
     if lost < NEARLY_ELASTIC and longest <= state.watchdog.longest_quiet:

@@ -12,7 +12,19 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import COUNT, Lanes, entry, fill, load, put, store, total_of
+from contactlab.compiler.lanes import (
+    WIDTH,
+    Lanes,
+    entry,
+    fill,
+    load,
+    load_all,
+    put,
+    set_entry,
+    store,
+    total_of,
+    total_of_all,
+)
 from contactlab.engine.oscillator import integrals_of_several, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, modes_of
 from contactlab.engine.propagator import BY_RECORD
@@ -291,16 +303,20 @@ def free_accelerations(run: Run, place: int, s: float) -> tuple[float, float]:
     return normal + passing * passing / distance, tangential - passing * rate / distance
 
 
+@part_kernel
+def _phase(tone: Any, phasor: Any, origin: int) -> tuple[float, float]:
+    """Return the force of a tone as a phasor at a place, where an answer from rest begins (eq. 2.7)."""
+    cosine, sine = tone.cosine[origin], tone.sine[origin]
+    re = phasor.force_re * cosine - phasor.force_im * sine
+    return re, phasor.force_re * sine + phasor.force_im * cosine
+
+
 @inner_kernel
 def _add_driven(
     plant: Plant, j: int, k: int, origin: int, place: int, response: tuple[float, float, float, float]
 ) -> None:
     """Add what a tone did to a nearly resonant mode since another place, from `response_from_rest`."""
-    mode, tone, phasor = plant.modes[j], plant.tones[k], plant.phasors[j, k]
-    cosine, sine = tone.cosine[origin], tone.sine[origin]
-    # The force's phase where the answer from rest began (eq. 2.7).
-    re = phasor.force_re * cosine - phasor.force_im * sine
-    im = phasor.force_re * sine + phasor.force_im * cosine
+    mode, (re, im) = plant.modes[j], _phase(plant.tones[k], plant.phasors[j, k], origin)
     mode.q[place] += re * response[0] - im * response[1]
     mode.v[place] += re * response[2] - im * response[3]
 
@@ -339,11 +355,11 @@ def flow_to(run: Run, s: float) -> None:
         tone = plant.tones[k]
         _turn(tone, START, BETWEEN, cos(tone.omega * s), sin(tone.omega * s))
     # As many coordinates at once as there are lanes.
-    for first in range(0, plant.mode_count, COUNT):
+    for first in range(0, plant.mode_count, WIDTH):
         stiffness, damping, constant = fill(0.0), fill(0.0), fill(0.0)
         free_q, free_v = fill(0.0), fill(0.0)
         row_u, row_th, row_r = fill(0.0), fill(0.0), fill(0.0)
-        for i in range(min(plant.mode_count - first, COUNT)):
+        for i in range(min(plant.mode_count - first, WIDTH)):
             mode = plant.modes[first + i]
             stiffness, damping = put(stiffness, i, mode.stiffness), put(damping, i, mode.damping)
             constant = put(constant, i, mode.constant)
@@ -366,7 +382,7 @@ def flow_to(run: Run, s: float) -> None:
                 push = scale * (row_u * u + row_th * th + row_r * step.push_r.coefficient[d])
                 q = q + push * entry(integrals, d + 2)
                 v = v + push * entry(integrals, d + 1)
-        for i in range(min(plant.mode_count - first, COUNT)):
+        for i in range(min(plant.mode_count - first, WIDTH)):
             j, mode, q_j, v_j = first + i, plant.modes[first + i], q[i], v[i]
             if waves:
                 for m in range(ORDERS):
@@ -377,12 +393,63 @@ def flow_to(run: Run, s: float) -> None:
 
 
 @inner_kernel
+def fly(run: Run, level: int, place: int) -> tuple[float, float, float]:
+    """Go through a flight whose responses are laid at a level, and leave the motion at its end at a place.
+
+    Returns the drive's work, the loss by damping and the work against the load [J].
+    """
+    plant, propagator = run.plant, run.propagator
+    times, waves, last = propagator.levels[level].flight, plant.wave.electrodes > 0, WIDTH - 1
+    for k in range(plant.tone_count):
+        tone, turn = plant.tones[k], propagator.turns_in_flight[level, k].flight
+        cosine, sine = entry(turn, 0), entry(turn, 1)
+        # Addition theorems, as in `_turn`.
+        set_entry(tone.flight, 0, tone.cosine[START] * cosine - tone.sine[START] * sine)
+        set_entry(tone.flight, 1, tone.cosine[START] * sine + tone.sine[START] * cosine)
+    driving, damped, loading = fill(0.0), fill(0.0), fill(0.0)
+    for j in range(plant.mode_count):
+        mode, integrals = plant.modes[j], propagator.flights[level, j].flight
+        rate, w = entry(integrals, 0), entry(integrals, 1)
+        # Eqs. 2.3, of the end alone, and 2.4.
+        q = (rate[last] + mode.damping * w[last]) * mode.free_q + w[last] * mode.free_v
+        q += mode.constant * integrals[2, last]
+        v = rate * mode.free_v + w * (mode.constant - mode.stiffness * mode.free_q)
+        force = fill(0.0)
+        if waves:
+            power = fill(1.0)
+            for m in range(ORDERS):
+                derivative = plant.forces[j, m]
+                q += derivative * integrals[m + 2, last]
+                v = v + derivative * entry(integrals, m + 1)
+                force = force + derivative * power
+                power = power * entry(times, 0) / (m + 1)
+        for k in range(plant.tone_count):
+            tone, phasor = plant.tones[k], plant.phasors[j, k]
+            cosine, sine = entry(tone.flight, 0), entry(tone.flight, 1)
+            q += phasor.steady_re * cosine[last] - phasor.steady_im * sine[last]
+            v = v - tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
+            force = force + (phasor.force_re * cosine - phasor.force_im * sine)
+            if phasor.near != 0:
+                driven = propagator.driven_in_flight[level, j, k].flight
+                re, im = _phase(tone, phasor, START)
+                q += re * driven[0, last] - im * driven[1, last]
+                v = v + (re * entry(driven, 2) - im * entry(driven, 3))
+        mode.q[place], mode.v[place] = q, v[last]
+        # W_d, W_c and W_l of eq. 6.2; what a led coordinate takes is the contact's.
+        driving = driving + force * v if mode.led == 0 else driving
+        damped = damped + mode.damping * v * v
+        loading = loading - mode.constant * v
+    weights = entry(times, 1)
+    return total_of_all(weights * driving), total_of_all(weights * damped), total_of_all(weights * loading)
+
+
+@inner_kernel
 def _by_wave(plant: Plant, response: Any, j: int, integrated: int) -> Lanes:
     """Return what the waveform adds to the rates at the nodes, or, integrated once, to the displacements."""
     added = fill(0.0)
     if plant.wave.electrodes > 0:
         for m in range(ORDERS):
-            added = added + load(response.powers[m + integrated]) * plant.forces[j, m]
+            added = added + load_all(response.powers[m + integrated]) * plant.forces[j, m]
     return added
 
 
@@ -392,7 +459,7 @@ def free_response(run: Run, level: int) -> None:
     plant, propagator = run.plant, run.propagator
     for k in range(plant.tone_count):
         tone, turn = plant.tones[k], propagator.turns[level, k]
-        cosine, sine = load(turn.cosine), load(turn.sine)
+        cosine, sine = load_all(turn.cosine), load_all(turn.sine)
         # Addition theorems, as in `_turn`.
         store(tone.cosine, tone.cosine[START] * cosine - tone.sine[START] * sine)
         store(tone.sine, tone.cosine[START] * sine + tone.sine[START] * cosine)
@@ -400,15 +467,15 @@ def free_response(run: Run, level: int) -> None:
         mode, response = plant.modes[j], propagator.responses[level, j]
         q0, v0 = mode.free_q, mode.free_v
         flow, hold = response.flow, response.hold
-        q, v = fill(0.0), load(flow[2]) * q0 + load(flow[3]) * v0
-        v = v + (load(hold[1]) * mode.constant + _by_wave(plant, response, j, 0))
+        q, v = fill(0.0), load_all(flow[2]) * q0 + load_all(flow[3]) * v0
+        v = v + (load_all(hold[1]) * mode.constant + _by_wave(plant, response, j, 0))
         for k in range(plant.tone_count):
             tone, phasor = plant.tones[k], plant.phasors[j, k]
             cosine, sine = load(tone.cosine), load(tone.sine)
             q = q + (phasor.steady_re * cosine - phasor.steady_im * sine)
             v = v - tone.omega * (phasor.steady_re * sine + phasor.steady_im * cosine)
-        q = q + (load(flow[0]) * q0 + load(flow[1]) * v0)
-        q = q + load(hold[0]) * mode.constant
+        q = q + (load_all(flow[0]) * q0 + load_all(flow[1]) * v0)
+        q = q + load_all(hold[0]) * mode.constant
         store(mode.q, q + _by_wave(plant, response, j, 1))
         store(mode.v, v)
         if mode.near != 0:
@@ -483,7 +550,7 @@ def add_collocated(run: Run, level: int) -> None:
             u, th, rotor = step.push_u.node[m], step.push_th.node[m], step.push_r.node[m]
             push = modal_force(mode, u, th, rotor)
             q += response.answer_q[m, LAST] * push
-            v = v + load(response.answer_v[m]) * push
+            v = v + load_all(response.answer_v[m]) * push
         mode.q[LAST] = q
         store(mode.v, v)
 
@@ -499,7 +566,7 @@ def add_constant(run: Run, level: int, displacement: bool, rates: bool) -> None:
         if displacement:
             mode.q[LAST] += response.hold[0, LAST] * push
         if rates:
-            store(mode.v, load(mode.v) + load(response.hold[1]) * push)
+            store(mode.v, load(mode.v) + load_all(response.hold[1]) * push)
 
 
 @inner_kernel

@@ -10,7 +10,7 @@ from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.impulses import settle
 from contactlab.engine.kinematics import begin, contact_at
 from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
-from contactlab.engine.propagator import step_length
+from contactlab.engine.propagator import FLIGHT_DOUBLINGS, step_length
 from contactlab.engine.recorder import CRAWL, commit, end_with_forces
 from contactlab.engine.rootfinding import keeps_slip
 from contactlab.engine.state import (
@@ -210,7 +210,8 @@ def _open_contact(run: Run, law: Law) -> None:
     rule = run.propagator.rule
     state.level = rule.contact_level + state.law.compliant * TOUCH_REFINEMENT
     if state.law.constrained != 0:
-        state.level = max(state.level, rule.fresh_level)
+        # Transients that an impact leaves are resolved as after a release, by fewer nodes.
+        state.level = max(state.level, rule.fresh_level + FLIGHT_DOUBLINGS)
     state.touchdowns += 1
     count_event(state)
     jump(run, law, law.memory, AT_TOUCH)

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, load, store
+from contactlab.compiler.lanes import WIDTH, Lanes, entry, load, load_all, set_entry, store
 from contactlab.engine.kinematics import free_response, tip_motions
 from contactlab.engine.propagator import build_level, step_length
 from contactlab.engine.state import NODES, Run, fit
@@ -54,7 +54,7 @@ def move_nodes(run: Run, level: int) -> None:
     # matrix is full: a polynomial through the nodes has the force of a later node act before it.
     for m in range(NODES):
         push_u, push_th = step.push_u.node[m], step.push_th.node[m]
-        uu, mixed, thth = load(tip_q[0, m]), load(tip_q[1, m]), load(tip_q[2, m])
+        uu, mixed, thth = load_all(tip_q[0, m]), load_all(tip_q[1, m]), load_all(tip_q[2, m])
         u = u + (uu * push_u + mixed * push_th)
         th = th + (mixed * push_u + thth * push_th)
     # Eqs. 1.9 and 1.10: gap, its rate and slip are nonlinear in the tip's motion. The directions turn with
@@ -66,10 +66,10 @@ def move_nodes(run: Run, level: int) -> None:
     u_rate, th_rate, rotor = load(step.u_rate), load(step.th_rate), load(step.rotor)
     for m in range(NODES):
         push_u, push_th = step.push_u.node[m], step.push_th.node[m]
-        uu, mixed, thth = load(tip_v[0, m]), load(tip_v[1, m]), load(tip_v[2, m])
+        uu, mixed, thth = load_all(tip_v[0, m]), load_all(tip_v[1, m]), load_all(tip_v[2, m])
         u_rate = u_rate + (uu * push_u + mixed * push_th)
         th_rate = th_rate + (mixed * push_u + thth * push_th)
-        rotor = rotor + load(tip_v[3, m]) * step.push_r.node[m]
+        rotor = rotor + load_all(tip_v[3, m]) * step.push_r.node[m]
     slip = t_u * u_rate + t_th * th_rate + rotor
     store(step.n_u, n_u)
     store(step.n_th, n_th)
@@ -104,9 +104,9 @@ def mobilities(run: Run, level: int, m: int) -> Lanes:
     """Return d slip_i / d friction_m [m/s/N] of all nodes i (eq. 3.7)."""
     step, tip_v = run.step, run.propagator.levels[level].tip_v
     s_u, s_th = step.t_u[m], step.t_th[m]
-    uu, mixed, thth = load(tip_v[0, m]), load(tip_v[1, m]), load(tip_v[2, m])
+    uu, mixed, thth = load_all(tip_v[0, m]), load_all(tip_v[1, m]), load_all(tip_v[2, m])
     by_u, by_th = uu * s_u + mixed * s_th, mixed * s_u + thth * s_th
-    answered: Lanes = load(step.t_u) * by_u + load(step.t_th) * by_th + load(tip_v[3, m])
+    answered: Lanes = load(step.t_u) * by_u + load(step.t_th) * by_th + load_all(tip_v[3, m])
     return answered
 
 
@@ -136,7 +136,11 @@ def fit_nodes(run: Run) -> None:
 
 @inner_kernel
 def solve_linear(system: Array, n: int) -> None:
-    """Solve n linear equations in place, their right side in column n, with row pivots."""
+    """Solve n linear equations in place, their right side in column n, with row pivots.
+
+    A row has room for two registers.
+    """
+    registers = 2 if n >= WIDTH else 1
     # Downwards: the largest entry of a column is the pivot. A zero one leaves NaN or infinity, which the
     # callers' largest changes pass on, so that the step is shortened.
     for p in range(n):
@@ -145,14 +149,20 @@ def solve_linear(system: Array, n: int) -> None:
             if abs(system[row, p]) > abs(system[best, p]):
                 best = row
         if best != p:
-            for column in range(p, n + 1):
-                system[p, column], system[best, column] = system[best, column], system[p, column]
+            for k in range(registers):
+                kept = entry(system, 2 * p + k)
+                set_entry(system, 2 * p + k, entry(system, 2 * best + k))
+                set_entry(system, 2 * best + k, kept)
+        # Whole rows: what stands below the diagonal and beyond the right side is not read again.
+        share = 1.0 / system[p, p]
         for row in range(p + 1, n):
-            ratio = system[row, p] / system[p, p]
-            for column in range(p + 1, n + 1):
-                system[row, column] -= ratio * system[p, column]
-    # Upwards: the entries below the diagonal are not cleared and not read again.
+            ratio = system[row, p] * share
+            for k in range(registers):
+                less = ratio * entry(system, 2 * p + k)
+                set_entry(system, 2 * row + k, entry(system, 2 * row + k) - less)
+    # Upwards.
     for p in range(n - 1, -1, -1):
+        left = system[p, n]
         for column in range(p + 1, n):
-            system[p, n] -= system[p, column] * system[column, n]
-        system[p, n] /= system[p, p]
+            left -= system[p, column] * system[column, n]
+        system[p, n] = left / system[p, p]

@@ -21,7 +21,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, kernel, part_kernel
-from contactlab.compiler.lanes import Lanes, entry, largest, root, set_entry
+from contactlab.compiler.lanes import entry, largest_of_all, root, set_entry
 
 REACH = 0.25
 """Largest (c + sqrt k) d of the power series; longer times are doubled."""
@@ -39,35 +39,36 @@ def impulse_integrals(k: float, c: float, s: float, top: int, out: Array) -> Non
 
     k [1/s^2] and c [1/s] are stiffness and damping over mass, not negative; s is the time [s].
     """
-    _fill_integrals(k, c, c + sqrt(k), s, top, out)
+    _fill_integrals(k, c, (c + sqrt(k)) * s, s, top, out)
 
 
 @inner_kernel
-def integrals_of_several(k: Lanes, c: Lanes, s: float, top: int, out: Array) -> None:
-    """Fill out[i] with what `impulse_integrals` does, of an oscillator in each lane."""
-    _fill_integrals(k, c, largest(c + root(k)), s, top, out)
+def integrals_of_several(k: Any, c: Any, s: Any, top: int, out: Array) -> None:
+    """Fill out[i] with what `impulse_integrals` does, of an oscillator or of a time in each lane."""
+    _fill_integrals(k, c, largest_of_all((c + root(k)) * s), s, top, out)
 
 
 @part_kernel
-def _fill_integrals(k: Any, c: Any, fastest: float, s: float, top: int, out: Array) -> None:
-    """Fill out[i] = I_(i-1)(s) of one oscillator, or of one in each lane."""
+def _fill_integrals(k: Any, c: Any, reach: float, s: Any, top: int, out: Array) -> None:
+    """Fill out[i] = I_(i-1)(s) of one oscillator, or of several, whose motions turn by a reach at most."""
     # c + sqrt k bounds the rate of any motion, under- or overdamped: over a time that is short against its
     # reciprocal the series is short.
-    reach, d, doublings = fastest * s, s, 0
+    d, doublings = s, 0
     while reach > REACH:
         reach *= 0.5
-        d *= 0.5
+        d = 0.5 * d
         doublings += 1
     # The two highest integrals by power series.
-    factorial, power = 1.0, 1.0
-    for i in range(1, top + 1):
+    factorial, power = 1.0, d
+    for i in range(2, top + 1):
         factorial *= i
-        power *= d
+        power = power * d
     # The derivatives of w at zero obey the oscillator's equation, w^(n+2) = -c w^(n+1) - k w^(n). A term
     # s^n/n! of w is s^(n+m)/(n+m)! after m integrations.
     cd, kdd = c * d, k * d * d
-    before = 0.0 * c
-    now, highest, second = before + 1.0, before, before
+    before = 0.0 * cd
+    begins = before + 1.0
+    now, highest, second = begins, before, before
     lower = 1.0 / factorial
     upper = lower / (top + 1)
     for n in range(1, TERMS):
@@ -78,7 +79,7 @@ def _fill_integrals(k: Any, c: Any, fastest: float, s: float, top: int, out: Arr
         before, now = now, -cd * now - kdd * before
     # The others down I_(m-1) = d^m / m! - c I_m - k I_(m+1), stable while (c + sqrt k) d is small. The
     # powers are multiplied up, not divided down: a rigid body must keep its place to the last bit.
-    set_entry(out, 0, 0.0 * c + 1.0)
+    set_entry(out, 0, begins)
     for m in range(1, top):
         set_entry(out, m, entry(out, m - 1) * d / m)
     set_entry(out, top + 1, highest * power * d)
@@ -96,11 +97,11 @@ def _fill_integrals(k: Any, c: Any, fastest: float, s: float, top: int, out: Arr
             shifted, moment = entry(out, m + 1), d
             for i in range(m - 2, -1, -1):
                 shifted = shifted + moment * entry(out, i + 2)
-                moment *= d / (m - i)
+                moment = moment * (d / (m - i))
             set_entry(out, m + 1, keep * entry(out, m + 1) + w * entry(out, m) + shifted)
         set_entry(out, 1, keep * w + w * rate)
         set_entry(out, 0, -k * w * w + rate * rate)
-        d *= 2.0
+        d = 2.0 * d
 
 
 @kernel

@@ -20,6 +20,7 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
+from contactlab.compiler.lanes import WIDTH
 from contactlab.engine.state import EVENT_LIMIT, PLACES, copy_of, new_record, record
 from contactlab.motor.motor import Motor
 from contactlab.motor.waveform import MOST_DEGREE
@@ -53,7 +54,12 @@ MODE = record(
     "free_q free_v saved_q saved_v",  # at the step's start less the steady state; before the last step
     whole="near led",
 )
-TONE = record(("cosine", float, PLACES), ("sine", float, PLACES), real="omega steady_u steady_th")
+TONE = record(
+    ("cosine", float, PLACES),
+    ("sine", float, PLACES),
+    ("flight", float, (2, WIDTH)),
+    real="omega steady_u steady_th",
+)
 PHASOR = record(real="force_re force_im steady_re steady_im", whole="near")
 
 Plant = Any
@@ -62,9 +68,10 @@ Plant = Any
 geometry [m], cosine and sine of its angle; mode_count, tone_count. modes[j]: coefficients and contact rows,
 displacement q and rate v at every place of a step; near, whether a tone is nearly resonant; led, whether
 tones and waveform are its displacement and no force. tones[k]: omega [rad/s], amplitudes of the steady state
-at the tip [m], [rad], cosine and sine of omega t at every place. phasors[j, k]: of force, of a led coordinate
-that of its acceleration, and of steady-state displacement, the latter zero where mode and tone are `near`ly
-resonant. Real and imaginary parts stand apart because complex products are slow in compiled loops this short.
+at the tip [m], [rad], cosine and sine of omega t at every place, and as flight at the nodes of one.
+phasors[j, k]: of force, of a led coordinate that of its acceleration, and of steady-state displacement, the
+latter zero where mode and tone are `near`ly resonant. Real and imaginary parts stand apart because complex
+products are slow in compiled loops this short.
 wave: electrodes, their number, zero without a waveform; offset and period of its clock [s], the latter zero
 where it does not repeat itself; led, whether any coordinate is; led_gap, whether they alone move the gap, and
 then depth, a bound of the penetration [m], and approach, one of its rate [m/s]; led_slip, whether no force

@@ -15,16 +15,19 @@ from numpy.polynomial import Legendre, Polynomial
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import COUNT
-from contactlab.engine.oscillator import impulse_integrals, response_from_rest
+from contactlab.compiler.lanes import WIDTH, entry, set_entry
+from contactlab.engine.oscillator import impulse_integrals, integrals_of_several, response_from_rest
 from contactlab.engine.plant import ORDERS, Plant, fastest_rate, resolved_rate
 from contactlab.engine.state import NODES, new_record, record
 
 RESOLUTION = 0.5
-"""Longest step times the fastest rate that persists in flight: of a power that turns twice as fast the
+"""Longest step in contact times the fastest rate that persists: of a power that turns twice as fast the
 quadrature of the ledger misses at most 1.7e-11, see docs/theory/flight.md."""
 
-LEVELS, MOST_LEVELS = 44, 84
+FLIGHT_DOUBLINGS = 2
+"""How often that step is doubled in flight: the quadrature there, of more nodes, misses 1.2e-12."""
+
+LEVELS, MOST_LEVELS = 46, 86
 """Levels of a ladder, if its contact step leaves the room below, and the most: OUTLASTING over the smallest
 step takes 60."""
 
@@ -34,45 +37,60 @@ ROOM = 24
 BY_RECORD = MOST_LEVELS
 """Level beside the ladder whose step is the record interval."""
 
+PART = BY_RECORD + 1
+"""Level of a part of a flight, whose responses are anew every time."""
+
 OUTLASTING = 2.0**20
-"""Longest step over the duration of the run."""
+"""Longest step in contact over the duration of the run."""
 
 RULE = record(
     *((name, float, NODES) for name in ("nodes", "weights")),
-    *((name, float, (NODES, NODES)) for name in ("lagrange", "derivative")),
+    ("lagrange", float, (NODES, WIDTH)),
+    ("derivative", float, (NODES, NODES)),
     ("integrals", float, ORDERS + 2),
-    ("integrals_of_several", float, (ORDERS + 2, COUNT)),
-    real="longest",
+    ("integrals_of_several", float, (ORDERS + 2, WIDTH)),
+    ("flight", float, (2, WIDTH)),
+    real="longest resolved",
     whole="contact_level fresh_level level_count",
 )
 LEVEL = record(
-    ("tip_q", float, (3, NODES, NODES)), ("tip_v", float, (4, NODES, NODES)), real="length", whole="built"
+    ("tip_q", float, (3, NODES, WIDTH)),
+    ("tip_v", float, (4, NODES, WIDTH)),
+    ("flight", float, (2, WIDTH)),
+    real="length",
+    whole="built flown",
 )
 RESPONSE = record(
-    ("flow", float, (4, NODES)),
-    ("hold", float, (2, NODES)),
-    ("answer_q", float, (NODES, NODES)),
-    ("answer_v", float, (NODES, NODES)),
-    ("powers", float, (ORDERS + 1, NODES)),
+    ("flow", float, (4, WIDTH)),
+    ("hold", float, (2, WIDTH)),
+    ("answer_q", float, (NODES, WIDTH)),
+    ("answer_v", float, (NODES, WIDTH)),
+    ("powers", float, (ORDERS + 1, WIDTH)),
 )
-TURN = record(("cosine", float, NODES), ("sine", float, NODES))
+TURN = record(("cosine", float, WIDTH), ("sine", float, WIDTH))
 ANSWER = record(("part", float, (4, NODES)))
+INTEGRALS = record(("flight", float, (ORDERS + 2, WIDTH)))
+TURN_IN_FLIGHT = record(("flight", float, (2, WIDTH)))
+ANSWER_IN_FLIGHT = record(("flight", float, (4, WIDTH)))
 
 Propagator = Any
 """Step responses, a record; i node of evaluation, m node of force, j coordinate, k tone. Where there
-are nodes of evaluation, they are the last axis.
+are nodes of evaluation, they are the last axis, in what is read as lanes with room for a register.
 
 rule: nodes c_i and weights b_i on (0, 1]; lagrange, basis polynomials l_m(x) = sum_d lagrange[m, d] x^d;
-derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; longest,
-length of level 0 [s]; contact_level, of the longest step in contact; fresh_level, of the first step after a
-release; level_count; integrals and integrals_of_several, scratch of the oscillator.
-levels[level]: length h [s]; whether it is built; tip_q, u and th from f_u and f_th: uu, uth, thth; tip_v,
-their rates, and the rotor's row: uu, uth, thth, rr.
+derivative, rates at the nodes, in 1/h, of the polynomial that is zero at 0 and given at the nodes; flight,
+nodes and weights in flight; longest, length of level 0 [s]; resolved, the longest that the nodes resolve [s];
+contact_level, of the longest step in contact; fresh_level, of the first step after a release; level_count;
+integrals and integrals_of_several, scratch of the oscillator.
+levels[level]: length h [s]; whether it is built, and for flights; tip_q, u and th from f_u and f_th: uu, uth,
+thth; tip_v, their rates, and the rotor's row: uu, uth, thth, rr; flight, times of the nodes and weights [s].
 responses[level, j]: flow, q from q0, q from v0, v from q0, v from v0; hold, q and v from a unit constant
 force; answer_q and answer_v, q and v from l_m; powers, under a waveform: v from s^m / m!, and from one place
 further on q.
 turns[level, k]: cosine and sine of omega_k c_i h.
 driven[level, j, k]: answers from rest of the nearly resonant pairs, see `response_from_rest`.
+flights[level, j]: integrals I_-1, I_0, ... of `impulse_integrals` at the nodes in flight.
+turns_in_flight[level, k], driven_in_flight[level, j, k]: cosine and sine, and answers from rest, there.
 """
 
 
@@ -81,10 +99,13 @@ def propagator_record(modes: int, tones: int) -> np.dtype[Any]:
     """Declare the record of a propagator with room for so many coordinates and tones."""
     return record(
         ("rule", RULE),
-        ("levels", LEVEL, BY_RECORD + 1),
+        ("levels", LEVEL, PART + 1),
         ("responses", RESPONSE, (BY_RECORD + 1, modes)),
         ("turns", TURN, (BY_RECORD + 1, tones)),
         ("driven", ANSWER, (BY_RECORD + 1, modes, tones)),
+        ("flights", INTEGRALS, (PART + 1, modes)),
+        ("turns_in_flight", TURN_IN_FLIGHT, (PART + 1, tones)),
+        ("driven_in_flight", ANSWER_IN_FLIGHT, (PART + 1, modes, tones)),
     )
 
 
@@ -110,7 +131,7 @@ def radau_rule(count: int) -> tuple[Array, Array, Array, Array]:
 
 
 def resolving_step(rate: float, duration: float) -> float:
-    """Return the longest step [s] that resolves a rate [rad/s]: the duration, where there is none."""
+    """Return the longest step in contact [s] that resolves a rate [rad/s]; without one it is the duration."""
     return min(RESOLUTION / rate, OUTLASTING * duration) if rate > 0.0 else duration
 
 
@@ -132,16 +153,16 @@ class Workspace:
     ) -> Propagator:
         """Return a ladder for a plant that has the contact step [s] as one of its levels.
 
-        The longest step resolves what persists in flight, and is the duration [s] where nothing vibrates;
-        after a release the steps start short enough for the fastest transient and double from there.
-        Steps in contact have that length at most, or `exact`ly. The rate is that of `resolved_rate`, where it
-        is known.
+        The longest step in flight is `FLIGHT_DOUBLINGS` above that which resolves what persists, the duration
+        [s] where nothing vibrates; after a release the steps start short enough for the fastest transient and
+        double from there. Steps in contact have the length that resolves at most, or `exact`ly the contact
+        step. The rate is that of `resolved_rate`, where it is known.
         """
         rate = resolved_rate(plant) if rate is None else rate
         # Steps may outlast a run, so that a longer one begins like it, but not for ever.
         # All lengths are one length halved: the responses to each are computed once, however often a contact
         # refines its steps.
-        doublings = floor(log2(resolving_step(rate, duration) / contact_step))
+        doublings = floor(log2(resolving_step(rate, duration) / contact_step)) + FLIGHT_DOUBLINGS
         longest = contact_step * 2.0 ** max(doublings, 0 if exact else doublings)
         coordinates, names = plant.modes, ["stiffness", "damping", "row_u", "row_th", "row_r", "led"]
         modes = [coordinates[name].tobytes() for name in names]
@@ -155,12 +176,15 @@ class Workspace:
         propagator = new_record(propagator_record(*plant.phasors.shape))
         propagator.levels["length"][:BY_RECORD] = longest * 0.5 ** np.arange(BY_RECORD)
         rule = propagator.rule
-        rule.nodes, rule.weights, rule.lagrange, rule.derivative = radau_rule(NODES)
-        rule.longest, rule.contact_level = longest, max(doublings, 0)
+        rule.nodes, rule.weights, rule.lagrange[:, :NODES], rule.derivative = radau_rule(NODES)
+        nodes, weights, _, _ = radau_rule(WIDTH)
+        rule.flight[:] = nodes, weights
+        rule.longest, rule.contact_level = longest, max(doublings, 0 if exact else FLIGHT_DOUBLINGS)
+        rule.resolved = longest * 0.5 ** min(int(rule.contact_level), FLIGHT_DOUBLINGS)
         rule.level_count = max(LEVELS, rule.contact_level + ROOM)
-        # A release leaves transients of all modes: the first step turns the fastest by a quarter of a radian
-        # at most, and later ones double.
-        rule.fresh_level = min(max(6, ceil(log2(turns)) + 2), rule.level_count - 8)
+        # A release leaves transients of all modes: the first step turns the fastest by a radian at most, and
+        # later ones double.
+        rule.fresh_level = min(max(6, ceil(log2(turns))), rule.level_count - 8 - FLIGHT_DOUBLINGS)
         self._key, self._propagator = key, propagator
         return propagator
 
@@ -198,6 +222,39 @@ def build_level(plant: Plant, propagator: Propagator, level: int) -> None:
                     result = response_from_rest(mode.stiffness, mode.damping, omega, s)
                     for part in range(4):
                         propagator.driven[level, j, k].part[part, i] = result[part]
+
+
+@inner_kernel
+def lay_flight(plant: Plant, propagator: Propagator, level: int, start: float, length: float) -> None:
+    """Fill what every coordinate answers at the nodes of a flight, from a time in its step on [s]."""
+    results, rule = propagator.levels[level], propagator.rule
+    times = start + entry(rule.flight, 0) * length
+    set_entry(results.flight, 0, times)
+    set_entry(results.flight, 1, entry(rule.flight, 1) * length)
+    for k in range(plant.tone_count):
+        turn, omega = propagator.turns_in_flight[level, k].flight, plant.tones[k].omega
+        for i in range(WIDTH):
+            turn[0, i], turn[1, i] = cos(omega * times[i]), sin(omega * times[i])
+    top = ORDERS if plant.wave.electrodes > 0 else 1
+    for j in range(plant.mode_count):
+        mode = plant.modes[j]
+        integrals_of_several(mode.stiffness, mode.damping, times, top, propagator.flights[level, j].flight)
+        for k in range(plant.tone_count):
+            if plant.phasors[j, k].near != 0:
+                driven = propagator.driven_in_flight[level, j, k].flight
+                for i in range(WIDTH):
+                    result = response_from_rest(mode.stiffness, mode.damping, plant.tones[k].omega, times[i])
+                    for part in range(4):
+                        driven[part, i] = result[part]
+
+
+@part_kernel
+def build_flight(plant: Plant, propagator: Propagator, level: int) -> None:
+    """Fill one level for flights, once."""
+    results = propagator.levels[level]
+    if results.flown == 0:
+        results.flown = 1
+        lay_flight(plant, propagator, level, 0.0, results.length)
 
 
 @inner_kernel

@@ -23,10 +23,18 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
 from contactlab.compiler.lanes import fill, load, put, total_of
-from contactlab.engine.kinematics import contact_at, flow_on, flow_to, rates_in_frame, tip_motion, wave_force
+from contactlab.engine.kinematics import (
+    contact_at,
+    flow_on,
+    flow_to,
+    fly,
+    rates_in_frame,
+    tip_motion,
+    wave_force,
+)
 from contactlab.engine.memory import end_at, memory_at, stored_apart, take_memory
 from contactlab.engine.plant import Plant
-from contactlab.engine.propagator import BY_RECORD, build_level, step_length
+from contactlab.engine.propagator import BY_RECORD, PART, build_level, lay_flight, step_length
 from contactlab.engine.state import (
     BETWEEN,
     BY_FLOW,
@@ -89,9 +97,13 @@ def commit(run: Run, law: Law, records: Records) -> None:
     """Accept the taken part of a step: ledger, records, contact sums, clock and state."""
     state, plant = run.state, run.plant
     s = state.accepted_length
-    whole = s == state.length
+    # What has not moved has no motion at nodes: a rigid contact from the start on.
+    whole = s == state.length and s > 0.0
     # Nodes of a whole step have their motion already; a part that an event cuts off has nodes of its own.
-    if whole and run.step.kind != HELD:
+    if whole and run.step.kind == FLIGHT:
+        flown = run.step
+        added = flown.flown_drive, flown.flown_damping, 0.0, 0.0, flown.flown_load, 0.0, 0.0
+    elif whole and run.step.kind != HELD:
         added = _terms_of_step(run)
     else:
         added = _terms(run, law, 0.0, s, WHOLE if whole else BY_FLOW)
@@ -207,7 +219,9 @@ def _terms_until(run: Run, law: Law, last: float, s: float, apart: bool, before:
     """
     # The first record in a step is read from its start. Those that follow lie one interval on, whose
     # responses are computed once for the run; a waveform's forces change with every step.
-    if last < 0.0 or apart or run.plant.wave.electrodes > 0:
+    # As few nodes resolve no longer interval than that.
+    longer = run.state.interval > run.propagator.rule.resolved
+    if last < 0.0 or apart or longer or run.plant.wave.electrodes > 0:
         return _terms(run, law, 0.0, s, BY_FLOW)
     results, interval = run.propagator.levels[BY_RECORD], run.state.interval
     if results.length != interval:
@@ -398,7 +412,7 @@ def _other_power(run: Run, place: int, s: float) -> float:
 
 @inner_kernel
 def _terms_of_step(run: Run) -> Terms:
-    """Sum the terms over a whole flight or collocated step, see `_terms`."""
+    """Sum the terms over a whole collocated step, see `_terms`."""
     plant, state, step, rule = run.plant, run.state, run.step, run.propagator.rule
     drive, damping, loading = fill(0.0), fill(0.0), fill(0.0)
     # As `_powers`, at all nodes.
@@ -422,8 +436,6 @@ def _terms_of_step(run: Run) -> Terms:
             drive = put(drive, i, drive[i] + _other_power(run, i, rule.nodes[i] * state.length))
     weights = load(rule.weights) * state.length
     sums = total_of(weights * drive), total_of(weights * damping), total_of(weights * loading)
-    if step.kind == FLIGHT:
-        return sums[0], sums[1], 0.0, 0.0, sums[2], 0.0, 0.0
     normal, tangential = load(state.normal.node), load(state.friction.node)
     friction = total_of(weights * tangential * load(step.slip))
     contact, p_n, p_t = weights * load(step.loss), weights * normal, weights * tangential
@@ -435,6 +447,12 @@ def _terms(run: Run, law: Law, start: float, length: float, motion: int) -> Term
     """Sum the terms over a length from a start in the step [s], its motion known as WHOLE and others say."""
     state, step, rule = run.state, run.step, run.propagator.rule
     drive, damping, friction, contact, load, p_n, p_t = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if step.kind == FLIGHT and motion == BY_FLOW:
+        lay_flight(run.plant, run.propagator, PART, start, length)
+        drive, damping, load = fly(run, PART, BETWEEN)
+        # To the same bits as where an event was found.
+        flow_to(run, start + length)
+        return drive, damping, 0.0, 0.0, load, 0.0, 0.0
     for i in range(NODES):
         # Eq. 6.3: weights b_i of the Radau nodes.
         at, place = start + rule.nodes[i] * length, i
@@ -587,12 +605,14 @@ def _watch(run: Run, s: float) -> None:
     elif steps - state.watchdog.steps_before > state.watchdog.most_steps:
         state.ending = STALLED
     tip, lengths = tip_motion(run.plant, START), run.plant.geometry
-    # No equation here is meant for a motion that overflows, a tip that leans by a radian or one deep inside
-    # of the rotor, from which it is as far as it has come from its place at rest.
+    # No equation here is meant for a motion that overflows, a tip that leans by a radian, as it may between
+    # the ends of a step, or one deep inside of the rotor, from which it is as far as it has come from its
+    # place at rest.
     finite = np.isfinite(tip[2]) and np.isfinite(tip[3]) and np.isfinite(tip[4])
     deepest = DEEP * lengths.radius
     near = abs(tip[0]) + lengths.tip_length * abs(tip[1]) < deepest + lengths.clearance
-    if not (finite and abs(tip[1]) < 1.0 and (near or contact_at(run.plant, START)[0] > -deepest)):
+    leans = abs(tip[1]) + 0.5 * s * abs(tip[3]) >= 1.0
+    if not (finite and not leans and (near or contact_at(run.plant, START)[0] > -deepest)):
         state.ending = DIVERGED
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
-from contactlab.compiler.lanes import COUNT, Lanes, fill, load, store
+from contactlab.compiler.lanes import COUNT, WIDTH, Lanes, fill, load_all, store
 from contactlab.laws.base import Kernel
 from contactlab.laws.consistency import HEAD as HEAD
 from contactlab.laws.memory import MOST_VARIABLES
@@ -219,12 +219,14 @@ STEP: Final = record(
     # The tip's motion there without contact, and the directions, of which a HELD step keeps the first.
     *((n, float, NODES) for n in ("u", "th", "u_rate", "th_rate", "rotor")),
     *((n, float, NODES) for n in ("n_u", "n_th", "t_u", "t_th")),
-    ("system", float, (2 * NODES, 2 * NODES + 1)),
+    ("system", float, (2 * NODES, 2 * WIDTH)),
     # Stretches of a flight that wait to be searched, and contacts that wait to be collected.
     *((n, float, 96) for n in ("wait_time", "wait_gap", "wait_rate", "wait_limit", "wait_limit_rate")),
     ("contacts", CONTACT, 512),
     # The state before the step that reaches the end.
     ("saved", STATE, (1,)),
+    # What a whole flight adds to the ledger [J].
+    real="flown_drive flown_damping flown_load",
     # Kind of the step; whether the gap at which the next contact begins moves in flight.
     whole="kind limit_moves",
 )
@@ -236,7 +238,7 @@ def fit(rule: Any, force: Any) -> None:
     """Lay the polynomial through the values at the nodes."""
     coefficients = fill(0.0)
     for m in range(NODES):
-        coefficients = coefficients + force.node[m] * load(rule.lagrange[m])
+        coefficients = coefficients + force.node[m] * load_all(rule.lagrange[m])
     store(force.coefficient, coefficients)
 
 

@@ -3,7 +3,9 @@
 import os
 import subprocess
 import sys
+from functools import reduce
 from math import copysign, inf, nan, sqrt
+from operator import add
 from pathlib import Path
 
 import numpy as np
@@ -14,27 +16,32 @@ import contactlab
 from contactlab.compiler.kernels import kernel
 from contactlab.compiler.lanes import (
     COUNT,
+    WIDTH,
     entry,
     fill,
     larger,
     largest,
+    largest_of_all,
     load,
+    load_all,
     put,
     root,
     set_entry,
     smaller,
     store,
     total_of,
+    total_of_all,
     where_less,
 )
 
 ANY = st.one_of(st.floats(), st.sampled_from([0.0, -0.0, inf, -inf, nan, 5e-324, 1e308]))
-FIVE = st.lists(ANY, min_size=COUNT, max_size=COUNT).map(np.array)
+EIGHT = st.lists(ANY, min_size=WIDTH, max_size=WIDTH).map(np.array)
+ROWS = 16, WIDTH
 
 
 @kernel
 def _operations(a, b, x, rows):  # type: ignore[no-untyped-def]
-    left, right = load(a), load(b)
+    left, right, five = entry(a, 0), entry(b, 0), load(a[0])
     set_entry(rows, 0, left + right)
     set_entry(rows, 1, left - x)
     set_entry(rows, 2, x * right)
@@ -48,15 +55,17 @@ def _operations(a, b, x, rows):  # type: ignore[no-untyped-def]
     set_entry(rows, 10, where_less(left, right, x, right))
     set_entry(rows, 11, put(left, 3, x))
     set_entry(rows, 12, fill(x) + 2)
-    store(rows[13], entry(rows, 11))
-    rows[14, 0], rows[14, 1] = largest(left), total_of(left)
-    rows[14, 2], rows[14, 3] = left[2], root(x)
-    set_entry(rows[14], 4, entry(a, 1))
+    store(rows[13], five + fill(x))
+    rows[14, 0], rows[14, 1] = largest(five), total_of(five)
+    rows[14, 2], rows[14, 3] = largest_of_all(left), total_of_all(left)
+    rows[14, 4], rows[14, 5] = left[2], root(x)
+    set_entry(rows[14], 6, entry(a[0], 1))
+    set_entry(rows, 15, load_all(b[0]))
 
 
 def _by_numbers(a: np.ndarray, b: np.ndarray, x: float) -> np.ndarray:
     """What `_operations` does, number by number."""
-    rows = np.zeros((15, COUNT))
+    rows = np.zeros(ROWS)
     with np.errstate(all="ignore"):
         for i, (left, right) in enumerate(zip(a, b, strict=True)):
             rows[:13, i] = (
@@ -74,11 +83,10 @@ def _by_numbers(a: np.ndarray, b: np.ndarray, x: float) -> np.ndarray:
                 x if i == 3 else left,
                 x + 2.0,
             )
-        sums = a[0]
-        for other in a[1:]:
-            sums = sums + other
-    rows[13] = rows[11]
-    rows[14] = max(a), sums, a[2], sqrt(x) if x >= 0.0 else nan, a[1]
+        rows[13, :COUNT] = a[:COUNT] + x
+        rows[14, :4] = max(a[:COUNT]), reduce(add, a[:COUNT]), max(a), reduce(add, a)
+    rows[14, 4:7] = a[2], sqrt(x) if x >= 0.0 else nan, a[1]
+    rows[15] = b
     return rows
 
 
@@ -89,23 +97,22 @@ def _same_bits(left: np.ndarray, right: np.ndarray) -> bool:
 
 
 @settings(deadline=None, max_examples=300)
-@given(FIVE, FIVE, ANY)
+@given(EIGHT, EIGHT, ANY)
 def test_each_lane_has_the_bits_of_a_float64(a: np.ndarray, b: np.ndarray, x: float) -> None:
     if x == 0.0 and copysign(1.0, x) < 0.0:
         # math.sqrt and IEEE agree on it; the reference asks for x >= 0.
         x = 0.0
-    expected, compiled, interpreted = _by_numbers(a, b, x), np.zeros((15, COUNT)), np.zeros((15, COUNT))
-    _operations(a, b, x, compiled)
+    expected, compiled, interpreted = _by_numbers(a, b, x), np.zeros(ROWS), np.zeros(ROWS)
+    _operations(a[None], b[None], x, compiled)
     assert _same_bits(compiled, expected)
     if x >= 0.0:
         with np.errstate(all="ignore"):
-            _operations.py_func(a, b, x, interpreted)  # type: ignore[attr-defined]
+            _operations.py_func(a[None], b[None], x, interpreted)  # type: ignore[attr-defined]
         assert _same_bits(interpreted, expected)
 
 
 def test_nothing_beyond_the_lanes_is_read_or_written() -> None:
-    a, b, rows = np.full(COUNT + 1, 7.0), np.ones(COUNT), np.zeros((15, COUNT))
-    _operations(a, b, 1.0, rows)
+    a, b = np.full(COUNT + 1, 7.0), np.ones(COUNT)
 
     @kernel
     def stored(values, lanes_of):  # type: ignore[no-untyped-def]

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 from contactlab.compiler.kernels import kernel
-from contactlab.compiler.lanes import COUNT, load
+from contactlab.compiler.lanes import WIDTH, entry
 from contactlab.engine.oscillator import impulse_integrals, integrals_of_several
 
 Array = np.ndarray
@@ -122,18 +122,39 @@ def test_random_oscillators_are_the_closed_form(k: float, c: float, s: float) ->
 
 @kernel
 def _of_several(k, c, s, top, out):  # type: ignore[no-untyped-def]
-    integrals_of_several(load(k), load(c), s, top, out)
+    integrals_of_several(entry(k, 0), entry(c, 0), s, top, out)
+
+
+@kernel
+def _at_several(k, c, s, top, out):  # type: ignore[no-untyped-def]
+    integrals_of_several(k, c, entry(s, 0), top, out)
 
 
 @settings(deadline=None)
-@given(st.lists(st.tuples(stiffness, damping), min_size=COUNT, max_size=COUNT), time)
+@given(st.lists(st.tuples(stiffness, damping), min_size=WIDTH, max_size=WIDTH), time)
 def test_oscillators_in_lanes_are_the_closed_form_each(pairs: list[tuple[float, float]], s: float) -> None:
     k, c = np.array(pairs).T.copy()
     fastest = (c + np.sqrt(k)).max()
     s = min(s, SERIES_REACH / fastest) if fastest > 0.0 else s
-    out = np.zeros((TOP + 2, COUNT))
-    _of_several(k, c, s, TOP, out)
-    for i in range(COUNT):
+    out = np.zeros((TOP + 2, WIDTH))
+    _of_several(k[None], c[None], s, TOP, out)
+    for i in range(WIDTH):
         # All are doubled as often as the fastest needs it.
         allowed = 5e-15 * (10.0 + fastest * s) * scales(k[i], s)
         assert np.all(np.abs(out[:, i] - exact(k[i], c[i], s)) <= allowed)
+
+
+@settings(deadline=None)
+@given(stiffness, damping, time, st.lists(st.floats(1e-3, 1.0), min_size=WIDTH, max_size=WIDTH))
+def test_times_in_lanes_are_the_closed_form_each(
+    k: float, c: float, longest: float, shares: list[float]
+) -> None:
+    if (c + sqrt(k)) * longest > SERIES_REACH:
+        longest = SERIES_REACH / (c + sqrt(k))
+    times = longest * np.array(shares)
+    out = np.zeros((TOP + 2, WIDTH))
+    _at_several(k, c, times[None], TOP, out)
+    for i, s in enumerate(times):
+        # All are doubled as often as the longest needs it.
+        allowed = 5e-15 * (10.0 + (c + sqrt(k)) * longest) * scales(k, s)
+        assert np.all(np.abs(out[:, i] - exact(k, c, s)) <= allowed)
