@@ -150,6 +150,7 @@ _define_mixed(
     lambda builder, left, right, value, other: builder.select(
         builder.fcmp_ordered("<", left, right), value, other
     ),
+    (LANES, LANES, LANES, LANES),
     (LANES, LANES, LANES, types.float64),
     (LANES, LANES, types.float64, LANES),
 )

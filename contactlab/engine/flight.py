@@ -24,7 +24,7 @@ from contactlab.engine.kinematics import (
 )
 from contactlab.engine.memory import limit_at, note_limit
 from contactlab.engine.plant import ORDERS, Plant
-from contactlab.engine.propagator import build_flight, step_length
+from contactlab.engine.propagator import FLIGHT_DOUBLINGS, build_flight, step_length
 from contactlab.engine.rootfinding import locate_gap
 from contactlab.engine.state import (
     FLIGHT,
@@ -44,7 +44,7 @@ CLEAR = 1e-18
 """Gap [m] that no round-off after a release amounts to: that of u and of the clearance is 1e-21, and more
 for a tip that moves far, see `coarseness`."""
 
-REFINEMENT = 15
+REFINEMENT = 15 + FLIGHT_DOUBLINGS
 """Levels that a flight begins finer where its gap opens from nothing, as a power of time."""
 
 REACH = 1e-5

@@ -158,3 +158,14 @@ def test_times_in_lanes_are_the_closed_form_each(
         # All are doubled as often as the longest needs it.
         allowed = 5e-15 * (10.0 + (c + sqrt(k)) * longest) * scales(k, s)
         assert np.all(np.abs(out[:, i] - exact(k, c, s)) <= allowed)
+
+
+@settings(deadline=None)
+@given(damping=st.floats(1e-12, 1e-3), s=st.floats(1e-6, 1e-3))
+def test_a_slow_rotor_in_lanes_loses_its_velocity_to_the_last_bit(damping: float, s: float) -> None:
+    """However often the fastest beside it is doubled; what it loses in a period may be below round-off."""
+    k, c = np.zeros(WIDTH), np.full(WIDTH, damping)
+    k[0] = 1e11
+    out = np.zeros((TOP + 2, WIDTH))
+    _of_several(k[None], c[None], s, TOP, out)
+    assert np.all(np.abs(out[0, 1:] - np.exp(-damping * s)) <= 2.3e-16)
