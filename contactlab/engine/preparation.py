@@ -19,7 +19,7 @@ from contactlab.engine.defaults import DEFAULT_TOLERANCE, default_contact_step
 from contactlab.engine.explanation import explain
 from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.loop import TOUCH_REFINEMENT, LoopData
-from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of, resolved_rate
+from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
     HEAD,
@@ -93,8 +93,6 @@ class Prepared(NamedTuple):
     """Digest of motor, law, steps and tolerance: runs that share them go on from each other bit for bit."""
     source: tuple[Motor | None, ContactLaw | None] = (None, None)
     """Motor and law as given; the law without what follows from the rotor's radius."""
-    rate: float = 0.0
-    """Fastest rate that persists [rad/s]."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state, with a plant and a scratch of its own."""
@@ -303,8 +301,7 @@ def prepared(
     stepped = is_stepped(law, contact_step)
     # A step follows the fastest vibration, and none may be so short that it does not move the clock.
     same = other and motor.modes is other.modes
-    vibrates_alike = same and np.array_equal(motor.drive.frequency, other.drive.frequency)
-    rate, most = shared.rate if vibrates_alike else resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
+    rate, most = motor.persisting_rate, 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(
             f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
@@ -326,7 +323,7 @@ def prepared(
     numbers = *numbers, *(plant[name] for name in ("tones", "geometry", "wave"))
     signature = signature_of(law, *numbers, parameters, waves, steps)
     read = shared.read if same and motor.drive is other.drive else output_rows(motor)
-    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source, rate)
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source)
 
 
 def signature_of(law: ContactLaw, *contents: Any) -> int:

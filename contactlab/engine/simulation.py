@@ -197,7 +197,7 @@ class Simulator:
         tell = progress or (lambda _: None)
         tell(0.0)
         finished = [_table(parted)]
-        ends = [np.tile(memory_of(state, law), (parted.size, 1))]
+        ends = [np.repeat(memory_of(state, law)[None], parted.size, axis=0)]
         contacts = _table(run.step["contacts"])
 
         def collect(kept: int) -> None:
