@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
 from contactlab.engine.state import EVENT_LIMIT, PLACES, copy_of, new_record, record
 from contactlab.motor.motor import Motor, persisting_rates
