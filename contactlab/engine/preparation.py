@@ -305,8 +305,12 @@ def prepared(
     if contact_step is None:
         contact_step = resolving_step(rate, duration)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
-    asked = duration, contact_step, tolerance, stepped
-    if bound_law and moves_alike(motor, other) and shared[1:5] == asked:
+    numbers = duration, contact_step, tolerance, stepped
+    if (
+        bound_law
+        and moves_alike(motor, other)
+        and (shared.duration, shared.contact_step, shared.tolerance, shared.stepped) == numbers
+    ):
         return shared._replace(parameters=parameters, row=row)  # type: ignore[no-any-return]
     plant = plant_of(motor, (other, shared.plant) if other else None)
     if isinstance(law, MultiplierLaw) and plant["wave"]["led_gap"]:
@@ -323,9 +327,9 @@ def prepared(
     )
     # Of the plant what it has, without the room for more.
     count = plant["mode_count"]
-    numbers = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
-    numbers = *numbers, *(plant[name] for name in ("tones", "geometry", "wave"))
-    signature = signature_of(law, *numbers, parameters, waves, steps)
+    moved = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
+    moved = *moved, *(plant[name] for name in ("tones", "geometry", "wave"))
+    signature = signature_of(law, *moved, parameters, waves, steps)
     read = shared.read if same and motor.drive is other.drive else output_rows(motor)
     return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source)
 

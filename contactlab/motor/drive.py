@@ -157,8 +157,8 @@ class Drive(Immutable):
         return 2.0 * np.pi * self.frequency
 
     @cached_property
-    def _period(self) -> float:
-        """See `period_of`."""
+    def period(self) -> float:
+        """Time after which all tones repeat themselves [s], see `period_of`."""
         heard = np.any(self.phasors != 0.0, axis=0)
         frequency = self.frequency[heard] if heard.any() else self.frequency
         if self.waveform is not None:
@@ -223,4 +223,4 @@ def period_of(drive: Drive) -> float:
     Raises:
         NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.
     """
-    return drive._period
+    return drive.period
