@@ -213,6 +213,9 @@ def check_kind(name: str, value: object, kind: Any) -> None:
 
     float and int stand for every number and whole number, `Motor | Setup` for either.
     """
+    # Nearly every value is of the very class.
+    if type(value) is kind:
+        return
     kinds = kinds_of(kind)
     if not any(is_kind(value, each) for each in kinds):
         raise TypeError(_other_kind(name, value, kinds))

@@ -8,7 +8,11 @@ from traceback import walk_tb
 from types import FrameType
 from typing import Final
 
-_ASKING: Final = ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGXCPU", "SIGUSR1", "SIGUSR2", "SIGBREAK")
+_ASKING: Final = [
+    number
+    for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGALRM", "SIGXCPU", "SIGUSR1", "SIGUSR2", "SIGBREAK")
+    if (number := getattr(signal, name, None)) is not None
+]
 """Signals that ask a program to end, where a system has them."""
 
 
@@ -30,9 +34,8 @@ def signals_wait() -> Iterator[None]:
             handlers[number](number, frame)
         came.append((number, frame))
 
-    for name in _ASKING:
-        number = getattr(signal, name, None)
-        if number is not None and callable(handler := signal.getsignal(number)):
+    for number in _ASKING:
+        if callable(handler := signal.getsignal(number)):
             handlers[number] = handler
             signal.signal(number, wait)
     try:

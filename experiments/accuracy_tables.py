@@ -126,6 +126,29 @@ def data_sheets() -> str:
     return markdown(("", *here["converged"]), lines)
 
 
+def waits() -> str:
+    """Return what users wait for, from the differences of processes of benchmark_waits.py."""
+    # Imported here: listed_numbers.py makes the folder known.
+    import benchmark_waits
+
+    times = benchmark_waits.kept()
+
+    def each(few: str, many: str, count: int, scale: float, law: str) -> str:
+        whole, start = times.get(f"{many}, {law}"), times.get(f"{few}, {law}")
+        return "not timed" if whole is None or start is None else f"{scale * (whole - start) / count:.2g}"
+
+    runs = [f"{count} runs of a sweep" for count in (benchmark_waits.FEW, benchmark_waits.MANY)]
+    done = benchmark_waits.MANY - benchmark_waits.FEW
+    lines: dict[str, tuple[str, str, int, float]] = {
+        "a motor second (s)": ("1 motor seconds", "6 motor seconds", 5, 1.0),
+        "a run of 2 ms from Python (ms)": ("1 runs of 2 ms", "501 runs of 2 ms", 500, 1e3),
+        "such a run in a sweep over a number (ms)": (*runs, done, 1e3),
+        "a steady state (ms)": ("1 steady states", "101 steady states", 100, 1e3),
+    }
+    rows = ((text, *(each(*line, law) for law in benchmark_waits.LAWS)) for text, line in lines.items())
+    return markdown(("", *(f"`{law}`" for law in benchmark_waits.LAWS)), rows)
+
+
 TABLES: Final[dict[str, Callable[[], str]]] = {
     "case A": case_a,
     "bases": bases,
@@ -133,4 +156,5 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "coverage": coverage,
     "true law": true_law,
     "rotor fit": rotor_fit,
+    "waits": waits,
 }

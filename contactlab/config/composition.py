@@ -127,7 +127,8 @@ def _by_group(configuration: Mapping[str, Any]) -> dict[str, Any]:
             if name in values:
                 raise ConfigurationError(f"{name} occurs twice; it must occur once. Leave one out.")
             values[name] = below
-    for group in [name for name in values if any(key.startswith(f"{name}.") for key in values)]:
+    above = {key[:end] for key in values for end, sign in enumerate(key) if sign == "."}
+    for group in [name for name in values if name in above]:
         section = LAW if group.partition(".")[0] == "law" else GROUPS.get(group)
         option = values.pop(group)
         if option == {}:

@@ -146,17 +146,18 @@ def _drive(values: dict[str, Any], modes: NormalModes) -> Drive:
             drive = _made(signal, tuple(numbers.items()))
         keys = [f"drive.frequency is{null}", "drive.frequency times drive.frequency_ratio is"]
     # At an undamped natural frequency there is no steady state.
+    undamped = modes.natural_frequency[modes.damping == 0.0].tolist()
     raise_faults(
         f"{key} {tone:.12g} Hz, an undamped natural frequency with unbounded response; it must differ from "
         f"{natural:.12g} Hz by more than {RESONANCE:g} of it, or the mode be damped."
         for key, tone in zip(keys, drive.frequency.tolist(), strict=False)
-        for natural in modes.natural_frequency[modes.damping == 0.0].tolist()
+        for natural in undamped
         if abs(tone - natural) <= RESONANCE * natural
     )
     return drive
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=4096)
 def _made(signal: str, numbers: Numbers) -> Drive:
     return cast(Drive, SIGNALS[signal](**dict(numbers)).drive())
 

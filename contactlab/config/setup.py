@@ -94,7 +94,9 @@ class Setup:
                 configuration["solver"] = {"changes": changes}
         for section, keys in _PLACED.items():
             numbers = {key: getattr(self, name) for key, name in keys.items()}
-            configuration[section] = {**configuration.get(section, {}), **numbers}
+            before = configuration.get(section, {})
+            if any(before.get(key, self) is not number for key, number in numbers.items()):
+                configuration[section] = {**before, **numbers}
         object.__setattr__(self, "configuration", frozen(configuration))
 
     @classmethod

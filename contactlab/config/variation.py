@@ -8,6 +8,7 @@ from contactlab.config.groups import BASES, OF_BEAMS
 from contactlab.config.nesting import flat, with_key
 from contactlab.config.schema import RULES, Examination, Rule, numbers_in, value_of
 from contactlab.config.setup import Setup, Values, assembled, law_of
+from contactlab.immutable import frozen
 from contactlab.laws import ContactLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.motor import NormalModes
@@ -49,6 +50,8 @@ class _Common(NamedTuple):
         if not numbers.keys() >= {*keys}:
             return None
         sound = flat(examined.values)
+        # Sections that no key changes are frozen once.
+        source = frozen(source)
         beam = examined.values["resonator"]["basis"] in BASES and setup.motor.preload is None
         return cls(
             source,

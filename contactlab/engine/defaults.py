@@ -3,7 +3,6 @@
 from typing import Final
 
 from contactlab.checks import SMALLEST_STEP
-from contactlab.engine.plant import persisting_rates
 from contactlab.laws.base import ContactLaw, PenaltyLaw, is_stepped
 from contactlab.motor.motor import Motor
 
@@ -68,7 +67,5 @@ def for_slow(shortest: float, turn: float, motor: Motor, duration: float) -> flo
 
     It is at most the duration over `DEFAULT_COUNT`, as where nothing vibrates, and at least the shortest.
     """
-    rates = persisting_rates(motor.modes.stiffness, motor.modes.damping)
-    rate = max(rates.max(initial=0.0), motor.drive.angular_frequency.max(initial=0.0))
-    longest = duration / DEFAULT_COUNT
-    return max(shortest, float(min(turn / rate, longest)) if rate > 0.0 else longest)
+    rate, longest = motor.persisting_rate, duration / DEFAULT_COUNT
+    return max(shortest, min(turn / rate, longest) if rate > 0.0 else longest)

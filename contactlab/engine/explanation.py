@@ -1,5 +1,6 @@
 """How a run ended, in a sentence: the value, the bound and the way out."""
 
+from math import isfinite
 from typing import Any, Final
 
 import numpy as np
@@ -127,11 +128,13 @@ def balanced(
     # Eq. 6.4.
     start = float(state.initial_energy)
     # The records know of contacts as well; without any flight there is neither a least nor a most.
-    seen = np.array([state.least_remainder, state.most_remainder]) - start
-    residual = np.abs(np.append(series["energy_residual"], seen[np.isfinite(seen)])).max()
-    share = openness(float(residual), float(state.turnover), 0.0, start)
+    seen = [float(each) - start for each in (state.least_remainder, state.most_remainder)]
+    # A residual that is no number stays the largest: `max` keeps its first argument.
+    residual = float(np.abs(series["energy_residual"]).max())
+    residual = max([residual, *(abs(each) for each in seen if isfinite(each))])
+    share = openness(residual, float(state.turnover), 0.0, start)
     if not share <= LEDGER_LIMIT:
-        share = openness(max(float(residual) - _round_off(run), 0.0), float(state.turnover), 0.0, start)
+        share = openness(max(residual - _round_off(run), 0.0), float(state.turnover), 0.0, start)
     opened = _opened_by_contact(series, modes, float(state.turnover)) if share <= LEDGER_LIMIT else np.nan
     if opened <= LEDGER_LIMIT:
         return Ending.COMPLETE, ""
@@ -190,9 +193,11 @@ def _opened_by_contact(series: dict[str, Array], modes: NDArray[np.int8], turned
     A stored energy that contradicts the force is missing from the ledger only while the contact lasts.
     """
     stored, residual = series["contact_energy"], series["energy_residual"]
+    if not stored.max() > 0.0:
+        return 0.0
     touches = modes != FREE
     begins = np.flatnonzero(touches[1:] & ~touches[:-1])
-    if not begins.size or not stored.max() > 0.0:
+    if not begins.size:
         return 0.0
     # The last record of the flight before each record in contact.
     before = np.maximum.accumulate(np.where(touches, -1, np.arange(touches.size)))

@@ -37,6 +37,8 @@ AT_REST: Final = 1e-14
 
 def memory_mark(law: ContactLaw) -> int:
     """Return a number that identifies the internal variables of a law; zero for none."""
+    if not law.internal_variables:
+        return 0
     # By names and lives: a parameter that changes leaves the variables what they were.
     names = ",".join(f"{each.name} {each.life}" for each in law.internal_variables)
     return crc32(names.encode())

@@ -18,11 +18,10 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.arrays import Array
 from contactlab.compiler.kernels import kernel
 from contactlab.compiler.lanes import WIDTH
 from contactlab.engine.state import EVENT_LIMIT, PLACES, copy_of, new_record, record
-from contactlab.motor.motor import Motor
+from contactlab.motor.motor import Motor, persisting_rates
 from contactlab.motor.waveform import MOST_DEGREE
 
 RESONANCE_MARGIN = 1e-9
@@ -229,14 +228,6 @@ def resolved_rate(plant: Plant) -> float:
     return float(max(rates.max(initial=0.0), plant["tones"]["omega"].max()))
 
 
-def persisting_rates(stiffness: Array, damping: Array) -> Array:
-    """Return the rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
-    # An overdamped mode has a fast root, c, which is over at once, and a slow one, k/c, which lasts.
-    slow = np.full(stiffness.shape, np.inf)
-    np.divide(stiffness, damping, out=slow, where=damping > 0.0)
-    return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
-
-
 def pace_of(plant: Plant, contact_step: float, stepped: bool) -> tuple[float, int]:
     """Return the window of the stall watchdog [s], and the number of steps in contact that it allows.
 
@@ -244,12 +235,13 @@ def pace_of(plant: Plant, contact_step: float, stepped: bool) -> tuple[float, in
     fastest, and at most that of an event every second step. Of a rigid law that is stepped in time it is that
     of an event every fifth step, and at most five periods.
     """
-    phasors, stiffness = plant["phasors"][: plant["mode_count"]], modes_of(plant)["stiffness"]
+    tones, stiffness = plant["tone_count"], modes_of(plant)["stiffness"]
+    phasors = plant["phasors"][: plant["mode_count"], :tones]
     # A tone that no mode feels sets no pace.
     loud = np.any((phasors["force_re"] != 0.0) | (phasors["force_im"] != 0.0), axis=0)
     slowest = np.sqrt(stiffness[stiffness > 0.0].min(initial=np.inf))
     turns = 2.0 * pi / plant["wave"]["period"] if plant["wave"]["period"] > 0.0 else 0.0
-    fastest = plant["tones"]["omega"][loud].max(initial=turns)
+    fastest = plant["tones"]["omega"][:tones][loud].max(initial=turns)
     rate = float(max(fastest, slowest if slowest < np.inf else 0.0))
     period = 2.0 * pi / rate if rate > 0.0 else np.inf
     steps, periods = (5.0, 5.0) if stepped else (2.0, 1.0)

@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from dataclasses import replace
 from functools import partial
 from hashlib import sha256
 from typing import Any, Final, NamedTuple, final
@@ -19,7 +20,7 @@ from contactlab.engine.defaults import DEFAULT_TOLERANCE, default_contact_step
 from contactlab.engine.explanation import explain
 from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.loop import TOUCH_REFINEMENT, LoopData
-from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of, resolved_rate
+from contactlab.engine.plant import Plant, modes_of, pace_of, plant_of
 from contactlab.engine.propagator import Propagator, Workspace, resolving_step
 from contactlab.engine.state import (
     HEAD,
@@ -93,8 +94,6 @@ class Prepared(NamedTuple):
     """Digest of motor, law, steps and tolerance: runs that share them go on from each other bit for bit."""
     source: tuple[Motor | None, ContactLaw | None] = (None, None)
     """Motor and law as given; the law without what follows from the rotor's radius."""
-    rate: float = 0.0
-    """Fastest rate that persists [rad/s]."""
 
     def run_of(self, state: Any) -> Run:
         """Return the context of a run in a state, with a plant and a scratch of its own."""
@@ -294,17 +293,10 @@ def prepared(
         contact_step = default_contact_step(motor, law, duration)
     check_numbers(law, duration, contact_step, tolerance)
     parameters, row, bound, errors = bound_law or take_in(law)
-    plant = plant_of(motor, (other, shared.plant) if other else None)
-    if isinstance(law, MultiplierLaw) and plant["wave"]["led_gap"]:
-        raise ValueError(
-            f"{law.name} is rigid, and every mode that moves the tip towards the rotor is prescribed; a "
-            "rigid contact needs one that a force moves. Take a compliant law, or leave that mode free."
-        )
     stepped = is_stepped(law, contact_step)
     # A step follows the fastest vibration, and none may be so short that it does not move the clock.
     same = other and motor.modes is other.modes
-    vibrates_alike = same and np.array_equal(motor.drive.frequency, other.drive.frequency)
-    rate, most = shared.rate if vibrates_alike else resolved_rate(plant), 1.0 / (SMALLEST_STEP * duration)
+    rate, most = motor.persisting_rate, 1.0 / (SMALLEST_STEP * duration)
     if rate > most:
         raise ValueError(
             f"The fastest mode or tone turns at {rate:.6g} rad/s; a run of {duration:.6g} s follows at most "
@@ -312,8 +304,21 @@ def prepared(
         )
     if contact_step is None:
         contact_step = resolving_step(rate, duration)
-    propagator = _workspace.propagator(plant, contact_step, duration, stepped, rate)
     tolerance = DEFAULT_TOLERANCE if tolerance is None else tolerance
+    numbers = duration, contact_step, tolerance, stepped
+    if (
+        bound_law
+        and moves_alike(motor, other)
+        and (shared.duration, shared.contact_step, shared.tolerance, shared.stepped) == numbers
+    ):
+        return shared._replace(parameters=parameters, row=row)  # type: ignore[no-any-return]
+    plant = plant_of(motor, (other, shared.plant) if other else None)
+    if isinstance(law, MultiplierLaw) and plant["wave"]["led_gap"]:
+        raise ValueError(
+            f"{law.name} is rigid, and every mode that moves the tip towards the rotor is prescribed; a "
+            "rigid contact needs one that a force moves. Take a compliant law, or leave that mode free."
+        )
+    propagator = _workspace.propagator(plant, contact_step, duration, stepped, rate)
     made = stepped, plant, propagator, bound, parameters, row, errors
     waveform = motor.drive.waveform
     waves = NO_WAVES if waveform is None else waveform.table()
@@ -322,11 +327,19 @@ def prepared(
     )
     # Of the plant what it has, without the room for more.
     count = plant["mode_count"]
-    numbers = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
-    numbers = *numbers, *(plant[name] for name in ("tones", "geometry", "wave"))
-    signature = signature_of(law, *numbers, parameters, waves, steps)
+    moved = modes_of(plant), *(plant[name][:count] for name in ("phasors", "couplings"))
+    moved = *moved, *(plant[name] for name in ("tones", "geometry", "wave"))
+    signature = signature_of(law, *moved, parameters, waves, steps)
     read = shared.read if same and motor.drive is other.drive else output_rows(motor)
-    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source, rate)
+    return Prepared(law, duration, contact_step, tolerance, *made, waves, read, signature, source)
+
+
+def moves_alike(motor: Motor, other: Motor) -> bool:
+    """Return whether two motors differ in nothing but where they start, the rotor's velocity included."""
+    same = all(
+        getattr(motor, name) is getattr(other, name) for name in ("modes", "drive", "geometry", "preload")
+    )
+    return same and motor.rotor == replace(other.rotor, initial_velocity=motor.rotor.initial_velocity)
 
 
 def signature_of(law: ContactLaw, *contents: Any) -> int:

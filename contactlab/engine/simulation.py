@@ -33,10 +33,12 @@ from contactlab.engine.state import (
     NO_INSTANTS,
     PRESSED,
     RUNNING,
+    SPEED,
     START,
     STATE,
     TOUCHING,
     EndState,
+    Records,
     Run,
     State,
     copy_of,
@@ -52,7 +54,7 @@ STEPS_PER_CALL = 50_000
 """Steps between two looks at progress and Ctrl-C."""
 
 _last: deque["Simulator"] = deque(maxlen=1)
-"""That of the last call of `simulate`, with which the next one shares what is the same."""
+"""That of the last call of `simulator_of`, with which the next one shares what is the same."""
 
 
 def simulate(
@@ -102,9 +104,7 @@ def simulate(
         TypeError: an argument of another kind, or a law of neither family.
         LawError: the law contradicts itself, or its own code raised an exception, which is the cause.
     """
-    simulator = Simulator(motor, law, duration, contact_step, tolerance, _last[-1] if _last else None)
-    _last.append(simulator)
-    return simulator.run(
+    return simulator_of(motor, law, duration, contact_step, tolerance).run(
         record_interval=record_interval,
         progress=progress,
         start=start,
@@ -112,6 +112,19 @@ def simulate(
         contact=contact,
         instants=instants,
     )
+
+
+def simulator_of(
+    motor: Motor,
+    law: ContactLaw,
+    duration: float,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+) -> "Simulator":
+    """Return a simulator that shares with that of the last call what is the same, see `Simulator`."""
+    made = Simulator(motor, law, duration, contact_step, tolerance, _last[-1] if _last else None)
+    _last.append(made)
+    return made
 
 
 @final
@@ -197,7 +210,7 @@ class Simulator:
         tell = progress or (lambda _: None)
         tell(0.0)
         finished = [_table(parted)]
-        ends = [np.tile(memory_of(state, law), (parted.size, 1))]
+        ends = [np.repeat(memory_of(state, law)[None], parted.size, axis=0)]
         contacts = _table(run.step["contacts"])
 
         def collect(kept: int) -> None:
@@ -425,8 +438,8 @@ class Flow:
             LawError: the law's own code raised an exception, which is the cause.
             KeyboardInterrupt: somebody pressed Ctrl-C.
         """
-        ready = self.simulator.ready
-        run = ready.run_of(self._fresh[0])
+        ready, (run, records) = self.simulator.ready, self._scratch
+        ready.row[SPEED] = 0.0
         made, radius = modes_of(run.plant), float(run.plant["geometry"]["radius"])
         row = made["row_r"][-1]
         motions = np.zeros((len(rotor_velocity), 2, made.size))
@@ -436,8 +449,9 @@ class Flow:
         states: Any = whole.view(STATE)
         states["end"] = times * ready.duration
         contacts = contacts_from(run.plant, motions[:, 0], motions[:, 1])
-        for state, values in zip(states, memory if memory is not None else (), strict=False):
-            ready.begin_with(state, values)
+        if memory is not None and ready.law.internal_variables:
+            for state, values in zip(states, memory, strict=True):
+                ready.begin_with(state, values)
         if self._touches:
             messages = [""] * len(motions)
             for state, contact in zip(states, contacts, strict=True):
@@ -449,7 +463,6 @@ class Flow:
             ]
             messages = [overlap_at(gap, ready.law) for gap, _, _ in contacts]
         going = np.flatnonzero([not message for message in messages])
-        records = ready.records(0, run)
         while going.size:
             # What waits here for Ctrl-C is as long as one run's wait, however many there are.
             some, moved = whole[going].view(STATE), motions[going]
@@ -464,8 +477,7 @@ class Flow:
             messages[i] = ready.explain(run._replace(state=states[i]))[1]
         messages = [text or self._elsewhere(state) for text, state in zip(messages, states, strict=True)]
         lasting = [self.contact is not None or each.life == "run" for each in ready.law.internal_variables]
-        remembered = np.array([memory_of(state, ready.law)[lasting] for state in states])
-        remembered = remembered.reshape(len(motions), sum(lasting))
+        remembered = np.ascontiguousarray(states["memory"][:, : len(lasting)])[:, lasting]
         broken = [bool(message) for message in messages]
         motions[broken], remembered[broken] = np.nan, np.nan
         rotor = -(row * motions[:, 1, -1]) / radius
@@ -488,6 +500,12 @@ class Flow:
         else:
             same = kept and not touches
         return "" if same else "The run ends in another contact than that of its start."
+
+    @cached_property
+    def _scratch(self) -> tuple[Run, Records]:
+        """Plant, scratch and room for contacts of all runs, which follow each other."""
+        run = self.simulator.ready.run_of(self._fresh[0])
+        return run, self.simulator.ready.records(0, run)
 
     @cached_property
     def _fresh(self) -> Any:

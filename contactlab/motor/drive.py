@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from math import ceil, pi
 from typing import Annotated, Final, final
 
@@ -156,6 +156,33 @@ class Drive(Immutable):
         """omega_k [rad/s], shape (tone,)."""
         return 2.0 * np.pi * self.frequency
 
+    @cached_property
+    def period(self) -> float:
+        """Time after which all tones repeat themselves [s], see `period_of`."""
+        heard = np.any(self.phasors != 0.0, axis=0)
+        frequency = self.frequency[heard] if heard.any() else self.frequency
+        if self.waveform is not None:
+            if not self.waveform.periodic:
+                raise NoPeriodError("The drive's waveform has no period; a steady state needs one.")
+            frequency = np.append(1.0 / self.waveform.period, frequency if heard.any() else [])
+        if not frequency.size:
+            raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
+        ratios = frequency / frequency[0]
+        count = 1
+        for ratio in ratios.tolist():
+            near = Fraction(ratio).limit_denominator(MOST_PERIODS)
+            if abs(ratio - near) <= SAME * ratio:
+                count = int(np.lcm(count, near.denominator))
+            else:
+                count = MOST_PERIODS + 1
+        if count > MOST_PERIODS:
+            raise NoPeriodError(
+                f"The tones at {', '.join(f'{f:.9g}' for f in frequency)} Hz do not repeat themselves "
+                f"within {MOST_PERIODS} periods of the first; a steady state needs a drive that does. "
+                "Choose a frequency_ratio of small whole numbers; the paper takes 2."
+            )
+        return count / float(frequency[0])
+
     def voltage(self, time: Array | float, order: int = 0) -> Array:
         """Return the electrodes' voltages or a derivative [V s^-order], shape (electrode, *time.shape)."""
         turns = np.exp(1j * np.multiply.outer(self.angular_frequency, time))
@@ -196,26 +223,4 @@ def period_of(drive: Drive) -> float:
     Raises:
         NoPeriodError: there is no tone, or no such time within `MOST_PERIODS` of the first.
     """
-    heard = np.any(drive.phasors != 0.0, axis=0)
-    frequency = drive.frequency[heard] if heard.any() else drive.frequency
-    if drive.waveform is not None:
-        if not drive.waveform.periodic:
-            raise NoPeriodError("The drive's waveform has no period; a steady state needs one.")
-        frequency = np.append(1.0 / drive.waveform.period, frequency if heard.any() else [])
-    if not frequency.size:
-        raise NoPeriodError("The drive has no tone; a steady state needs a period. Give it a frequency.")
-    ratios = frequency / frequency[0]
-    count = 1
-    for ratio in ratios.tolist():
-        near = Fraction(ratio).limit_denominator(MOST_PERIODS)
-        if abs(ratio - near) <= SAME * ratio:
-            count = int(np.lcm(count, near.denominator))
-        else:
-            count = MOST_PERIODS + 1
-    if count > MOST_PERIODS:
-        raise NoPeriodError(
-            f"The tones at {', '.join(f'{f:.9g}' for f in frequency)} Hz do not repeat themselves "
-            f"within {MOST_PERIODS} periods of the first; a steady state needs a drive that does. Choose a "
-            "frequency_ratio of small whole numbers; the paper takes 2."
-        )
-    return count / float(frequency[0])
+    return drive.period

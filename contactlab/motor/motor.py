@@ -127,6 +127,19 @@ class NormalModes(Immutable):
         """zeta_j [1], shape (mode,); 1 is critical, more is overdamped."""
         return 0.5 * self.damping / np.sqrt(self.stiffness)
 
+    @cached_property
+    def persisting_rate(self) -> float:
+        """Fastest rate that persists [rad/s], see `persisting_rates`."""
+        return float(persisting_rates(self.stiffness, self.damping).max())
+
+
+def persisting_rates(stiffness: Array, damping: Array) -> Array:
+    """Return the rate of each mode [rad/s] from k_j and c_j, an overdamped one by its slow root k/c."""
+    # An overdamped mode has a fast root, c, which is over at once, and a slow one, k/c, which lasts.
+    slow = np.full(stiffness.shape, np.inf)
+    np.divide(stiffness, damping, out=slow, where=damping > 0.0)
+    return np.asarray(np.minimum(np.sqrt(stiffness), slow), dtype=np.float64)
+
 
 def _check_points(points: Mapping[str, Array], count: int) -> None:
     for name, row in points.items():
@@ -275,6 +288,11 @@ class Motor(Checked, Immutable):
         free = self.rows_at_rest[1][~prescribed]
         still = self.geometry.rotor_radius**2 <= STILL * rotor.inertia
         return bool(prescribed.any() and still and not free.any())
+
+    @cached_property
+    def persisting_rate(self) -> float:
+        """Fastest rate that persists [rad/s] of tones and modes; zero where nothing vibrates."""
+        return max(self.modes.persisting_rate, float(self.drive.angular_frequency.max(initial=0.0)))
 
     @cached_property
     def rows_at_rest(self) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """The period map: where the state of a motor is one period of its drive later."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import log2
 from typing import Final, final
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
-from contactlab.engine import Flow, Simulator
+from contactlab.engine import Flow, Simulator, simulator_of
 from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.state import TOUCHING, State
 from contactlab.laws.base import SET_VALUED, STICK, ContactLaw, MultiplierLaw
@@ -64,7 +64,6 @@ class PeriodMap:
         weights: w_k, see `weighing`; 1 in the unit of each where there are none.
         contact: state of a run that is in contact at the section, or over the residual indentation of the
             last contact: friction mode and impact speed are its. None in flight.
-        like: the simulator of another map of this motor, with which this one shares what is the same.
     """
 
     setup: Setup
@@ -73,7 +72,6 @@ class PeriodMap:
     belt: float | None = None
     weights: tuple[float, ...] = ()
     contact: State | None = None
-    like: Simulator | None = field(default=None, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if self.setup.changes:
@@ -150,17 +148,9 @@ class PeriodMap:
         """The motor, ready to run from many starts."""
         return Flow(self._simulator(self._motor, self.period), self.contact)
 
-    @cached_property
-    def _last(self) -> list[Simulator | None]:
-        """The one simulator that was made last, with which the next one shares what is the same."""
-        return [self.like]
-
     def _simulator(self, motor: Motor, duration: float) -> Simulator:
         """Return a motor under the law that is made ready to run for a duration [s]."""
-        numbers = duration, self.setup.contact_step, self.setup.tolerance
-        made = Simulator(motor, self.setup.law, *numbers, like=self._last[0])
-        self._last[0] = made
-        return made
+        return simulator_of(motor, self.setup.law, duration, self.setup.contact_step, self.setup.tolerance)
 
     @cached_property
     def _weights(self) -> Array:
@@ -181,8 +171,7 @@ class PeriodMap:
 
     def at_end_of(self, run: Trajectory, phase: float) -> "PeriodMap":
         """Return the map whose section lies where a run ended, at a phase of the drive."""
-        contact, like = contact_at_end(run), self._last[0]
-        return replace(self, phase=phase % 1.0, weights=(), contact=contact, like=like)
+        return replace(self, phase=phase % 1.0, weights=(), contact=contact_at_end(run))
 
     def state_of(self, modal: ModalState, velocity: float, memory: Array | None = None) -> Array:
         """Return the state z of normal coordinates, a rotor velocity [rad/s] and its `variables`.

@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+import accuracy_tables
 import benchmark_engine
 import benchmark_impacts
 import benchmark_sweep
@@ -63,3 +64,19 @@ def test_what_is_timed_over_the_history_runs(motor: type[times.Motor]) -> None:
     for name in dir(timed):
         if name.startswith("time_"):
             getattr(timed, name)("newton")
+
+
+def test_kept_times_of_waits_become_differences_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(benchmark_waits, "KEPT", tmp_path / "waits.csv")
+    benchmark_waits.keep({"501 runs of 2 ms, newton": 3.0, "1 motor seconds, newton": 1.0})
+    benchmark_waits.keep({"501 runs of 2 ms, newton": 2.5, "1 runs of 2 ms, newton": 2.0})
+    # In the order of the benchmark, whatever was kept first.
+    assert [*benchmark_waits.kept()] == [
+        "1 motor seconds, newton",
+        "1 runs of 2 ms, newton",
+        "501 runs of 2 ms, newton",
+    ]
+    newton = [line.split("|")[-2].strip() for line in accuracy_tables.waits().splitlines()]
+    assert newton == ["`newton`", "---", "not timed", "1", "not timed", "not timed"]

@@ -86,3 +86,16 @@ def test_a_run_that_breaks_off_says_what_its_own_run_says_and_the_others_reach_t
     assert ends.messages == ("", ended(started(motor, q[1], v[1], 0.0), law, PERIOD).message)
     assert np.array_equal(ends.velocity[0], np.zeros(4))
     assert np.isnan(ends.velocity[1]).all()
+
+
+@pytest.mark.parametrize("law", [hertz(), Newton(), Composed(friction=LuGre())], ids=lambda law: law.title)
+def test_a_flow_forgets_the_starts_of_the_call_before(law: ContactLaw) -> None:
+    motor, count = case_a(), 40
+    flow = Flow(Simulator(motor, law, PERIOD))
+    rest = np.zeros((1, motor.modes.stiffness.size))
+    other = np.full((count, rest.size), 1e-8)
+    first = flow(rest, rest, np.zeros(1), times=3)
+    flow(other, -other, np.full(count, -0.5))
+    again = flow(rest, rest, np.zeros(1), times=3)
+    assert first.displacement.tobytes() == again.displacement.tobytes()
+    assert first.velocity.tobytes() == again.velocity.tobytes()

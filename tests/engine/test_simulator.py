@@ -60,6 +60,12 @@ CHANGES = {
     "clearance": lambda motor: replace(motor, geometry=replace(motor.geometry, clearance=3e-7)),
     "radius": lambda motor: replace(motor, geometry=replace(motor.geometry, rotor_radius=2e-2)),
     "rotor": lambda motor: replace(motor, rotor=Rotor(3e-5, 1e-6, 1e-3, -0.1)),
+    "load": lambda motor: replace(motor, rotor=replace(motor.rotor, load_torque=2e-3)),
+    "start": lambda motor: replace(
+        motor,
+        start=ModalState(np.full(motor.modes.stiffness.size, 1e-9), np.zeros(motor.modes.stiffness.size)),
+        rotor=replace(motor.rotor, initial_velocity=0.3),
+    ),
     "preload": lambda motor: replace(motor, preload=np.full(motor.modes.stiffness.size, 1e-3)),
     "modes": lambda motor: replace(motor, modes=cl.RitzResonator(shapes=3).modes, preload=None),
 }
@@ -78,6 +84,17 @@ def test_what_is_shared_with_another_simulator_changes_no_bit(
     shares, alone = Simulator(motor, law, 3e-4, like=used), Simulator(motor, law, 3e-4)
     assert shares.ready.plant.tobytes() == alone.ready.plant.tobytes()
     assert shares.ready.signature == alone.ready.signature
+    assert content(shares.run(record_interval=1e-4)) == content(alone.run(record_interval=1e-4))
+
+
+@pytest.mark.parametrize("law", [HertzPenalty(), Composed(friction=LuGre())], ids=lambda law: law.title)
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_motor_is_made_ready_once_for_all_its_starts(change: str, law: ContactLaw) -> None:
+    used = Simulator(default_motor(), law, DURATION)
+    used.run(record_interval=DURATION)
+    motor: Motor = CHANGES[change](used.motor)
+    shares, alone = Simulator(motor, law, DURATION, like=used), Simulator(motor, law, DURATION)
+    assert (shares.ready.plant is used.ready.plant) == (change in ("nothing", "start"))
     assert content(shares.run(record_interval=1e-4)) == content(alone.run(record_interval=1e-4))
 
 
