@@ -26,9 +26,9 @@ class Ruina(StateFriction):
     """The slip law: a contact evolves with slip alone, and does not heal at rest.
 
     After a step of the velocity z = ln(v_0 theta/D) comes to its steady value as exp(-x/D) of the slip x,
-    whatever the velocities are: steps up and down are mirror images, where under `rate_and_state` a step
-    down takes longer the larger it is. Friction, creep below v_c and parameters are those of
-    `rate_and_state`.
+    whatever the velocities are: steps up and down are mirror images, where under `rate_and_state` a step up
+    takes the more slip the larger it is, and a step down less. Friction, creep below v_c and parameters are
+    those of `rate_and_state`.
     """
 
     name = "ruina"
@@ -113,7 +113,7 @@ class Nagata(StateFriction):
 
     name = "nagata"
     equation = (
-        "F = -N (a asinh(v/(2 v_0) exp((mu + b w)/a)))/(1 + c), w = ln(v_0 theta/D) + c |F|/(b N), "
+        "F = -N a/(1 + c) asinh(v/(2 v_0) exp((mu + b w)/a)), w = ln(v_0 theta/D) + c |F|/(b N), "
         "dtheta/dt = 1 - |v| theta/D - (c theta/b) d(|F|/N)/dt"
     )
     source = "Nagata, Nakatani and Yoshida (2012), J. Geophys. Res. 117, B02314"
