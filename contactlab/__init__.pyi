@@ -115,6 +115,7 @@ from contactlab.studies.compare.study import (
     compare as compare,
 )
 from contactlab.studies.reading import load as load
+from contactlab.studies.response import Response as Response, response as response
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.studies.sweep.collection import collect as collect
