@@ -1,13 +1,15 @@
 """Amplitude and phase along branches: linear, bilinear, a Jenkins element, a lever over an adhesive sample."""
 
-from collections.abc import Callable
+from dataclasses import replace
 from math import pi, sqrt
 
 import numpy as np
 import pytest
 import xarray
 from numpy.testing import assert_allclose
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
+from scipy.optimize import brentq, root
 
 import contactlab as cl
 from contactlab.simulation import setup_of
@@ -57,65 +59,46 @@ def jenkins(
 ) -> tuple[float, complex]:
     """Return mean and part at f of m xdd + c xd + k x + z = F cos(2 pi f t), |z| <= limit, dz = spring dx.
 
-    Stick and slip are linear; each is stepped by its exact map, on a grid and up to where the state changes.
+    Stick and slip are linear: each is stepped by its exact map, on a grid and up to where the state changes.
     """
-    omega = 2.0 * pi * frequency
-    count = 4096
+    omega, count = 2.0 * pi * frequency, 2048
     step = 2.0 * pi / omega / count
-    sticks = np.array([[0.0, 1.0, 0.0], [-stiffness / mass, -damping / mass, -1.0 / mass], [0.0, spring, 0.0]])
-    slips = sticks.copy()
-    slips[2] = 0.0
-
-    def motion(matrix: Array, start: Array, time: float) -> Callable[[float], Array]:
-        """Return the exact motion from a start, with the force from a time on."""
-        push = np.array([0.0, force / mass, 0.0])
-        # A steady part Re A exp(i omega t), and the rest by the exponential.
-        part = np.linalg.solve(1j * omega * np.eye(3) - matrix, push)
-        rest = start - (part * np.exp(1j * omega * time)).real
-        return lambda after: (
-            expm(matrix * after) @ rest + (part * np.exp(1j * omega * (time + after))).real
-        )
-
-    whole = {False: expm(sticks * step), True: expm(slips * step)}
+    sticks = np.array(
+        [[0.0, 1.0, 0.0], [-stiffness / mass, -damping / mass, -1.0 / mass], [0.0, spring, 0.0]]
+    )
+    matrices = {False: sticks, True: sticks * [[1.0], [1.0], [0.0]]}
+    # The steady part is Re A exp(i omega t), the rest an exponential.
     parts = {
-        kind: np.linalg.solve(1j * omega * np.eye(3) - matrix, np.array([0.0, force / mass, 0.0]))
-        for kind, matrix in ((False, sticks), (True, slips))
+        slips: np.linalg.solve(1j * omega * np.eye(3) - matrix, [0.0, force / mass, 0.0])
+        for slips, matrix in matrices.items()
     }
-    state, sliding, values = np.zeros(3), False, []
-    for turn in range(60):
-        values = []
-        for number in range(count):
-            time, left = number * step, step
-            values.append(state[0])
-            while left > 0.0:
-                matrix = slips if sliding else sticks
-                if left == step:
-                    rest = state - (parts[sliding] * np.exp(1j * omega * time)).real
-                    ahead = whole[sliding] @ rest + (parts[sliding] * np.exp(1j * omega * (time + step))).real
-                else:
-                    ahead = motion(matrix, state, time)(left)
-                sense = np.sign(state[2])
+    whole = {slips: expm(matrix * step) for slips, matrix in matrices.items()}
 
-                def crossed(at: Array, sliding: bool = sliding, sense: float = sense) -> float:
-                    return float(at[1] * sense if sliding else limit - abs(at[2]))
+    def moved(slips: bool, y: Array, time: float, after: float) -> Array:
+        rest = y - (parts[slips] * np.exp(1j * omega * time)).real
+        grown = whole[slips] if after == step else expm(matrices[slips] * after)
+        return grown @ rest + (parts[slips] * np.exp(1j * omega * (time + after))).real
 
-                if crossed(ahead) >= 0.0:
-                    state, left = ahead, 0.0
-                    continue
-                path = motion(matrix, state, time)
-                low, high = 0.0, left
-                for _ in range(60):
-                    middle = 0.5 * (low + high)
-                    low, high = (middle, high) if crossed(path(middle)) >= 0.0 else (low, middle)
-                state = path(high)
-                if not sliding:
-                    state[2] = np.copysign(limit, state[2])
-                sliding = not sliding
-                time, left = time + high, left - high
-        if turn == 0:
-            continue
-    x, t = np.array(values), np.arange(count) * step
-    return float(x.mean()), complex(2.0 * np.mean(x * np.exp(-1j * omega * t)))
+    def left(slips: bool, y: Array) -> float:
+        return float(y[1] * y[2] if slips else limit - abs(y[2]))
+
+    y, slips, values = np.zeros(3), False, np.zeros(count)
+    # The slider forgets where it began with its first slip, the rest decays as exp(-c t/(2 m)).
+    for number in range(80 * count):
+        time, still = number * step, step
+        values[number % count] = y[0]
+        while still > 0.0:
+            ahead = moved(slips, y, time, still)
+            if left(slips, ahead) >= 0.0:
+                y, still = ahead, 0.0
+                continue
+            after = brentq(lambda s, k=slips, y=y, t=time: left(k, moved(k, y, t, s)), 0.0, still, xtol=1e-15)
+            y = moved(slips, y, time, after)
+            if not slips:
+                y[2] = np.copysign(limit, y[2])
+            slips, time, still = not slips, time + after, still - after
+    harmonic = 2.0 * np.mean(values * np.exp(-1j * omega * step * np.arange(count)))
+    return float(values.mean()), complex(harmonic)
 
 
 def test_a_block_on_a_jenkins_element_is_the_exact_one_from_stick_to_slip() -> None:
@@ -133,7 +116,9 @@ def test_a_block_on_a_jenkins_element_is_the_exact_one_from_stick_to_slip() -> N
     )
     law = cl.Composed(cl.Linear(normal), friction=cl.Mindlin(0.3, stiffness_ratio=spring / normal))
     setup = setup_of(block, law, {"duration": 1.0, "contact_step": 1e-3})
-    result = cl.response(setup, "drive.frequency", 14.0, 19.0, quantity="tip_tangential_displacement", step=0.5)
+    result = cl.response(
+        setup, "drive.frequency", 14.0, 19.0, quantity="tip_tangential_displacement", step=0.5
+    )
     data = branch_of(result)
     assert data.sizes["point"] > 5
     for point in (0, data.sizes["point"] // 2, data.sizes["point"] - 1):
@@ -142,3 +127,43 @@ def test_a_block_on_a_jenkins_element_is_the_exact_one_from_stick_to_slip() -> N
         result_part = complex(float(each["amplitude"]) * np.exp(1j * float(each["phase"])))
         assert abs(result_part - part) < 1e-6 * abs(part)
         assert float(each["mean"]) == pytest.approx(mean, abs=1e-6 * abs(part))
+
+
+@pytest.mark.parametrize("work", [0.0, 5e-4])
+def test_a_lever_taps_a_sample_as_its_own_integration_does(work: float) -> None:
+    """Amplitude and phase over distance of one mode, Q = 100 at resonance, under Hertz and under DMT."""
+    quality, modulus, radius = 100.0, 1e9, 1e-3
+    lever = cl.cantilever(modes=1, damping_ratio=0.5 / quality, gap=12e-6, acceleration=0.018)
+    modes, frequency = lever.modes, float(lever.modes.natural_frequency[0])
+    lever = replace(lever, drive=lever.drive.with_first_tone(frequency))
+    normal = cl.Dmt(radius, modulus, work) if work else cl.HertzPoint(4.0 / 3.0 * modulus * radius**0.5)
+    law = cl.Composed(normal, friction=cl.Coulomb(0.0))
+    data = branch_of(cl.response(lever, "contact.clearance", 12e-6, 8e-6, law=law))
+    assert data["stable"].all()
+    assert_allclose(data["value"][[0, -1]], [12e-6, 8e-6])
+    end, omega, row = data.isel(point=-1), 2.0 * pi * frequency, float(modes.tip_displacement[0])
+
+    def flow(t: float, y: Array) -> list[float]:
+        depth = row * y[0] - 8e-6
+        normal = (
+            4.0 / 3.0 * modulus * radius**0.5 * depth**1.5 - 2.0 * pi * work * radius if depth > 0.0 else 0.0
+        )
+        pushed = 0.018 * modes.coupling[0, 0] * np.cos(omega * t) - row * normal
+        return [y[1], pushed - modes.damping[0] * y[1] - modes.stiffness[0] * y[0]]
+
+    def after(y: Array, times: Array | None = None) -> Array:
+        span = (0.0, 2.0 * pi / omega)
+        solved = solve_ivp(
+            flow, span, y / [1.0, 1.0 / omega], "DOP853", times, rtol=1e-11, atol=1e-18, max_step=1e-5
+        )
+        return solved.y * [[1.0], [1.0 / omega]]
+
+    # The orbit of a map of one's own, from an amplitude of the distance and a sixth of a turn late.
+    guess = 8e-6 / row * np.exp(2j * pi / 3.0) * np.exp(1j * np.angle(modes.coupling[0, 0]))
+    found = root(lambda y: (after(y)[:, -1] - y) * 1e5, [guess.real, -guess.imag], tol=1e-12)
+    assert found.success
+    times = np.arange(512) * (2.0 * pi / omega / 512)
+    motion = row * after(found.x, times)[0]
+    part = 2.0 * np.mean(motion * np.exp(-1j * omega * times))
+    assert abs(float(end["amplitude"]) * np.exp(1j * float(end["phase"])) - part) < 1e-5 * abs(part)
+    assert float(end["mean"]) == pytest.approx(float(motion.mean()), abs=1e-5 * abs(part))
