@@ -8,7 +8,7 @@ import numpy as np
 import pandas
 import xarray
 
-from contactlab.config import Setup
+from contactlab.config import ConfigurationError, Setup
 from contactlab.estimate import Estimate
 from contactlab.laws import ContactLaw
 from contactlab.laws.composed import label_of
@@ -172,6 +172,8 @@ def _ranges(
         law: what acts in the motors that are no setups, one or several; setups have their own.
     """
     setups, _ = of_motors(motors, law)
+    if not setups:
+        raise ConfigurationError("There is nothing to respond; there must be a motor.")
     unit = unit_of(next(iter(setups.values())), parameter)
     over = Range(parameter, in_si("start", start, unit), in_si("end", end, unit))
     return setups, {"over": over}
