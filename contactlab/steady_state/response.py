@@ -4,14 +4,14 @@ Of a quantity x of an orbit they are those of x_0 + Re X exp(i omega t), its mea
 first tone, by the discrete Fourier transform of its samples. The phase is that of X over the tone's.
 """
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import xarray
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError, Setup
-from contactlab.motor import Motor
 from contactlab.motor.drive import Drive
 from contactlab.steady_state.branches import Branch
 from contactlab.steady_state.continuation import BranchPoint
@@ -106,9 +106,16 @@ def linear_response(setup: Setup, quantity: str) -> complex | None:
     None where the quantity is not one of the tip's motion, and where an undamped mode is in resonance.
     """
     motor = setup.motor
-    omega, tone = first_tone(motor.drive)
-    row = _row(motor, quantity, omega)
-    if row is None:
+    (omega, tone), (normal, along) = first_tone(motor.drive), motor.rows_at_rest
+    # What makes the quantity of small normal coordinates.
+    rows: dict[str, NDArray[Any]] = {
+        "tip_normal_displacement": motor.modes.approach,
+        "tip_tangential_displacement": -motor.geometry.tip_length * motor.modes.tip_slope,
+        "tip_slope": motor.modes.tip_slope,
+        "gap": normal,
+        "slip_velocity": 1j * omega * along,
+    }
+    if quantity not in rows:
         return None
     modes, number = motor.modes, int(np.argmin(np.abs(motor.drive.angular_frequency - omega)))
     stiffness = modes.stiffness - omega**2 + 1j * modes.damping * omega
@@ -117,20 +124,7 @@ def linear_response(setup: Setup, quantity: str) -> complex | None:
     moved = force != 0.0
     if not np.all(stiffness[moved] != 0.0):
         return None
-    return complex(row[moved] @ (force[moved] / stiffness[moved]) / tone)
-
-
-def _row(motor: Motor, quantity: str, omega: float) -> Array | None:
-    """Return the row that makes a quantity of small normal coordinates that swing at a frequency [rad/s]."""
-    modes, (normal, along) = motor.modes, motor.rows_at_rest
-    rows = {
-        "tip_normal_displacement": modes.approach,
-        "tip_tangential_displacement": -motor.geometry.tip_length * modes.tip_slope,
-        "tip_slope": modes.tip_slope,
-        "gap": normal,
-        "slip_velocity": 1j * omega * along,
-    }
-    return rows.get(quantity)
+    return complex(rows[quantity][moved] @ (force[moved] / stiffness[moved]) / tone)
 
 
 def linear_dataset(

@@ -73,7 +73,7 @@ class Response(Branch):
             (task,) = super().tasks({"": setup})
             name = label_of(setup.law) if not label or label.isdigit() else label
             arguments = (*task.arguments, self.quantity, name)
-            tasks.append(replace(task, key=label, function=_response, arguments=arguments))
+            tasks.append(replace(task, key=label, function=response_under, arguments=arguments))
         return tasks
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
@@ -135,7 +135,7 @@ def _branches(data: xarray.DataTree) -> Iterator[xarray.DataTree]:
     return (group for name, group in data.children.items() if name != LINEAR)
 
 
-def _response(
+def response_under(
     setup: Setup,
     key: str,
     start: float,

@@ -160,10 +160,10 @@ def test_a_lever_taps_a_sample_as_its_own_integration_does(work: float) -> None:
 
     # The orbit of a map of one's own, from an amplitude of the distance and a sixth of a turn late.
     guess = 8e-6 / row * np.exp(2j * pi / 3.0) * np.exp(1j * np.angle(modes.coupling[0, 0]))
-    found = root(lambda y: (after(y)[:, -1] - y) * 1e5, [guess.real, -guess.imag], tol=1e-12)
-    assert found.success
+    orbit = root(lambda y: (after(y)[:, -1] - y) * 1e5, [guess.real, -guess.imag], tol=1e-12)
+    assert orbit.success
     times = np.arange(512) * (2.0 * pi / omega / 512)
-    motion = row * after(found.x, times)[0]
+    motion = row * after(orbit.x, times)[0]
     part = 2.0 * np.mean(motion * np.exp(-1j * omega * times))
     assert abs(float(end["amplitude"]) * np.exp(1j * float(end["phase"])) - part) < 1e-5 * abs(part)
     assert float(end["mean"]) == pytest.approx(float(motion.mean()), abs=1e-5 * abs(part))
