@@ -43,17 +43,21 @@ from contactlab.laws import (
     Mindlin as Mindlin,
     MoreauJean as MoreauJean,
     MultiplierLaw as MultiplierLaw,
+    Nagata as Nagata,
     Newton as Newton,
     NormalForce as NormalForce,
     PenaltyLaw as PenaltyLaw,
+    PerrinRiceZheng as PerrinRiceZheng,
     Poisson as Poisson,
     Prony as Prony,
     RateAndState as RateAndState,
     Regularised as Regularised,
+    Ruina as Ruina,
     Stribeck as Stribeck,
     Stronge as Stronge,
     Thornton as Thornton,
     Tsuji as Tsuji,
+    TwoState as TwoState,
     Undamped as Undamped,
     WaltonBraun as WaltonBraun,
     hertz_stiffness as hertz_stiffness,
@@ -111,6 +115,7 @@ from contactlab.studies.compare.study import (
     compare as compare,
 )
 from contactlab.studies.reading import load as load
+from contactlab.studies.response import Response as Response, response as response
 from contactlab.studies.steady import Steady as Steady, converged as converged, steady as steady
 from contactlab.studies.study import Result as Result, Study as Study
 from contactlab.studies.sweep.collection import collect as collect

@@ -9,8 +9,11 @@ from contactlab.config.groups import GROUPS
 from contactlab.laws import ContactLaw
 from contactlab.motor import Drive, Motor
 from contactlab.motor.drive import TwoMode
-from contactlab.parameter import DeclaredField, declared_fields
+from contactlab.parameter import DeclaredField, Parameter, declared_fields
 from contactlab.quantity import UnitError, number_of
+
+AMPLITUDE: Final = Parameter("U_1", "1", "amplitude of the first tone, in the unit of the drive", above=0.0)
+"""Of a motor made in Python: of an oscillator it is a force, of a cantilever an acceleration."""
 
 KEYS: Final = {
     "duration": ("solver", "duration"),
@@ -43,7 +46,8 @@ def variable_numbers(setup: MotorUnderLaw) -> dict[str, tuple[tuple[str, ...], D
     """Return paths and declarations of the numbers of a motor and a law made in Python, by keys.
 
     Beam and voltages are not among them: such a motor has modes and phasors alone. Of its tones it is the
-    frequency of the first, to which the others keep their ratios, where no waveform has a time of its own.
+    frequency and the largest amplitude of the first, to which the others keep their ratios, where no waveform
+    has a time of its own.
     """
     owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
     numbers = {}
@@ -63,6 +67,8 @@ def variable_numbers(setup: MotorUnderLaw) -> dict[str, tuple[tuple[str, ...], D
         assert first.parameter is not None
         declared = DeclaredField(float, first.default, replace(first.parameter, hint=""))
         numbers["drive.frequency"] = ("motor", "drive", "frequency"), declared
+        if drive.amplitude > 0.0:
+            numbers["drive.amplitude"] = ("motor", "drive", "amplitude"), DeclaredField(float, 1.0, AMPLITUDE)
     # The coefficient that laws share, of a composed law that of its friction.
     for key in ("law.friction.friction_coefficient", "law.friction_coefficient"):
         if key in numbers:
@@ -99,5 +105,5 @@ def _replaced(owner: Any, path: tuple[str, ...], value: Any) -> Any:
     """Return a dataclass with another value at a path of attributes."""
     name, *rest = path
     if isinstance(owner, Drive):
-        return owner.with_first_tone(value)
+        return owner.with_amplitude(value) if name == "amplitude" else owner.with_first_tone(value)
     return replace(owner, **{name: _replaced(getattr(owner, name), tuple(rest), value) if rest else value})

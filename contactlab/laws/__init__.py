@@ -24,9 +24,13 @@ from contactlab.laws.friction import (
     LuGre,
     Microslip,
     Mindlin,
+    Nagata,
+    PerrinRiceZheng,
     RateAndState,
     Regularised,
+    Ruina,
     Stribeck,
+    TwoState,
 )
 from contactlab.laws.hertz_penalty import HertzPenalty, hertz_stiffness
 from contactlab.laws.impact import Brach, ChatterjeeRuina, Johnson, MoreauJean, Newton, Poisson, Stronge

@@ -65,6 +65,8 @@ def _tone(amplitude: float, frequency: float) -> Drive:
     push="N",
     normal_stiffness="N/m",
     stiffness="N/m",
+    normal_damping="N s/m",
+    damping="N s/m",
     push_amplitude="N",
     push_frequency="Hz",
     belt_mass="kg",
@@ -81,6 +83,8 @@ def block(
     push: float = 0.0,
     normal_stiffness: float = 0.0,
     stiffness: float = 0.0,
+    normal_damping: float = 0.0,
+    damping: float = 0.0,
     push_amplitude: float = 0.0,
     push_frequency: float = 1.0,
     belt_mass: float = HEAVY,
@@ -98,6 +102,7 @@ def block(
         way, velocity: along the belt at the start [m], [m/s].
         weight, push: constant forces towards the belt and along it [N].
         normal_stiffness, stiffness: of springs that pull the block to a gap and a way of zero [N/m].
+        normal_damping, damping: of dashpots between block and ground across and along the belt [N s/m].
         push_amplitude, push_frequency: force along the belt, P cos(2 pi f t) [N], [Hz].
         belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
         load_velocity: of the load point, the far end of the spring along the belt, which begins at a way of
@@ -120,7 +125,7 @@ def block(
         drive = replace(drive, waveform=_pull(load_velocity, stiffness))
     modes = NormalModes(
         stiffness=np.array([normal_stiffness, stiffness]) / mass,
-        damping=np.zeros(2),
+        damping=np.array([normal_damping, damping]) / mass,
         coupling=np.array([[0.0, 0.0], [1.0 / root, 0.0]]),
         # u falls with the gap, and the way is -FLAT sin(theta).
         tip_displacement=np.array([1.0 / root, 0.0]),
@@ -273,9 +278,9 @@ def oscillator(
     _check_positive(mass=mass)
     root = sqrt(mass)
     modes = NormalModes(
-        # Along the stop the mass rests.
+        # Along the stop the mass rests; damping there leaves no direction of its orbits neutral.
         stiffness=np.array([stiffness, 0.0]) / mass,
-        damping=np.array([damping, 0.0]) / mass,
+        damping=np.array([damping, sqrt(abs(stiffness) * mass)]) / mass,
         coupling=np.array([[1.0 / root, 0.0], [0.0, 0.0]]),
         tip_displacement=np.array([1.0 / root, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),

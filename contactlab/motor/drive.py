@@ -204,6 +204,19 @@ class Drive(Immutable):
         """
         return replace(self, frequency=frequency / self.frequency[0] * self.frequency)
 
+    @property
+    def amplitude(self) -> float:
+        """Largest amplitude of the first tone [V]."""
+        return float(np.abs(self.phasors[:, 0]).max())
+
+    def with_amplitude(self, amplitude: float) -> "Drive":
+        """Return the drive whose first tone has a largest amplitude [V]; all others keep their ratios to it.
+
+        >>> Drive.two_mode(100.0, 50.0, frequency=3210.0).with_amplitude(20.0).amplitude
+        20.0
+        """
+        return replace(self, phasors=amplitude / self.amplitude * self.phasors)
+
     def silent(self) -> "Drive":
         """Return the drive without voltage, whose period is the same."""
         waveform = self.waveform

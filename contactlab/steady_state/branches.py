@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Final, final
 
@@ -16,10 +16,12 @@ from contactlab.config.schema import declared_in
 from contactlab.laws import ContactLaw
 from contactlab.motor import Motor
 from contactlab.parameter import Parameter, from_cf
+from contactlab.settling.statistics import WITHOUT_CONTACT
 from contactlab.steady_state.arrival import NotSettledError, settled
 from contactlab.steady_state.continuation import BranchPoint, MapAt, Mark, follow
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
 from contactlab.steady_state.search import LONGEST, steady, steady_setup
+from contactlab.steady_state.shooting import NoOrbitError, orbit_from
 from contactlab.steady_state.state import attributes_of, flags
 from contactlab.suggestion import suggestion
 
@@ -139,18 +141,24 @@ def branch(
         )
     # The first orbit is the one that the motor settles in; continuation needs it closed, and its own.
     first = steady(at(start).setup, belt=start if parameter == BELT else belt)
-    if first.orbit is None:
+    orbit = first.orbit
+    if first.kind == WITHOUT_CONTACT:
+        # Free vibration is an orbit, too.
+        section = replace(at(start), phase=first.phase)
+        with suppress(NoOrbitError, BrokenOffError):
+            orbit = orbit_from(section, section.end_of(first.motion))
+    if orbit is None:
         raise NoBranchError(
             f"At {parameter}={start:g} the motion of the motor is {first.kind}, and no closed orbit was "
             "found next to it; a branch begins with one. Choose another start."
         )
-    if first.orbit.neutral.any():
+    if orbit.neutral.any():
         raise NoBranchError(
-            f"At {parameter}={start:g} nothing brings the motion back along {first.orbit.neutral.sum()} of "
+            f"At {parameter}={start:g} nothing brings the motion back along {orbit.neutral.sum()} of "
             "its directions, as the velocity of a rotor without friction: a branch follows single orbits. "
             "Hold the rotor by `belt`, or give it friction or damping."
         )
-    followed = follow(at, first.orbit, start, end, step)
+    followed = follow(at, orbit, start, end, step)
     # Where the branch ends within its range, see what the motor itself does a hundredth of the range on.
     beyond = "" if followed.points[-1].value == end else _beyond(at, followed.points, 0.01 * abs(end - start))
     return Branch(first.setup, parameter, unit, meaning, followed.points, followed.end + beyond)

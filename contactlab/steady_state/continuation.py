@@ -227,7 +227,10 @@ def place_at(curve: Curve, y: Array, heading: Array) -> Place:
     tangent = np.linalg.svd(derivative)[2][-1]
     # Of both senses the one that goes on.
     tangent = tangent if tangent @ heading >= 0.0 else -tangent
-    return Place(curve, y, BranchPoint(curve.value(y), orbit, section.run(orbit.state)), derivative, tangent)
+    run = section.run(orbit.state)
+    # A map that has run holds tens of megabytes, and a branch has a thousand of them.
+    orbit = replace(orbit, map=replace(section, like=None))
+    return Place(curve, y, BranchPoint(curve.value(y), orbit, run), derivative, tangent)
 
 
 def corrected(
@@ -335,8 +338,10 @@ def _next(last: Place, step: float, first: float) -> tuple[Place, float] | None:
             if same and last.tangent @ place.tangent > LEAST_COSINE:
                 return place, min(LONGER * step, 2.0 * first) if result[1] <= EASY else step
             if step < CLOSELY * first:
-                # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there.
-                return (place, step) if same or last.point.orbit.roughness <= SMOOTH else None
+                # Beside a contact that comes or goes, corrections lead from a rough orbit past what is there,
+                # but from one without contact.
+                smooth = last.point.orbit.roughness <= SMOOTH or not last.point.contacts
+                return (place, step) if same or smooth else None
         step *= 0.5
     return None
 

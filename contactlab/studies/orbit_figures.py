@@ -1,5 +1,6 @@
 """Figures of steady states, of branches of periodic orbits, and of basins of attraction."""
 
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any, Final
 
@@ -177,6 +178,35 @@ def draw_branch(data: xarray.Dataset) -> Figure:
         lower.set_yscale("log")
     lower.set_xlabel(data.attrs["parameter"] + _in_brackets(data["value"]))
     return legend_above(figure, upper, _title(data))
+
+
+def draw_response(branches: Sequence[xarray.Dataset], linear: xarray.Dataset) -> Figure:
+    """Draw amplitude and phase of branches over the parameter, and those of the free motor."""
+    figure, (upper, lower) = drawing(2, 1, 4.4, sharex=True, height_ratios=(2.0, 1.0))
+    cycle = matplotlib.rcParams["axes.prop_cycle"].by_key()["color"]
+    # One unit for all that an axis shows.
+    scales = {
+        name: handy_unit([each[name].values for each in branches], branches[0][name].attrs["units"])
+        for name in ("value", "amplitude")
+    } | {"phase": ("degrees", np.pi / 180.0)}
+    order = np.argsort(linear["value"].values)
+    for axes, name in ((upper, "amplitude"), (lower, "phase")):
+        for number, branch in enumerate(branches):
+            shown = branch.assign({each: branch[each] / scale for each, (_, scale) in scales.items()})
+            for each in ("value", "amplitude", "phase"):
+                # What is drawn is in its unit already.
+                shown[each].attrs["units"] = "1"
+            draw_curve(axes, shown, name, branch.attrs["label"], cycle[number % len(cycle)])
+        places, values = ((linear[each].values / scales[each][1])[order] for each in ("value", name))
+        axes.plot(places, values, ":", color="0.4", label="without contact", zorder=0)
+    limits = [branch["amplitude"].max() / scales["amplitude"][1] for branch in branches]
+    # Without contact the resonance may be ten times as high.
+    upper.set_ylim(0.0, 1.25 * float(max(limits)))
+    quantity = branches[0].attrs["quantity"].replace("_", " ")
+    upper.set_ylabel(f"amplitude of the\n{quantity} ({scales['amplitude'][0]})")
+    lower.set_ylabel("phase (degrees)")
+    lower.set_xlabel(f"{branches[0].attrs['parameter']} ({scales['value'][0]})")
+    return legend_above(figure, upper)
 
 
 def _title(data: xarray.Dataset) -> str:

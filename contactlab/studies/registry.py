@@ -24,6 +24,7 @@ OWN: Final = {
     "characterise": "contactlab.studies.characterise.study:Characterise",
     "compare": "contactlab.studies.compare.study:Compare",
     "drive": "contactlab.studies.drive:Driven",
+    "response": "contactlab.studies.response:Response",
     "steady": "contactlab.studies.steady:Steady",
 }
 """Entries of the package's own studies by name."""

@@ -64,6 +64,10 @@ CALLS: dict[str, dict[str, Any]] = {
         "coupling": np.eye(3)[:, :1], "modes": 1, "damping_ratio": 0.01, "tip_length": 1e15,
         "static_correction": True, "points": None,
     },
+    "response": {
+        "motors": SETUP, "parameter": "contact.clearance", "start": 1e-6, "end": 1e-6, "law": None,
+        "quantity": "gap", "belt": None, "step": 0.1, "output": None, "progress": None,
+    },
     "simulate": {
         "motor": SETUP, "law": None, "duration": None, "record_interval": None, "contact_step": None,
         "tolerance": None, "until": None, "precision": 0.5, "start": None, "progress": None,

@@ -5,7 +5,7 @@ function, and one more entry of `PUBLISHED`.
 """
 
 from collections.abc import Callable, Mapping
-from math import exp, gamma, log, log1p, pi, sqrt, tanh
+from math import atanh, exp, gamma, log, log1p, pi, sqrt, tanh
 from typing import Any, Final
 
 import numpy as np
@@ -38,8 +38,12 @@ from contactlab.laws.friction import (
     Dahl,
     Iwan,
     Microslip,
+    Nagata,
+    PerrinRiceZheng,
     RateAndState,
+    Ruina,
     Stribeck,
+    TwoState,
 )
 from contactlab.laws.normal import Dmt, Jkr, Maugis, Prony, Thornton, WaltonBraun
 from contactlab.testing.claim import Claim, Claims, Proof, close
@@ -304,6 +308,43 @@ def steady_slip(mu: float = 0.4, a: float = 0.01, b: float = 0.015, speed: float
     yield close("drag in steady slip", -last(made, "friction_force"), expected, 1e-6, "N")
 
 
+def _evolved(friction: Friction, variable: str, speed: float = 1e-3) -> float:
+    """Return an internal variable after a slip of 1 um at a velocity."""
+    law, time = Composed(Linear(SPRING), friction=friction), 1e-6 / speed
+    return last(run(resting(HEAVY, velocity=speed), law, time, 0.1 * time, time), f"internal_{variable}")
+
+
+def slip_law_evolution(fresh: float = 1e-6, leap: float = log(1e3)) -> Claims:
+    """By slip z = ln(v_0 theta/D) nears -ln(v/v_0) as exp(-x/D) (Ruina 1983)."""
+    expected = -leap + (log(fresh) + leap) * exp(-1.0)
+    yield close("ln(v_0 theta/D) at x = D", _evolved(Ruina(fresh_age=fresh), "age"), expected, 1e-6)
+
+
+def perrin_evolution(fresh: float = 1e-4) -> Claims:
+    """v theta/(2 D) = tanh(x/(2 D) + artanh(v theta_0/(2 D))) at a velocity v (Perrin et al. 1995)."""
+    expected = log(1e-3 * tanh(0.5 + atanh(500.0 * fresh)))
+    result = _evolved(PerrinRiceZheng(fresh_age=fresh), "age")
+    yield close("ln(v_0 theta/(2 D)) at x = D", result, expected, 1e-6)
+
+
+def nagata_evolution(a: float = 0.03, b: float = 0.035, c: float = 2.0, leap: float = log(1e3)) -> Claims:
+    """v theta/D nears 1 as exp(-x/((1 + c) D)) at a velocity v (Nagata et al. 2012)."""
+    friction = Nagata(0.3, a, b, stress_weakening=c)
+    # w = (1 + c) z + (c/b) (mu + a ln(v/v_0)), at touch-down with the age under mu.
+    risen = c / b * (0.3 + a * leap)
+    begun = (friction.internal_variables[0].initial - risen) / (1.0 + c)
+    z = log1p((exp(begun + leap) - 1.0) * exp(-1.0 / (1.0 + c))) - leap
+    yield close("w at x = D", _evolved(friction, "state"), (1.0 + c) * z + risen, 1e-6)
+
+
+def two_state_evolution(fresh: float = 1e-6, leap: float = log(1e3)) -> Claims:
+    """Two states near -ln(v/v_0) as exp(-x/D) and exp(-x/D_2) (Ruina 1983)."""
+    friction = TwoState(fresh_age=fresh, second_distance=2e-6)
+    for variable, ratio in (("second_age", 2.0), ("age", 1.0)):
+        expected = -leap + (log(fresh / ratio) + leap) * exp(-1.0 / ratio)
+        yield close(f"{variable} at x = D", _evolved(friction, variable), expected, 1e-6)
+
+
 def stribeck_stop(mu: float = 0.3, ratio: float = 1.5, slow: float = 0.05, start: float = 0.12) -> Claims:
     """A block of 1 kg stops after (v_s/(mu g)) ln[(mu e^(v_0/v_s) + dmu)/(mu + dmu)], for p = 1.
 
@@ -361,10 +402,14 @@ PUBLISHED: Final[Mapping[str, tuple[Proof, ...]]] = {
     "line": (palmgren,),
     "maugis": (maugis_pull_off,),
     "microslip": (patch_microslip,),
+    "nagata": (nagata_evolution,),
+    "perrin_rice_zheng": (perrin_evolution,),
     "prony": (prony_creep,),
     "rate_and_state": (steady_slip,),
+    "ruina": (slip_law_evolution,),
     "stribeck": (stribeck_stop,),
     "thornton": (thornton_rebound,),
+    "two_state": (two_state_evolution,),
     "walton_braun": (walton_braun_rebound,),
     "hertz_penalty": (closed.hertz_impact, closed.oblique_impacts),
     "lagrange_stick": (closed.oblique_impacts, closed.modal_impacts, closed.stops),

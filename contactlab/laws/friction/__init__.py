@@ -7,6 +7,7 @@ from contactlab.laws.friction.bristles import ElastoPlastic, LuGre
 from contactlab.laws.friction.cohesive import Cohesive
 from contactlab.laws.friction.coulomb import Coulomb
 from contactlab.laws.friction.dahl import Dahl
+from contactlab.laws.friction.evolution import Nagata, PerrinRiceZheng, Ruina, TwoState
 from contactlab.laws.friction.iwan import Iwan
 from contactlab.laws.friction.microslip import Microslip
 from contactlab.laws.friction.mindlin import Mindlin
@@ -19,5 +20,6 @@ FRICTIONS: dict[str, type[Friction]] = {
     for part in (
         *(Coulomb, Regularised, Mindlin, LuGre, ElastoPlastic),
         *(Stribeck, Cohesive, AgeingStick, Dahl, BoucWen, Iwan, Microslip, RateAndState),
+        *(Ruina, PerrinRiceZheng, Nagata, TwoState),
     )
 }
