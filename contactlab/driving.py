@@ -10,8 +10,8 @@ loop.plot()
 """
 
 from collections.abc import Callable
-from math import factorial
-from typing import Any, Final, cast
+from math import ceil, factorial
+from typing import Any, Final, cast, final
 
 import numpy as np
 import scipy
@@ -19,16 +19,25 @@ import scipy
 from contactlab.arrays import Array
 from contactlab.checks import check_shape, checked_arguments
 from contactlab.engine.arguments import check_law
+from contactlab.engine.binding import row_of
+from contactlab.engine.compiled_loops import path_loop_of
 from contactlab.engine.equilibrium import penetrations
-from contactlab.laws.base import ContactLaw, PenaltyLaw
+from contactlab.engine.path import BY_GAP, BY_LOAD, COLUMNS, MOTION, NODAL, RIGID
+from contactlab.engine.path import Path as Walked
+from contactlab.engine.preparation import take_in
+from contactlab.engine.state import HEAD, NO_INSTANTS
+from contactlab.laws.base import SET_VALUED, ContactLaw, PenaltyLaw
 from contactlab.laws.composed import Composed
-from contactlab.motor.bodies import led_body
+from contactlab.motor.bodies import FLAT, led_body
 from contactlab.motor.motor import Motor
-from contactlab.motor.waveform import Waveform
+from contactlab.motor.waveform import MOST_DEGREE, Waveform
 from contactlab.simulation import Solution, simulate
 
 TOLERANCE: Final = 1e-12
 """Default error of a step's impulse, over the largest force in the longest step [1]."""
+
+FIT_TOLERANCE: Final = 1e-8
+"""Default error of a step of a path's own loop [1], well below any noise."""
 
 EVEN: Final = 64.0
 """Longest step over the shortest piece of a path, as far as that takes no more than `MOST_STEPS`."""
@@ -149,6 +158,17 @@ def driven_by(
     touching: bool = False,
 ) -> Motor:
     """Return the body that takes a law along a path; arguments and errors as of `drive`."""
+    first = _prescribed(law, time, gap, normal)
+    compliant = isinstance(law, PenaltyLaw)
+    if isinstance(law, PenaltyLaw) and normal is not None:
+        first = -penetrations(law, first)
+    rows = np.stack([first, _samples("slip", slip, time)])
+    path = Waveform.sampled(time - time[0], rows, degree, period)
+    return led_body(_cut_at(path, _reversals(path)), compliant, touching)
+
+
+def _prescribed(law: ContactLaw, time: Array, gap: Path | None, normal: Path | None) -> Array:
+    """Return the samples of a gap [m], or of a normal force [N], which a law may have; errors of `drive`."""
     check_law(law)
     compliant = isinstance(law, PenaltyLaw)
     if (gap is None) == (normal is None) or not (compliant or gap is None):
@@ -157,22 +177,19 @@ def driven_by(
         )
         raise ValueError(f"{law.name} is {'compliant' if compliant else 'rigid'}; it must have {wanted}.")
     check_shape("time", time, (-1,), "one number a sample")
-    first = _samples("gap", gap, time) if normal is None else _samples("normal", normal, time)
-    if normal is not None and not (first > 0.0).all():
+    if normal is None:
+        return _samples("gap", gap, time)
+    first = _samples("normal", normal, time)
+    if not (first > 0.0).all():
         raise ValueError(f"normal is {first.min()} N at its least; it must be positive.")
-    if isinstance(law, PenaltyLaw) and normal is not None:
+    if isinstance(law, Composed):
         varies = bool(np.ptp(first) > 0.0)
-        if isinstance(law, Composed) and (
-            (varies and law.damping.name != "none") or law.normal.internal_variables
-        ):
+        if (varies and law.damping.name != "none") or law.normal.internal_variables:
             raise ValueError(
                 f"The normal force of {law.name} does not follow from its gap alone; give it a path of gap"
                 f"{'' if law.normal.internal_variables else ', or a constant normal force'}."
             )
-        first = -penetrations(law, first)
-    rows = np.stack([first, _samples("slip", slip, time)])
-    path = Waveform.sampled(time - time[0], rows, degree, period)
-    return led_body(_cut_at_reversals(path), compliant, touching)
+    return first
 
 
 def _samples(name: str, path: Path | None, time: Array) -> Array:
@@ -183,12 +200,163 @@ def _samples(name: str, path: Path | None, time: Array) -> Array:
     return samples
 
 
-def _cut_at_reversals(path: Waveform) -> Waveform:
-    """Let pieces of a path end where the slip reverses, and so steps: friction may have a kink there."""
+def _reversals(path: Waveform) -> Array:
+    """Return the times at which the slip of a path reverses [s]: friction may have a kink there."""
     pieces: Any = path.pieces
     turns = scipy.interpolate.PPoly(pieces.c[:, :, 1], pieces.x).derivative().roots(extrapolate=False)
-    edges = np.union1d(pieces.x, turns[np.isfinite(turns)])
+    return np.asarray(turns[np.isfinite(turns)])
+
+
+def _cut_at(path: Waveform, times: Array) -> Waveform:
+    """Let pieces of a path end at some times, and so steps."""
+    pieces: Any = path.pieces
+    edges = np.union1d(pieces.x, times)
     edges = edges[np.append(True, np.diff(edges) > SAME_TIME * (edges[-1] - edges[0]))]
     edges[-1] = pieces.x[-1]
     powers = [pieces(edges[:-1], order) / factorial(order) for order in range(len(pieces.c) - 1, -1, -1)]
     return Waveform(scipy.interpolate.PPoly(np.stack(powers), edges), path.periodic)
+
+
+def stays_closed(law: ContactLaw, gap: Array | None) -> bool:
+    """Return whether a contact is closed along a whole path of a gap, or of a normal force, which is None.
+
+    A law with limits of its own may part, or touch, at gaps that are not zero.
+    """
+    return gap is None or (law.limits is None and bool(gap.max() < 0.0))
+
+
+@final
+class LawOnPath:
+    """A law on a path, or behind a frame, made ready once for many sets of its numbers, as by a fit.
+
+    The contact is closed all along. Where a run counts contacts, work and losses, this has forces alone,
+    in a hundredth of the time.
+
+    Args:
+        law: whose numbers may change, and not its kind; see `stays_closed`.
+        time, gap, normal, slip, degree, period: as of `drive`.
+        frame_stiffness, frame_damping, frame_force: as of `drive`; None for a path.
+        duration: [s]; None for that of the samples.
+        instants: times at which forces are wanted [s], increasing, since the first sample.
+        records: times at which all is recorded [s].
+        tolerance: error of a step [1].
+
+    Raises:
+        TypeError, ValueError, LawError: as of `drive`.
+    """
+
+    def __init__(
+        self,
+        law: ContactLaw,
+        time: Array,
+        *,
+        gap: Path | None = None,
+        normal: Path | None = None,
+        slip: Path = 0.0,
+        degree: int = DEGREE,
+        period: float | None = None,
+        frame_stiffness: float | None = None,
+        frame_damping: float = 0.0,
+        frame_force: float = 0.0,
+        duration: float | None = None,
+        instants: Array = NO_INSTANTS,
+        records: Array = NO_INSTANTS,
+        tolerance: float = FIT_TOLERANCE,
+    ) -> None:
+        first = _prescribed(law, time, gap, normal)
+        law = law.on_rotor(FLAT)
+        self._parameters, self._row, self._bound, self._errors = take_in(law)
+        rows = np.stack([first, _samples("slip", slip, time)])
+        path = Waveform.sampled(time - time[0], rows, degree, period)
+        edges, pieces, breaks = _pieces_until(path, degree, duration)
+        if not stays_closed(law, None if gap is None else _extremes(edges, pieces)):
+            raise ValueError(
+                f"The gap of {law.name} opens along the path; it must be closed all along, and the law "
+                "without limits of its own. Give the path a normal force, or leave out the frame."
+            )
+        self._fresh = np.zeros(1, MOTION)
+        compliant = isinstance(law, PenaltyLaw)
+        known = self._fresh[0]
+        known["end"], known["tolerance"] = breaks[-1], tolerance
+        known["prescribed"] = BY_GAP if gap is not None else BY_LOAD if compliant else RIGID
+        known["friction_kind"] = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
+        known["variables"], known["guards"] = len(law.internal_variables), law.guards
+        known["coupled"] = law.coupled if compliant else 0
+        self.frame(frame_stiffness, frame_damping, frame_force)
+        count = len(law.internal_variables)
+        self.path = Walked(
+            edges,
+            pieces,
+            breaks,
+            np.ascontiguousarray(instants, np.float64),
+            np.full((len(instants), 2), np.nan),
+            np.ascontiguousarray(records, np.float64),
+            np.zeros(len(records), COLUMNS),
+            np.zeros((len(records), count)),
+            np.zeros(1, MOTION),
+            np.zeros(1, NODAL),
+            self._parameters,
+            self._row,
+        )
+        self._loop = path_loop_of(self._bound, self.path)
+
+    def frame(self, stiffness: float | None, damping: float = 0.0, force: float = 0.0) -> None:
+        """Set stiffness [N/m], damping [N s/m] and first force [N] of the frame; None for a path."""
+        known = self._fresh[0]
+        known["framed"] = stiffness is not None
+        if stiffness is not None:
+            known["compliance"], known["relaxation"] = 1.0 / stiffness, damping / stiffness
+            known["first_force"] = force
+
+    def run(self, law: ContactLaw) -> Any:
+        """Take the law with other numbers along the path; returns its state at the end, `MOTION`.
+
+        Forces at the instants and records are those of `path`, until the next run.
+
+        Raises:
+            LawError: the law's own code raised an exception.
+            ValueError: it is a law of another kind.
+        """
+        row = row_of(law.on_rotor(FLAT))
+        if row.shape != self._row.shape:
+            raise ValueError(f"{law.name} has {row.size} numbers here; it must have {self._row.size}.")
+        self._row[:] = row
+        states = self.path.states
+        states.view(np.uint8)[:] = self._fresh.view(np.uint8)
+        state = states[0]
+        count = int(state["variables"])
+        state["memory"][:count] = row[HEAD : HEAD + count]
+        self.path.forces[:] = np.nan
+        with self._errors():
+            self._loop(self.path, *self._bound.of_loop)
+        return state
+
+
+def _pieces_until(path: Waveform, degree: int, duration: float | None) -> tuple[Array, Array, Array]:
+    """Return edges, ascending powers and breaks of a path up to a duration [s], see `engine.path.Path`.
+
+    A spline of the highest degree is smoother at its samples than a step sees; the others break there.
+    """
+    turns = _reversals(path)
+    cut = _cut_at(path, turns)
+    edges, powers = cut.pieces.x, np.moveaxis(cut.pieces.c[::-1], 0, 2)
+    whole = float(edges[-1])
+    length = whole if duration is None else duration
+    if path.periodic:
+        times = ceil(length / whole)
+        starts = whole * np.arange(times)[:, None]
+        edges = np.append((starts + edges[:-1]).ravel(), whole * times)
+        powers, turns = np.tile(powers, (times, 1, 1)), (starts + turns).ravel()
+    elif length > whole * (1.0 + SAME_TIME):
+        raise ValueError(f"The duration is {length} s; it must be at most that of the path, {whole} s.")
+    breaks = turns if degree == MOST_DEGREE else edges[1:-1]
+    breaks = np.unique(breaks[(breaks > SAME_TIME * length) & (breaks < (1.0 - SAME_TIME) * length)])
+    return edges, np.ascontiguousarray(powers), np.append(breaks, length)
+
+
+def _extremes(edges: Array, pieces: Array) -> Array:
+    """Return the first row of a path at the samples and half-way between them."""
+    halves = 0.5 * np.diff(edges)
+    return np.append(
+        pieces[:, 0, 0], (pieces[:, 0] * halves[:, None] ** np.arange(pieces.shape[2])).sum(axis=1)
+    )
