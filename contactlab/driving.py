@@ -269,6 +269,9 @@ class LawOnPath:
         rows = np.stack([first, _samples("slip", slip, time)])
         path = Waveform.sampled(time - time[0], rows, degree, period)
         edges, pieces, breaks = _pieces_until(path, degree, duration)
+        if not np.ptp(first) > 0.0:
+            # Without the spline's round-off.
+            pieces[:, 0, 0], pieces[:, 0, 1:] = first[0], 0.0
         if not stays_closed(law, None if gap is None else _extremes(edges, pieces)):
             raise ValueError(
                 f"The gap of {law.name} opens along the path; it must be closed all along, and the law "
@@ -281,7 +284,7 @@ class LawOnPath:
         known["prescribed"] = BY_GAP if gap is not None else BY_LOAD if compliant else RIGID
         known["friction_kind"] = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
         known["variables"], known["guards"] = len(law.internal_variables), law.guards
-        known["coupled"] = law.coupled if compliant else 0
+        known["coupled"], known["load"] = law.coupled if compliant else 0, np.nan
         self.frame(frame_stiffness, frame_damping, frame_force)
         count = len(law.internal_variables)
         self.path = Walked(

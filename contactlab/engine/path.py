@@ -104,15 +104,15 @@ MOTION: Final = record(
     ("memory", float, MOST_VARIABLES),  # internal variables
     ("largest", float, MOST_VARIABLES),  # their largest sizes so far
     real="time end extension first_force compliance relaxation tolerance length before force force_scale "
-    "slip gap depth normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
+    "slip load depth normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
     "contact_loss stored jumped",
     whole="ending prescribed friction_kind variables coupled guards framed mode sign goes_on piece next_break "
     "next_instant next_record event at_once steps rejected",
 )
 """State of a law on a path: time [s], extension of the frame [m], 1/k [m/N], c/k [s], and what has been lost."""
 
-PLACES: Final = NODES + 2
-"""Nodes, the start of a step and a time in between."""
+PLACES: Final = NODES + 1
+"""Nodes, and a time in between."""
 
 NODAL: Final = record(
     ("memory", float, (PLACES, MOST_VARIABLES)),
@@ -122,7 +122,8 @@ NODAL: Final = record(
     *((n, float, NODES) for n in ("gap", "gap_rate", "load", "speed", "slip", "normal", "least", "most")),
     *((n, float, NODES) for n in ("friction", "steepness", "extension", "stiffness", "flow")),
     ("system", float, (NODES, 2 * NODES + 1)),
-    ("weights", float, NODES + 1),
+    ("coefficient", float, (MOST_VARIABLES, NODES + 1)),
+    ("extended", float, NODES + 1),
     ("before", float, NODES),
 )
 """Scratch of one step."""
@@ -169,7 +170,7 @@ def _recall(path: Path, place: int) -> None:
         path.row[HEAD + k] = path.steps[0].memory[place, k]
 
 
-@inner_kernel
+@part_kernel
 def _lead(path: Path, time: float, left: bool) -> tuple[float, float, float, float]:
     """Return the first row of the path, its rate, and way [m] and velocity [m/s] of the load point."""
     state, last = path.states[0], path.edges.size - 2
@@ -212,7 +213,7 @@ def _depth_under(path: Path, law: Law, load: float) -> float:
     return depth if abs(reached - load) <= 1e-9 * load else np.nan
 
 
-@inner_kernel
+@part_kernel
 def _press(path: Path, law: Law, time: float, left: bool) -> tuple[float, float, float, float, float]:
     """Return gap [m], gap rate [m/s], normal force [N] where it is prescribed, way and velocity of the load."""
     state = path.states[0]
@@ -221,8 +222,10 @@ def _press(path: Path, law: Law, time: float, left: bool) -> tuple[float, float,
         return first, rate, 0.0, way, speed
     if state.prescribed == RIGID:
         return 0.0, 0.0, first, way, speed
-    depth = _depth_under(path, law, first)
-    state.depth = depth if depth > 0.0 else 0.0
+    # A load that stays needs no other depth.
+    if first != state.load:
+        state.load, state.depth = first, _depth_under(path, law, first)
+    depth = state.depth
     if rate == 0.0:
         return -depth, 0.0, first, way, speed
     nudged = depth * (1.0 + NUDGE)
@@ -231,7 +234,7 @@ def _press(path: Path, law: Law, time: float, left: bool) -> tuple[float, float,
     return -depth, -rate / slope, first, way, speed
 
 
-@inner_kernel
+@part_kernel
 def _bounds(
     path: Path, law: Law, gap: float, rate: float, load: float, slip: float
 ) -> tuple[float, float, float, float, float]:
@@ -277,19 +280,28 @@ def _flowing(path: Path) -> int:
     return 1 if path.states[0].coupled == 1 and _slides(path) else 0
 
 
-@inner_kernel
-def _answer(
-    path: Path, law: Law, gap: float, rate: float, load: float, slip: float
-) -> tuple[float, float, float, float, float, float]:
-    """Return normal force, least and largest friction, the law's friction [N], flow and stiffness, recalled."""
+@part_kernel
+def _friction(
+    path: Path, law: Law, gap: float, rate: float, seen: float, normal: float, least: float, most: float
+) -> tuple[float, float, float]:
+    """Return the friction [N], the flow of its variable and its stiffness, of what is recalled."""
     state = path.states[0]
-    seen = _seen(path, slip)
-    normal, least, most, _, _ = _bounds(path, law, gap, rate, load, seen)
     friction, flow, stiffness = state.force, 0.0, 0.0
     if state.friction_kind != SET_VALUED:
         friction, flow, _, stiffness = law.friction(gap, rate, seen, normal, law.parameters)
     if _slides(path):
         friction = least if state.sign > 0 else most
+    return friction, flow, stiffness
+
+
+@part_kernel
+def _answer(
+    path: Path, law: Law, gap: float, rate: float, load: float, slip: float
+) -> tuple[float, float, float, float, float, float]:
+    """Return normal force, least and largest friction, the law's friction [N], flow and stiffness, recalled."""
+    seen = _seen(path, slip)
+    normal, least, most, _, _ = _bounds(path, law, gap, rate, load, seen)
+    friction, flow, stiffness = _friction(path, law, gap, rate, seen, normal, least, most)
     return normal, least, most, friction, flow, stiffness
 
 
@@ -312,7 +324,7 @@ def _stretch_on_bound(path: Path, law: Law, gap: float, rate: float, slip: float
     return (beside - force) / stiffness if stiffness > 0.0 else 0.0
 
 
-@inner_kernel
+@part_kernel
 def _solve(system: Array, n: int, columns: int) -> None:
     """Solve n linear equations for several right sides in place, in the columns from n on, with row pivots."""
     for p in range(n):
@@ -323,8 +335,10 @@ def _solve(system: Array, n: int, columns: int) -> None:
         if best != p:
             for column in range(p, n + columns):
                 system[p, column], system[best, column] = system[best, column], system[p, column]
+        # Of the pivots only the reciprocals are read again.
+        system[p, p] = 1.0 / system[p, p]
         for row in range(p + 1, n):
-            ratio = system[row, p] / system[p, p]
+            ratio = system[row, p] * system[p, p]
             for column in range(p + 1, n + columns):
                 system[row, column] -= ratio * system[p, column]
     for p in range(n - 1, -1, -1):
@@ -332,21 +346,27 @@ def _solve(system: Array, n: int, columns: int) -> None:
             total = system[p, column]
             for q in range(p + 1, n):
                 total -= system[p, q] * system[q, column]
-            system[p, column] = total / system[p, p]
+            system[p, column] = total * system[p, p]
 
 
-@inner_kernel
-def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool) -> None:
-    """Take the law's answers at all nodes, and if `fresh` their derivatives by differences."""
+@part_kernel
+def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: bool) -> None:
+    """Take the law's answers at all nodes, and if `fresh` their derivatives by differences.
+
+    The normal force of a motion that is known and that no variable changes is that of the first sweep.
+    """
     state, step = path.states[0], path.steps[0]
     moves, first, h = _moves(path), _flowing(path), state.length
     for i in range(NODES):
         gap, rate, load, slip = step.gap[i], step.gap_rate[i], step.load[i], step.slip[i]
         if state.variables > 0:
             _recall(path, i)
-        normal, least, most, friction, flow, stiffness = _answer(path, law, gap, rate, load, slip)
         seen = _seen(path, slip)
-        step.normal[i], step.least[i], step.most[i] = normal, least, most
+        if begins or moves or state.variables > state.coupled:
+            bounds = _bounds(path, law, gap, rate, load, seen)
+            step.normal[i], step.least[i], step.most[i] = bounds[0], bounds[1], bounds[2]
+        normal = step.normal[i]
+        friction, flow, stiffness = _friction(path, law, gap, rate, seen, normal, step.least[i], step.most[i])
         step.friction[i], step.stiffness[i], step.flow[i] = friction, stiffness, flow
         for k in range(first, state.variables):
             g = flow if k < state.coupled else _memory_rate(law, memory, k, gap, rate, seen, normal)
@@ -381,41 +401,57 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool) -> None:
                 step.by_slip[i, k] = (g - step.rate[i, k]) / dv
 
 
-@inner_kernel
-def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool) -> float:
+@part_kernel
+def _answer_rate(path: Path, k: int, fresh: bool, moves: bool, negligible: float) -> None:
+    """Set what variable k at the nodes is `left` to change by: its polynomial and its rates differ.
+
+    Where the slip is unknown, too, that is by the inverse of the variable's own equations, which is kept.
+    """
+    state, step, system = path.states[0], path.steps[0], path.steps[0].system
+    h, z, straight, count, most = state.length, state.memory[k], True, NODES if moves else 1, 0.0
+    for i in range(NODES):
+        straight = straight and step.by_memory[i, k] == 0.0
+        missed = h * step.rate[i, k]
+        for m in range(NODES):
+            missed -= DERIVATIVE[i, m] * (step.memory[m, k] - z)
+        step.before[i] = missed
+        most = max(most, abs(missed))
+    if most <= negligible and not moves:
+        for i in range(NODES):
+            step.left[i, k] = 0.0
+        return
+    if not straight and (fresh or not moves):
+        for i in range(NODES):
+            for m in range(NODES):
+                system[i, m] = DERIVATIVE[i, m] - (h * step.by_memory[i, k] if m == i else 0.0)
+                system[i, NODES + m] = 1.0 if m == i else 0.0
+            if not moves:
+                system[i, NODES] = step.before[i]
+        _solve(system, NODES, count)
+    if not moves and not straight:
+        for i in range(NODES):
+            step.left[i, k] = system[i, NODES]
+        return
+    for i in range(NODES):
+        answer = 0.0
+        for m in range(NODES):
+            if fresh:
+                step.inverse[k, i, m] = INTEGRAL[i, m] if straight else system[i, NODES + m]
+            answer += step.inverse[k, i, m] * step.before[m]
+        step.left[i, k] = answer
+
+
+@part_kernel
+def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: bool) -> float:
     """Correct internal variables and slip at the nodes by Newton's method; returns the largest change [1]."""
     state, step = path.states[0], path.steps[0]
     h, system = state.length, step.system
     moves, first, change = _moves(path), _flowing(path), 0.0
-    _evaluate(path, law, memory, fresh)
+    _evaluate(path, law, memory, fresh, begins)
     for k in range(first, state.variables):
-        z, straight = state.memory[k], True
-        for i in range(NODES):
-            straight = straight and step.by_memory[i, k] == 0.0
-        if fresh and not straight:
-            for i in range(NODES):
-                for m in range(NODES):
-                    system[i, m] = DERIVATIVE[i, m] - (h * step.by_memory[i, k] if m == i else 0.0)
-                    system[i, NODES + m] = 1.0 if m == i else 0.0
-            _solve(system, NODES, NODES)
-            for i in range(NODES):
-                for m in range(NODES):
-                    step.inverse[k, i, m] = system[i, NODES + m]
-        elif fresh:
-            for i in range(NODES):
-                for m in range(NODES):
-                    step.inverse[k, i, m] = INTEGRAL[i, m]
-        # What the rates at the nodes and the polynomial differ by; `left` is the answer to that alone.
-        for i in range(NODES):
-            missed = h * step.rate[i, k]
-            for m in range(NODES):
-                missed -= DERIVATIVE[i, m] * (step.memory[m, k] - z)
-            system[i, 2 * NODES] = missed
-        for i in range(NODES):
-            answer = 0.0
-            for m in range(NODES):
-                answer += step.inverse[k, i, m] * system[m, 2 * NODES]
-            step.left[i, k] = answer
+        # The answer to a rest is about as large as the rest.
+        negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * state.largest[k]
+        _answer_rate(path, k, fresh, moves, negligible)
     if moves:
         s, tau, fastest = state.compliance, state.relaxation, 0.0
         for i in range(NODES):
@@ -463,7 +499,7 @@ def _collocate(path: Path, law: Law, memory: Memory | None) -> bool:
     state, step = path.states[0], path.steps[0]
     enough, before, fresh = max(AGREEMENT * state.tolerance, ROUNDED), np.inf, True
     for _ in range(MOST_SWEEPS):
-        change = _sweep(path, law, memory, fresh)
+        change = _sweep(path, law, memory, fresh, before == np.inf)
         if not change < np.inf or (change > 1e3 * before and before < 1.0):
             return False
         # As it contracts, the next change would be within the bound.
@@ -495,7 +531,7 @@ def _collocate(path: Path, law: Law, memory: Memory | None) -> bool:
     return True
 
 
-@inner_kernel
+@part_kernel
 def _open_step(path: Path, law: Law, length: float) -> None:
     """Set what the path prescribes at the nodes of a step of a length [s]."""
     state, step = path.states[0], path.steps[0]
@@ -505,24 +541,16 @@ def _open_step(path: Path, law: Law, length: float) -> None:
         step.gap[i], step.gap_rate[i], step.load[i], _, step.speed[i] = _press(path, law, time, True)
 
 
-@inner_kernel
+@part_kernel
 def _guess(path: Path, slip: float) -> None:
     """Set internal variables and slip at the nodes to iterate from: the last polynomials, or constants."""
     state, step = path.states[0], path.steps[0]
     stretch = state.length / state.before if state.goes_on == 1 else 0.0
     for k in range(state.variables):
-        # The nodes of the step before are those of `memory` still; its first value is kept at the start's.
         for i in range(NODES):
-            step.left[i, k] = state.memory[k]
-        if stretch > 0.0:
-            for i in range(NODES):
-                _weigh(step.weights, 1.0 + NODE[i] * stretch)
-                guess = step.weights[0] * step.memory[NODES, k]
-                for m in range(NODES):
-                    guess += step.weights[m + 1] * step.memory[m, k]
-                step.left[i, k] = guess
-        for i in range(NODES):
-            step.memory[i, k] = step.left[i, k]
+            step.memory[i, k] = state.memory[k]
+            if stretch > 0.0:
+                step.memory[i, k] = _variable_at(step, k, 1.0 + NODE[i] * stretch)
     for i in range(NODES):
         step.before[i] = step.slip[i]
     for i in range(NODES):
@@ -537,16 +565,32 @@ def _guess(path: Path, slip: float) -> None:
 
 
 @part_kernel
-def _weigh(weights: Array, x: float) -> None:
-    """Set the weights of the values at start and nodes at a share x of a step."""
-    for j in range(NODES + 1):
-        total = 0.0
-        for d in range(NODES, -1, -1):
-            total = total * x + DENSE[j, d]
-        weights[j] = total
+def _variable_at(step: Any, k: int, x: float) -> float:
+    """Return variable k at a share x of the step whose polynomials are laid."""
+    total = 0.0
+    for d in range(NODES, -1, -1):
+        total = total * x + step.coefficient[k, d]
+    return total
 
 
 @inner_kernel
+def _fit(path: Path) -> None:
+    """Lay the polynomials of variables and extension through start and nodes."""
+    state, step = path.states[0], path.steps[0]
+    for d in range(NODES + 1):
+        for k in range(state.variables):
+            total = DENSE[0, d] * state.memory[k]
+            for m in range(NODES):
+                total += DENSE[m + 1, d] * step.memory[m, k]
+            step.coefficient[k, d] = total
+        if state.framed == 1:
+            total = DENSE[0, d] * state.extension
+            for m in range(NODES):
+                total += DENSE[m + 1, d] * step.extension[m]
+            step.extended[d] = total
+
+
+@part_kernel
 def _polynomial(values: Array, x: float) -> float:
     """Return the polynomial through values at the nodes, at a share x of a step."""
     result = 0.0
@@ -558,7 +602,7 @@ def _polynomial(values: Array, x: float) -> float:
     return result
 
 
-@inner_kernel
+@part_kernel
 def _error(path: Path, law: Law, memory: Memory | None) -> float:
     """Return the error of a step between its nodes over its tolerance, from what is missed at its start."""
     state, step = path.states[0], path.steps[0]
@@ -608,7 +652,7 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
     return worst / state.tolerance
 
 
-@inner_kernel
+@part_kernel
 def _dense_at(path: Path, law: Law, x: float) -> tuple[float, float, float, float, float, float, float, float]:
     """Leave the internal variables at a share x of the step recalled, and return the contact there.
 
@@ -618,18 +662,12 @@ def _dense_at(path: Path, law: Law, x: float) -> tuple[float, float, float, floa
     state, step = path.states[0], path.steps[0]
     time = state.time + x * state.length
     gap, rate, load, way, speed = _press(path, law, time, x > 0.0)
-    _weigh(step.weights, x)
     for k in range(state.variables):
-        total = step.weights[0] * state.memory[k]
-        for m in range(NODES):
-            total += step.weights[m + 1] * step.memory[m, k]
-        step.memory[NODES + 1, k] = total
-        path.row[HEAD + k] = total
+        path.row[HEAD + k] = _variable_at(step, k, x)
     slip, extension = speed, 0.0
     if state.framed == 1:
-        extension = step.weights[0] * state.extension
-        for m in range(NODES):
-            extension += step.weights[m + 1] * step.extension[m]
+        for d in range(NODES, -1, -1):
+            extension = extension * x + step.extended[d]
         slip = 0.0 if _sticks(path) else _polynomial(step.slip, x)
     return gap, rate, load, slip, extension, way, speed, time
 
@@ -750,9 +788,9 @@ def _jump(path: Path, law: Law, memory: Memory | None, event: int, slip: float) 
     gap, rate, load, _, _ = _press(path, law, state.time, True)
     normal, _, _, _, _ = _bounds(path, law, gap, rate, load, slip)
     for k in range(state.coupled, state.variables):
-        step.memory[NODES + 1, k] = memory.jump(k, event, gap, rate, slip, normal, law.parameters)
+        step.memory[NODES, k] = memory.jump(k, event, gap, rate, slip, normal, law.parameters)
     for k in range(state.coupled, state.variables):
-        state.memory[k] = step.memory[NODES + 1, k]
+        state.memory[k] = step.memory[NODES, k]
         path.row[HEAD + k] = state.memory[k]
 
 
@@ -863,7 +901,10 @@ def _write(path: Path, law: Law, memory: Memory | None) -> None:
         if time > end and not at_end:
             break
         x = min(max((time - state.time) / state.length, 0.0), 1.0)
-        normal, friction, _, _, _, _ = _forces_at(path, law, x)
+        gap, rate, load, slip, extension, _, speed, _ = _dense_at(path, law, x)
+        normal, _, _, friction, _, _ = _answer(path, law, gap, rate, load, slip)
+        if state.framed == 1:
+            friction = -(extension + state.relaxation * (speed - slip)) / state.compliance
         path.forces[state.next_instant, 0], path.forces[state.next_instant, 1] = normal, friction
         state.next_instant += 1
     if path.records.size == 0:
@@ -905,7 +946,6 @@ def _take(path: Path, law: Law, memory: Memory | None) -> None:
     last = NODES - 1
     _write(path, law, memory)
     for k in range(state.variables):
-        step.memory[NODES, k] = state.memory[k]
         state.memory[k] = step.memory[last, k]
         for i in range(NODES):
             state.largest[k] = max(state.largest[k], abs(step.memory[i, k]))
@@ -933,6 +973,7 @@ def _begin(path: Path, law: Law, memory: Memory | None) -> None:
     state.extension = state.compliance * state.first_force
     state.force = -state.first_force
     state.goes_on, state.slip = 0, speed
+    _fit(path)
     if state.framed == 0:
         return
     if state.friction_kind == SET_VALUED:
@@ -1017,6 +1058,7 @@ def run_path(path: Path, law: Law) -> None:
             continue
         if state.framed == 1 and state.sign == 0 and state.mode == SLIP:
             state.sign = 1 if step.slip[0] > 0.0 else -1
+        _fit(path)
         share = _find_event(path, law, memory)
         if share <= AT_ONCE:
             state.at_once += 1
@@ -1036,9 +1078,7 @@ def run_path(path: Path, law: Law) -> None:
                 if not length > least:
                     state.ending = UNSOLVED
                 continue
-        elif h == left:
-            # To the last digit of the clock.
-            state.length = left
+            _fit(path)
         _take(path, law, memory)
         state.time = until if share >= 1.0 and h == left else state.time + state.length
         if share <= 1.0:
