@@ -286,7 +286,9 @@ class LawOnPath:
         known["variables"], known["guards"] = len(law.internal_variables), law.guards
         known["coupled"], known["load"] = law.coupled if compliant else 0, np.nan
         self.frame(frame_stiffness, frame_damping, frame_force)
-        count = len(law.internal_variables)
+        units = [each.units for each in law.internal_variables]
+        count = len(units)
+        known["alike"][:count] = [units.index(unit) for unit in units]
         self.path = Walked(
             edges,
             pieces,

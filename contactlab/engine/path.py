@@ -102,7 +102,8 @@ DENSE, MISSED = _dense()
 
 MOTION: Final = record(
     ("memory", float, MOST_VARIABLES),  # internal variables
-    ("largest", float, MOST_VARIABLES),  # their largest sizes so far
+    ("largest", float, MOST_VARIABLES),  # largest size so far of all of a unit, at the place of the first
+    ("alike", int, MOST_VARIABLES),  # place of the first of their unit
     real="time end extension first_force compliance relaxation tolerance length before force force_scale "
     "slip load depth normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
     "contact_loss stored jumped",
@@ -269,7 +270,8 @@ def _seen(path: Path, slip: float) -> float:
     """Return the slip that the law receives: exactly zero in stick alone [m/s]."""
     if _sticks(path):
         return 0.0
-    if _slides(path) and slip * path.states[0].sign <= 0.0:
+    slides = _slides(path) and path.states[0].friction_kind == SET_VALUED
+    if slides and slip * path.states[0].sign <= 0.0:
         return path.states[0].sign * SLIP_ROUND_OFF
     return slip
 
@@ -375,7 +377,7 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: 
             continue
         for k in range(first, state.variables):
             z, g = step.memory[i, k], step.rate[i, k]
-            dz = copysign(NUDGE * (abs(z) + abs(h * g) + 1e-3 * state.largest[k]), z if z != 0.0 else g)
+            dz = copysign(NUDGE * (abs(z) + abs(h * g) + 1e-3 * state.largest[state.alike[k]]), z if z != 0.0 else g)
             step.by_memory[i, k], step.push[i, k] = 0.0, 0.0
             if dz == 0.0:
                 continue
@@ -450,7 +452,7 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
     _evaluate(path, law, memory, fresh, begins)
     for k in range(first, state.variables):
         # The answer to a rest is about as large as the rest.
-        negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * state.largest[k]
+        negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * state.largest[state.alike[k]]
         _answer_rate(path, k, fresh, moves, negligible)
     if moves:
         s, tau, fastest = state.compliance, state.relaxation, 0.0
@@ -478,7 +480,7 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
             # NaN fails every comparison, and is passed on.
             change = abs(moved) / fastest if not abs(moved) <= change * fastest else change
     for k in range(first, state.variables):
-        size = max(state.largest[k], abs(state.memory[k]))
+        size = max(state.largest[state.alike[k]], abs(state.memory[k]))
         for i in range(NODES):
             moved = step.left[i, k]
             if moves:
@@ -539,6 +541,8 @@ def _open_step(path: Path, law: Law, length: float) -> None:
     for i in range(NODES):
         time = state.time + NODE[i] * length
         step.gap[i], step.gap_rate[i], step.load[i], _, step.speed[i] = _press(path, law, time, True)
+        if state.framed == 0:
+            step.slip[i] = step.speed[i]
 
 
 @part_kernel
@@ -555,8 +559,8 @@ def _guess(path: Path, slip: float) -> None:
         step.before[i] = step.slip[i]
     for i in range(NODES):
         if state.framed == 0:
-            step.slip[i] = step.speed[i]
-        elif _sticks(path):
+            continue
+        if _sticks(path):
             step.slip[i] = 0.0
         elif stretch > 0.0:
             step.slip[i] = _polynomial(step.before, 1.0 + NODE[i] * stretch)
@@ -577,16 +581,20 @@ def _variable_at(step: Any, k: int, x: float) -> float:
 def _fit(path: Path) -> None:
     """Lay the polynomials of variables and extension through start and nodes."""
     state, step = path.states[0], path.steps[0]
-    for d in range(NODES + 1):
+    # What does not change, such as a count, is exactly constant.
+    for k in range(state.variables):
+        step.coefficient[k, 0] = state.memory[k]
+    step.extended[0] = state.extension
+    for d in range(1, NODES + 1):
         for k in range(state.variables):
-            total = DENSE[0, d] * state.memory[k]
+            total = 0.0
             for m in range(NODES):
-                total += DENSE[m + 1, d] * step.memory[m, k]
+                total += DENSE[m + 1, d] * (step.memory[m, k] - state.memory[k])
             step.coefficient[k, d] = total
         if state.framed == 1:
-            total = DENSE[0, d] * state.extension
+            total = 0.0
             for m in range(NODES):
-                total += DENSE[m + 1, d] * step.extension[m]
+                total += DENSE[m + 1, d] * (step.extension[m] - state.extension)
             step.extended[d] = total
 
 
@@ -619,7 +627,7 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
     seen = _seen(path, slip)
     for k in range(first, state.variables):
         g = flow if k < state.coupled else _memory_rate(law, memory, k, gap, rate, seen, normal)
-        missed, size = g, max(state.largest[k], abs(state.memory[k]))
+        missed, size = g, max(state.largest[state.alike[k]], abs(state.memory[k]))
         for m in range(NODES):
             missed -= LAGRANGE[m, 0] * step.rate[m, k]
             size = max(size, abs(step.memory[m, k]))
@@ -948,7 +956,7 @@ def _take(path: Path, law: Law, memory: Memory | None) -> None:
     for k in range(state.variables):
         state.memory[k] = step.memory[last, k]
         for i in range(NODES):
-            state.largest[k] = max(state.largest[k], abs(step.memory[i, k]))
+            state.largest[state.alike[k]] = max(state.largest[state.alike[k]], abs(step.memory[i, k]))
     if state.framed == 1:
         state.extension = step.extension[last]
     state.force = step.friction[last]
