@@ -21,6 +21,7 @@ from numpy.polynomial import Polynomial
 
 from contactlab.arrays import Array
 from contactlab.compiler.kernels import inner_kernel, part_kernel
+from contactlab.engine.friction import DIGITS
 from contactlab.engine.memory import NUDGE, SLIP_ROUND_OFF
 from contactlab.engine.propagator import radau_rule
 from contactlab.engine.state import (
@@ -72,6 +73,9 @@ SHORTEST = 1e-14
 AT_ONCE = 1e-10
 """Share of a step within which an event lies at its start."""
 
+AT_END = 1e-9
+"""Share of a step within which an event lies at its end."""
+
 MOST_AT_ONCE = 100
 """Events without a step between them."""
 
@@ -104,7 +108,7 @@ MOTION: Final = record(
     ("memory", float, MOST_VARIABLES),  # internal variables
     ("largest", float, MOST_VARIABLES),  # largest size so far of all of a unit, at the place of the first
     ("alike", int, MOST_VARIABLES),  # place of the first of their unit
-    real="time end extension first_force compliance relaxation tolerance length before force force_scale "
+    real="time end extension first_force compliance relaxation tolerance length before force force_scale fastest "
     "slip load depth normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
     "contact_loss stored jumped",
     whole="ending prescribed friction_kind variables coupled guards framed mode sign goes_on piece next_break "
@@ -377,7 +381,9 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: 
             continue
         for k in range(first, state.variables):
             z, g = step.memory[i, k], step.rate[i, k]
-            dz = copysign(NUDGE * (abs(z) + abs(h * g) + 1e-3 * state.largest[state.alike[k]]), z if z != 0.0 else g)
+            # Towards zero: past a limit that it may be at, a force feels it no more.
+            dz = NUDGE * (abs(z) + abs(h * g) + 1e-3 * state.largest[state.alike[k]])
+            dz = copysign(dz, -z if z != 0.0 else -g)
             step.by_memory[i, k], step.push[i, k] = 0.0, 0.0
             if dz == 0.0:
                 continue
@@ -455,7 +461,7 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
         negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * state.largest[state.alike[k]]
         _answer_rate(path, k, fresh, moves, negligible)
     if moves:
-        s, tau, fastest = state.compliance, state.relaxation, 0.0
+        s, tau, fastest, longest = state.compliance, state.relaxation, state.fastest, abs(state.extension)
         for i in range(NODES):
             extension, right = state.extension, 0.0
             for m in range(NODES):
@@ -472,13 +478,22 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
                         system[i, m] += push * step.inverse[k, i, m] * h * step.by_slip[m, k]
             system[i, NODES] = right
             fastest = max(fastest, abs(step.speed[i]), abs(step.slip[i]))
+            longest = max(longest, abs(extension))
         _solve(system, NODES, 1)
+        # Round-off of the extension in its rate, and velocities that the frame's force does not feel.
+        digits, scale = DIGITS * longest / h, state.force_scale
+        for i in range(NODES):
+            scale = max(scale, abs(step.friction[i]))
         for i in range(NODES):
             moved = system[i, NODES]
             step.before[i] = moved
             step.slip[i] += moved
+            felt = fastest
+            if scale > 0.0:
+                felt = max(felt, s * scale / max(h, tau, s * abs(step.steepness[i])))
             # NaN fails every comparison, and is passed on.
-            change = abs(moved) / fastest if not abs(moved) <= change * fastest else change
+            most = abs(moved) - digits
+            change = most / felt if not most <= change * felt else change
     for k in range(first, state.variables):
         size = max(state.largest[state.alike[k]], abs(state.memory[k]))
         for i in range(NODES):
@@ -507,7 +522,8 @@ def _collocate(path: Path, law: Law, memory: Memory | None) -> bool:
         # As it contracts, the next change would be within the bound.
         if change <= enough or (change < 1.0 and before < np.inf and change * change <= enough * before):
             break
-        fresh, before = change > SLOW * before or before == np.inf and state.framed == 1, change
+        # Where the slip is unknown it may come to the other side of a kink.
+        fresh, before = _moves(path) or change > SLOW * before, change
     else:
         return False
     if state.framed == 1 and _sticks(path):
@@ -650,13 +666,10 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
                     weight *= -NODE[n] / (NODE[m] - NODE[n]) if n != m else 1.0
                 other += weight * step.slip[m]
             missed = abs(other - slip)
-        fastest = max(abs(slip), abs(speed))
-        for i in range(NODES):
-            fastest = max(fastest, abs(step.slip[i]))
+        missed = max(missed - DIGITS * abs(state.extension) / h, 0.0)
+        weight = max(h, state.relaxation, state.compliance * abs(step.steepness[0]))
         if scale > 0.0:
-            worst = max(worst, MISSED * h * missed / scale)
-        if fastest > 0.0:
-            worst = max(worst, MISSED * missed / fastest)
+            worst = max(worst, MISSED * missed * weight / scale)
     return worst / state.tolerance
 
 
@@ -948,6 +961,23 @@ def _note(path: Path, law: Law, x: float) -> None:
 
 
 @inner_kernel
+def _bring_back(path: Path, law: Law) -> None:
+    """Bring a variable back to the limit beyond which friction does not feel it, and its step's error lies."""
+    state, step, last = path.states[0], path.steps[0], NODES - 1
+    gap, rate, load, slip = step.gap[last], step.gap_rate[last], step.load[last], step.slip[last]
+    felt, past = 0.0, state.memory[0]
+    force = _answer(path, law, gap, rate, load, slip)[3]
+    for _ in range(HALVINGS):
+        path.row[HEAD] = 0.5 * (felt + past)
+        if _answer(path, law, gap, rate, load, slip)[3] == force:
+            past = path.row[HEAD]
+        else:
+            felt = path.row[HEAD]
+    state.memory[0] = past
+    path.row[HEAD] = past
+
+
+@inner_kernel
 def _take(path: Path, law: Law, memory: Memory | None) -> None:
     """Move the state to the end of the step."""
     state, step = path.states[0], path.steps[0]
@@ -960,8 +990,17 @@ def _take(path: Path, law: Law, memory: Memory | None) -> None:
     if state.framed == 1:
         state.extension = step.extension[last]
     state.force = step.friction[last]
+    if _moves(path) and state.relaxation == 0.0 and step.steepness[last] == 0.0:
+        # Friction that is no function of the slip velocity holds the extension: what Newton's method has left
+        # of that would be a velocity in the next step, however short.
+        _recall(path, last)
+        if state.coupled == 1 and not _slides(path) and step.push[last, 0] == 0.0:
+            _bring_back(path, law)
+        gap, rate, load = step.gap[last], step.gap_rate[last], step.load[last]
+        state.extension = -state.compliance * _answer(path, law, gap, rate, load, step.slip[last])[3]
     for i in range(NODES):
         state.force_scale = max(state.force_scale, abs(step.friction[i]))
+        state.fastest = max(state.fastest, abs(step.slip[i]))
     state.slip = step.slip[last]
     state.before, state.goes_on = state.length, 1
     state.steps += 1
@@ -1001,7 +1040,7 @@ def _begin(path: Path, law: Law, memory: Memory | None) -> None:
         if abs(friction + state.first_force) > CONTINUOUS * max(abs(friction), abs(state.first_force)):
             state.ending = INCONSISTENT
         state.extension = -state.compliance * friction
-    state.force_scale = max(abs(friction), state.first_force)
+    state.force_scale = max(abs(friction), abs(state.first_force))
 
 
 @inner_kernel
@@ -1068,6 +1107,9 @@ def run_path(path: Path, law: Law) -> None:
             state.sign = 1 if step.slip[0] > 0.0 else -1
         _fit(path)
         share = _find_event(path, law, memory)
+        if share > 1.0 - AT_END and h == left:
+            # At a kink of the path but for round-off.
+            share = max(share, 1.0)
         if share <= AT_ONCE:
             state.at_once += 1
             state.goes_on, length = 0, FRESH * h
