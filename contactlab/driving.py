@@ -264,7 +264,10 @@ class LawOnPath:
         tolerance: float = FIT_TOLERANCE,
     ) -> None:
         first = _prescribed(law, time, gap, normal)
-        law = law.on_rotor(FLAT)
+        law, compliant = law.on_rotor(FLAT), isinstance(law, PenaltyLaw)
+        if isinstance(law, PenaltyLaw) and normal is not None:
+            # Refuses what presses the law too deep.
+            penetrations(law, np.array([first.max()]))
         self._parameters, self._row, self._bound, self._errors = take_in(law)
         rows = np.stack([first, _samples("slip", slip, time)])
         path = Waveform.sampled(time - time[0], rows, degree, period)
@@ -278,7 +281,6 @@ class LawOnPath:
                 "without limits of its own. Give the path a normal force, or leave out the frame."
             )
         self._fresh = np.zeros(1, MOTION)
-        compliant = isinstance(law, PenaltyLaw)
         known = self._fresh[0]
         known["end"], known["tolerance"] = breaks[-1], tolerance
         known["prescribed"] = BY_GAP if gap is not None else BY_LOAD if compliant else RIGID
@@ -289,6 +291,7 @@ class LawOnPath:
         units = [each.units for each in law.internal_variables]
         count = len(units)
         known["alike"][:count] = [units.index(unit) for unit in units]
+        known["largest"][:count] = [float(unit == "1") for unit in units]
         self.path = Walked(
             edges,
             pieces,

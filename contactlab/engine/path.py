@@ -106,7 +106,9 @@ DENSE, MISSED = _dense()
 
 MOTION: Final = record(
     ("memory", float, MOST_VARIABLES),  # internal variables
-    ("largest", float, MOST_VARIABLES),  # largest size so far of all of a unit, at the place of the first
+    # Largest size so far of all of a unit, at the place of the first; of pure numbers, which may be logarithms,
+    # one at least.
+    ("largest", float, MOST_VARIABLES),
     ("alike", int, MOST_VARIABLES),  # place of the first of their unit
     real="time end extension first_force compliance relaxation tolerance length before force force_scale fastest "
     "slip load depth normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
@@ -410,6 +412,13 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: 
 
 
 @part_kernel
+def _size(path: Path, k: int) -> float:
+    """Return the size that errors of variable k are relative to, see `MOTION`."""
+    state = path.states[0]
+    return float(max(state.largest[state.alike[k]], abs(state.memory[k])))
+
+
+@part_kernel
 def _answer_rate(path: Path, k: int, fresh: bool, moves: bool, negligible: float) -> None:
     """Set what variable k at the nodes is `left` to change by: its polynomial and its rates differ.
 
@@ -458,7 +467,7 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
     _evaluate(path, law, memory, fresh, begins)
     for k in range(first, state.variables):
         # The answer to a rest is about as large as the rest.
-        negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * state.largest[state.alike[k]]
+        negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * _size(path, k)
         _answer_rate(path, k, fresh, moves, negligible)
     if moves:
         s, tau, fastest, longest = state.compliance, state.relaxation, state.fastest, abs(state.extension)
@@ -495,7 +504,7 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
             most = abs(moved) - digits
             change = most / felt if not most <= change * felt else change
     for k in range(first, state.variables):
-        size = max(state.largest[state.alike[k]], abs(state.memory[k]))
+        size = _size(path, k)
         for i in range(NODES):
             moved = step.left[i, k]
             if moves:
@@ -643,7 +652,7 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
     seen = _seen(path, slip)
     for k in range(first, state.variables):
         g = flow if k < state.coupled else _memory_rate(law, memory, k, gap, rate, seen, normal)
-        missed, size = g, max(state.largest[state.alike[k]], abs(state.memory[k]))
+        missed, size = g, _size(path, k)
         for m in range(NODES):
             missed -= LAGRANGE[m, 0] * step.rate[m, k]
             size = max(size, abs(step.memory[m, k]))
