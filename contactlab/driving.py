@@ -55,6 +55,12 @@ viscous friction is off by 1e-7 of its largest value, by 2e-4 through a cubic on
 SAME_TIME: Final = 1e-12
 """Share of a path within which two of its pieces begin at once."""
 
+AT_EDGE: Final = 1e-5
+"""Distance from an edge of a path below which an instant lies at it, over the shortest interval of them."""
+
+AT_START: Final = 1e-4
+"""Distance of the first instant from the start of its path, over that."""
+
 Path = Array | Waveform | float
 """Samples at the times, a waveform of one row from the first time on, or a number."""
 
@@ -296,7 +302,7 @@ class LawOnPath:
             edges,
             pieces,
             breaks,
-            np.ascontiguousarray(instants, np.float64),
+            at_breaks(np.append(0.0, breaks), np.asarray(instants, np.float64)),
             np.full((len(instants), 2), np.nan),
             np.ascontiguousarray(records, np.float64),
             np.zeros(len(records), COLUMNS),
@@ -338,6 +344,22 @@ class LawOnPath:
         with self._errors():
             self._loop(self.path, *self._bound.of_loop)
         return state
+
+
+def at_breaks(edges: Array, instants: Array) -> Array:
+    """Return instants [s], those at edges of a path but for round-off as these.
+
+    Of several edges it is the first: the limit of a force there is that from the left. The first instant, if
+    at the start, is just after that, and after a reversal there.
+    """
+    if not instants.size:
+        return instants
+    near = AT_EDGE * float(np.diff(instants, prepend=edges[0], append=edges[-1])[1:-1].min(initial=edges[-1]))
+    first = edges[np.minimum(np.searchsorted(edges, instants - near), edges.size - 1)]
+    result = np.where(np.abs(first - instants) <= near, first, instants)
+    if instants[0] - edges[0] <= near:
+        result[0] = edges[np.searchsorted(edges, near, side="right") - 1] + AT_START * near
+    return result
 
 
 def _pieces_until(path: Waveform, degree: int, duration: float | None) -> tuple[Array, Array, Array]:

@@ -111,7 +111,7 @@ MOTION: Final = record(
     ("largest", float, MOST_VARIABLES),
     ("alike", int, MOST_VARIABLES),  # place of the first of their unit
     real="time end extension first_force compliance relaxation tolerance length before force force_scale fastest "
-    "slip load depth normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
+    "slip load depth reached normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
     "contact_loss stored jumped",
     whole="ending prescribed friction_kind variables coupled guards framed mode sign goes_on piece next_break "
     "next_instant next_record event at_once steps rejected",
@@ -924,7 +924,7 @@ def _stored_at(path: Path, law: Law, gap: float, rate: float, load: float, slip:
 @inner_kernel
 def _write(path: Path, law: Law, memory: Memory | None) -> None:
     """Write forces at the instants and records that a step has passed."""
-    state, end = path.states[0], path.states[0].time + path.states[0].length
+    state, end = path.states[0], path.states[0].reached
     at_end = end >= state.end
     while state.next_instant < path.instants.size:
         time = path.instants[state.next_instant]
@@ -1138,8 +1138,10 @@ def run_path(path: Path, law: Law) -> None:
                     state.ending = UNSOLVED
                 continue
             _fit(path)
+        # To the last digit of the clock.
+        state.reached = until if share >= 1.0 and h == left else state.time + state.length
         _take(path, law, memory)
-        state.time = until if share >= 1.0 and h == left else state.time + state.length
+        state.time = state.reached
         if share <= 1.0:
             state.goes_on = 0
             length = max(FRESH * h, 4.0 * least)
