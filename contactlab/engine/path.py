@@ -112,7 +112,7 @@ MOTION: Final = record(
     ("alike", int, MOST_VARIABLES),  # place of the first of their unit
     real="time end extension first_force compliance relaxation tolerance length before force force_scale fastest "
     "slip load depth reached normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
-    "contact_loss stored jumped",
+    "contact_loss stick_time most_normal last_gap last_normal last_speed",
     whole="ending prescribed friction_kind variables coupled guards framed mode sign goes_on piece next_break "
     "next_instant next_record event at_once steps rejected",
 )
@@ -137,7 +137,7 @@ NODAL: Final = record(
 
 COLUMNS: Final = record(
     real="way slip_velocity gap gap_rate normal_impulse friction_impulse strain_energy contact_energy "
-    "drive_work damping_loss friction_work contact_loss mode"
+    "drive_work damping_loss friction_work normal_work contact_loss mode"
 )
 """A record of a path: displacements [m], impulses [N s] and energies [J] since the start."""
 
@@ -323,7 +323,9 @@ def _memory_rate(
 
 
 @inner_kernel
-def _stretch_on_bound(path: Path, law: Law, gap: float, rate: float, slip: float, normal: float, force: float) -> float:
+def _stretch_on_bound(
+    path: Path, law: Law, gap: float, rate: float, slip: float, normal: float, force: float
+) -> float:
     """Return the stretch of a slider's spring whose friction is on its bound [m]."""
     kept = path.row[HEAD]
     path.row[HEAD] = 0.0
@@ -683,7 +685,9 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
 
 
 @part_kernel
-def _dense_at(path: Path, law: Law, x: float) -> tuple[float, float, float, float, float, float, float, float]:
+def _dense_at(
+    path: Path, law: Law, x: float
+) -> tuple[float, float, float, float, float, float, float, float]:
     """Leave the internal variables at a share x of the step recalled, and return the contact there.
 
     Gap, its rate, prescribed load, slip velocity, extension of the frame, way of the load point and its
@@ -717,9 +721,7 @@ def _forces_at(path: Path, law: Law, x: float) -> tuple[float, float, float, flo
 
 
 @inner_kernel
-def _event_at(
-    path: Path, law: Law, memory: Memory | None, which: int, x: float, node: int
-) -> float:
+def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float, node: int) -> float:
     """Return what falls through zero at an event, at a share x of the step, or at a node from zero on."""
     state, step = path.states[0], path.steps[0]
     if node >= 0:
@@ -885,7 +887,7 @@ def _switch(path: Path, law: Law, memory: Memory | None) -> None:
     if state.friction_kind == SET_VALUED:
         state.slip = _slip_of_frame(path, law, sign)
         if not state.slip >= 0.0:
-            state.ending, state.jumped = UNSOLVED, friction
+            state.ending = UNSOLVED
             return
         state.slip *= sign
     state.mode, state.sign = SLIP, sign
@@ -964,7 +966,8 @@ def _note(path: Path, law: Law, x: float) -> None:
     row.strain_energy = 0.5 * extension * extension / state.compliance if state.framed == 1 else 0.0
     row.contact_energy = _stored_at(path, law, gap, rate, load, slip)
     row.drive_work, row.damping_loss = state.drive_work, state.damping_loss
-    row.friction_work, row.contact_loss = state.friction_work, state.contact_loss
+    row.friction_work, row.normal_work = state.friction_work, state.normal_work
+    row.contact_loss = state.contact_loss
     row.mode = state.mode
     state.next_record += 1
 
@@ -1010,7 +1013,10 @@ def _take(path: Path, law: Law, memory: Memory | None) -> None:
     for i in range(NODES):
         state.force_scale = max(state.force_scale, abs(step.friction[i]))
         state.fastest = max(state.fastest, abs(step.slip[i]))
+        state.most_normal = max(state.most_normal, step.normal[i])
     state.slip = step.slip[last]
+    state.last_gap, state.last_normal, state.last_speed = step.gap[last], step.normal[last], step.speed[last]
+    state.stick_time += state.length if state.mode == STICK else 0.0
     state.before, state.goes_on = state.length, 1
     state.steps += 1
     state.at_once = 0
@@ -1042,7 +1048,9 @@ def _begin(path: Path, law: Law, memory: Memory | None) -> None:
     other = _answer(path, law, gap, rate, load, 0.5 * speed + SLIP_ROUND_OFF)[3]
     if friction != other or state.relaxation > 0.0:
         pull = state.extension + state.relaxation * speed
-        state.slip = 0.0 if pull == 0.0 else copysign(_slip_of_frame(path, law, 1 if pull > 0.0 else -1), pull)
+        state.slip = (
+            0.0 if pull == 0.0 else copysign(_slip_of_frame(path, law, 1 if pull > 0.0 else -1), pull)
+        )
         state.sign = 0
     else:
         # Friction that is no function of the slip velocity has the force of its variables.
