@@ -412,11 +412,6 @@ class LawOnPath:
             self._loop(self.path, *self._bound.of_loop)
         return state
 
-    @property
-    def force_at_start(self) -> float:
-        """Force of the frame that the last run's friction balances at the start [N]."""
-        return -float(self.path.states[0]["force"])
-
     def critical_stiffness(self) -> float:
         """Stiffness below which steady sliding as fast as the load point is unstable [N/m]; NaN if unknown.
 
@@ -545,17 +540,21 @@ def _ending(loop: LawOnPath, law: ContactLaw, state: Any) -> tuple[Ending, str]:
         return Ending.COMPLETE, ""
     if code == INCONSISTENT:
         return Ending.INCONSISTENT, (
-            f"The frame_force is {float(state['first_force']):.6g} N, which the friction of {law.name} does not "
-            f"balance at the start; choose one that it does, such as {loop.force_at_start:.6g} N."
+            f"The frame_force is {float(state['first_force']):.6g} N, which the friction of {law.name} does "
+            f"not balance at the start; choose {-float(state['force']):.6g} N."
         )
     if code == NOT_FINITE:
         return Ending.DIVERGED, f"At {time} the law {law.name} has answered with no finite number."
     critical = loop.critical_stiffness()
-    known = "" if np.isnan(critical) else f", which is below the critical {critical:.6g} N/m"
+    known = (
+        ""
+        if not critical > 1.0 / float(state["compliance"])
+        else f", which is below the critical {critical:.6g} N/m"
+    )
     stiffness = 1.0 / float(state["compliance"])
     return Ending.CHATTERED if code == CHATTERED else Ending.STALLED, (
-        f"At {time} the friction of {law.name} falls faster than a frame of {stiffness:.6g} N/m unloads{known}: "
-        "stick-slip, of which there is no motion without inertia. Take a stiffer frame or frame_damping, or "
+        f"At {time} the friction of {law.name} falls faster than a frame of {stiffness:.6g} N/m unloads"
+        f"{known}: stick-slip, of which there is no motion without inertia. Take a stiffer frame or frame_damping, or "
         "a mass on a spring, contactlab.block."
     )
 

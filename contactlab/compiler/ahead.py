@@ -63,12 +63,7 @@ def compile_all(signatures: list[Signature]) -> None:
     first, *others = signatures
     # This process may have found its modules in other places than another would.
     places = "import pickle, sys; sys.path[:] = pickle.load(sys.stdin.buffer)"
-    command = [
-        sys.executable,
-        "-P",
-        "-c",
-        f"{places}; from {__name__} import compile_beside; compile_beside()",
-    ]
+    command = [sys.executable, "-P", "-c", f"{places}; from {__name__} import compile_beside; compile_beside()"]
     pipe, nothing = subprocess.PIPE, subprocess.DEVNULL
     # What lives for one process alone no other one finds.
     at_once = sys.executable and processors() > 1 and code_folder().name == code_name()

@@ -41,7 +41,7 @@ from contactlab.laws.base import ELASTOPLASTIC, RATE_DEPENDENT, SET_VALUED, SLIP
 from contactlab.laws.memory import AT_SLIP, AT_STICK, AT_TOUCH, MOST_VARIABLES
 
 BY_GAP, BY_LOAD, RIGID = range(3)
-"""What the first row of a path prescribes: a gap [m], the normal force of a compliant or of a rigid law [N]."""
+"""What the first row of a path prescribes: a gap, or the normal force of a compliant or of a rigid law."""
 
 PIECES = 5
 """Pieces of a path that a step may span: as many as it has nodes, so that no sample goes unseen."""
@@ -70,11 +70,17 @@ SLOW = 0.1
 SHORTEST = 1e-14
 """Shortest step over the duration."""
 
+FELT = 1e-12
+"""Relative difference of the friction that is no round-off."""
+
 AT_ONCE = 1e-10
 """Share of a step within which an event lies at its start."""
 
 AT_END = 1e-9
 """Share of a step within which an event lies at its end."""
+
+WATCHED, LEAST_WAY = 1000, 1e-6
+"""Number of steps and events in which a path must go on by this share of it."""
 
 MOST_AT_ONCE = 100
 """Events without a step between them."""
@@ -106,17 +112,17 @@ DENSE, MISSED = _dense()
 
 MOTION: Final = record(
     ("memory", float, MOST_VARIABLES),  # internal variables
-    # Largest size so far of all of a unit, at the place of the first; of pure numbers, which may be logarithms,
-    # one at least.
+    # Largest size so far of all of a unit, at the place of the first; of pure numbers, which may be
+    # logarithms, one at least.
     ("largest", float, MOST_VARIABLES),
     ("alike", int, MOST_VARIABLES),  # place of the first of their unit
-    real="time end extension first_force compliance relaxation tolerance length before force force_scale fastest "
-    "slip load depth reached normal_impulse friction_impulse drive_work damping_loss friction_work normal_work "
-    "contact_loss stick_time most_normal last_gap last_normal last_speed",
-    whole="ending prescribed friction_kind variables coupled guards framed mode sign goes_on piece next_break "
-    "next_instant next_record event at_once steps rejected",
+    real="time end extension first_force compliance relaxation tolerance length before force force_scale "
+    "fastest slip load depth reached normal_impulse friction_impulse drive_work damping_loss friction_work "
+    "normal_work contact_loss stick_time most_normal last_gap last_normal last_speed watched_from",
+    whole="ending prescribed friction_kind variables coupled guards framed mode sign goes_on piece "
+    "next_break next_instant next_record event at_once watched steps rejected",
 )
-"""State of a law on a path: time [s], extension of the frame [m], 1/k [m/N], c/k [s], and what has been lost."""
+"""State of a law on a path: extension of the frame [m], 1/k [m/N], c/k [s], impulses and energies so far."""
 
 PLACES: Final = NODES + 1
 """Nodes, and a time in between."""
@@ -222,7 +228,7 @@ def _depth_under(path: Path, law: Law, load: float) -> float:
 
 @part_kernel
 def _press(path: Path, law: Law, time: float, left: bool) -> tuple[float, float, float, float, float]:
-    """Return gap [m], gap rate [m/s], normal force [N] where it is prescribed, way and velocity of the load."""
+    """Return gap [m], its rate, the normal force if it is prescribed [N], way and velocity of the load."""
     state = path.states[0]
     first, rate, way, speed = _lead(path, time, left)
     if state.prescribed == BY_GAP:
@@ -245,7 +251,7 @@ def _press(path: Path, law: Law, time: float, left: bool) -> tuple[float, float,
 def _bounds(
     path: Path, law: Law, gap: float, rate: float, load: float, slip: float
 ) -> tuple[float, float, float, float, float]:
-    """Return normal force, least and largest friction [N], stored energy [J] and loss [W] along the normal."""
+    """Return normal force, least and largest friction [N], stored energy [J] and normal loss [W]."""
     if path.states[0].prescribed == RIGID:
         bound = law.bound(load, slip, law.parameters)
         return load, -bound, bound, 0.0, 0.0
@@ -306,7 +312,7 @@ def _friction(
 def _answer(
     path: Path, law: Law, gap: float, rate: float, load: float, slip: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Return normal force, least and largest friction, the law's friction [N], flow and stiffness, recalled."""
+    """Return normal force, least and largest friction, friction [N], flow and stiffness, of what is recalled."""
     seen = _seen(path, slip)
     normal, least, most, _, _ = _bounds(path, law, gap, rate, load, seen)
     friction, flow, stiffness = _friction(path, law, gap, rate, seen, normal, least, most)
@@ -336,7 +342,7 @@ def _stretch_on_bound(
 
 @part_kernel
 def _solve(system: Array, n: int, columns: int) -> None:
-    """Solve n linear equations for several right sides in place, in the columns from n on, with row pivots."""
+    """Solve n linear equations in place for right sides in the columns from n on, with row pivots."""
     for p in range(n):
         best = p
         for row in range(p + 1, n):
@@ -403,8 +409,12 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: 
             path.row[HEAD + k] = z
         if moves:
             way = 1.0 if slip >= 0.0 else -1.0
-            dv = way * NUDGE * max(abs(slip), 1e-6 * abs(step.speed[i]), 1e-18)
+            dv, most = way * NUDGE * max(abs(slip), 1e-18), NUDGE * max(state.fastest, abs(step.speed[i]))
             _, _, _, pushed, flowed, _ = _answer(path, law, gap, rate, load, slip + dv)
+            # Steep friction near rest is seen by a small difference, a dashpot beside a spring by a large one.
+            while abs(pushed - friction) < FELT * abs(friction) and abs(dv) < most:
+                dv *= 1e3
+                _, _, _, pushed, flowed, _ = _answer(path, law, gap, rate, load, slip + dv)
             step.steepness[i] = (pushed - friction) / dv
             for k in range(first, state.variables):
                 g = flowed
@@ -685,13 +695,10 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
 
 
 @part_kernel
-def _dense_at(
-    path: Path, law: Law, x: float
-) -> tuple[float, float, float, float, float, float, float, float]:
+def _dense_at(path: Path, law: Law, x: float) -> tuple[float, float, float, float, float, float, float]:
     """Leave the internal variables at a share x of the step recalled, and return the contact there.
 
-    Gap, its rate, prescribed load, slip velocity, extension of the frame, way of the load point and its
-    velocity, and the time.
+    Gap, its rate, prescribed load, slip velocity, extension of the frame, way and velocity of the load point.
     """
     state, step = path.states[0], path.steps[0]
     time = state.time + x * state.length
@@ -703,14 +710,14 @@ def _dense_at(
         for d in range(NODES, -1, -1):
             extension = extension * x + step.extended[d]
         slip = 0.0 if _sticks(path) else _polynomial(step.slip, x)
-    return gap, rate, load, slip, extension, way, speed, time
+    return gap, rate, load, slip, extension, way, speed
 
 
 @inner_kernel
 def _forces_at(path: Path, law: Law, x: float) -> tuple[float, float, float, float, float, float]:
-    """Return normal force, friction [N], slip, gap rate [m/s], loss [W], and what the frame loses [W], at x."""
+    """Return normal force, friction [N], slip, gap rate [m/s], normal loss and the frame's loss [W], at x."""
     state = path.states[0]
-    gap, rate, load, slip, extension, _, speed, _ = _dense_at(path, law, x)
+    gap, rate, load, slip, extension, _, speed = _dense_at(path, law, x)
     normal, _, _, friction, _, _ = _answer(path, law, gap, rate, load, slip)
     lost = 0.0
     if state.framed == 1:
@@ -729,7 +736,7 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
         extension, speed = step.extension[node], step.speed[node]
         _recall(path, node)
     else:
-        gap, rate, load, slip, extension, _, speed, _ = _dense_at(path, law, x)
+        gap, rate, load, slip, extension, _, speed = _dense_at(path, law, x)
     if which < state.guards:
         if memory is None:
             return 1.0
@@ -764,14 +771,19 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
 
 @inner_kernel
 def _find_event(path: Path, law: Law, memory: Memory | None) -> float:
-    """Return the share of the step at which the first event lies, beyond one for none, and note which it is."""
-    state, step = path.states[0], path.steps[0]
+    """Return the share of the step at which the first event lies, beyond one for none, and note which."""
+    state = path.states[0]
     earliest = 2.0
     state.event = -1
     if state.guards == 0 and state.framed == 0 and state.friction_kind != ELASTOPLASTIC:
         return earliest
     for which in range(state.guards + 1):
         begin, low = 0.0, 1.0
+        last = NODES - 1
+        if which == state.guards and state.friction_kind == RATE_DEPENDENT:
+            # A reversal lasts: in short steps what Newton's method has left may change the sign in between.
+            if _event_at(path, law, memory, which, NODE[last], last) > 0.0:
+                continue
         for i in range(NODES):
             high = _event_at(path, law, memory, which, NODE[i], i)
             if high > 0.0:
@@ -924,7 +936,7 @@ def _stored_at(path: Path, law: Law, gap: float, rate: float, load: float, slip:
 
 
 @inner_kernel
-def _write(path: Path, law: Law, memory: Memory | None) -> None:
+def _write(path: Path, law: Law) -> None:
     """Write forces at the instants and records that a step has passed."""
     state, end = path.states[0], path.states[0].reached
     at_end = end >= state.end
@@ -933,7 +945,7 @@ def _write(path: Path, law: Law, memory: Memory | None) -> None:
         if time > end and not at_end:
             break
         x = min(max((time - state.time) / state.length, 0.0), 1.0)
-        gap, rate, load, slip, extension, _, speed, _ = _dense_at(path, law, x)
+        gap, rate, load, slip, extension, _, speed = _dense_at(path, law, x)
         normal, _, _, friction, _, _ = _answer(path, law, gap, rate, load, slip)
         if state.framed == 1:
             friction = -(extension + state.relaxation * (speed - slip)) / state.compliance
@@ -958,7 +970,7 @@ def _write(path: Path, law: Law, memory: Memory | None) -> None:
 def _note(path: Path, law: Law, x: float) -> None:
     """Write the next record, at a share x of the step."""
     state, row = path.states[0], path.series[path.states[0].next_record]
-    gap, rate, load, slip, extension, way, _, _ = _dense_at(path, law, x)
+    gap, rate, load, slip, extension, way, _ = _dense_at(path, law, x)
     for k in range(state.variables):
         path.traces[state.next_record, k] = path.row[HEAD + k]
     row.way, row.slip_velocity, row.gap, row.gap_rate = way - extension, slip, gap, rate
@@ -974,7 +986,7 @@ def _note(path: Path, law: Law, x: float) -> None:
 
 @inner_kernel
 def _bring_back(path: Path, law: Law) -> None:
-    """Bring a variable back to the limit beyond which friction does not feel it, and its step's error lies."""
+    """Bring a variable back to the limit beyond which friction does not feel it: the step's error."""
     state, step, last = path.states[0], path.steps[0], NODES - 1
     gap, rate, load, slip = step.gap[last], step.gap_rate[last], step.load[last], step.slip[last]
     felt, past = 0.0, state.memory[0]
@@ -990,11 +1002,11 @@ def _bring_back(path: Path, law: Law) -> None:
 
 
 @inner_kernel
-def _take(path: Path, law: Law, memory: Memory | None) -> None:
+def _take(path: Path, law: Law) -> None:
     """Move the state to the end of the step."""
     state, step = path.states[0], path.steps[0]
     last = NODES - 1
-    _write(path, law, memory)
+    _write(path, law)
     for k in range(state.variables):
         state.memory[k] = step.memory[last, k]
         for i in range(NODES):
@@ -1042,20 +1054,19 @@ def _begin(path: Path, law: Law, memory: Memory | None) -> None:
         _, least, most, _, _ = _bounds(path, law, gap, rate, load, 0.0)
         state.force = -state.first_force - state.relaxation / state.compliance * speed
         if not least <= state.force <= most:
-            state.ending = INCONSISTENT
+            state.ending, state.force = INCONSISTENT, min(max(state.force, least), most)
         return
     friction = _answer(path, law, gap, rate, load, speed)[3]
     other = _answer(path, law, gap, rate, load, 0.5 * speed + SLIP_ROUND_OFF)[3]
     if friction != other or state.relaxation > 0.0:
         pull = state.extension + state.relaxation * speed
-        state.slip = (
-            0.0 if pull == 0.0 else copysign(_slip_of_frame(path, law, 1 if pull > 0.0 else -1), pull)
-        )
+        sign = 1 if pull > 0.0 else -1
+        state.slip = 0.0 if pull == 0.0 else sign * _slip_of_frame(path, law, sign)
         state.sign = 0
     else:
         # Friction that is no function of the slip velocity has the force of its variables.
         if abs(friction + state.first_force) > CONTINUOUS * max(abs(friction), abs(state.first_force)):
-            state.ending = INCONSISTENT
+            state.ending, state.force = INCONSISTENT, friction
         state.extension = -state.compliance * friction
     state.force_scale = max(abs(friction), abs(state.first_force))
 
@@ -1075,6 +1086,17 @@ def _turn(path: Path, law: Law, memory: Memory | None, middle: float) -> None:
 
 
 @inner_kernel
+def _watch(state: Any) -> None:
+    """End a motion whose steps and events come to no end."""
+    state.watched += 1
+    if state.watched < WATCHED:
+        return
+    if state.time - state.watched_from < LEAST_WAY * state.end:
+        state.ending = CHATTERED
+    state.watched, state.watched_from = 0, state.time
+
+
+@inner_kernel
 def run_path(path: Path, law: Law) -> None:
     """Take a law along a path from its start to its end, or to where it has no step."""
     state, step, memory = path.states[0], path.steps[0], law.memory
@@ -1082,7 +1104,7 @@ def run_path(path: Path, law: Law) -> None:
     length, least = FIRST * (path.breaks[0] - state.time), SHORTEST * state.end
     if state.variables == 0 and state.framed == 0:
         length = np.inf
-    if path.records.size > 0 and state.ending == RUNNING:
+    if path.records.size > 0:
         _note(path, law, 0.0)
     while state.time < state.end and state.ending == RUNNING:
         while path.breaks[state.next_break] <= state.time:
@@ -1129,11 +1151,13 @@ def run_path(path: Path, law: Law) -> None:
             share = max(share, 1.0)
         if share <= AT_ONCE:
             state.at_once += 1
-            state.goes_on, length = 0, FRESH * h
+            reverses = state.event == state.guards and state.friction_kind == RATE_DEPENDENT
+            state.goes_on, length = 0, h if reverses else max(FRESH * h, 4.0 * least)
             _restore(path)
             if state.at_once > MOST_AT_ONCE:
                 state.ending = CHATTERED
             _switch(path, law, memory)
+            _watch(state)
             continue
         if share < 1.0:
             # Solved once more up to the event: what lies beyond it does not count.
@@ -1148,8 +1172,9 @@ def run_path(path: Path, law: Law) -> None:
             _fit(path)
         # To the last digit of the clock.
         state.reached = until if share >= 1.0 and h == left else state.time + state.length
-        _take(path, law, memory)
+        _take(path, law)
         state.time = state.reached
+        _watch(state)
         if share <= 1.0:
             state.goes_on = 0
             length = max(FRESH * h, 4.0 * least)
