@@ -554,8 +554,8 @@ def _ending(loop: LawOnPath, law: ContactLaw, state: Any) -> tuple[Ending, str]:
     stiffness = 1.0 / float(state["compliance"])
     return Ending.CHATTERED if code == CHATTERED else Ending.STALLED, (
         f"At {time} the friction of {law.name} falls faster than a frame of {stiffness:.6g} N/m unloads"
-        f"{known}: stick-slip, of which there is no motion without inertia. Take a stiffer frame or frame_damping, or "
-        "a mass on a spring, contactlab.block."
+        f"{known}: stick-slip, of which there is no motion without inertia. Take a stiffer frame or "
+        "frame_damping, or a mass on a spring, contactlab.block."
     )
 
 

@@ -262,13 +262,13 @@ def _bounds(
 @part_kernel
 def _sticks(path: Path) -> bool:
     """Return whether the contact has no slip: set-valued friction holds it."""
-    return path.states[0].mode == STICK and path.states[0].friction_kind == SET_VALUED
+    return bool(path.states[0].mode == STICK and path.states[0].friction_kind == SET_VALUED)
 
 
 @part_kernel
 def _slides(path: Path) -> bool:
     """Return whether friction is on its bound."""
-    return path.states[0].mode == SLIP and path.states[0].friction_kind != RATE_DEPENDENT
+    return bool(path.states[0].mode == SLIP and path.states[0].friction_kind != RATE_DEPENDENT)
 
 
 @part_kernel
@@ -284,7 +284,7 @@ def _seen(path: Path, slip: float) -> float:
         return 0.0
     slides = _slides(path) and path.states[0].friction_kind == SET_VALUED
     if slides and slip * path.states[0].sign <= 0.0:
-        return path.states[0].sign * SLIP_ROUND_OFF
+        return float(path.states[0].sign * SLIP_ROUND_OFF)
     return slip
 
 
@@ -312,7 +312,7 @@ def _friction(
 def _answer(
     path: Path, law: Law, gap: float, rate: float, load: float, slip: float
 ) -> tuple[float, float, float, float, float, float]:
-    """Return normal force, least and largest friction, friction [N], flow and stiffness, of what is recalled."""
+    """Return normal force, least and largest friction, friction [N], its flow and stiffness, recalled."""
     seen = _seen(path, slip)
     normal, least, most, _, _ = _bounds(path, law, gap, rate, load, seen)
     friction, flow, stiffness = _friction(path, law, gap, rate, seen, normal, least, most)
@@ -411,7 +411,7 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: 
             way = 1.0 if slip >= 0.0 else -1.0
             dv, most = way * NUDGE * max(abs(slip), 1e-18), NUDGE * max(state.fastest, abs(step.speed[i]))
             _, _, _, pushed, flowed, _ = _answer(path, law, gap, rate, load, slip + dv)
-            # Steep friction near rest is seen by a small difference, a dashpot beside a spring by a large one.
+            # Steep friction near rest is seen by a small difference, a dashpot by a large one.
             while abs(pushed - friction) < FELT * abs(friction) and abs(dv) < most:
                 dv *= 1e3
                 _, _, _, pushed, flowed, _ = _answer(path, law, gap, rate, load, slip + dv)
@@ -691,7 +691,7 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
         weight = max(h, state.relaxation, state.compliance * abs(step.steepness[0]))
         if scale > 0.0:
             worst = max(worst, MISSED * missed * weight / scale)
-    return worst / state.tolerance
+    return float(worst / state.tolerance)
 
 
 @part_kernel
@@ -746,10 +746,10 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
         if state.framed == 0:
             return 1.0
         if state.mode == SLIP:
-            return state.sign * slip
+            return float(state.sign * slip)
         _, least, most, _, _ = _bounds(path, law, gap, rate, load, 0.0)
         friction = -(extension + state.relaxation * speed) / state.compliance
-        return min(most - friction, friction - least)
+        return float(min(most - friction, friction - least))
     if state.friction_kind == ELASTOPLASTIC:
         normal, least, most, friction, flow, _ = _answer(path, law, gap, rate, load, slip)
         if state.mode == STICK:
@@ -763,10 +763,10 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
                 for d in range(NODES, 0, -1):
                     by = by * x + d * DENSE[m + 1, d]
             stretched += by * (step.memory[m, 0] - state.memory[0])
-        return state.sign * (flow - stretched / state.length)
+        return float(state.sign * (flow - stretched / state.length))
     if state.framed == 0 or state.sign == 0:
         return 1.0
-    return state.sign * slip
+    return float(state.sign * slip)
 
 
 @inner_kernel
@@ -780,10 +780,10 @@ def _find_event(path: Path, law: Law, memory: Memory | None) -> float:
     for which in range(state.guards + 1):
         begin, low = 0.0, 1.0
         last = NODES - 1
-        if which == state.guards and state.friction_kind == RATE_DEPENDENT:
-            # A reversal lasts: in short steps what Newton's method has left may change the sign in between.
-            if _event_at(path, law, memory, which, NODE[last], last) > 0.0:
-                continue
+        reverses = which == state.guards and state.friction_kind == RATE_DEPENDENT
+        # A reversal lasts: in short steps what Newton's method has left may change the sign in between.
+        if reverses and _event_at(path, law, memory, which, NODE[last], last) > 0.0:
+            continue
         for i in range(NODES):
             high = _event_at(path, law, memory, which, NODE[i], i)
             if high > 0.0:
