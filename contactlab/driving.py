@@ -423,7 +423,7 @@ class LawOnPath:
             return np.nan
         gap, normal, speed = (float(state[name]) for name in ("last_gap", "last_normal", "last_speed"))
 
-        def answer(v: float, z: float) -> Array:
+        def flow(v: float, z: float) -> Array:
             self._row[HEAD] = z
             with self._errors():
                 return np.array(kernels[FRICTION](gap, 0.0, v, normal, self._parameters)[:2])
@@ -431,8 +431,8 @@ class LawOnPath:
         z = float(state["memory"][0])
         for _ in range(MOST_CORRECTIONS):
             dz = NUDGE * max(abs(z), NUDGE)
-            rate = answer(speed, z)[1]
-            change = rate / ((answer(speed, z + dz)[1] - rate) / dz)
+            rate = flow(speed, z)[1]
+            change = rate / ((flow(speed, z + dz)[1] - rate) / dz)
             # A logarithm may be far off.
             z -= float(np.clip(change, -1.0, 1.0))
             if not abs(change) > NUDGE * abs(z):
@@ -440,8 +440,8 @@ class LawOnPath:
         else:
             return np.nan
         dv, dz = NUDGE * speed, NUDGE * max(abs(z), NUDGE)
-        here = answer(speed, z)
-        by_slip, by_z = (answer(speed + dv, z) - here) / dv, (answer(speed, z + dz) - here) / dz
+        here = flow(speed, z)
+        by_slip, by_z = (flow(speed + dv, z) - here) / dv, (flow(speed, z + dz) - here) / dz
         damping = float(state["relaxation"] / state["compliance"])
         return float(by_z[0] * by_slip[1] - by_z[1] * (by_slip[0] - damping))
 

@@ -309,7 +309,7 @@ def _friction(
 
 
 @part_kernel
-def _answer(
+def _forces(
     path: Path, law: Law, gap: float, rate: float, load: float, slip: float
 ) -> tuple[float, float, float, float, float, float]:
     """Return normal force, least and largest friction, friction [N], its flow and stiffness, recalled."""
@@ -405,16 +405,16 @@ def _evaluate(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: 
             else:
                 step.by_memory[i, k] = (_memory_rate(law, memory, k, gap, rate, seen, normal) - g) / dz
                 if moves:
-                    step.push[i, k] = (_answer(path, law, gap, rate, load, slip)[3] - friction) / dz
+                    step.push[i, k] = (_forces(path, law, gap, rate, load, slip)[3] - friction) / dz
             path.row[HEAD + k] = z
         if moves:
             way = 1.0 if slip >= 0.0 else -1.0
             dv, most = way * NUDGE * max(abs(slip), 1e-18), NUDGE * max(state.fastest, abs(step.speed[i]))
-            _, _, _, pushed, flowed, _ = _answer(path, law, gap, rate, load, slip + dv)
+            _, _, _, pushed, flowed, _ = _forces(path, law, gap, rate, load, slip + dv)
             # Steep friction near rest is seen by a small difference, a dashpot by a large one.
             while abs(pushed - friction) < FELT * abs(friction) and abs(dv) < most:
                 dv *= 1e3
-                _, _, _, pushed, flowed, _ = _answer(path, law, gap, rate, load, slip + dv)
+                _, _, _, pushed, flowed, _ = _forces(path, law, gap, rate, load, slip + dv)
             step.steepness[i] = (pushed - friction) / dv
             for k in range(first, state.variables):
                 g = flowed
@@ -431,7 +431,7 @@ def _size(path: Path, k: int) -> float:
 
 
 @part_kernel
-def _answer_rate(path: Path, k: int, fresh: bool, moves: bool, negligible: float) -> None:
+def _correct_variable(path: Path, k: int, fresh: bool, moves: bool, negligible: float) -> None:
     """Set what variable k at the nodes is `left` to change by: its polynomial and its rates differ.
 
     Where the slip is unknown, too, that is by the inverse of the variable's own equations, which is kept.
@@ -462,12 +462,12 @@ def _answer_rate(path: Path, k: int, fresh: bool, moves: bool, negligible: float
             step.left[i, k] = system[i, NODES]
         return
     for i in range(NODES):
-        answer = 0.0
+        change = 0.0
         for m in range(NODES):
             if fresh:
                 step.inverse[k, i, m] = INTEGRAL[i, m] if straight else system[i, NODES + m]
-            answer += step.inverse[k, i, m] * step.before[m]
-        step.left[i, k] = answer
+            change += step.inverse[k, i, m] * step.before[m]
+        step.left[i, k] = change
 
 
 @part_kernel
@@ -480,7 +480,7 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
     for k in range(first, state.variables):
         # The answer to a rest is about as large as the rest.
         negligible = 0.0 if begins else max(AGREEMENT * state.tolerance, ROUNDED) * _size(path, k)
-        _answer_rate(path, k, fresh, moves, negligible)
+        _correct_variable(path, k, fresh, moves, negligible)
     if moves:
         s, tau, fastest, longest = state.compliance, state.relaxation, state.fastest, abs(state.extension)
         for i in range(NODES):
@@ -660,7 +660,7 @@ def _error(path: Path, law: Law, memory: Memory | None) -> float:
         slip = 0.0 if _sticks(path) else _polynomial(step.slip, 0.0)
     for k in range(state.variables):
         path.row[HEAD + k] = state.memory[k]
-    normal, _, _, friction, flow, _ = _answer(path, law, gap, rate, load, slip)
+    normal, _, _, friction, flow, _ = _forces(path, law, gap, rate, load, slip)
     seen = _seen(path, slip)
     for k in range(first, state.variables):
         g = flow if k < state.coupled else _memory_rate(law, memory, k, gap, rate, seen, normal)
@@ -718,7 +718,7 @@ def _forces_at(path: Path, law: Law, x: float) -> tuple[float, float, float, flo
     """Return normal force, friction [N], slip, gap rate [m/s], normal loss and the frame's loss [W], at x."""
     state = path.states[0]
     gap, rate, load, slip, extension, _, speed = _dense_at(path, law, x)
-    normal, _, _, friction, _, _ = _answer(path, law, gap, rate, load, slip)
+    normal, _, _, friction, _, _ = _forces(path, law, gap, rate, load, slip)
     lost = 0.0
     if state.framed == 1:
         friction = -(extension + state.relaxation * (speed - slip)) / state.compliance
@@ -740,7 +740,7 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
     if which < state.guards:
         if memory is None:
             return 1.0
-        normal, _, _, _, _, _ = _answer(path, law, gap, rate, load, slip)
+        normal, _, _, _, _, _ = _forces(path, law, gap, rate, load, slip)
         return float(memory.guard(which, gap, rate, _seen(path, slip), normal, law.parameters))
     if state.friction_kind == SET_VALUED:
         if state.framed == 0:
@@ -751,7 +751,7 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
         friction = -(extension + state.relaxation * speed) / state.compliance
         return float(min(most - friction, friction - least))
     if state.friction_kind == ELASTOPLASTIC:
-        normal, least, most, friction, flow, _ = _answer(path, law, gap, rate, load, slip)
+        normal, least, most, friction, flow, _ = _forces(path, law, gap, rate, load, slip)
         if state.mode == STICK:
             return min(most - friction, friction - least)
         stretched = 0.0
@@ -850,25 +850,25 @@ def _slip_of_frame(path: Path, law: Law, sign: int) -> float:
     damping = state.relaxation / state.compliance
     pull = sign * (state.extension / state.compliance + damping * speed)
     if state.relaxation == 0.0 and state.friction_kind == SET_VALUED:
-        resistance = -sign * _answer(path, law, gap, rate, load, sign * SLIP_ROUND_OFF)[3]
+        resistance = -sign * _forces(path, law, gap, rate, load, sign * SLIP_ROUND_OFF)[3]
         return 0.0 if abs(pull - resistance) <= CONTINUOUS * abs(pull) else np.nan
     above = max(pull / damping, 0.0) if damping > 0.0 else max(abs(speed), SLIP_ROUND_OFF)
     fast = above
     for _ in range(HALVINGS):
-        if not pull - damping * above + sign * _answer(path, law, gap, rate, load, sign * above)[3] > 0.0:
+        if not pull - damping * above + sign * _forces(path, law, gap, rate, load, sign * above)[3] > 0.0:
             break
         above *= 4.0
     fast = above
     for _ in range(4 * HALVINGS):
         fast *= 0.5
-        if pull - damping * fast + sign * _answer(path, law, gap, rate, load, sign * fast)[3] > 0.0:
+        if pull - damping * fast + sign * _forces(path, law, gap, rate, load, sign * fast)[3] > 0.0:
             break
         above = fast
     else:
         return 0.0
     for _ in range(HALVINGS):
         middle = 0.5 * (fast + above)
-        if pull - damping * middle + sign * _answer(path, law, gap, rate, load, sign * middle)[3] > 0.0:
+        if pull - damping * middle + sign * _forces(path, law, gap, rate, load, sign * middle)[3] > 0.0:
             fast = middle
         else:
             above = middle
@@ -892,7 +892,7 @@ def _switch(path: Path, law: Law, memory: Memory | None) -> None:
     gap, rate, load, _, _ = _press(path, law, state.time, True)
     for k in range(state.variables):
         path.row[HEAD + k] = state.memory[k]
-    _, least, most, friction, _, _ = _answer(path, law, gap, rate, load, 0.0)
+    _, least, most, friction, _, _ = _forces(path, law, gap, rate, load, 0.0)
     if state.friction_kind == SET_VALUED:
         friction = state.force
     sign = 1 if friction - least < most - friction else -1
@@ -946,7 +946,7 @@ def _write(path: Path, law: Law) -> None:
             break
         x = min(max((time - state.time) / state.length, 0.0), 1.0)
         gap, rate, load, slip, extension, _, speed = _dense_at(path, law, x)
-        normal, _, _, friction, _, _ = _answer(path, law, gap, rate, load, slip)
+        normal, _, _, friction, _, _ = _forces(path, law, gap, rate, load, slip)
         if state.framed == 1:
             friction = -(extension + state.relaxation * (speed - slip)) / state.compliance
         path.forces[state.next_instant, 0], path.forces[state.next_instant, 1] = normal, friction
@@ -990,10 +990,10 @@ def _bring_back(path: Path, law: Law) -> None:
     state, step, last = path.states[0], path.steps[0], NODES - 1
     gap, rate, load, slip = step.gap[last], step.gap_rate[last], step.load[last], step.slip[last]
     felt, past = 0.0, state.memory[0]
-    force = _answer(path, law, gap, rate, load, slip)[3]
+    force = _forces(path, law, gap, rate, load, slip)[3]
     for _ in range(HALVINGS):
         path.row[HEAD] = 0.5 * (felt + past)
-        if _answer(path, law, gap, rate, load, slip)[3] == force:
+        if _forces(path, law, gap, rate, load, slip)[3] == force:
             past = path.row[HEAD]
         else:
             felt = path.row[HEAD]
@@ -1021,7 +1021,7 @@ def _take(path: Path, law: Law) -> None:
         if state.coupled == 1 and not _slides(path) and step.push[last, 0] == 0.0:
             _bring_back(path, law)
         gap, rate, load = step.gap[last], step.gap_rate[last], step.load[last]
-        state.extension = -state.compliance * _answer(path, law, gap, rate, load, step.slip[last])[3]
+        state.extension = -state.compliance * _forces(path, law, gap, rate, load, step.slip[last])[3]
     for i in range(NODES):
         state.force_scale = max(state.force_scale, abs(step.friction[i]))
         state.fastest = max(state.fastest, abs(step.slip[i]))
@@ -1056,8 +1056,8 @@ def _begin(path: Path, law: Law, memory: Memory | None) -> None:
         if not least <= state.force <= most:
             state.ending, state.force = INCONSISTENT, min(max(state.force, least), most)
         return
-    friction = _answer(path, law, gap, rate, load, speed)[3]
-    other = _answer(path, law, gap, rate, load, 0.5 * speed + SLIP_ROUND_OFF)[3]
+    friction = _forces(path, law, gap, rate, load, speed)[3]
+    other = _forces(path, law, gap, rate, load, 0.5 * speed + SLIP_ROUND_OFF)[3]
     if friction != other or state.relaxation > 0.0:
         pull = state.extension + state.relaxation * speed
         sign = 1 if pull > 0.0 else -1
