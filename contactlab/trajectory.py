@@ -97,6 +97,8 @@ class Trajectory:
             [N s], without what the motion makes of them; NaN in time stepping, which has no estimate.
         instant_forces: normal force and friction [N] at the instants of `contactlab.engine.simulate`, as
             limits from the left and from the right, shape (instant, limit, force); NaN beyond the run.
+        frame: stiffness [N/m], damping [N s/m] and first force [N] of a frame, see `contactlab.drive`; empty
+            without one.
     """
 
     motor: Motor
@@ -117,6 +119,7 @@ class Trajectory:
     earlier_loss: float = 0.0
     impulse_error: float = float("nan")
     instant_forces: Array = field(default_factory=lambda: np.zeros((0, 2, 2)))
+    frame: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def rotor_velocity_error(self) -> float:

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from support.command_line import cases
 
 import contactlab as cl
-from contactlab.driving import DEGREE
+from contactlab.driving import DEGREE, Frame, LawOnPath
 from contactlab.laws.registry import origins, own
 from contactlab.parameter import declared_fields
 from contactlab.studies.drive import Driven
@@ -403,3 +403,102 @@ def test_dahl_on_random_paths_is_its_closed_form_from_reversal_to_reversal(seed:
     np.testing.assert_allclose(
         run["internal_deflection"].values[1:], expected[1:], rtol=0.0, atol=1e-9 * most
     )
+
+
+@pytest.mark.parametrize(
+    "law", [cl.LagrangeStick(0.3), cl.Composed(friction=cl.Coulomb(0.3))], ids=lambda law: law.name
+)
+def test_rigid_friction_behind_a_frame_is_a_jenkins_element(law: cl.ContactLaw) -> None:
+    """A cycle of amplitude X loses 4 mu N (X - mu N/k), and sticks for as long as the spring turns over."""
+    load, size, stiffness = 10.0, 1e-5, 1e6
+    path = {"normal": load, "slip": size * np.sin(TURN * TIME[:-1])}
+    run = cl.drive(law, TIME[:-1], **path, period=DURATION, duration=3 * DURATION, frame_stiffness=stiffness)
+    assert run.complete
+    loss = run["friction_loss"].values
+    once = (loss.size - 1) // 3
+    reach = 0.3 * load / stiffness
+    np.testing.assert_allclose(loss[-1] - loss[-1 - once], 4.0 * 0.3 * load * (size - reach), rtol=1e-9)
+    # It sticks at first for asin(reach / X), after each of the six reversals for acos(1 - 2 reach / X).
+    sticks = (np.arcsin(reach / size) + 6.0 * np.arccos(1.0 - 2.0 * reach / size)) / TURN
+    # The last reversal, at 2.75 periods, has 0.25 periods left.
+    np.testing.assert_allclose(run.contacts["stick_duration"], [sticks], rtol=1e-9)
+    assert abs(float(run["energy_residual"][-1])) < 1e-10 * loss[-1]
+
+
+def test_a_spring_of_the_contact_and_a_frame_are_in_series() -> None:
+    """F = -x k k_0 / (k + k_0) of a stretched contact, with k_0 = kappa dN/dd = 1.5 kappa N/d of a sphere."""
+    law = cl.Composed(cl.HertzPoint(1e10), friction=cl.Mindlin(0.3, stiffness_ratio=0.8))
+    reach, stiffness = 1e-8, 3e6
+    path = {"normal": 10.0, "slip": reach * TIME / DURATION}
+    run = cl.drive(law, TIME, **path, degree=1, frame_stiffness=stiffness)
+    own = 0.8 * 1.5 * 10.0 / 1e-6
+    middle = reach * 0.5 * (TIME[1:] + TIME[:-1]) / DURATION
+    expected = -middle * own * stiffness / (own + stiffness)
+    np.testing.assert_allclose(run["friction_force"].values[1:], expected, rtol=1e-8)
+
+
+A, B, DISTANCE, V0, MU, LOAD = 0.01, 0.013, 1e-5, 1e-6, 0.6, 10.0
+ROCK = cl.Composed(
+    friction=cl.RateAndState(MU, A, B, DISTANCE, V0, fresh_age=DISTANCE / V0, creep_velocity=1e-14)
+)
+CRITICAL = (B - A) * LOAD / DISTANCE
+"""Of steady sliding under the ageing law: Ruina (1983)."""
+
+
+def test_velocity_steps_of_rate_and_state_behind_a_frame() -> None:
+    """Against the literature's two equations, integrated by SciPy: the slip follows from spring and age."""
+    stiffness, speeds, edges = 3.0 * CRITICAL, (V0, 10.0 * V0, V0), np.array([0.0, 10.0, 20.0, 40.0])
+    way = np.append(0.0, np.cumsum(speeds * np.diff(edges)))
+    instants = np.linspace(0.05, 39.95, 400)
+
+    def rates(_, y, pull):
+        slip = 2.0 * V0 * np.sinh(y[0] / (LOAD * A)) * np.exp(-(MU + B * y[1]) / A)
+        return [stiffness * (pull - slip), (V0 * np.exp(-y[1]) - slip) / DISTANCE]
+
+    expected, state = np.zeros(instants.size), [MU * LOAD, 0.0]
+    for pull, begin, end in zip(speeds, edges[:-1], edges[1:], strict=True):
+        inside = (instants > begin) & (instants <= end)
+        stops = np.unique(np.append(instants[inside], end))
+        flow = solve_ivp(rates, (begin, end), state, "LSODA", stops, args=(pull,), rtol=1e-11, atol=1e-12)
+        expected[inside], state = flow.y[0][: inside.sum()], flow.y[:, -1]
+    for tolerance in (1e-5, 1e-7, 1e-9):
+        loop = LawOnPath(
+            ROCK,
+            edges,
+            normal=LOAD,
+            slip=way,
+            degree=1,
+            frame=Frame(stiffness, force=MU * LOAD),
+            instants=instants,
+            tolerance=tolerance,
+        )
+        loop.run(ROCK)
+        error = np.abs(loop.path.forces[:, 1] + expected).max() / (MU * LOAD)
+        assert error < max(10.0 * tolerance, 1e-9)
+
+
+def test_a_frame_below_the_critical_stiffness_ends_the_run() -> None:
+    edges, way = np.array([0.0, 10.0, 60.0]), np.array([0.0, 1e-5, 51e-5])
+    path: dict[str, Any] = {"normal": LOAD, "slip": way, "degree": 1}
+    ends = [
+        cl.drive(ROCK, edges, **path, frame_stiffness=share * CRITICAL, frame_force=MU * LOAD).ending
+        for share in (0.3, 5.0)
+    ]
+    assert ends == [cl.Ending.STALLED, cl.Ending.COMPLETE]
+    loop = LawOnPath(ROCK, edges, **path, frame=Frame(0.3 * CRITICAL, force=MU * LOAD))
+    loop.run(ROCK)
+    assert loop.critical_stiffness() == pytest.approx(CRITICAL, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("law", "frame", "key"),
+    [
+        (HERTZ, {"frame_damping": 1.0}, "frame_stiffness"),
+        (HERTZ, {"frame_stiffness": 0.0}, "frame_stiffness"),
+        (HERTZ, {"frame_stiffness": 1.0, "frame_damping": -1.0}, "frame_damping"),
+        (HERTZ, {"frame_stiffness": 1.0, "gap": 1e-6}, "gap"),
+    ],
+)
+def test_a_frame_of_another_kind_is_refused(law: cl.ContactLaw, frame: dict[str, float], key: str) -> None:
+    with pytest.raises(ValueError, match=key):
+        cl.drive(law, TIME, **{"gap": -1e-6, **frame})

@@ -22,6 +22,7 @@ from contactlab.engine.compliant import step_compliant
 from contactlab.engine.constrained import step_rigid
 from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import LoopData, run_law
+from contactlab.engine.path import Path, run_path
 from contactlab.engine.state import ImpactBatch, Law, Memory, Records, Run
 from contactlab.processes import processors
 
@@ -134,6 +135,24 @@ def impacts_rigid(
     )
 
 
+@kernel
+def path_loop(
+    path: Path,
+    at_nodes: Any,
+    force: Any,
+    friction: Any,
+    impact: Any,
+    bound: Any,
+    rate: Any,
+    guard: Any,
+    jump: Any,
+    limits: Any,
+) -> None:
+    """Take any law along a path, see `run_path`."""
+    memory = _memory_of(rate, guard, jump, limits)
+    run_path(path, Law(at_nodes, force, friction, impact, bound, path.parameters, path.row, memory))
+
+
 @final
 class EngineUnit(NamedTuple):
     """What is compiled as one, and the time that an idle processor takes for it [s]."""
@@ -156,6 +175,24 @@ IMPACTS: Final = {
     False: EngineUnit(impacts_rigid, "impacts under rigid laws", 1.0, 1.0),
 }
 """Impacts by whether a law is compliant."""
+
+
+PATHS: Final = EngineUnit(path_loop, "laws on paths", 5.0, 7.0)
+
+
+def path_loop_of(bound: Bound, path: Path) -> Callable[..., None]:
+    """Return the function of a path and a law's kernels; compile it where it is new.
+
+    A path is of the types alone that are to come.
+    """
+    if not INTERPRETED:
+        signature = Signature(PATHS.kernel, types.void(numba.typeof(path), *_kernel_types(bound)))
+        with telling(
+            "" if signature.is_there() else name_of([PATHS], bound.plain),
+            PATHS.seconds if bound.plain else PATHS.seconds_with_variables,
+        ):
+            signature.compile()
+    return path_loop
 
 
 def units_of(compliant: bool, impacts: bool) -> list[EngineUnit]:
@@ -194,13 +231,17 @@ def loop_of(bound: Bound, compliant: bool, data: LoopData, impacts: bool) -> Cal
     return partial(entry, *callees)
 
 
-def _signatures(units: list[EngineUnit], bound: Bound, data: LoopData) -> list[Signature]:
-    """Return the units with the types of their arguments and result."""
-    # Left to itself the compiler would take each law for a type of its own.
-    kernels = [
+def _kernel_types(bound: Bound) -> list[Any]:
+    """Return the types of a law's kernels: left to itself the compiler would take each law for a type."""
+    return [
         types.none if each is None else types.FunctionType(signature)
         for each, signature in zip(bound.of_loop, signatures_of_loop(), strict=True)
     ]
+
+
+def _signatures(units: list[EngineUnit], bound: Bound, data: LoopData) -> list[Signature]:
+    """Return the units with the types of their arguments and result."""
+    kernels = _kernel_types(bound)
     tuple_of: Any = types.BaseTuple.from_types
     kinds = numba.typeof(data)
     records = data.plant, data.propagator, data.states, data.step

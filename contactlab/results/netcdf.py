@@ -407,6 +407,7 @@ def _attributes(trajectory: Trajectory, configuration: Mapping[str, object]) -> 
         "drive_period": period,
         **({} if trajectory.motor.preload is None else {"preloaded": 1}),
         **prescribed_by(trajectory.motor),
+        **{f"frame_{name}": value for name, value in trajectory.frame.items()},
         **settling_of(columns, trajectory.contacts_within, period, trajectory.lasting).attributes,
         "solver_statistics": json.dumps({k: int(v) for k, v in trajectory.statistics.items()}),
         "impulse_error": float(trajectory.impulse_error),

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import inf
 from typing import Final, cast, final
 
@@ -9,10 +10,10 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError
-from contactlab.driving import DEGREE, driven_by, longest_step
+from contactlab.driving import DEGREE, LawOnPath, at_breaks, driven_by, longest_step, stays_closed
 from contactlab.engine import simulate
+from contactlab.engine.state import RUNNING
 from contactlab.laws import ContactLaw, LawError
-from contactlab.motor.motor import Motor
 from contactlab.motor.waveform import Waveform
 from contactlab.trajectory import Ending
 from contactlab_data.inference.free_parameters import FreeParameter, with_values
@@ -24,12 +25,6 @@ CORRELATED: Final = 0.05
 
 TOLERANCE: Final = 1e-11
 """Error of a step [1], well below any noise."""
-
-AT_EDGE: Final = 1e-5
-"""Distance from an edge of a path below which an instant lies at it, over the shortest interval of times."""
-
-AT_START: Final = 1e-4
-"""Distance of the first instant from the start of its path, over that."""
 
 
 @final
@@ -64,44 +59,52 @@ class PathProblem(OverTime):
         Raises:
             KeyboardInterrupt: somebody pressed Ctrl-C.
         """
-        time = self.measured.time - self.measured.time[0]
-        span = float(time[-1])
         try:
             law = with_values(self.base, self.keys, values[: len(self.keys)])
-            motor = driven_by(law, time, **self.measured.path, degree=self.degree)
-            run = simulate(
-                motor,
-                law,
-                duration=span,
-                record_interval=span,
-                contact_step=longest_step(motor, law),
-                tolerance=TOLERANCE,
-                instants=_at_edges(motor, time),
-            )
+            forces = self._from_run(law) if (loop := _loop_of(self)) is None else _from_loop(loop, law)
         # Values that are admitted one by one need not be so together.
         except (LawError, ValueError):
             return None
+        if forces is None:
+            return None
+        return {name: forces[:, FORCES.index(name)] for name in self.measured.values}
+
+    def _from_run(self, law: ContactLaw) -> Array | None:
+        """Return the forces of a contact that may open, or None."""
+        time = self.measured.time - self.measured.time[0]
+        span, motor = (
+            float(time[-1]),
+            driven_by(law, self.measured.time, **self.measured.path, degree=self.degree),
+        )
+        run = simulate(
+            motor,
+            law,
+            duration=span,
+            record_interval=span,
+            contact_step=longest_step(motor, law),
+            tolerance=TOLERANCE,
+            instants=at_breaks(cast(Waveform, motor.drive.waveform).pieces.x, time),
+        )
         if run.ending is Ending.INTERRUPTED:
             raise KeyboardInterrupt(run.message)
         if not run.ending.reached_end:
             return None
         left, right = run.instant_forces[:, 0], run.instant_forces[:, 1]
-        forces = dict(zip(FORCES, np.where(np.isnan(left), right, left).T, strict=True))
-        return {name: forces[name] for name in self.measured.values}
+        return np.where(np.isnan(left), right, left)
 
 
-def _at_edges(motor: Motor, time: Array) -> Array:
-    """Return the times, those at edges of the path but for round-off as these [s].
+@lru_cache(maxsize=16)
+def _loop_of(problem: PathProblem) -> LawOnPath | None:
+    """Return the path made ready for the law of a problem; None where the contact may open, which runs."""
+    path, time = problem.measured.path, problem.measured.time
+    if not stays_closed(problem.base, path.get("gap")):
+        return None
+    return LawOnPath(problem.base, time, **path, degree=problem.degree, instants=time - time[0])
 
-    Of several edges it is the first: the limit that is taken there is that from the left. The first time is
-    just after the start of the path, and after a reversal there.
-    """
-    edges = cast(Waveform, motor.drive.waveform).pieces.x
-    near = AT_EDGE * float(np.diff(time).min())
-    first = edges[np.minimum(np.searchsorted(edges, time - near), edges.size - 1)]
-    result = np.where(np.abs(first - time) <= near, first, time)
-    result[0] = edges[np.searchsorted(edges, near, side="right") - 1] + AT_START * near
-    return result
+
+def _from_loop(loop: LawOnPath, law: ContactLaw) -> Array | None:
+    """Return the forces of a contact that stays closed, or None."""
+    return loop.path.forces.copy() if loop.run(law)["ending"] == RUNNING else None
 
 
 def path_problem(
