@@ -33,6 +33,7 @@ from contactlab.progress import part_of_progress
 from contactlab.studies.compare.bootstrap import LEVEL, RESAMPLES, mean_intervals, paired_differences
 from contactlab.studies.compare.multiple import holm
 from contactlab_data.inference.free_parameters import FreeParameter
+from contactlab_data.inference.held_out import FOLDS as FOLDS, folds_of_measurements
 from contactlab_data.inference.impact_problem import (
     ConstantImpulse,
     ImpactPredictor,
@@ -44,8 +45,6 @@ from contactlab_data.inference.influence import without_idle
 from contactlab_data.inference.least_squares import Optimum, best_fit
 from contactlab_data.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab_data.measured.impacts import MeasuredImpacts, noise_from_outside
-
-FOLDS: Final = 5
 
 STARTS: Final = 16
 INTEGRATED_STARTS: Final = 8
@@ -89,25 +88,6 @@ PLANAR: Final = 3
 
 class ValidationError(ValueError):
     """Laws cannot be validated by these impacts."""
-
-
-def folds_of(measurement: NDArray[np.int64], folds: int, seed: int) -> NDArray[np.int64]:
-    """Return the fold, from 0, in which each impact is held out, shape (impact,).
-
-    Measurements are shuffled by the seed, and each goes to the fold with the fewest impacts so far. Folds
-    differ in size by one at most where each impact is a measurement of its own.
-
-    Args:
-        measurement: number of the measurement that each impact belongs to, from 0 without gaps.
-        folds: how many.
-        seed: of the shuffle.
-    """
-    sizes = np.bincount(measurement)
-    filled, fold = np.zeros(folds, dtype=np.int64), np.empty(sizes.size, dtype=np.int64)
-    for place in np.random.default_rng([seed, folds]).permutation(sizes.size):
-        fold[place] = np.argmin(filled)
-        filled[fold[place]] += sizes[place]
-    return fold[measurement]
 
 
 def least_error_fit(problem: ImpactProblem, seed: int) -> Optimum:
@@ -175,7 +155,7 @@ def cross_validated(
         ValueError: there is a prediction at none of the starts.
     """
     problem = ImpactProblem(impacts, predictor, corrections=corrections)
-    fold = folds_of(impacts.measurements(), folds, seed)
+    fold = folds_of_measurements(impacts.measurements(), folds, seed)
     predicted, outside = np.full_like(impacts.velocity_before, np.nan), np.zeros(len(impacts))
     fits, sizes, lost = list[Optimum](), list[int](), 0
     count = int(fold.max()) + 1
@@ -270,7 +250,7 @@ def assessed(
     data.coords["impact"] = "impact", impacts.number, {"long_name": "number in the file"}
     for name in ("velocity_before", "velocity_after"):
         data[name] = ("impact", "direction"), getattr(impacts, name), {"units": "m s-1"}
-    data["fold"] = "impact", folds_of(impacts.measurements(), folds, seed)
+    data["fold"] = "impact", folds_of_measurements(impacts.measurements(), folds, seed)
     noise = noise_of(impacts)
     data["noise_bound"] = "impact", noise.bound, {"units": "1", "long_name": "error that noise may cause"}
     smallest = laws_in(data)["error"].values.min(axis=0)

@@ -1,7 +1,7 @@
 """Multi-start least squares in the unit cube of the free parameters."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf, isfinite, sqrt
 from typing import Final, final
 
@@ -47,6 +47,10 @@ class Optimum:
         hits: number of starts that reached the lowest cost.
         undetermined: names of the parameters that the residuals do not determine; see `undetermined`.
         at_end: names of those that lie on an end of their range, where the optimum may lie beyond.
+        point: the optimum in the unit cube, shape (parameter,).
+        residuals: there, shape (residual,).
+        jacobian: of the residuals in the unit cube, shape (residual, parameter).
+        noise: likeliest values of the free numbers of the noise [SI], see `maximum_likelihood`.
     """
 
     free: tuple[FreeParameter, ...]
@@ -56,6 +60,15 @@ class Optimum:
     hits: int
     undetermined: tuple[str, ...]
     at_end: tuple[str, ...]
+    point: Array
+    residuals: Array
+    jacobian: Array
+    noise: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def all_values(self) -> Array:
+        """The optimum, and the numbers of the noise behind it [SI]."""
+        return np.append(self.values, self.noise)
 
     @property
     def by_name(self) -> dict[str, float]:
@@ -80,6 +93,7 @@ def best_fit(
     begin: Array | None = None,
     step: float | None = None,
     accuracy: float = 1e-8,
+    agreed: int | None = None,
 ) -> Optimum:
     """Minimise the sum of squared residuals, starting from the best of many points of the unit cube.
 
@@ -97,6 +111,8 @@ def best_fit(
         step: of finite differences in the unit cube; None is that of residuals exact to round-off, 1.5e-8.
             For a law integrated to a tolerance it should be the square root of that.
         accuracy: relative change of cost, and of the point in the cube, at which a search ends.
+        agreed: number of starts that reach the lowest cost so far after which no other is tried; None tries
+            all.
 
     Raises:
         ValueError: there is no start, or the residuals are finite at no point.
@@ -105,10 +121,12 @@ def best_fit(
         raise ValueError(f"starts is {starts} and looks is {looks}; both must be at least 1.")
     free = tuple(free)
     if not free:
-        cost = _cost(np.asarray(residuals(np.empty(0))))
-        if not isfinite(cost):
+        least = np.asarray(residuals(np.empty(0)))
+        if not isfinite(cost := _cost(least)):
             raise ValueError("The residuals are not finite numbers, and nothing is free to change that.")
-        return Optimum((), np.empty(0), cost, np.array([cost]), 1, (), ())
+        nothing = np.empty(0)
+        jacobian = np.empty((least.size, 0))
+        return Optimum((), nothing, cost, np.array([cost]), 1, (), (), nothing, least, jacobian)
 
     if begin is None:
         points = starting_points(len(free), starts * looks, seed)
@@ -150,6 +168,9 @@ def best_fit(
             )
             ends.append(end)
             costs[number] = end.cost
+            if agreed and _hits(costs) >= agreed:
+                costs = costs[: number + 1]
+                break
     best = min(ends, key=lambda end: end.cost)
     point, jacobian = np.asarray(best.x), np.asarray(best.jac) * unit
     squares = float(np.sum((np.asarray(best.fun) * unit) ** 2))
@@ -159,10 +180,18 @@ def best_fit(
         from_cube(free, point),
         float(best.cost) * unit**2,
         costs * unit**2,
-        int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
+        _hits(costs),
         undetermined(free, jacobian, spread),
         tuple(item.name for item, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
+        point,
+        np.asarray(best.fun) * unit,
+        jacobian,
     )
+
+
+def _hits(costs: Array) -> int:
+    """Return the number of starts that reached the lowest cost."""
+    return int(np.sum(costs <= costs.min() * (1.0 + HIT) + np.finfo(float).tiny))
 
 
 def _cost(residuals: Array) -> float:

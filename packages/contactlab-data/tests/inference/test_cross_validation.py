@@ -13,7 +13,8 @@ from support.command_line import Command
 import contactlab as cl
 from contactlab.impacts import velocities_after
 from contactlab.laws.composed import label_of
-from contactlab_data.inference.cross_validation import ValidationError, folds_of, least_error_fit, noise_of
+from contactlab_data.inference.cross_validation import ValidationError, least_error_fit, noise_of
+from contactlab_data.inference.held_out import folds_of_measurements
 from contactlab_data.inference.impact_problem import (
     ConstantImpulse,
     ImpactProblem,
@@ -46,16 +47,16 @@ def data(result: cl.Result) -> xarray.Dataset:
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
-    fold = folds_of(np.arange(103), 5, seed=4)
+    fold = folds_of_measurements(np.arange(103), 5, seed=4)
 
     assert sorted(np.bincount(fold)) == [20, 20, 21, 21, 21]
-    assert (fold == folds_of(np.arange(103), 5, seed=4)).all()
-    assert (fold != folds_of(np.arange(103), 5, seed=5)).any()
+    assert (fold == folds_of_measurements(np.arange(103), 5, seed=4)).all()
+    assert (fold != folds_of_measurements(np.arange(103), 5, seed=5)).any()
 
 
 def test_repeats_of_one_measurement_stay_in_one_fold_of_even_parts():
     measurement = np.repeat(np.arange(30), np.arange(30) % 4 + 1)
-    fold = folds_of(measurement, 5, seed=1)
+    fold = folds_of_measurements(measurement, 5, seed=1)
 
     assert all(len(set(fold[measurement == each])) == 1 for each in range(30))
     assert np.ptp(np.bincount(fold, minlength=5)) <= 4
