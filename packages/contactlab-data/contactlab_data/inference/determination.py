@@ -47,14 +47,20 @@ class Determination:
     alone: str = ""
     of_others: Array | None = None
 
-    def sentence(self) -> str:
-        """Return what limits the number; empty where all of the data bound it on both sides."""
+    @property
+    def remark(self) -> str:
+        """What limits the number; empty where all of the data bound it on both sides."""
         if self.of_others is not None:
             others = bounds(self.number, self.of_others)
-            return f"{self.number.name}: {self.alone} alone determines it; by the rest it is {others} (90 %)."
-        if (self.ends > 0.0).all() and (self.ends < 1.0).all():
+            return f"{self.alone} alone determines it; by the rest it is {others} (90 %)"
+        if np.isnan(self.ends).any() or ((self.ends > 0.0) & (self.ends < 1.0)).all():
             return ""
-        return f"{self.number.name} is {bounds(self.number, self.ends)} (90 %)."
+        return f"it is {bounds(self.number, self.ends)} (90 %)"
+
+    @property
+    def interval(self) -> Array:
+        """The 90 % interval [SI], shape (2,)."""
+        return np.array([self.number.from_unit(float(end)) for end in self.ends])
 
 
 def bounds(number: FreeParameter, ends: Array) -> str:

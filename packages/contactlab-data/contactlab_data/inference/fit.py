@@ -132,7 +132,7 @@ def searched(
     if stated:
         lines.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
         lines += [f"Least squares: {phrase}." for phrase in best.warnings()]
-        lines += [text for item in every if (text := item.sentence())]
+        lines += [f"{item.number.name}: {item.remark}." for item in every if item.remark]
         residuals = problem.residuals(best.values)
         groups["residuals"] = residuals_of(problem, residuals)
         about |= {"best_fit": json.dumps(best.by_name), "misfit": float(np.sqrt(np.mean(residuals**2)))}

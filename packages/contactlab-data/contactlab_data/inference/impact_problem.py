@@ -221,6 +221,12 @@ class ImpactProblem(Problem):
         stated = self.measured.covariance
         return np.zeros_like(self.measured.delassus) if stated is None else stated
 
+    @cached_property
+    def _least(self) -> Array:
+        """Least size of the isotropic term: more than none where the stated error leaves out a direction."""
+        roots = np.linalg.eigvalsh(self._covariance)
+        return np.where(roots[:, 0] > np.finfo(float).eps * roots[:, 1], 0.0, LOWEST)
+
     def part(self, chosen: NDArray[np.int64]) -> Self:
         """Return the problem of some of the impacts."""
         return replace(self, measured=self.measured.part(chosen))
@@ -261,8 +267,8 @@ class ImpactProblem(Problem):
         missed = self.measured.velocity_after - after
         if not np.isfinite(after).all():
             missed = np.full_like(missed, np.nan)
-        size = max(self.value(values, DISCREPANCY, 1.0 if unstated else 0.0), LOWEST)
-        covariance = self._covariance + size**2 * self._scale[:, None, None] * self.measured.delassus
+        size = np.maximum(self.value(values, DISCREPANCY, 1.0 if unstated else 0.0), self._least)
+        covariance = self._covariance + (size**2 * self._scale)[:, None, None] * self.measured.delassus
         white = np.linalg.solve(np.linalg.cholesky(covariance), missed[..., None])[..., 0]
         square = np.einsum("ni,ni->n", white, white)
         return (white * student_shrinkage(square, self.tails(values), 2)[:, None]).ravel()

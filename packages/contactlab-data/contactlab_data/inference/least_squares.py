@@ -77,10 +77,7 @@ class Optimum:
 
     def warnings(self) -> list[str]:
         """Return a phrase for each kind of value that the data do not determine."""
-        return [
-            *([f"not determined: {', '.join(self.undetermined)}"] if self.undetermined else []),
-            *(f"{name} lies on an end of its range, {self.by_name[name]:.4g}" for name in self.at_end),
-        ]
+        return [*(f"{name} lies on an end of its range, {self.by_name[name]:.4g}" for name in self.at_end)]
 
 
 def best_fit(

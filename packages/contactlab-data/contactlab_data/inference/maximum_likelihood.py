@@ -22,7 +22,7 @@ Analysis, ch. 6; Tierney and Kadane (1986), J. Am. Stat. Assoc. 81, 82.
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from math import inf, nan, pi, sqrt
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from scipy.linalg import block_diag
@@ -70,16 +70,17 @@ WIDE: Final = sqrt(1.0 / 12.0)
 Residuals = Callable[[Array], Array]
 
 
-def maximum_likelihood(problem: Problem, starts: int, seed: int) -> Optimum:
+def maximum_likelihood(problem: Problem, starts: int, seed: int, begin: Array | None = None) -> Optimum:
     """Return the likeliest numbers of law and motor, and those of the noise.
+
+    Args:
+        starts, seed, begin: of the first search, see `best_fit`.
 
     Raises:
         ValueError: the residuals are finite at no point.
     """
-    best = best_fit(
-        problem.residuals, problem.parameters, starts, seed, step=problem.step, agreed=min(AGREED, starts)
-    )
-    found = best
+    search: dict[str, Any] = {"begin": begin, "step": problem.step, "agreed": AGREED}
+    best = found = best_fit(problem.residuals, problem.parameters, starts, seed, **search)
     for _ in range(ROUNDS if problem.nuisances else 0):
         noise = likeliest_noise(problem, best.values)
         again = refit(standardised(problem, noise), problem, best.values)
@@ -128,7 +129,8 @@ def scale_of(problem: Problem, best: Optimum) -> tuple[float, float]:
     left = best.residuals.size - best.values.size
     if not problem.nuisances or left < 1:
         return 1.0, float(ndtri(ENDS[1]))
-    return 2.0 * best.cost / left, float(stdtrit(left, ENDS[1]))
+    # Noise at the lower end of its range may be larger than the residuals.
+    return max(2.0 * best.cost / left, 1.0), float(stdtrit(left, ENDS[1]))
 
 
 def normal_posterior(problem: Problem, best: Optimum, ends: Array, seed: int) -> NormalPosterior:
@@ -183,7 +185,7 @@ def covariance_of(jacobian: Array, scale: float) -> Array:
     filled = np.vstack([jacobian, np.zeros((max(columns - rows, 0), columns))])
     _, sizes, directions = np.linalg.svd(filled, full_matrices=False)
     flat = sizes <= max(FLAT * sizes.max(initial=0.0), sqrt(scale) / WIDE)
-    variances = np.where(flat, WIDE**2, scale / np.maximum(sizes, np.finfo(float).tiny) ** 2)
+    variances = np.where(flat, WIDE**2, scale / np.where(flat, 1.0, sizes) ** 2)
     return np.asarray((directions.T * variances) @ directions)
 
 

@@ -190,7 +190,8 @@ class Validate(Study):
         return {
             "errors": table(rows, caption=caption),
             "parameters": table(
-                [*parameters(every)], caption="Fitted parameters: median of the folds, least and greatest"
+                [*parameters(every)],
+                caption="Fitted parameters: median of the folds, least, greatest; 90 % interval by all",
             ),
         }
 
@@ -293,9 +294,8 @@ def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
 
 
 def limits(data: xarray.Dataset) -> list[str]:
-    """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
+    """Return what limits the result: copied rows, what determines numbers, impacts without a prediction."""
     remarks = {
-        "undetermined": "not determined",
         "at_end": "on an end of the range; the optimum may lie beyond",
         "unmoved": "without effect on the impacts and fixed",
         "unanswered": "impacts without a prediction; no change is assumed",
@@ -306,6 +306,8 @@ def limits(data: xarray.Dataset) -> list[str]:
         result += [
             f"{label}: {here[name].item()} {text}." for name, text in remarks.items() if here[name].item()
         ]
+        limited = zip(here["parameter"].values, here["remark"].values, strict=True)
+        result += [f"{label}: {name}: {text}." for name, text in limited if text]
     return result
 
 
@@ -329,12 +331,12 @@ def unexplained(data: xarray.Dataset) -> str:
 
 
 def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
-    """Yield a row for each fitted parameter: median of the folds, least, greatest and a remark."""
+    """Yield a row for each fitted parameter: median of the folds, least, greatest, interval by all."""
     for label, name in product(map(str, data["law"].values), map(str, data["parameter"].values)):
         here = data.sel(law=label, parameter=name)
         values = here["value"].values
         if np.isfinite(values).any():
-            remark = "on an end of its range" if name in here["at_end"].item().split(", ") else ""
+            low, high = map(float, here["interval"].values)
             yield {
                 "law": label,
                 "parameter": name,
@@ -342,7 +344,9 @@ def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
                 "median": float(np.median(values)),
                 "least": float(values.min()),
                 "greatest": float(values.max()),
-                "remark": "not determined" if name in here["undetermined"].item().split(", ") else remark,
+                "5 %": low,
+                "95 %": high,
+                "remark": here["remark"].item(),
             }
 
 

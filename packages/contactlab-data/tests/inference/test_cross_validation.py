@@ -156,7 +156,11 @@ def test_a_number_without_effect_is_fixed_and_one_that_no_impact_depends_on_is_u
     slow = replace(sticking, velocity_before=before, velocity_after=after)
     outcome = cl.validate(cl.Newton(), data=slow, folds=3)
 
-    assert "friction_coefficient" in outcome.data["undetermined"].sel(law="newton").item()
+    friction = outcome.data.to_dataset().sel(law="newton", parameter="friction_coefficient")
+    low, high = friction["interval"].values
+    assert 0.02 < low < 0.5
+    assert high == float(friction["range"][1])
+    assert f"at least {low:.4g}" in friction["remark"].item()
 
 
 def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:
