@@ -114,7 +114,7 @@ def searched(
     """
     problem, label = candidate.problem, candidate.label
     folds = folds_of(problem, held_out, seed)
-    origin = map(candidate.origin.get, ("tracks", "duplicates"))
+    origin = map(candidate.origin.get, ("tracks", "duplicates", "series"))
     lines = [line for line in (*origin, candidate.numbers) if line]
     try:
         with part_of_progress(0.0, 0.5, f"{label}: "):

@@ -19,8 +19,7 @@ from contactlab.progress import part_of_progress
 from contactlab_data.inference.impact_problem import ImpactProblem
 from contactlab_data.inference.joint_problem import JointProblem
 from contactlab_data.inference.least_squares import best_fit
-from contactlab_data.inference.motor_problem import PointsProblem
-from contactlab_data.inference.path_problem import PathProblem
+from contactlab_data.inference.motor_problem import OverTime, PointsProblem
 from contactlab_data.inference.problem import Problem
 
 HeldOut = Literal["auto", "off", "files", "cycles", "folds"]
@@ -68,7 +67,12 @@ def _automatic(problem: Problem) -> HeldOut:
         return "off" if problem.own else "files"
     if isinstance(problem, ImpactProblem):
         return "folds"
-    return "cycles" if isinstance(problem, PathProblem) else "off"
+    return "cycles" if _slip(problem) is not None else "off"
+
+
+def _slip(problem: Problem) -> Array | None:
+    """Return the slip of a path at the times of its data; None of what is no path."""
+    return problem.measured.path.get("slip") if isinstance(problem, OverTime) else None
 
 
 def parts_of(problem: Problem, kind: HeldOut | Literal["units"], seed: int = 0) -> Folds:
@@ -102,10 +106,10 @@ def _parts(problem: Problem, kind: str, seed: int, file: str) -> tuple[list[str]
     elif kind == "folds" or (kind == "units" and isinstance(problem, PointsProblem)):
         count = fold.size if kind == "units" else min(FOLDS, fold.size)
         name, fold = "point" if kind == "units" else "fold", np.arange(fold.size) * count // fold.size
-    elif kind == "cycles" or (kind == "units" and isinstance(problem, PathProblem)):
-        if not isinstance(problem, PathProblem):
-            raise ConfigurationError(f"study.held_out is cycles and {file} is no path; it must be.")
-        name, fold = "cycle", cycles(problem.measured.path["slip"])
+    elif (slip := _slip(problem)) is not None and kind in ("cycles", "units"):
+        name, fold = "cycle", cycles(slip)
+    elif kind == "cycles":
+        raise ConfigurationError(f"study.held_out is cycles and {file} is no path; it must be.")
     count = int(fold.max()) + 1
     names = [f"{name} {i + 1}" for i in range(count)] if name and (count > 1 or kind != "units") else [""]
     return names, np.tile(fold, size // fold.size)

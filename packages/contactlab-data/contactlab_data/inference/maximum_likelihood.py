@@ -39,6 +39,9 @@ from contactlab_data.inference.problem import IMPOSSIBLE, Problem
 STARTS: Final = 16
 """Default number of starts."""
 
+LOOKS: Final = 4
+"""Candidate points for each start."""
+
 AGREED: Final = 3
 """Starts that reach the lowest cost after which no other is tried."""
 
@@ -79,7 +82,7 @@ def maximum_likelihood(problem: Problem, starts: int, seed: int, begin: Array | 
     Raises:
         ValueError: the residuals are finite at no point.
     """
-    search: dict[str, Any] = {"begin": begin, "step": problem.step, "agreed": AGREED}
+    search: dict[str, Any] = {"begin": begin, "step": problem.step, "agreed": AGREED, "looks": LOOKS}
     best = found = best_fit(problem.residuals, problem.parameters, starts, seed, **search)
     for _ in range(ROUNDS if problem.nuisances else 0):
         noise = likeliest_noise(problem, best.values)

@@ -306,8 +306,8 @@ def records_at(time: Array) -> tuple[float, NDArray[np.int64] | None]:
 
 
 def root_mean_square(values: Array) -> float:
-    """Return the size of a series, one where it is zero."""
-    return float(np.sqrt(np.mean(values**2))) or 1.0
+    """Return the size of a series without its gaps, one where it is zero."""
+    return float(np.sqrt(np.mean(values[~np.isnan(values)] ** 2))) or 1.0
 
 
 @kernel

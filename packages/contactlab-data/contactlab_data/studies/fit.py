@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from glob import has_magic
 from hashlib import sha256
 from importlib.metadata import version
 from math import inf
@@ -113,8 +115,17 @@ class Fit(Study):
 
     @property
     def _sources(self) -> list[Any]:
-        """The data as they are given."""
-        return self.data if isinstance(self.data, list) else [self.data]
+        """The data as they are given; a name with wildcards stands for the files that it matches."""
+        every = list[Any]()
+        for each in self.data if isinstance(self.data, list) else [self.data]:
+            place = Path(each) if isinstance(each, str | Path) else Path()
+            if has_magic(str(place)) and not place.exists():
+                every += sorted(Path(place.anchor).glob(str(place.relative_to(place.anchor))))
+            else:
+                every.append(each)
+        if not every:
+            raise ConfigurationError(f"data is '{self.data}', which matches no file; it must match one.")
+        return every
 
     def _measured(self, data: Any) -> Data:
         """Return one of the measurements with the chosen series and noise."""
@@ -126,9 +137,16 @@ class Fit(Study):
                 result = result.only(self.series)
             except ValueError as error:
                 raise ConfigurationError(str(error)) from error
-        if self.noise is None:
+        noise = self.noise
+        if (
+            noise is None
+            and not isinstance(result, MeasuredImpacts)
+            and (text := result.attributes.get("noise"))
+        ):
+            noise = _noise_of(str(text))
+        if noise is None:
             return result
-        return without_errors(result) if self.noise == "free" else with_noise(result, self.noise)
+        return without_errors(result) if noise == "free" else with_noise(result, noise)
 
     @property
     def base(self) -> Mapping[str, Any]:
@@ -323,6 +341,14 @@ class Fit(Study):
                 figure.set_label(caption)
                 figures[name] = figure
         return figures
+
+
+def _noise_of(text: str) -> OrFree:
+    """Return the noise that a file states: over the size of its data, or free."""
+    with suppress(ValueError):
+        if text == "free" or 0.0 < float(text) <= 1.0:
+            return "free" if text == "free" else float(text)
+    raise ConfigurationError(f"noise is '{text}' in the data; it must be free, or above 0 and at most 1.")
 
 
 def _searched(candidate: Candidate, settings: dict[str, Any]) -> Part:
