@@ -15,6 +15,9 @@ from contactlab_data.inference.free_parameters import FreeParameter, from_cube, 
 HIT: Final = 1e-4
 """Relative difference below which two costs are one optimum."""
 
+NEAR: Final = 0.02
+"""Distance in the unit cube below which two optima of one cost are one place."""
+
 LOOKS: Final = 8
 """Candidate points for each start: on a plateau, as where every contact sticks, a search cannot start."""
 
@@ -108,8 +111,8 @@ def best_fit(
         step: of finite differences in the unit cube; None is that of residuals exact to round-off, 1.5e-8.
             For a law integrated to a tolerance it should be the square root of that.
         accuracy: relative change of cost, and of the point in the cube, at which a search ends.
-        agreed: number of starts that reach the lowest cost so far after which no other is tried; None tries
-            all.
+        agreed: number of starts that reach the lowest cost so far, in one place, after which no other is
+            tried; None tries all.
 
     Raises:
         ValueError: there is no start, or the residuals are finite at no point.
@@ -165,7 +168,10 @@ def best_fit(
             )
             ends.append(end)
             costs[number] = end.cost
-            if agreed and _hits(costs) >= agreed:
+            lowest = min(ends, key=lambda end: end.cost)
+            # On a plateau starts end at one cost and in many places.
+            near = [x for x in ends if x.cost <= lowest.cost * (1.0 + HIT) and _apart(x, lowest) < NEAR]
+            if agreed and len(near) >= agreed:
                 costs = costs[: number + 1]
                 break
     best = min(ends, key=lambda end: end.cost)
@@ -184,6 +190,11 @@ def best_fit(
         np.asarray(best.fun) * unit,
         jacobian,
     )
+
+
+def _apart(end: OptimizeResult, other: OptimizeResult) -> float:
+    """Return the largest distance of two optima along an axis of the unit cube."""
+    return float(np.abs(end.x - other.x).max())
 
 
 def _hits(costs: Array) -> int:

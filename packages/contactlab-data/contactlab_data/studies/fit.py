@@ -41,7 +41,7 @@ from contactlab_data.measured.series import MeasuredSeries
 Method = Literal["least_squares", "nested"]
 """How numbers are found: nested sampling comes after least squares."""
 
-FIRST: Final = "least_squares"
+FIRST: Final[Literal["least_squares"]] = "least_squares"
 """End of the keys of the tasks that are done first."""
 
 MISFITS: Final = {"misfit": "misfit", "held out": "held_out_misfit"}
@@ -265,58 +265,12 @@ class Fit(Study):
         return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
-
-        What does not fit stands before all of several laws, and after the numbers of one.
-        """
-        several = len(data.children) > 1
-        result = compared(data.children) if several else []
-        for label, fit in data.children.items():
-            before = f"{label}: " if several else ""
-            estimates = [
-                f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
-                for row in _rows(fit)
-            ]
-            result.append(f"{before}{'; '.join(estimates)}.")
-            result += [] if several else compared(data.children)
-            result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
-        return result
+        """Return the numbers of one law, or the comparison of several and then theirs; what limits them."""
+        return findings_of(data)
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return evidence and, for each law, posterior and correlation."""
-        tables = {}
-        if len(data.children) > 1:
-            every = evidences_of(data.children)
-            largest = next(iter(every.values())).value
-            failing = misfits(data.children)
-            rows = [
-                {"law": x, "fits": "no" if x in failing else "yes"}
-                | {name: data[x].attrs[key] for name, key in MISFITS.items()}
-                | {"ln Z": z, "less the largest": z.value - largest}
-                for x, z in every.items()
-            ]
-            none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
-            quick = " by Laplace's approximation" if np.isnan(next(iter(every.values())).error) else ""
-            caption = f"Misfit (residuals over errors), and evidence{quick}{none}"
-            tables["evidence"] = table(rows, caption=caption)
-        if unseen := [row for label, fit in data.children.items() for row in _unseen(label, fit)]:
-            tables["held_out"] = table(unseen, caption="Held out: root mean square of residuals over errors")
-        for label, fit in data.children.items():
-            end, rows = _ending(data, label), []
-            for row in _rows(fit):
-                mean = Estimate(row["mean"], row["deviation"])
-                number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
-                rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
-            frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
-            known = frame["truth"].notna().any()
-            tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
-            matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
-            if len(matrix) > 1:
-                related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
-                tables[f"correlation{end}"] = table(
-                    related, caption=f"Correlation of the posterior of {label}"
-                )
-        return tables
+        return tables_of(data)
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return, for each law, the posterior of all pairs of numbers, and data beside predictions."""
@@ -349,6 +303,60 @@ def _noise_of(text: str) -> OrFree:
         if text == "free" or 0.0 < float(text) <= 1.0:
             return "free" if text == "free" else float(text)
     raise ConfigurationError(f"noise is '{text}' in the data; it must be free, or above 0 and at most 1.")
+
+
+def findings_of(data: xarray.DataTree) -> list[str]:
+    """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
+
+    What does not fit stands before all of several laws, and after the numbers of one.
+    """
+    several = len(data.children) > 1
+    result = compared(data.children) if several else []
+    for label, fit in data.children.items():
+        before = f"{label}: " if several else ""
+        estimates = [
+            f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
+            for row in _rows(fit)
+        ]
+        result.append(f"{before}{'; '.join(estimates)}.")
+        result += [] if several else compared(data.children)
+        result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
+    return result
+
+
+def tables_of(data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+    """Return evidence and, for each law of some fits, posterior and correlation."""
+    tables = {}
+    if len(data.children) > 1:
+        every = evidences_of(data.children)
+        largest = next(iter(every.values())).value
+        failing = misfits(data.children)
+        rows = [
+            {"law": x, "fits": "no" if x in failing else "yes"}
+            | {name: data[x].attrs[key] for name, key in MISFITS.items()}
+            | {"ln Z": z, "less the largest": z.value - largest}
+            for x, z in every.items()
+        ]
+        none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
+        quick = " by Laplace's approximation" if np.isnan(next(iter(every.values())).error) else ""
+        caption = f"Misfit (residuals over errors), and evidence{quick}{none}"
+        tables["evidence"] = table(rows, caption=caption)
+    if unseen := [row for label, fit in data.children.items() for row in _unseen(label, fit)]:
+        tables["held_out"] = table(unseen, caption="Held out: root mean square of residuals over errors")
+    for label, fit in data.children.items():
+        end, rows = _ending(data, label), []
+        for row in _rows(fit):
+            mean = Estimate(row["mean"], row["deviation"])
+            number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
+            rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
+        frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
+        known = frame["truth"].notna().any()
+        tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
+        matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
+        if len(matrix) > 1:
+            related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
+            tables[f"correlation{end}"] = table(related, caption=f"Correlation of the posterior of {label}")
+    return tables
 
 
 def _searched(candidate: Candidate, settings: dict[str, Any]) -> Part:

@@ -163,6 +163,20 @@ def test_a_number_without_effect_is_fixed_and_one_that_no_impact_depends_on_is_u
     assert f"at least {low:.4g}" in friction["remark"].item()
 
 
+def test_evidence_of_all_impacts_stands_beside_the_errors_if_wanted(tmp_path: Path) -> None:
+    impacts = struck_discs(cl.Newton(0.2, 0.6), 30, seed=1, spread=0.05)
+    laws, plain = [cl.Newton(), cl.LagrangeStick()], {"data": impacts, "folds": 3}
+    both = cl.validate(laws, **plain, method="nested", points=25, output=tmp_path)
+    alone = cl.validate(laws, **plain)
+    assert "evidence" not in alone.tables
+    np.testing.assert_array_equal(both.tables["errors"]["low"], alone.tables["errors"]["low"])
+    evidence = both.tables["evidence"].set_index("law")["ln Z"]
+    assert evidence["newton"].value > evidence["lagrange_stick"].value + 10.0
+    again = cl.load(tmp_path / "validate.nc")
+    assert again.findings == both.findings
+    assert again.tables["evidence"].equals(both.tables["evidence"])
+
+
 def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:
     few = struck_discs(TRUTH, 9, seed=0)
 
