@@ -66,8 +66,8 @@ def points() -> Problem:
 KINDS: Final[dict[str, Callable[[], Problem]]] = {"loop": loop, "impacts": impacts, "points": points}
 
 
-def _problem(data: Any, words: list[str], free: Any) -> Problem:
-    (candidate,) = candidates_of(data, {"": cl.build(words)}, free)
+def _problem(data: Any, overrides: list[str], free: Any) -> Problem:
+    (candidate,) = candidates_of(data, {"": cl.build(overrides)}, free)
     return candidate.problem
 
 
@@ -97,9 +97,9 @@ def main() -> int:
     options, outside = parser.parse_args(), 0
     for kind in options.kinds:
         problem = KINDS[kind]()
-        held = [inside for seed in range(options.sets) for inside in covered(problem, seed)]
-        share, error = float(np.mean(held)), sqrt(0.09 / len(held))
-        print(f"{kind}: {share:.1%} of {len(held)} intervals hold the truth, 90.0% +- {error:.1%} expected")
+        result = [inside for seed in range(options.sets) for inside in covered(problem, seed)]
+        share, error = float(np.mean(result)), sqrt(0.09 / len(result))
+        print(f"{kind}: {share:.1%} of {len(result)} intervals hold the truth, 90.0% +- {error:.1%} expected")
         outside += not 0.86 <= share <= 0.94
     return int(outside > 0)
 

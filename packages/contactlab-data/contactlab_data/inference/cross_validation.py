@@ -176,7 +176,7 @@ def cross_validated(
         predicted[fold_impacts] = np.where(missing[:, None], impacts.velocity_before[fold_impacts], after)
     free, kind = problem.parameters, COMPLIANT if predictor.integrated else RIGID
     with part_of_progress(0.9, 1.0, f"{predictor.label}, all impacts: "):
-        every = _determined(problem, [fit.values for fit in fits], seed)
+        every = determined_by_all(problem, [fit.values for fit in fits], seed)
     data = _predictions(
         impacts,
         predicted,
@@ -199,7 +199,7 @@ def cross_validated(
     ).assign_coords(parameter=_texts(item.name for item in free))
 
 
-def _determined(problem: ImpactProblem, begins: Sequence[Array], seed: int) -> list[Determination]:
+def determined_by_all(problem: ImpactProblem, begins: Sequence[Array], seed: int) -> list[Determination]:
     """Return what all impacts say of the numbers of a law, as a fit does, from the best of some values.
 
     Those of an integrated law are of `SUBSET` of the impacts, drawn by the seed.

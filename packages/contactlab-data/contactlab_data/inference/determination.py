@@ -84,7 +84,7 @@ def determinations(problem: Problem, best: Optimum) -> list[Determination]:
         every = profile(residuals, best, scale, quantile)
     result = []
     for place, (number, ends) in enumerate(zip(best.free, every, strict=True)):
-        part = _decisive(best.jacobian, units.fold, scale, place) if len(units.labels) > 1 else None
+        part = decisive_part(best.jacobian, units.fold, scale, place) if len(units.labels) > 1 else None
         if part is None:
             result.append(Determination(number, ends))
             continue
@@ -100,7 +100,7 @@ def determinations(problem: Problem, best: Optimum) -> list[Determination]:
     return result
 
 
-def _decisive(jacobian: Array, unit: NDArray[np.int64], scale: float, place: int) -> int | None:
+def decisive_part(jacobian: Array, unit: NDArray[np.int64], scale: float, place: int) -> int | None:
     """Return the part of the data that alone determines a number; None without."""
     whole = covariance_of(jacobian, scale)[place, place]
     # Parts that do not change the residuals with the number cannot decide it; a few change them most.

@@ -70,7 +70,7 @@ def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
             head = "No law here fits the data within the noise: evidence ranks misfits, and no odds follow"
         result.append(f"{head}: {'; '.join(f'{label} ({why})' for label, why in failing.items())}.")
     if any(fit.attrs["method"] == "least squares" for fit in fits.values()):
-        return [*result, *_by_misfit(fits)]
+        return [*result, *by_misfit(fits)]
     for other, evidence in others:
         difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
         shown = f"ln B = {Estimate(difference, error).text()}"
@@ -89,7 +89,7 @@ def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
     return result
 
 
-def _by_misfit(fits: Mapping[str, xarray.DataTree]) -> list[str]:
+def by_misfit(fits: Mapping[str, xarray.DataTree]) -> list[str]:
     """Return the order of laws by their misfits, held out where known; of one law both."""
     misfit = {label: fit.attrs["misfit"] for label, fit in fits.items()}
     held_out = {label: fit.attrs["held_out_misfit"] for label, fit in fits.items()}

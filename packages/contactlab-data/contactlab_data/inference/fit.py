@@ -79,19 +79,19 @@ SAMPLED: Final = ("chain", "draw")
 
 def fitted(
     candidate: Candidate,
+    checkpoint: Path | None = None,
     *,
     points: int = POINTS,
     seed: int = 0,
     starts: int = STARTS,
     held_out: HeldOut = "auto",
-    checkpoint: Path | None = None,
     workers: int | None = None,
 ) -> xarray.DataTree:
     """Fit a law by least squares, then by nested sampling; arguments as of `searched` and `sampled`."""
     with part_of_progress(0.0, SEARCHED):
         first = searched(candidate, seed=seed, starts=starts, held_out=held_out)
     with part_of_progress(SEARCHED, 1.0):
-        return sampled(candidate, first, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
+        return sampled(candidate, first, checkpoint, points=points, seed=seed, workers=workers)
 
 
 def searched(
@@ -153,10 +153,10 @@ def searched(
 def sampled(
     candidate: Candidate,
     first: xarray.DataTree,
+    checkpoint: Path | None = None,
     *,
     points: int = POINTS,
     seed: int = 0,
-    checkpoint: Path | None = None,
     workers: int | None = None,
 ) -> xarray.DataTree:
     """Fit a law by nested sampling: posterior and evidence of all that is free.

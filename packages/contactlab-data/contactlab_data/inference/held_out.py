@@ -45,7 +45,13 @@ def folds_of(problem: Problem, held_out: HeldOut, seed: int = 0) -> Folds | None
         ConfigurationError: there is one part, a file is no path, or files do not share their numbers.
     """
     own = [*problem.own] if isinstance(problem, JointProblem) else []
-    chosen = _automatic(problem) if held_out == "auto" else held_out
+    chosen: HeldOut = held_out
+    if held_out == "auto" and isinstance(problem, JointProblem):
+        chosen = "off" if own else "files"
+    elif held_out == "auto":
+        # Nothing that takes runs of a motor.
+        chosen = "off" if _slip(problem) is None else "cycles"
+        chosen = "folds" if isinstance(problem, ImpactProblem) else chosen
     if chosen == "off":
         return None
     if chosen == "files" and own:
@@ -59,15 +65,6 @@ def folds_of(problem: Problem, held_out: HeldOut, seed: int = 0) -> Folds | None
         return None
     kind = {"files": "file", "cycles": "cycle", "folds": "datum"}[held_out]
     raise ConfigurationError(f"study.held_out is {held_out} and there is one {kind}; there must be two.")
-
-
-def _automatic(problem: Problem) -> HeldOut:
-    """Return what is held out of a problem by itself: nothing that takes runs of a motor."""
-    if isinstance(problem, JointProblem):
-        return "off" if problem.own else "files"
-    if isinstance(problem, ImpactProblem):
-        return "folds"
-    return "cycles" if _slip(problem) is not None else "off"
 
 
 def _slip(problem: Problem) -> Array | None:
@@ -86,13 +83,13 @@ def parts_of(problem: Problem, kind: HeldOut | Literal["units"], seed: int = 0) 
     sets = problem.parts if isinstance(problem, JointProblem) else {"": problem}
     labels, folds = list[str](), list[NDArray[np.int64]]()
     for label, part in sets.items():
-        names, fold = _parts(part, kind, seed, label or "data")
+        names, fold = parts_of_one(part, kind, seed, label or "data")
         folds.append(fold + len(labels))
         labels += [f"{label} {name}".strip() for name in names]
     return Folds(labels, np.concatenate(folds))
 
 
-def _parts(problem: Problem, kind: str, seed: int, file: str) -> tuple[list[str], NDArray[np.int64]]:
+def parts_of_one(problem: Problem, kind: str, seed: int, file: str) -> tuple[list[str], NDArray[np.int64]]:
     """Return the names of the parts of one data set, and the part of each residual."""
     size = sum(item.size for item in problem.data.values())
     name, fold = "", np.zeros(size // len(problem.data), np.int64)

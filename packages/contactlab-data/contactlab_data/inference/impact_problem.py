@@ -52,6 +52,9 @@ ROUGH_TOLERANCE: Final = 1e-4
 STEP: Final = 3e-4
 """Step of finite differences in the unit cube for impacts integrated to the default tolerance."""
 
+_FLAT: Final = 1e-15
+"""Determinant of a covariance over the square of its trace below which it has but one direction."""
+
 Ranges = Mapping[str, tuple[float, float] | None]
 """Free fields of a law, each with its range or None for the declared one."""
 
@@ -221,12 +224,6 @@ class ImpactProblem(Problem):
         stated = self.measured.covariance
         return np.zeros_like(self.measured.delassus) if stated is None else stated
 
-    @cached_property
-    def _least(self) -> Array:
-        """Least size of the isotropic term: more than none where the stated error leaves out a direction."""
-        roots = np.linalg.eigvalsh(self._covariance)
-        return np.where(roots[:, 0] > np.finfo(float).eps * roots[:, 1], 0.0, LOWEST)
-
     def part(self, chosen: NDArray[np.int64]) -> Self:
         """Return the problem of some of the impacts."""
         return replace(self, measured=self.measured.part(chosen))
@@ -267,7 +264,10 @@ class ImpactProblem(Problem):
         missed = self.measured.velocity_after - after
         if not np.isfinite(after).all():
             missed = np.full_like(missed, np.nan)
-        size = np.maximum(self.value(values, DISCREPANCY, 1.0 if unstated else 0.0), self._least)
+        # An error that leaves out a direction cannot be divided by.
+        whole = np.linalg.det(self._covariance) > _FLAT * np.trace(self._covariance, axis1=1, axis2=2) ** 2
+        stated = self.value(values, DISCREPANCY, 1.0 if unstated else 0.0)
+        size = np.where(whole, stated, max(stated, LOWEST))
         covariance = self._covariance + (size**2 * self._scale)[:, None, None] * self.measured.delassus
         white = np.linalg.solve(np.linalg.cholesky(covariance), missed[..., None])[..., 0]
         square = np.einsum("ni,ni->n", white, white)

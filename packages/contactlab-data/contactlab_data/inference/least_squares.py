@@ -170,8 +170,8 @@ def best_fit(
             costs[number] = end.cost
             lowest = min(ends, key=lambda end: end.cost)
             # On a plateau starts end at one cost and in many places.
-            near = [x for x in ends if x.cost <= lowest.cost * (1.0 + HIT) and _apart(x, lowest) < NEAR]
-            if agreed and len(near) >= agreed:
+            as_low = [x for x in ends if x.cost <= lowest.cost * (1.0 + HIT)]
+            if agreed and sum(np.abs(x.x - lowest.x).max() < NEAR for x in as_low) >= agreed:
                 costs = costs[: number + 1]
                 break
     best = min(ends, key=lambda end: end.cost)
@@ -183,23 +183,13 @@ def best_fit(
         from_cube(free, point),
         float(best.cost) * unit**2,
         costs * unit**2,
-        _hits(costs),
+        int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
         undetermined(free, jacobian, spread),
         tuple(item.name for item, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
         point,
         np.asarray(best.fun) * unit,
         jacobian,
     )
-
-
-def _apart(end: OptimizeResult, other: OptimizeResult) -> float:
-    """Return the largest distance of two optima along an axis of the unit cube."""
-    return float(np.abs(end.x - other.x).max())
-
-
-def _hits(costs: Array) -> int:
-    """Return the number of starts that reached the lowest cost."""
-    return int(np.sum(costs <= costs.min() * (1.0 + HIT) + np.finfo(float).tiny))
 
 
 def _cost(residuals: Array) -> float:

@@ -31,7 +31,7 @@ from scipy.special import ndtri, stdtrit
 
 from contactlab.arrays import Array
 from contactlab.progress import part_of_progress, tell_progress, untold_progress
-from contactlab_data.inference.free_parameters import FreeParameter, from_cube, to_cube
+from contactlab_data.inference.free_parameters import from_cube, to_cube
 from contactlab_data.inference.least_squares import FLAT, Optimum, best_fit, starting_points
 from contactlab_data.inference.posterior import ENDS, NormalPosterior
 from contactlab_data.inference.problem import IMPOSSIBLE, Problem
@@ -148,7 +148,7 @@ def normal_posterior(problem: Problem, best: Optimum, ends: Array, seed: int) ->
     point, free = best.point, problem.free
     if problem.nuisances:
         shares = to_cube(problem.nuisances, best.noise)
-        curvature = _curvature(_cost_of_noise(problem, best.values), shares)
+        curvature = second_derivatives(_cost_of_noise(problem, best.values), shares)
         roots, directions = np.linalg.eigh(curvature)
         # A likelihood that does not bend leaves the prior.
         own = (directions / np.maximum(roots, WIDE**-2)) @ directions.T
@@ -157,11 +157,16 @@ def normal_posterior(problem: Problem, best: Optimum, ends: Array, seed: int) ->
         ends = np.vstack([ends, np.column_stack([shares - reach, shares + reach])])
     ends = np.clip(ends, 0.0, 1.0)
     draws = np.random.default_rng([seed, 3])
-    samples = _inside(draws, point, covariance)
+    samples = draws.multivariate_normal(point, covariance, DRAWS)
+    for _ in range(REFITS):
+        # Those that lie outside are drawn again.
+        out = (np.abs(samples - 0.5) > 0.5).any(axis=1)
+        samples[out] = draws.multivariate_normal(point, covariance, int(out.sum()))
+    samples = np.clip(samples, 0.0, 1.0)
     inverse = np.linalg.pinv(covariance, hermitian=True)
     likeliest = problem.log_likelihood(best.all_values)
     off = samples - point
-    units = np.array([_slope(item, float(x)) for item, x in zip(free, best.all_values, strict=True)])
+    units = np.array([item.slope(float(x)) for item, x in zip(free, best.all_values, strict=True)])
     known = not (best.undetermined or best.at_end)
     volume = 0.5 * float(np.linalg.slogdet(2.0 * pi * covariance)[1]) if len(free) else 0.0
     return NormalPosterior(
@@ -192,7 +197,7 @@ def covariance_of(jacobian: Array, scale: float) -> Array:
     return np.asarray((directions.T * variances) @ directions)
 
 
-def _curvature(cost: Callable[[Array], float], point: Array) -> Array:
+def second_derivatives(cost: Callable[[Array], float], point: Array) -> Array:
     """Return the second derivatives of a function in the unit cube, by differences inside of it."""
     point = np.clip(point, 2.0 * CURVED, 1.0 - 2.0 * CURVED)
     steps = CURVED * np.eye(point.size)
@@ -203,21 +208,6 @@ def _curvature(cost: Callable[[Array], float], point: Array) -> Array:
         return float(ahead - cost(point + a - b) - cost(point - a + b)) / (4.0 * CURVED**2)
 
     return np.array([[corner(i, j) for j in range(point.size)] for i in range(point.size)])
-
-
-def _inside(draws: np.random.Generator, point: Array, covariance: Array) -> Array:
-    """Draw of a normal distribution what lies in the unit cube, shape (draw, parameter)."""
-    result = draws.multivariate_normal(point, covariance, DRAWS)
-    for _ in range(REFITS):
-        out = (np.abs(result - 0.5) > 0.5).any(axis=1)
-        if out.any():
-            result[out] = draws.multivariate_normal(point, covariance, int(out.sum()))
-    return np.clip(result, 0.0, 1.0)
-
-
-def _slope(item: FreeParameter, value: float) -> float:
-    """Return the derivative of a number by its share of the range."""
-    return value * np.log(item.high / item.low) if item.logarithmic else item.high - item.low
 
 
 def profile_ends(
@@ -272,11 +262,15 @@ def profile_ends(
             with part_of_progress(number / result.size, (number + 1) / result.size):
                 tell_progress(f"interval of {best.free[place].name}", 0.0)
                 with untold_progress():
-                    result[row, column] = _end(zeta, float(best.point[place]), sign * reach, end, quantile)
+                    result[row, column] = profile_end(
+                        zeta, float(best.point[place]), sign * reach, end, quantile
+                    )
     return result
 
 
-def _end(zeta: Callable[[float], float], middle: float, reach: float, end: float, quantile: float) -> float:
+def profile_end(
+    zeta: Callable[[float], float], middle: float, reach: float, end: float, quantile: float
+) -> float:
     """Return where |zeta| is the quantile on one side, or the end of the cube where it stays below.
 
     Args:

@@ -46,12 +46,13 @@ class RecordProblem(OverTime):
         return self.whole.spread(values)
 
     @cached_property
-    def _path(self) -> PathProblem:
+    def path(self) -> PathProblem:
+        """The path with the numbers that are free here."""
         return replace(self.whole, keys=self.keys)
 
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return the forces of the record, by name; None if the law does not reach the end of the path."""
-        forces = self._path.predict(values)
+        forces = self.path.predict(values)
         return forces and {name: x[self.places].mean(axis=1) for name, x in forces.items()}
 
 

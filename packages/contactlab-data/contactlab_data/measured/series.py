@@ -156,9 +156,11 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     Raises:
         MeasurementError: the table has no time or no series, or a series is faulty.
     """
-    units, present, stated, path = _names(table)
+    units, present, stated, path = names_in(table)
     compared = [name for name in (*present, *stated) if not name.startswith("velocity")]
-    seen = ~np.any([np.zeros(len(table.places), bool), *(_empty(table, name) for name in compared)], axis=0)
+    seen = ~np.any(
+        [np.zeros(len(table.places), bool), *(empty_cells(table, name) for name in compared)], axis=0
+    )
     if (count := int(seen.sum())) < min(FEWEST, seen.size):
         raise MeasurementError(f"{', '.join(compared)} have numbers in {count} rows; at least {FEWEST} must.")
     # Of a path every row counts, measured or not.
@@ -173,7 +175,11 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
 
     columns = {name: column(name) for name in ("time", *present, *stated, *path)}
     time = columns["time"]
-    _check_time(time, any_start=bool(path))
+    if time.size < FEWEST or (time[0] < 0.0 and not path) or not (np.diff(time) > 0.0).all():
+        raise MeasurementError(
+            f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
+            f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
+        )
     for name in stated:
         if not (least := np.nanmin(columns[name])) > 0.0:
             raise MeasurementError(f"{name} is {least:g}; it must be greater than 0.")
@@ -190,7 +196,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         time,
         {name: columns[name] for name in present},
         {name.removesuffix(ERROR): columns[name] for name in stated if name in compared},
-        _configuration(table),
+        configuration_in(table),
         attributes,
         digest,
         {name: columns[name] for name in PATH if path and name in columns and name != "velocity"},
@@ -198,7 +204,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     )
 
 
-def _names(table: Table) -> tuple[dict[str, str], list[str], list[str], list[str]]:
+def names_in(table: Table) -> tuple[dict[str, str], list[str], list[str], list[str]]:
     """Return units by name, and the names of what is measured, of stated errors and of the path."""
     path = [name for name in PATH if name in table.names]
     path = path if {"slip", "velocity"} & {*path} else []
@@ -222,16 +228,7 @@ def _names(table: Table) -> tuple[dict[str, str], list[str], list[str], list[str
     return units, present, stated, path
 
 
-def _check_time(time: Array, *, any_start: bool) -> None:
-    """Refuse times that are few, do not increase or begin before the drive is switched on."""
-    if time.size < FEWEST or (time[0] < 0.0 and not any_start) or not (np.diff(time) > 0.0).all():
-        raise MeasurementError(
-            f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
-            f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
-        )
-
-
-def _configuration(table: Table) -> dict[str, Any]:
+def configuration_in(table: Table) -> dict[str, Any]:
     """Return the configuration of a motor in the attributes of a table."""
     try:
         configuration = read_yaml(str(table.data.attrs.get("configuration", "{}")))
@@ -243,7 +240,7 @@ def _configuration(table: Table) -> dict[str, Any]:
     return configuration
 
 
-def _empty(table: Table, name: str) -> NDArray[np.bool_]:
+def empty_cells(table: Table, name: str) -> NDArray[np.bool_]:
     """Return which cells of a column are empty, or NaN in netCDF, shape (row,)."""
     cells = np.broadcast_to(table.data.variables[name].values, (len(table.places),))
     return np.isnan(cells) if cells.dtype.kind == "f" else np.array([not str(x).strip() for x in cells])

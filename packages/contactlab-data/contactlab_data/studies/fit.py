@@ -1,7 +1,7 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -138,12 +138,14 @@ class Fit(Study):
             except ValueError as error:
                 raise ConfigurationError(str(error)) from error
         noise = self.noise
-        if (
-            noise is None
-            and not isinstance(result, MeasuredImpacts)
-            and (text := result.attributes.get("noise"))
-        ):
-            noise = _noise_of(str(text))
+        if noise is None and not isinstance(result, MeasuredImpacts):
+            stated = str(result.attributes.get("noise", ""))
+            with suppress(ValueError):
+                noise = "free" if stated == "free" else float(stated)
+            if stated and noise != "free" and not (noise and 0.0 < noise <= 1.0):
+                raise ConfigurationError(
+                    f"noise is '{stated}' in the data; it must be free, or above 0 and at most 1."
+                )
         if noise is None:
             return result
         return without_errors(result) if noise == "free" else with_noise(result, noise)
@@ -210,7 +212,9 @@ class Fit(Study):
         settings = {"seed": self.seed, "starts": self.starts, "held_out": self.held_out}
         self._made.update({f"{item.label} {self._digest(item)}": item for item in self.candidates(setups)})
         folds_of(next(iter(self._made.values())).problem, self.held_out)
-        return [Task(f"{key} {FIRST}", _searched, (item, settings)) for key, item in self._made.items()]
+        return [
+            Task(f"{key} {FIRST}", part_of, (searched, settings, item)) for key, item in self._made.items()
+        ]
 
     @cached_property
     def _made(self) -> dict[str, Candidate]:
@@ -226,7 +230,7 @@ class Fit(Study):
         workers = None if self.workers == 1 and self.scheduler is None else 1
         settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "workers": workers}
         return [
-            Task(key, _sampled, (item, parts[f"{key} {FIRST}"], settings), resumes=True)
+            Task(key, part_of, (sampled, settings, item, parts[f"{key} {FIRST}"]), resumes=True)
             for key, item in self._made.items()
         ]
 
@@ -297,14 +301,6 @@ class Fit(Study):
         return figures
 
 
-def _noise_of(text: str) -> OrFree:
-    """Return the noise that a file states: over the size of its data, or free."""
-    with suppress(ValueError):
-        if text == "free" or 0.0 < float(text) <= 1.0:
-            return "free" if text == "free" else float(text)
-    raise ConfigurationError(f"noise is '{text}' in the data; it must be free, or above 0 and at most 1.")
-
-
 def findings_of(data: xarray.DataTree) -> list[str]:
     """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
 
@@ -359,14 +355,12 @@ def tables_of(data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
     return tables
 
 
-def _searched(candidate: Candidate, settings: dict[str, Any]) -> Part:
-    return Part(searched(candidate, **settings))
-
-
-def _sampled(
-    candidate: Candidate, first: xarray.DataTree, settings: dict[str, Any], checkpoint: Path | None = None
+def part_of(
+    function: Callable[..., xarray.DataTree | xarray.Dataset], settings: Mapping[str, Any], *arguments: Any
 ) -> Part:
-    return Part(sampled(candidate, first, **settings, checkpoint=checkpoint))
+    """Return what a function makes of settings and arguments, as the part of a task."""
+    data = function(*arguments, **settings)
+    return Part(data if isinstance(data, xarray.DataTree) else xarray.DataTree(data))
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

@@ -19,7 +19,7 @@ from contactlab.results.provenance import code_digest
 from contactlab.studies.function import function_of, of_laws
 from contactlab.studies.law_study import OF_MOTOR, read_file
 from contactlab.studies.run_state import code_of
-from contactlab.studies.study import Part, Setups, Study, Task, option
+from contactlab.studies.study import Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
 from contactlab_data.inference.candidates import Candidate
 from contactlab_data.inference.cross_validation import (
@@ -39,7 +39,7 @@ from contactlab_data.inference.law_numbers import FreeNumbers, by_key, correctio
 from contactlab_data.inference.nested_sampling import POINTS
 from contactlab_data.measured.files import read_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts
-from contactlab_data.studies.fit import FIRST, Method, findings_of, tables_of
+from contactlab_data.studies.fit import FIRST, Method, findings_of, part_of, tables_of
 
 SHOWN: Final = 40
 """Largest number of unexplained impacts in a sentence; the dataset has all of them."""
@@ -122,18 +122,19 @@ class Validate(Study):
         predictors = predictors_of(self.impacts, law_predictors(setups, free, self.known or ()), self.folds)
         # Refused before any of them is fitted.
         ImpactProblem(self.impacts, predictors[0], corrections=corrections)
-        self._made.update(
-            {
-                f"{FIT} {self._digest(each, corrections)} {each.label}": self._candidate(each, corrections)
-                for each in predictors
-                if not each.baseline
-            }
-        )
+        for each in predictors:
+            problem = ImpactProblem(
+                self.impacts, each, self.impacts.covariance is None, corrections=corrections
+            )
+            if not each.baseline:
+                key = f"{FIT} {self._digest(each, corrections)} {each.label}"
+                numbers = f"Free: {'; '.join(map(str, problem.parameters)) or 'nothing'}."
+                self._made[key] = Candidate(each.label, problem, {}, {}, numbers)
         return [
             Task(
                 f"{seed} {place} {self._digest(predictor, corrections)}",
-                _cross_validated,
-                (predictor, self.impacts, self.folds, seed, corrections),
+                part_of,
+                (cross_validated, {}, predictor, self.impacts, self.folds, seed, corrections),
             )
             for seed in self.seeds
             for place, predictor in sorted(enumerate(predictors), key=lambda each: not each[1].integrated)
@@ -144,14 +145,6 @@ class Validate(Study):
         """The laws by the keys of the tasks of nested sampling, once tasks are made."""
         return {}
 
-    def _candidate(self, predictor: ImpactPredictor, corrections: tuple[FreeParameter, ...]) -> Candidate:
-        """Return a law that is fitted to all impacts, with the numbers that are free in every fold."""
-        unknown = self.impacts.covariance is None
-        problem = ImpactProblem(self.impacts, predictor, unknown, corrections=corrections)
-        free = "; ".join(map(str, problem.parameters))
-        origin = {"data": self.impacts.title, "digest": self.impacts.content_digest, "likelihood": "normal"}
-        return Candidate(predictor.label, problem, {}, origin, f"Free: {free or 'nothing'}.")
-
     def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
         """Return fits of every law to all impacts after the cross-validation, if they are wanted."""
         del setups
@@ -159,7 +152,9 @@ class Validate(Study):
             return []
         workers = None if self.workers == 1 and self.scheduler is None else 1
         settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "workers": workers}
-        return [Task(key, _fitted, (item, settings), resumes=True) for key, item in self._made.items()]
+        return [
+            Task(key, part_of, (fitted, settings, item), resumes=True) for key, item in self._made.items()
+        ]
 
     def _digest(self, predictor: ImpactPredictor, corrections: tuple[FreeParameter, ...]) -> str:
         """Return the digest of all that a cross-validation depends on besides the seed."""
@@ -291,14 +286,6 @@ def _fits(data: xarray.DataTree) -> xarray.DataTree | None:
     if FIT not in data.children:
         return None
     return _renamed(data.children[FIT], lambda name: name.removeprefix(f"{FIT}_"))
-
-
-def _fitted(candidate: Candidate, settings: dict[str, Any], checkpoint: Path | None = None) -> Part:
-    return Part(fitted(candidate, **settings, checkpoint=checkpoint))
-
-
-def _cross_validated(*arguments: Any) -> Part:
-    return Part(xarray.DataTree(cross_validated(*arguments)))
 
 
 def headline(data: xarray.Dataset) -> str:

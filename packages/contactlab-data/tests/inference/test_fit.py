@@ -192,10 +192,10 @@ def test_setups_of_one_law_are_named_by_their_labels(impacts):
 def test_the_page_has_least_squares_before_nested_sampling_begins(impacts, tmp_path, monkeypatch, method):
     from contactlab_data.studies import fit as module
 
-    def interrupted(*_):
+    def interrupted(*_, **_others):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(module, "_sampled", interrupted)
+    monkeypatch.setattr(module, "sampled", interrupted)
     options = {"data": impacts, "free": FREE, "output": tmp_path / "out", "method": method}
     if method == "nested":
         with pytest.raises(KeyboardInterrupt):
