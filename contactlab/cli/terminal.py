@@ -212,12 +212,13 @@ class _Line:
         # Of a single task its parts tell.
         pieces = [
             f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "",
-            self.current,
             f"{tqdm.format_interval(elapsed)} so far",
         ]
         left = elapsed * (all_of_it - done) / (done - begun) if done > begun else inf
         if left < LONGEST_LEFT:
             pieces.append(f"about {tqdm.format_interval(left)} left")
+        # A narrow screen cuts off the end.
+        pieces.append(self.current)
         return f"{done / all_of_it:4.0%} | {' | '.join(filter(None, pieces))}"
 
 

@@ -24,7 +24,7 @@ from contactlab.suggestion import excerpt, suggestion
 if TYPE_CHECKING:
     import xarray
 
-TEXTS: Final = ("title", "source", "licence", "jacobian", "note")
+TEXTS: Final = ("title", "source", "licence", "jacobian", "note", "forces", "noise")
 """Texts of a file: comments in CSV, global attributes in netCDF."""
 
 LARGEST: Final = 1e60

@@ -11,7 +11,7 @@ import json
 import socket
 import sys
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import suppress
@@ -123,11 +123,16 @@ class Parts(Mapping[str, xarray.DataTree]):
 
 
 def done_parts(
-    study: Work, setups: Setups, folder: Path | None = None, progress: Progress | None = None
+    study: Work,
+    setups: Setups,
+    folder: Path | None = None,
+    progress: Progress | None = None,
+    first: Callable[[Parts], object] = lambda _: None,
 ) -> tuple[Parts, Any]:
     """Do what is left of a study's tasks; return their data, and the details of a single task.
 
-    The arguments and exceptions are those of `contactlab.studies.study.run`.
+    The arguments and exceptions are those of `contactlab.studies.study.run`; `first` receives what is done
+    before further tasks.
     """
     store = None
     # A motor made in Python has no configuration that determines it.
@@ -148,7 +153,8 @@ def done_parts(
             details = part.details if parts.count == 1 else None
             if progress:
                 progress(len(parts), parts.count)
-        tasks = list(study.further_tasks(setups, parts))
+        if tasks := list(study.further_tasks(setups, parts)):
+            first(parts)
     return parts, details
 
 

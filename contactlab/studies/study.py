@@ -130,6 +130,9 @@ class Study(ABC):
     presets: ClassVar[tuple[str, ...]] = ()
     """Options of groups, 'GROUP=OPTION', by default instead of those of a run; an experiment has its own."""
 
+    early: ClassVar[bool] = False
+    """Whether files are written once the first tasks are done, before further ones replace them."""
+
     delay: ClassVar[float] = 0.0
     """Processor time after which other processes are started, which takes seconds itself [s]."""
 
@@ -466,9 +469,14 @@ def run(study: Study, setups: Setups, folder: Path | None = None, progress: Prog
     from contactlab.studies.runner import RemovedError, done_parts
 
     single, setups, result = len(setups) == 1, study.put_to(setups), None
+
+    def write_first(parts: Mapping[str, xarray.DataTree]) -> None:
+        if study.early and folder is not None:
+            Result.of(study, setups, study.combine(setups, parts)).save(folder)
+
     while result is None:
         with suppress(RemovedError):
-            parts, details = done_parts(study, setups, folder, progress)
+            parts, details = done_parts(study, setups, folder, progress, write_first)
             combined = partial(study.combine, setups, parts)
             result = Result.of(study, setups, combined if parts.unmade else combined(), details)
     if missing := [q.name for q in study.quantities if single and q.name not in result.numbers]:

@@ -67,6 +67,15 @@ def test_a_line_counts_what_there_was_as_done_in_no_time(
     assert grown or "left" not in text
 
 
+def test_the_time_left_stands_before_what_a_narrow_screen_cuts_off() -> None:
+    line = terminal._Line(1.0, "tasks", 1.0)
+    line.show(0.0)
+    line.tell(
+        "hertz_point + dahl: nested sampling: 123456 evaluations, evidence left 1.23e+04 (ends at 0.16)", 0.5
+    )
+    assert " left |" in str(line)[:60]
+
+
 def test_parts_are_shares_of_the_whole_and_evaluations_are_silent() -> None:
     def work() -> None:
         with part_of_progress(0.5, 1.0, "second: "):

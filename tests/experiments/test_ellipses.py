@@ -9,7 +9,7 @@ from ellipses import convert
 from scipy.optimize import minimize
 from support.measurements import ELLIPSES
 
-from contactlab_data.inference.cross_validation import folds_of
+from contactlab_data.inference.held_out import folds_of_measurements
 from contactlab_data.inference.impact_problem import LawPredictor
 from contactlab_data.inference.law_numbers import usual_laws
 from contactlab_data.measured.files import read_impacts
@@ -88,7 +88,7 @@ def test_a_constant_impulse_is_no_better_than_one_turned_with_the_slip(ellipses:
     def fixed(p: np.ndarray) -> np.ndarray:
         return ellipses.velocity_before + np.einsum("nij,j->ni", ellipses.delassus, p)
 
-    fold = folds_of(np.arange(len(ellipses)), 5, 0)
+    fold = folds_of_measurements(np.arange(len(ellipses)), 5, 0)
     for expected, after in ((0.2815, fixed), (0.2846, lambda p: with_constant_impulse(ellipses, p))):
         errors = np.empty(len(ellipses))
         for stored in range(5):
@@ -125,7 +125,7 @@ def test_a_restitution_of_slip_or_incidence_gains_less_than_tangential_complianc
             for e in np.arange(0.44, 0.62, 0.0025)
         ]
     )
-    fold = folds_of(np.arange(len(ellipses)), 5, 0)
+    fold = folds_of_measurements(np.arange(len(ellipses)), 5, 0)
 
     def held_out(part: np.ndarray) -> float:
         result = np.empty(len(ellipses))

@@ -18,11 +18,11 @@ from contactlab_data.inference.influence import without_influence
 from contactlab_data.inference.joint_problem import JointProblem
 from contactlab_data.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
 from contactlab_data.inference.motor_problem import points_problem, series_problem
-from contactlab_data.inference.path_problem import path_problem
+from contactlab_data.inference.path_records import record_problem
 from contactlab_data.inference.problem import Problem
 from contactlab_data.inference.synthetic import truth_in
 from contactlab_data.measured.impacts import MeasuredImpacts
-from contactlab_data.measured.series import MeasuredPoints, MeasuredSeries
+from contactlab_data.measured.series import FORCES, MeasuredPoints, MeasuredSeries
 
 FEWEST: Final = 3
 """Least number of impacts to which a law is fitted."""
@@ -114,6 +114,9 @@ def candidates_of(
         notes = {
             "duplicates": [each.copies_warning() for each in of_impacts],
             "tracks": [each.tracks.attrs["findings"] for each in of_impacts if each.tracks is not None],
+            "series": [
+                text for each in sets.values() if isinstance(each, MeasuredSeries) for text in each.notes
+            ],
         }
         origin |= {key: "\n".join(lines) for key, lines in notes.items() if any(lines)}
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
@@ -209,10 +212,14 @@ def _problem(
         return ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
     if isinstance(data, MeasuredSeries) and data.path:
         noise: dict[str, Any] = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
-        return path_problem(data, setup.law, keys, **noise, degree=degree)
+        return record_problem(data, setup.law, keys, **noise, degree=degree)
     if "resonator" not in setup.configuration:
         raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
     if isinstance(data, MeasuredSeries):
+        if not data.means and {*FORCES} & {*data.values}:
+            raise ConfigurationError(
+                "forces is values; those of a motor must be means. Leave them out by series."
+            )
         return series_problem(
             data, setup.configuration, keys, discrepancy=discrepancy, degrees_of_freedom=degrees_of_freedom
         )

@@ -8,8 +8,9 @@ no more weight than its error. The assessment of several laws has these variable
 | error | law, impact | ||v+ - v+_predicted|| / ||v-|| in the norm of the kinetic energy |
 | predicted_velocity | law, impact, direction | gap rate and slip [m/s] |
 | prediction_error, prediction_error_interval | law (, end) | mean of the errors, 95 % interval |
-| kind, group, unanswered, fitted_on, held, unmoved, undetermined, at_end | law | |
+| kind, group, unanswered, fitted_on, held, unmoved, at_end | law | |
 | value, range, units | law, fold_number, parameter | of the fit without that fold; NaN for no such number |
+| interval, remark | law, parameter (, end) | by all impacts, 90 %, and what limits it: `determination` |
 | difference, difference_interval | law, other (, end) | of the mean errors, law less other, by pairs |
 | p_value | law, other | of equal errors, corrected for the number of pairs by Holm's procedure |
 | velocity_before, velocity_after, fold, noise_bound, unexplained | impact | as measured; see `noise_of` |
@@ -32,7 +33,9 @@ from contactlab.arrays import Array
 from contactlab.progress import part_of_progress
 from contactlab.studies.compare.bootstrap import LEVEL, RESAMPLES, mean_intervals, paired_differences
 from contactlab.studies.compare.multiple import holm
+from contactlab_data.inference.determination import Determination, determinations
 from contactlab_data.inference.free_parameters import FreeParameter
+from contactlab_data.inference.held_out import FOLDS as FOLDS, folds_of_measurements
 from contactlab_data.inference.impact_problem import (
     ConstantImpulse,
     ImpactPredictor,
@@ -42,10 +45,9 @@ from contactlab_data.inference.impact_problem import (
 )
 from contactlab_data.inference.influence import without_idle
 from contactlab_data.inference.least_squares import Optimum, best_fit
+from contactlab_data.inference.maximum_likelihood import maximum_likelihood
 from contactlab_data.measured.floors import best_admissible_impulses, best_impulses, velocities_after
 from contactlab_data.measured.impacts import MeasuredImpacts, noise_from_outside
-
-FOLDS: Final = 5
 
 STARTS: Final = 16
 INTEGRATED_STARTS: Final = 8
@@ -89,25 +91,6 @@ PLANAR: Final = 3
 
 class ValidationError(ValueError):
     """Laws cannot be validated by these impacts."""
-
-
-def folds_of(measurement: NDArray[np.int64], folds: int, seed: int) -> NDArray[np.int64]:
-    """Return the fold, from 0, in which each impact is held out, shape (impact,).
-
-    Measurements are shuffled by the seed, and each goes to the fold with the fewest impacts so far. Folds
-    differ in size by one at most where each impact is a measurement of its own.
-
-    Args:
-        measurement: number of the measurement that each impact belongs to, from 0 without gaps.
-        folds: how many.
-        seed: of the shuffle.
-    """
-    sizes = np.bincount(measurement)
-    filled, fold = np.zeros(folds, dtype=np.int64), np.empty(sizes.size, dtype=np.int64)
-    for place in np.random.default_rng([seed, folds]).permutation(sizes.size):
-        fold[place] = np.argmin(filled)
-        filled[fold[place]] += sizes[place]
-    return fold[measurement]
 
 
 def least_error_fit(problem: ImpactProblem, seed: int) -> Optimum:
@@ -175,7 +158,7 @@ def cross_validated(
         ValueError: there is a prediction at none of the starts.
     """
     problem = ImpactProblem(impacts, predictor, corrections=corrections)
-    fold = folds_of(impacts.measurements(), folds, seed)
+    fold = folds_of_measurements(impacts.measurements(), folds, seed)
     predicted, outside = np.full_like(impacts.velocity_before, np.nan), np.zeros(len(impacts))
     fits, sizes, lost = list[Optimum](), list[int](), 0
     count = int(fold.max()) + 1
@@ -184,7 +167,7 @@ def cross_validated(
         if predictor.integrated:
             others = np.random.default_rng([seed, number]).permutation(others)[:SUBSET]
         text = f"{predictor.label}, fold {number + 1} of {count}: "
-        with part_of_progress(number / count, (number + 1) / count, text):
+        with part_of_progress(0.9 * number / count, 0.9 * (number + 1) / count, text):
             fits.append(least_error_fit(problem.part(others), seed))
         sizes.append(others.size)
         after, outside[fold_impacts] = problem.part(fold_impacts).prediction(fits[-1].values)
@@ -192,6 +175,8 @@ def cross_validated(
         lost += int(missing.sum())
         predicted[fold_impacts] = np.where(missing[:, None], impacts.velocity_before[fold_impacts], after)
     free, kind = problem.parameters, COMPLIANT if predictor.integrated else RIGID
+    with part_of_progress(0.9, 1.0, f"{predictor.label}, all impacts: "):
+        every = determined_by_all(problem, [fit.values for fit in fits], seed)
     data = _predictions(
         impacts,
         predicted,
@@ -208,9 +193,26 @@ def cross_validated(
         units=("parameter", _texts(item.parameter.units for item in free)),
         hits=("fold", np.array([fit.hits for fit in fits])),
         fitted_on=("fold", np.array(sizes)),
-        undetermined=("fold", _texts(", ".join(fit.undetermined) for fit in fits)),
+        interval=(("parameter", "end"), np.array([item.interval for item in every]).reshape(-1, 2)),
+        remark=("parameter", _texts(item.remark for item in every)),
         at_end=("fold", _texts(", ".join(fit.at_end) for fit in fits)),
     ).assign_coords(parameter=_texts(item.name for item in free))
+
+
+def determined_by_all(problem: ImpactProblem, begins: Sequence[Array], seed: int) -> list[Determination]:
+    """Return what all impacts say of the numbers of a law, as a fit does, from the best of some values.
+
+    Those of an integrated law are of `SUBSET` of the impacts, drawn by the seed.
+    """
+    if problem.predictor.integrated:
+        drawn = np.random.default_rng(seed).permutation(len(problem.measured))[:SUBSET]
+        problem = problem.part(np.sort(drawn))
+    problem = replace(problem, discrepancy=problem.measured.covariance is None)
+    costs = [float(np.sum(problem.residuals(values) ** 2)) for values in begins]
+    if problem.predictor.baseline or not np.isfinite(costs).any():
+        return [Determination(item, np.full(2, np.nan)) for item in problem.parameters]
+    best = maximum_likelihood(problem, 1, seed, begins[int(np.nanargmin(costs))])
+    return determinations(problem, best)
 
 
 def _predictions(
@@ -256,9 +258,8 @@ def assessed(
     for name in ("kind", "held", "unmoved", "unanswered"):
         data[name] = "law", [item.attrs[name] for item in every]
     data["fitted_on"] = "law", [int(item["fitted_on"].min()) if "fitted_on" in item else 0 for item in every]
-    for name in ("undetermined", "at_end"):
-        texts = [", ".join(item[name].values if name in item else []).split(", ") for item in every]
-        data[name] = "law", [", ".join(dict.fromkeys(filter(None, names))) for names in texts]
+    texts = [", ".join(item["at_end"].values if "at_end" in item else []).split(", ") for item in every]
+    data["at_end"] = "law", [", ".join(dict.fromkeys(filter(None, names))) for names in texts]
     _add_parameters(data, every)
     apart, intervals = paired_differences(errors, seed, blocks)
     data.coords["other"] = data["law"].values
@@ -270,7 +271,7 @@ def assessed(
     data.coords["impact"] = "impact", impacts.number, {"long_name": "number in the file"}
     for name in ("velocity_before", "velocity_after"):
         data[name] = ("impact", "direction"), getattr(impacts, name), {"units": "m s-1"}
-    data["fold"] = "impact", folds_of(impacts.measurements(), folds, seed)
+    data["fold"] = "impact", folds_of_measurements(impacts.measurements(), folds, seed)
     noise = noise_of(impacts)
     data["noise_bound"] = "impact", noise.bound, {"units": "1", "long_name": "error that noise may cause"}
     smallest = laws_in(data)["error"].values.min(axis=0)
@@ -347,16 +348,19 @@ def _add_parameters(data: xarray.Dataset, every: Sequence[xarray.Dataset]) -> No
     names = [*dict.fromkeys(str(name) for item in fitted.values() for name in item["parameter"].values)]
     folds = max(item.sizes.get("fold", 0) for item in every)
     values = np.full((len(every), folds, len(names)), np.nan)
-    ranges = np.full((len(every), len(names), 2), np.nan)
-    units = np.full((len(every), len(names)), "", dtype=object)
+    ranges, intervals = np.full((2, len(every), len(names), 2), np.nan)
+    units, remarks = np.full((2, len(every), len(names)), "", dtype=object)
     for at, item in fitted.items():
         places = [names.index(str(name)) for name in item["parameter"].values]
         values[at][:, places] = item["value"].values
         ranges[at, places], units[at, places] = item["range"].values, item["units"].values
+        intervals[at, places], remarks[at, places] = item["interval"].values, item["remark"].values
     data.coords["parameter"] = np.array(names, dtype=object)
     data["value"] = ("law", "fold_number", "parameter"), values
     data["range"] = ("law", "parameter", "end"), ranges
+    data["interval"] = ("law", "parameter", "end"), intervals
     data["units"] = ("law", "parameter"), units
+    data["remark"] = ("law", "parameter"), remarks
 
 
 class Noise(NamedTuple):

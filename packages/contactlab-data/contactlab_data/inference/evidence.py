@@ -3,11 +3,12 @@
 Laws are compared by Bayes factors B = Z_1 / Z_2, by which the data change the odds of law 1 over law 2.
 Evidence is of law and prior together: an even range that is ten times as wide takes ln 10 from a parameter
 that the data determine. It ranks laws whether or not any is right, so odds are stated only between laws of
-which the one with the larger evidence passes a posterior predictive check.
+which the one with the larger evidence passes a posterior predictive check. Of least squares evidence is
+Laplace's approximation, from which no odds follow.
 """
 
 from collections.abc import Mapping
-from math import exp, hypot, log
+from math import exp, hypot, inf, isfinite, log
 from typing import Final
 
 import xarray
@@ -51,12 +52,12 @@ def misfits(fits: Mapping[str, xarray.DataTree]) -> dict[str, str]:
 
 
 def evidences_of(fits: Mapping[str, xarray.DataTree]) -> dict[str, Estimate]:
-    """Return ln Z of the fits by label, in falling order."""
+    """Return ln Z of the fits by label, in falling order; those without any last."""
     every = {
         label: Estimate(float(fit.attrs["log_evidence"]), float(fit.attrs["log_evidence_error"]))
         for label, fit in fits.items()
     }
-    return dict(sorted(every.items(), key=lambda item: -item[1].value))
+    return dict(sorted(every.items(), key=lambda x: -x[1].value if isfinite(x[1].value) else inf))
 
 
 def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
@@ -68,6 +69,8 @@ def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
         if others and len(failing) == len(fits):
             head = "No law here fits the data within the noise: evidence ranks misfits, and no odds follow"
         result.append(f"{head}: {'; '.join(f'{label} ({why})' for label, why in failing.items())}.")
+    if any(fit.attrs["method"] == "least squares" for fit in fits.values()):
+        return [*result, *by_misfit(fits)]
     for other, evidence in others:
         difference, error = largest.value - evidence.value, hypot(largest.error, evidence.error)
         shown = f"ln B = {Estimate(difference, error).text()}"
@@ -84,3 +87,15 @@ def compared(fits: Mapping[str, xarray.DataTree]) -> list[str]:
         else:
             result.append(f"{first} and {other} are not distinguishable ({shown}).")
     return result
+
+
+def by_misfit(fits: Mapping[str, xarray.DataTree]) -> list[str]:
+    """Return the order of laws by their misfits, held out where known; of one law both."""
+    misfit = {label: fit.attrs["misfit"] for label, fit in fits.items()}
+    held_out = {label: fit.attrs["held_out_misfit"] for label, fit in fits.items()}
+    kind, chosen = "held out", held_out
+    if not all(map(isfinite, held_out.values())):
+        kind, chosen = "of the fit", misfit
+    shown = [f"{label} {x:.4g}" for label, x in sorted(chosen.items(), key=lambda item: item[1])]
+    text = f"Root mean square of the residuals over their errors, {kind}: {', '.join(shown)}."
+    return [text, *(["method=nested computes evidence, from which odds follow."] if len(fits) > 1 else [])]

@@ -1,4 +1,4 @@
-"""Fit of laws to measurements: optimum, posterior with evidence, and predictions, as one tree of datasets.
+"""Fit of a law to measurements: the result of least squares or of nested sampling, as one tree of datasets.
 
 A posterior predictive check compares a discrepancy T of the data y with that of data replicated by the same
 posterior sample x:
@@ -14,6 +14,7 @@ Sources: Gelman, Meng and Stern (1996), Stat. Sinica 6, 733; Gelman et al. (2013
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from math import erfc, sqrt
@@ -28,13 +29,20 @@ from contactlab.estimate import Estimate
 from contactlab.progress import part_of_progress
 from contactlab.studies.compare.repeats import MARGIN, not_stated
 from contactlab_data.inference.candidates import Candidate
+from contactlab_data.inference.determination import determinations
+from contactlab_data.inference.free_parameters import from_cube, to_cube
 from contactlab_data.inference.held_out import HeldOut, folds_of, held_out_misfits, residuals_of
-from contactlab_data.inference.least_squares import Optimum, best_fit
-from contactlab_data.inference.nested_sampling import POINTS, Posterior, sample
+from contactlab_data.inference.least_squares import Optimum
+from contactlab_data.inference.maximum_likelihood import (
+    STARTS,
+    covariance_of,
+    maximum_likelihood,
+    normal_posterior,
+    scale_of,
+)
+from contactlab_data.inference.nested_sampling import POINTS, sample
+from contactlab_data.inference.posterior import ENDS as ENDS, Posterior
 from contactlab_data.inference.problem import Problem
-
-STARTS: Final = 16
-"""Default number of starts of least squares."""
 
 SEARCHED: Final = 0.2
 """Share of the time of a fit that least squares take, roughly."""
@@ -48,9 +56,6 @@ PREDICTED: Final = 250
 REPLICAS: Final = 8
 """Data sets replicated by each of them for the posterior predictive check; the first is kept."""
 
-ENDS: Final = (0.05, 0.95)
-"""Quantiles of the intervals, 90 %."""
-
 MIDDLE: Final = (0.25, 0.75)
 """Quantiles of the intervals by which outliers are noticed, 50 %."""
 
@@ -59,6 +64,9 @@ ERRORS: Final = 3.0
 
 IMPROBABLE: Final = 0.5 * erfc(ERRORS / sqrt(2.0))
 """Posterior predictive p-value below which a law does not fit: a normal distribution beyond `ERRORS`."""
+
+SEARCH: Final = ("spread", "best_fit", "misfit", "held_out_misfit", "search")
+"""Attributes of least squares that a result by another method has too."""
 
 UNINFORMED: Final = 0.95
 """Width of a posterior's interval over the prior's from which on the data do not inform it."""
@@ -71,49 +79,153 @@ SAMPLED: Final = ("chain", "draw")
 
 def fitted(
     candidate: Candidate,
+    checkpoint: Path | None = None,
     *,
     points: int = POINTS,
     seed: int = 0,
     starts: int = STARTS,
-    held_out: HeldOut = "off",
-    checkpoint: Path | None = None,
+    held_out: HeldOut = "auto",
     workers: int | None = None,
 ) -> xarray.DataTree:
-    """Fit a law: least squares of law and motor, then posterior and evidence of all that is free.
+    """Fit a law by least squares, then by nested sampling; arguments as of `searched` and `sampled`."""
+    with part_of_progress(0.0, SEARCHED):
+        first = searched(candidate, seed=seed, starts=starts, held_out=held_out)
+    with part_of_progress(SEARCHED, 1.0):
+        return sampled(candidate, first, checkpoint, points=points, seed=seed, workers=workers)
+
+
+def searched(
+    candidate: Candidate, *, seed: int = 0, starts: int = STARTS, held_out: HeldOut = "auto"
+) -> xarray.DataTree:
+    """Fit a law by least squares: optimum, covariance, intervals by the profile likelihood, held-out misfits.
 
     Args:
-        points: live points of nested sampling.
         seed: the same gives the same bits.
         starts: of least squares.
         held_out: parts of the data that are predicted by fits to the others.
-        checkpoint: file from which an interrupted fit resumes.
-        workers: processes; None is one a processor where that pays.
 
     Returns:
         ArviZ's groups posterior, posterior_predictive, log_likelihood, sample_stats and observed_data;
-        weighted_samples of nested sampling; summary, a row for each number; residuals at the optimum, and
-        held_out if wanted, unless the response is no function of its inputs; attributes.
+        weighted_samples; summary, a row for each number; residuals at the optimum, and held_out, unless the
+        response is no function of its inputs; attributes.
 
     Raises:
         ValueError: the law predicts nothing at any start.
     """
-    problem, best = candidate.problem, None
-    folds = None if held_out == "off" else folds_of(problem, held_out)
-    if problem.parameters:
-        try:
-            with part_of_progress(0.0, SEARCHED, f"{candidate.label}: "):
-                best = best_fit(problem.residuals, problem.parameters, starts, seed, step=problem.step)
-        except ValueError as error:
-            raise ValueError(f"{candidate.label}: {error}") from error
-    # A response that is no function of its inputs has no best values.
-    spread = 0.0 if best is None else problem.spread(best.values)
-    best = None if spread > MARGIN else best
-    with part_of_progress(SEARCHED, 1.0, f"{candidate.label}: "):
+    problem, label = candidate.problem, candidate.label
+    folds = folds_of(problem, held_out, seed)
+    origin = map(candidate.origin.get, ("tracks", "duplicates", "series"))
+    lines = [line for line in (*origin, candidate.numbers) if line]
+    try:
+        with part_of_progress(0.0, 0.5, f"{label}: "):
+            best = maximum_likelihood(problem, starts, seed)
+    except ValueError as error:
+        raise ValueError(f"{label}: {error}") from error
+    spread = problem.spread(best.values) if problem.parameters else 0.0
+    stated = spread <= MARGIN
+    with part_of_progress(0.5, 0.8, f"{label}: "):
+        every = determinations(problem, best) if stated else []
+    ends = np.array([item.ends for item in every] or np.full((len(best.free), 2), np.nan)).reshape(-1, 2)
+    posterior = normal_posterior(problem, best, ends, seed)
+    predict = linear_predictions(problem, best)
+    groups, about = {}, {"spread": spread, "best_fit": "{}", "misfit": np.nan, "held_out_misfit": np.nan}
+    if stated:
+        lines.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
+        lines += [f"Least squares: {phrase}." for phrase in best.warnings()]
+        lines += [f"{item.number.name}: {item.remark}." for item in every if item.remark]
+        residuals = problem.residuals(best.values)
+        groups["residuals"] = residuals_of(problem, residuals)
+        about |= {"best_fit": json.dumps(best.by_name), "misfit": float(np.sqrt(np.mean(residuals**2)))}
+        if folds and problem.parameters:
+            with part_of_progress(0.8, 1.0, f"{label}: "):
+                groups["held_out"] = misfits = held_out_misfits(problem, folds, best.values, seed)
+            square = np.average(misfits["misfit"] ** 2, weights=misfits["count"])
+            about["held_out_misfit"] = float(np.sqrt(square))
+    else:
+        # A response that is no function of its inputs has no best values.
+        none = np.full_like(posterior.best, np.nan)
+        posterior = replace(posterior, best=none, ends=np.full((none.size, 2), np.nan))
+        lines = [candidate.numbers, not_stated("misfit and no best value", {label: spread}, "misfit", MARGIN)]
+    about["search"] = "\n".join(lines)
+    return _tree(candidate, posterior, predict, posterior.best, groups, about)
+
+
+def sampled(
+    candidate: Candidate,
+    first: xarray.DataTree,
+    checkpoint: Path | None = None,
+    *,
+    points: int = POINTS,
+    seed: int = 0,
+    workers: int | None = None,
+) -> xarray.DataTree:
+    """Fit a law by nested sampling: posterior and evidence of all that is free.
+
+    Args:
+        first: of `searched`, whose optimum, residuals and held-out misfits the result has too.
+        points: live points of nested sampling.
+        seed: the same gives the same bits.
+        checkpoint: file from which an interrupted fit resumes.
+        workers: processes; None is one a processor where that pays.
+    """
+    problem = candidate.problem
+    with part_of_progress(0.0, 1.0, f"{candidate.label}: "):
         posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
+    about = {name: first.attrs[name] for name in SEARCH}
+    kept = {name: first[name].to_dataset() for name in ("residuals", "held_out") if name in first.children}
+
+    def predict(values: Array) -> dict[str, Array]:
+        predicted = problem.predict(values)
+        # A sample has a likelihood.
+        assert predicted is not None
+        return predicted
+
+    return _tree(candidate, posterior, predict, first["summary"].to_dataset()["best"].values, kept, about)
+
+
+def linear_predictions(problem: Problem, best: Optimum) -> Callable[[Array], dict[str, Array]]:
+    """Return predictions that are linear in the unit cube, by differences over a standard deviation.
+
+    Where there is no prediction on one side that of the other counts; a number without any has no effect.
+    """
+    middle = problem.predict(best.values)
+    # An optimum has a prediction.
+    assert middle is not None
+    slopes = []
+    for place, size in enumerate(np.sqrt(np.diag(covariance_of(best.jacobian, scale_of(problem, best)[0])))):
+        slope = {name: np.zeros_like(x) for name, x in middle.items()}
+        for step in (size, -size):
+            point = np.clip(best.point + step * np.eye(best.point.size)[place], 0.0, 1.0)
+            moved = problem.predict(from_cube(best.free, point))
+            if moved is not None and (by := point[place] - best.point[place]):
+                slope = {name: (moved[name] - x) / by for name, x in middle.items()}
+                break
+        slopes.append(slope)
+
+    def predict(values: Array) -> dict[str, Array]:
+        off = to_cube(best.free, values[: best.point.size]) - best.point
+        return {
+            name: x + sum((by * slope[name] for by, slope in zip(off, slopes, strict=True)), np.zeros_like(x))
+            for name, x in middle.items()
+        }
+
+    return predict
+
+
+def _tree(
+    candidate: Candidate,
+    posterior: Posterior,
+    predict: Callable[[Array], dict[str, Array]],
+    best: Array,
+    kept: Mapping[str, xarray.Dataset],
+    about: Mapping[str, Any],
+) -> xarray.DataTree:
+    """Return the result of a method: its draws and their predictions, checks, summary and findings."""
+    problem = candidate.problem
     drawn = posterior.draws(DRAWS)
     units = {item.name: item.parameter.units for item in problem.free}
     columns = zip(units.items(), posterior.samples[drawn].T, strict=True)
-    predictive, checks = _predictive(problem, posterior.samples[drawn[:PREDICTED]], seed)
+    predictive, checks = _predictive(problem, posterior.samples[drawn[:PREDICTED]], posterior.seed, predict)
     groups: dict[str, Mapping[Any, Any]] = {
         "posterior": {name: (SAMPLED, column[None], {"units": unit}) for (name, unit), column in columns},
         **predictive,
@@ -137,24 +249,20 @@ def fitted(
         known = {name: x[: data.sizes[name]] for name, x in coordinates.items() if name in data.dims}
         tree[group] = xarray.DataTree(data.assign_coords(known))
     tree["summary"] = xarray.DataTree(summary_of(candidate, best, posterior))
-    if spread <= MARGIN:
-        values = np.empty(0) if best is None else best.values
-        tree["residuals"] = xarray.DataTree(residuals_of(problem, problem.residuals(values)))
-        if folds:
-            tree["held_out"] = xarray.DataTree(held_out_misfits(problem, folds, values, seed))
+    for name, data in kept.items():
+        tree[name] = xarray.DataTree(data)
     coverage = _coverage(problem, predictive["posterior_predictive"])
-    tree.attrs = {**_attributes(candidate, best, posterior), "spread": spread, **coverage, **checks}
-    explains = spread <= MARGIN and coverage["covers"] and min(checks.values()) >= IMPROBABLE
-    tree.attrs["fits"] = int(explains)
-    unstated = not_stated("misfit and no best value", {candidate.label: spread}, "misfit", MARGIN)
-    findings = [candidate.numbers, unstated] if unstated else _findings(candidate, best, posterior, tree)
-    tree.attrs["findings"] = "\n".join(findings)
+    tree.attrs = {**_attributes(candidate, posterior), **about, **coverage, **checks}
+    stated = about["spread"] <= MARGIN
+    tree.attrs["fits"] = int(stated and coverage["covers"] and min(checks.values()) >= IMPROBABLE)
+    lines = about["search"].splitlines()
+    tree.attrs["findings"] = "\n".join([*lines, *(_findings(candidate, posterior, tree) if stated else [])])
     tree["posterior"].attrs |= tree.attrs
     return tree
 
 
 def _predictive(
-    problem: Problem, draws: Array, seed: int
+    problem: Problem, draws: Array, seed: int, predict: Callable[[Array], dict[str, Array]]
 ) -> tuple[dict[str, dict[str, Any]], dict[str, float]]:
     """Return predictions, replicated data and log densities of posterior samples, and p-values of checks."""
     generator = np.random.default_rng([seed, 2])
@@ -165,9 +273,7 @@ def _predictive(
     exceeded = dict.fromkeys(discrepancies, 0)
     parts: list[dict[str, list[Array]]] = [{}, {}, {}]
     for values in draws:
-        predicted = problem.predict(values)
-        # A sample has a likelihood.
-        assert predicted is not None
+        predicted = predict(values)
         replicas = [problem.replicate(predicted, values, generator) for _ in range(REPLICAS)]
         for name, discrepancy in discrepancies.items():
             least = discrepancy(predicted, values, measured)
@@ -204,16 +310,15 @@ def succession(
     return max(float(x[1:] @ x[:-1]) / (float(x @ x) or 1.0) for x in every)
 
 
-def summary_of(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> xarray.Dataset:
+def summary_of(candidate: Candidate, best: Array, posterior: Posterior) -> xarray.Dataset:
     """Return optimum, posterior, truth and prior of each number."""
     free = candidate.problem.free
     names = [item.name for item in free]
     mean, covariance = posterior.moments()
     deviation = np.sqrt(np.diag(covariance))
-    optimum = {} if best is None else best.by_name
-    interval = posterior.quantiles(ENDS)
+    interval = posterior.interval
     columns: dict[str, Any] = {
-        "best": [optimum.get(name, np.nan) for name in names],
+        "best": best,
         "mean": mean,
         "deviation": deviation,
         "low": interval[:, 0],
@@ -247,15 +352,15 @@ def _coverage(problem: Problem, predictive: Mapping[str, xarray.Variable]) -> di
     return {**result, "covers": int(covers)}
 
 
-def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior) -> dict[str, Any]:
-    problem, optimum = candidate.problem, {} if best is None else best.by_name
+def _attributes(candidate: Candidate, posterior: Posterior) -> dict[str, Any]:
     priors = {
         item.name: {"low": item.low, "high": item.high, "logarithmic": item.logarithmic}
-        for item in problem.free
+        for item in candidate.problem.free
     }
     return {
         "title": f"Posterior of {candidate.label}",
-        "law": problem.law,
+        "method": posterior.method,
+        "law": candidate.problem.law,
         "log_evidence": posterior.log_evidence,
         "log_evidence_error": posterior.error,
         "information": posterior.information,
@@ -263,28 +368,21 @@ def _attributes(candidate: Candidate, best: Optimum | None, posterior: Posterior
         "seed": posterior.seed,
         "calls": posterior.calls,
         "prior": json.dumps(priors),
-        "best_fit": json.dumps(optimum),
         "truth": json.dumps(dict(candidate.truth)),
         **candidate.origin,
         "dynesty_version": version("dynesty"),
     }
 
 
-def _findings(
-    candidate: Candidate, best: Optimum | None, posterior: Posterior, tree: xarray.DataTree
-) -> list[str]:
-    """Return sentences on search and posterior, and on what they do not determine."""
-    result = [
-        line for line in (*map(candidate.origin.get, ("tracks", "duplicates")), candidate.numbers) if line
-    ]
-    if best is not None:
-        result.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
-        result += [f"Least squares: {phrase}." for phrase in best.warnings()]
-    result.append(
-        f"ln Z = {Estimate(posterior.log_evidence, posterior.error).text()}, "
-        f"{posterior.information:.1f} nat of information, {posterior.calls} evaluations, "
-        f"{posterior.effective:.0f} effective samples."
-    )
+def _findings(candidate: Candidate, posterior: Posterior, tree: xarray.DataTree) -> list[str]:
+    """Return sentences on the posterior and on what it does not determine."""
+    result = []
+    if posterior.calls:
+        result.append(
+            f"ln Z = {Estimate(posterior.log_evidence, posterior.error).text()}, "
+            f"{posterior.information:.1f} nat of information, {posterior.calls} evaluations, "
+            f"{posterior.effective:.0f} effective samples."
+        )
     about = tree.attrs
     checks = [f"{about['p_deviance']:.3f} by the deviance"]
     if "p_succession" in about:
@@ -308,9 +406,9 @@ def _findings(
             "overstated, or outliers have widened it for all. Try student=free."
         )
     summary = tree["summary"].to_dataset()
-    for item, low, high in zip(
-        candidate.problem.free, summary["low"].values, summary["high"].values, strict=True
-    ):
+    # Of least squares the profile has said so.
+    rows = zip(candidate.problem.free, summary["low"].values, summary["high"].values, strict=True)
+    for item, low, high in rows if posterior.calls else ():
         start, end = item.to_unit(float(low)), item.to_unit(float(high))
         if end - start > UNINFORMED * (ENDS[1] - ENDS[0]):
             result.append(f"{item.name}: the data do not inform it; its posterior is its prior.")

@@ -64,6 +64,10 @@ class FreeParameter:
             return log(value / self.low) / log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
+    def slope(self, value: float) -> float:
+        """Return the derivative of the value by the share of the range."""
+        return value * log(self.high / self.low) if self.logarithmic else self.high - self.low
+
     def __str__(self) -> str:
         return f"{self.name} in {self.low:.4g} to {self.high:.4g}{self.parameter.label}"
 

@@ -29,7 +29,14 @@ from contactlab.laws import ContactLaw, Newton, PenaltyLaw
 from contactlab.laws.composed import label_of
 from contactlab.parameter import Parameter, positive
 from contactlab_data.inference.free_parameters import FreeParameter, free_parameters, with_values
-from contactlab_data.inference.problem import LARGEST, LOG_TWO_PI, LOWEST, Problem, student_factor
+from contactlab_data.inference.problem import (
+    LARGEST,
+    LOG_TWO_PI,
+    LOWEST,
+    Problem,
+    student_factor,
+    student_shrinkage,
+)
 from contactlab_data.measured.floors import best_impulses, with_constant_impulse
 from contactlab_data.measured.impacts import MeasuredImpacts, squared_norm
 
@@ -44,6 +51,9 @@ ROUGH_TOLERANCE: Final = 1e-4
 
 STEP: Final = 3e-4
 """Step of finite differences in the unit cube for impacts integrated to the default tolerance."""
+
+_FLAT: Final = 1e-15
+"""Determinant of a covariance over the square of its trace below which it has but one direction."""
 
 Ranges = Mapping[str, tuple[float, float] | None]
 """Free fields of a law, each with its range or None for the declared one."""
@@ -250,14 +260,18 @@ class ImpactProblem(Problem):
 
     def residuals(self, values: Array) -> Array:
         """Return errors in the norm of the kinetic energy, or over the stated ones; shape (2 impacts,)."""
-        after = self.velocities_after(values)
+        after, unstated = self.velocities_after(values), self.measured.covariance is None
         missed = self.measured.velocity_after - after
         if not np.isfinite(after).all():
             missed = np.full_like(missed, np.nan)
-        size = self._scale[:, None, None] * self.measured.delassus
-        if self.measured.covariance is not None:
-            size = self._covariance + LOWEST**2 * size
-        return np.linalg.solve(np.linalg.cholesky(size), missed[..., None]).ravel()
+        # An error that leaves out a direction cannot be divided by.
+        whole = np.linalg.det(self._covariance) > _FLAT * np.trace(self._covariance, axis1=1, axis2=2) ** 2
+        stated = self.value(values, DISCREPANCY, 1.0 if unstated else 0.0)
+        size = np.where(whole, stated, max(stated, LOWEST))
+        covariance = self._covariance + (size**2 * self._scale)[:, None, None] * self.measured.delassus
+        white = np.linalg.solve(np.linalg.cholesky(covariance), missed[..., None])[..., 0]
+        square = np.einsum("ni,ni->n", white, white)
+        return (white * student_shrinkage(square, self.tails(values), 2)[:, None]).ravel()
 
     def error_residuals(self, values: Array) -> Array:
         """Return residuals whose squares sum to the errors, smoothed near zero; shape (3 impacts,).

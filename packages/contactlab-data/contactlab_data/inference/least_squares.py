@@ -1,7 +1,7 @@
 """Multi-start least squares in the unit cube of the free parameters."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import inf, isfinite, sqrt
 from typing import Final, final
 
@@ -14,6 +14,9 @@ from contactlab_data.inference.free_parameters import FreeParameter, from_cube, 
 
 HIT: Final = 1e-4
 """Relative difference below which two costs are one optimum."""
+
+NEAR: Final = 0.02
+"""Distance in the unit cube below which two optima of one cost are one place."""
 
 LOOKS: Final = 8
 """Candidate points for each start: on a plateau, as where every contact sticks, a search cannot start."""
@@ -47,6 +50,10 @@ class Optimum:
         hits: number of starts that reached the lowest cost.
         undetermined: names of the parameters that the residuals do not determine; see `undetermined`.
         at_end: names of those that lie on an end of their range, where the optimum may lie beyond.
+        point: the optimum in the unit cube, shape (parameter,).
+        residuals: there, shape (residual,).
+        jacobian: of the residuals in the unit cube, shape (residual, parameter).
+        noise: likeliest values of the free numbers of the noise [SI], see `maximum_likelihood`.
     """
 
     free: tuple[FreeParameter, ...]
@@ -56,6 +63,15 @@ class Optimum:
     hits: int
     undetermined: tuple[str, ...]
     at_end: tuple[str, ...]
+    point: Array
+    residuals: Array
+    jacobian: Array
+    noise: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def all_values(self) -> Array:
+        """The optimum, and the numbers of the noise behind it [SI]."""
+        return np.append(self.values, self.noise)
 
     @property
     def by_name(self) -> dict[str, float]:
@@ -64,10 +80,7 @@ class Optimum:
 
     def warnings(self) -> list[str]:
         """Return a phrase for each kind of value that the data do not determine."""
-        return [
-            *([f"not determined: {', '.join(self.undetermined)}"] if self.undetermined else []),
-            *(f"{name} lies on an end of its range, {self.by_name[name]:.4g}" for name in self.at_end),
-        ]
+        return [*(f"{name} lies on an end of its range, {self.by_name[name]:.4g}" for name in self.at_end)]
 
 
 def best_fit(
@@ -80,6 +93,7 @@ def best_fit(
     begin: Array | None = None,
     step: float | None = None,
     accuracy: float = 1e-8,
+    agreed: int | None = None,
 ) -> Optimum:
     """Minimise the sum of squared residuals, starting from the best of many points of the unit cube.
 
@@ -97,6 +111,8 @@ def best_fit(
         step: of finite differences in the unit cube; None is that of residuals exact to round-off, 1.5e-8.
             For a law integrated to a tolerance it should be the square root of that.
         accuracy: relative change of cost, and of the point in the cube, at which a search ends.
+        agreed: number of starts that reach the lowest cost so far, in one place, after which no other is
+            tried; None tries all.
 
     Raises:
         ValueError: there is no start, or the residuals are finite at no point.
@@ -105,10 +121,12 @@ def best_fit(
         raise ValueError(f"starts is {starts} and looks is {looks}; both must be at least 1.")
     free = tuple(free)
     if not free:
-        cost = _cost(np.asarray(residuals(np.empty(0))))
-        if not isfinite(cost):
+        least = np.asarray(residuals(np.empty(0)))
+        if not isfinite(cost := _cost(least)):
             raise ValueError("The residuals are not finite numbers, and nothing is free to change that.")
-        return Optimum((), np.empty(0), cost, np.array([cost]), 1, (), ())
+        nothing = np.empty(0)
+        jacobian = np.empty((least.size, 0))
+        return Optimum((), nothing, cost, np.array([cost]), 1, (), (), nothing, least, jacobian)
 
     if begin is None:
         points = starting_points(len(free), starts * looks, seed)
@@ -150,6 +168,12 @@ def best_fit(
             )
             ends.append(end)
             costs[number] = end.cost
+            lowest = min(ends, key=lambda end: end.cost)
+            # On a plateau starts end at one cost and in many places.
+            as_low = [x for x in ends if x.cost <= lowest.cost * (1.0 + HIT)]
+            if agreed and sum(np.abs(x.x - lowest.x).max() < NEAR for x in as_low) >= agreed:
+                costs = costs[: number + 1]
+                break
     best = min(ends, key=lambda end: end.cost)
     point, jacobian = np.asarray(best.x), np.asarray(best.jac) * unit
     squares = float(np.sum((np.asarray(best.fun) * unit) ** 2))
@@ -162,6 +186,9 @@ def best_fit(
         int(np.sum(costs <= best.cost * (1.0 + HIT) + np.finfo(float).tiny)),
         undetermined(free, jacobian, spread),
         tuple(item.name for item, x in zip(free, point, strict=True) if min(x, 1.0 - x) < AT_END),
+        point,
+        np.asarray(best.fun) * unit,
+        jacobian,
     )
 
 

@@ -12,7 +12,6 @@ Sources: Uhlenbeck and Ornstein (1930), Phys. Rev. 36, 823; Kalman (1960), J. Ba
 discrepancy Kennedy and O'Hagan (2001), J. R. Stat. Soc. B 63, 425.
 """
 
-from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -39,7 +38,13 @@ from contactlab.studies.compare.repeats import NEGLIGIBLE, OF_FRICTION, REPEATS,
 from contactlab.suggestion import suggestion
 from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.impact_problem import STEP
-from contactlab_data.inference.problem import LOG_TWO_PI, Problem, size_prior, student_factor
+from contactlab_data.inference.problem import (
+    LOG_TWO_PI,
+    Problem,
+    size_prior,
+    student_factor,
+    student_shrinkage,
+)
 from contactlab_data.measured.series import MEASURABLE, VELOCITY, MeasuredPoints, MeasuredSeries
 
 ON_GRID: Final = 1e-3
@@ -122,13 +127,15 @@ class MotorProblem(Problem):
         return float(spread_of(np.array(misfits), least=NEGLIGIBLE * root_mean_square(np.concatenate(sizes))))
 
     def residuals(self, values: Array) -> Array:
-        """Return measured minus predicted over the stated noise, or over the size of the quantity."""
-        predicted, measured, errors = self.predict(values), self.measured.values, self.measured.errors
+        """Return measured minus predicted over the noise, the size of a quantity where it has no value."""
+        predicted, measured, tails = self.predict(values), self.measured.values, self.tails(values)
         if predicted is None:
             return np.full(sum(x.size for x in measured.values()), np.nan)
-        return np.concatenate(
-            [(x - predicted[name]) / errors.get(name, root_mean_square(x)) for name, x in measured.items()]
-        )
+        every = []
+        for name, series in measured.items():
+            missed, deviation = self.innovations(name, series - predicted[name], values)
+            every.append(missed / deviation * student_shrinkage((missed / deviation) ** 2, tails, 1))
+        return np.concatenate(every)
 
     def log_densities(
         self, predicted: Mapping[str, Array], values: Array, observed: Mapping[str, Array] | None = None
@@ -136,16 +143,16 @@ class MotorProblem(Problem):
         """Return the log density of each datum given those before it, by name."""
         tails, result = self.tails(values), {}
         for name, series in (self.measured.values if observed is None else observed).items():
-            missed, noise = series - predicted[name], self.noise(name, values)
+            missed, deviation = self.innovations(name, series - predicted[name], values)
             if tails < inf:
-                result[name] = student_log_densities(missed, noise, tails)
+                result[name] = student_log_densities(missed, deviation, tails)
             else:
-                result[name] = self.normal_log_densities(missed, noise, self.amplitude(name, values))
+                result[name] = -0.5 * (LOG_TWO_PI + (missed / deviation) ** 2) - np.log(deviation)
         return result
 
-    @abstractmethod
-    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
-        """Return the log densities of residuals with normal noise and a discrepancy."""
+    def innovations(self, name: str, missed: Array, values: Array) -> tuple[Array, Array]:
+        """Return residuals less what those before them make likely, and their standard deviations."""
+        return missed, self.noise(name, values)
 
     def replicate(
         self, predicted: Mapping[str, Array], values: Array, draws: np.random.Generator
@@ -165,7 +172,8 @@ class MotorProblem(Problem):
         """Return the standard deviation of the noise of each datum."""
         if name in self.measured.errors:
             return self.measured.errors[name]
-        return self.value(values, f"{NOISE}.{name}", 0.0) * np.ones(self.measured.values[name].size)
+        series = self.measured.values[name]
+        return self.value(values, f"{NOISE}.{name}", root_mean_square(series)) * np.ones(series.size)
 
     def amplitude(self, name: str, values: Array) -> float:
         """Return the standard deviation of the discrepancy."""
@@ -184,11 +192,14 @@ class OverTime(MotorProblem):
         series = {n: ("time", x, {"units": MEASURABLE[n].units}) for n, x in self.measured.values.items()}
         return xarray.Dataset(series, {"time": self.measured.time})
 
-    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
-        """Return the log density of each residual given those before it, by a Kalman filter."""
-        terms = np.empty(missed.size)
-        series_log_densities(missed, self.measured.time, noise, amplitude, self.correlation or 1.0, terms)
-        return terms
+    def innovations(self, name: str, missed: Array, values: Array) -> tuple[Array, Array]:
+        """Return residuals less what those before them make likely, and their deviations: a Kalman filter."""
+        noise, amplitude = self.noise(name, values), self.amplitude(name, values)
+        if amplitude == 0.0:
+            return missed, noise
+        result, deviation = np.empty((2, missed.size))
+        filtered(missed, self.measured.time, noise, amplitude, self.correlation, result, deviation)
+        return result, deviation
 
 
 @final
@@ -295,15 +306,21 @@ def records_at(time: Array) -> tuple[float, NDArray[np.int64] | None]:
 
 
 def root_mean_square(values: Array) -> float:
-    """Return the size of a series, one where it is zero."""
-    return float(np.sqrt(np.mean(values**2))) or 1.0
+    """Return the size of a series without its gaps, one where it is zero."""
+    return float(np.sqrt(np.mean(values[~np.isnan(values)] ** 2))) or 1.0
 
 
 @kernel
-def series_log_densities(
-    residuals: Array, time: Array, white: Array, amplitude: float, correlation: float, terms: Array
+def filtered(
+    residuals: Array,
+    time: Array,
+    white: Array,
+    amplitude: float,
+    correlation: float,
+    missed: Array,
+    deviation: Array,
 ) -> None:
-    """Write log p(residual | those before it) of a series into `terms`; their sum is the log likelihood.
+    """Write the innovations of a series, residuals less their mean given those before, and their deviations.
 
     Args:
         residuals: measured minus predicted, shape (time,), in any unit.
@@ -311,7 +328,7 @@ def series_log_densities(
         white: standard deviation of each one's noise, shape (time,), positive, in the unit of the residuals.
         amplitude: standard deviation of the discrepancy in that unit; 0 is none.
         correlation: its correlation time [s].
-        terms: shape (time,).
+        missed, deviation: shape (time,).
     """
     mean, variance, stationary = 0.0, amplitude * amplitude, amplitude * amplitude
     for i in range(residuals.size):
@@ -320,10 +337,10 @@ def series_log_densities(
             mean *= kept
             variance = kept * kept * variance + (1.0 - kept * kept) * stationary
         total = variance + white[i] * white[i]
-        missed = residuals[i] - mean
-        terms[i] = -0.5 * (LOG_TWO_PI + log(total) + missed * missed / total)
+        missed[i] = residuals[i] - mean
+        deviation[i] = sqrt(total)
         gain = variance / total
-        mean += gain * missed
+        mean += gain * missed[i]
         variance *= 1.0 - gain
 
 
@@ -385,11 +402,6 @@ class PointsProblem(MotorProblem):
         except (ConfigurationError, LawError, NotSettledError, BrokenOffError, ValueError):
             return None
         return {VELOCITY: np.array(velocities)}
-
-    def normal_log_densities(self, missed: Array, noise: Array, amplitude: float) -> Array:
-        """Return the log density of each residual; points have no discrepancy."""
-        del amplitude
-        return np.asarray(-0.5 * (LOG_TWO_PI + (missed / noise) ** 2) - np.log(noise))
 
 
 def points_problem(

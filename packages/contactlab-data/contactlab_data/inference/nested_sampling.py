@@ -14,7 +14,6 @@ the same bits as one without a stop, and a checkpoint from somebody else can run
 import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from functools import partial
 from hashlib import sha256
 from importlib import import_module
@@ -27,13 +26,13 @@ from typing import Any, Final, final
 from zipfile import BadZipFile
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.processes import FORKS, forked_pool, processors
 from contactlab.progress import tell_progress, untold_progress
 from contactlab.results.files import whole_file
-from contactlab_data.inference.free_parameters import FreeParameter, from_cube
+from contactlab_data.inference.free_parameters import from_cube
+from contactlab_data.inference.posterior import Posterior
 from contactlab_data.inference.problem import Problem
 
 POINTS: Final = 150
@@ -62,63 +61,6 @@ _RECORDED: Final[dict[bytes, float]] = {}
 
 _EVALUATED: Final[list[tuple[Array, float]]] = []
 """Values and log likelihoods evaluated in this process since the last message to the parent."""
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class Posterior:
-    """Weighted samples of a posterior, and the evidence.
-
-    Args:
-        free: the free numbers.
-        samples: all points in the order of their likelihood [SI], shape (sample, parameter).
-        log_likelihood: of each, shape (sample,).
-        log_weight: logarithm of each one's share in the posterior, shape (sample,).
-        log_evidence, error: ln Z and its standard deviation.
-        information: of the data about the parameters [nat].
-        calls: number of evaluations of the likelihood.
-        points, seed: arguments of `sample`.
-    """
-
-    free: tuple[FreeParameter, ...]
-    samples: Array
-    log_likelihood: Array
-    log_weight: Array
-    log_evidence: float
-    error: float
-    information: float
-    calls: int
-    points: int
-    seed: int
-
-    @property
-    def effective(self) -> float:
-        """Number of independent draws of the same weight (Kish): 1 over the sum of squared weights."""
-        return float(1.0 / np.sum(np.exp(self.log_weight) ** 2))
-
-    def draws(self, count: int) -> NDArray[np.int64]:
-        """Return indices of samples drawn by their weights, in random order, shape (count,)."""
-        generator = np.random.default_rng([self.seed, 1])
-        # Systematic resampling: the number of each sample is its share but for rounding.
-        steps = (np.arange(count) + generator.random()) / count
-        chosen = np.searchsorted(np.cumsum(np.exp(self.log_weight)), steps)
-        return np.asarray(np.minimum(chosen, len(self.samples) - 1)[generator.permutation(count)])
-
-    def quantiles(self, shares: Iterable[float]) -> Array:
-        """Return the quantiles of each parameter [SI], shape (parameter, share)."""
-        outcome = []
-        for column in self.samples.T:
-            order = np.argsort(column, kind="stable")
-            reached = np.cumsum(np.exp(self.log_weight[order]))
-            outcome.append(np.interp(list(shares), reached, column[order]))
-        return np.array(outcome).reshape(len(self.free), -1)
-
-    def moments(self) -> tuple[Array, Array]:
-        """Return mean, shape (parameter,), and covariance [SI], shape (parameter, parameter)."""
-        weights = np.exp(self.log_weight)
-        mean = weights @ self.samples
-        off = self.samples - mean
-        return mean, np.asarray((off * weights[:, None]).T @ off)
 
 
 def sample(
@@ -182,6 +124,7 @@ def sample(
     # They add up to one but for round-off.
     log_weight = log_weight - np.logaddexp.reduce(log_weight)
     return Posterior(
+        "nested sampling",
         problem.free,
         np.asarray(outcome["samples"]),
         np.asarray(outcome["logl"]),

@@ -89,7 +89,9 @@ class Problem(ABC):
     def residuals(self, values: Array) -> Array:
         """Return measured minus predicted over the size of the noise, shape (any,); NaN without prediction.
 
-        The values are those of law and motor alone.
+        The values are those of law and motor alone, and the noise is the stated one, else the size of the
+        data; or those of all free numbers: then half the sum of squares is -ln L but for what the noise alone
+        sets.
         """
 
     def spread(self, values: Array) -> float:
@@ -136,15 +138,28 @@ class Problem(ABC):
         return total if total > IMPOSSIBLE else IMPOSSIBLE
 
     def value(self, values: Array, name: str, default: float) -> float:
-        """Return the value of a free number by name, or the default if it is not free."""
+        """Return the value of a free number by name, or the default if it is not free or has no value."""
         return next(
-            (float(x) for item, x in zip(self.free, values, strict=True) if item.name == name), default
+            (float(x) for item, x in zip(self.free, values, strict=False) if item.name == name), default
         )
 
 
 def size_prior(name: str, units: str, size: float, meaning: str) -> FreeParameter:
     """Return a positive number that is log-uniform below the size of the data."""
     return FreeParameter(name, LOWEST * size, LARGEST * size, True, positive("", units, meaning))
+
+
+def student_shrinkage(square: Array, degrees_of_freedom: float, size: int) -> Array:
+    """Return the factor of standardised residuals by which half their squares are -ln L of Student-t noise.
+
+    Args:
+        square: of the residuals of `size` directions, any shape.
+    """
+    if degrees_of_freedom == inf:
+        return np.ones_like(square)
+    square = np.maximum(square, np.finfo(float).tiny)
+    deviance = (degrees_of_freedom + size) * np.log1p(square / degrees_of_freedom)
+    return np.asarray(np.sqrt(deviance / square))
 
 
 def student_factor(draws: np.random.Generator, degrees_of_freedom: float, count: int) -> Array:

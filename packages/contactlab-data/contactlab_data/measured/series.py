@@ -6,12 +6,16 @@
     configuration              attribute: known keys of the motor, YAML as of a run; optional
 
 Forces are means over the interval that ends at their time, as of a run. A contact by itself on a prescribed
-path, where there is a column `slip`:
+path, where there is a column `slip` or `velocity`:
 
     time                            s, increasing
-    slip, gap or normal             displacement along the surface [m]; prescribed gap [m] or normal force [N]
+    slip or velocity                displacement along the surface [m], or its rate [m/s], which is integrated
+    gap or normal                   prescribed gap [m] or normal force [N]
     normal_force, friction_force    N, measured at these times; optional, but for a fit
     normal_force_error, ...         as of a motor
+    forces                          attribute: `values` at their times, or `means` over the interval before
+
+Cells of what is measured may be empty: a row without all of them has no prediction to be compared with.
 
 Operating points of a settled motor:
 
@@ -22,7 +26,7 @@ Operating points of a settled motor:
 A load that brakes has the sign of the rotation.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from typing import Any, Final, final
@@ -30,6 +34,8 @@ from typing import Any, Final, final
 import numpy as np
 import xarray
 import yaml
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from contactlab import variables
 from contactlab.arrays import Array
@@ -54,8 +60,14 @@ MEASURABLE: Final = {
 }
 """Quantities of a motor that can be measured, by name."""
 
-PATH: Final = {"slip": "m", "gap": "m", "normal": "N"}
-"""Units of what can be prescribed to a contact; a column of the first tells that it is."""
+PATH: Final = {"slip": "m", "velocity": "m s-1", "gap": "m", "normal": "N"}
+"""Units of what can be prescribed to a contact; a column of either of the first two tells that it is."""
+
+MEANS, AT_TIMES = "means", "values"
+"""What forces of a record are: over the interval that ends at their time, or at it."""
+
+LONG: Final = 3.0
+"""Interval over the median one from which on it is a gap of the record."""
 
 ERROR: Final = "_error"
 """End of the name of a standard deviation."""
@@ -73,7 +85,9 @@ class MeasuredSeries:
         configuration: of the motor as far as the file states it, may be empty.
         attributes: all others of the file.
         digest: of the file.
-        path: of `PATH`, shape (time,) each, what was prescribed to a contact; empty for a motor.
+        path: slip, and gap or normal, shape (time,) each, prescribed to a contact; empty for a motor. Rows of
+            a path without all forces have NaN for these.
+        notes: sentences of the reader.
     """
 
     time: Array
@@ -83,11 +97,25 @@ class MeasuredSeries:
     attributes: Mapping[str, Any]
     digest: str = ""
     path: Mapping[str, Any] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    @property
+    def means(self) -> bool:
+        """Whether forces are means over the interval that ends at their time."""
+        return bool(self.attributes.get("forces", AT_TIMES if self.path else MEANS) == MEANS)
+
+    def rows(self, chosen: NDArray[np.bool_]) -> "MeasuredSeries":
+        """Return some of the times."""
+        parts = (
+            {name: x[chosen] for name, x in each.items()} for each in (self.values, self.errors, self.path)
+        )
+        values, errors, path = parts
+        return replace(self, time=self.time[chosen], values=values, errors=errors, path=path)
 
     @property
     def content_digest(self) -> str:
         """SHA-256 of numbers and configuration, 64 hexadecimal digits."""
-        parts: list[Any] = [self.time.tobytes(), sorted(self.configuration.items())]
+        parts: list[Any] = [self.time.tobytes(), sorted(self.configuration.items()), self.means]
         every = (self.values, self.errors, self.path)
         parts += [(name, x.tobytes()) for each in every for name, x in each.items()]
         return sha256(repr(parts).encode()).hexdigest()
@@ -128,35 +156,80 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     Raises:
         MeasurementError: the table has no time or no series, or a series is faulty.
     """
-    path = [name for name in PATH if name in table.names] if "slip" in table.names else []
-    measurable = {n: x for n, x in MEASURABLE.items() if not path or n in FORCES}
-    units = {"time": "s"} | {n: x.units for n, x in measurable.items()} | {n: PATH[n] for n in path}
-    errors = {f"{name}{ERROR}": item.units for name, item in measurable.items()}
+    units, present, stated, path = names_in(table)
+    compared = [name for name in (*present, *stated) if not name.startswith("velocity")]
+    seen = ~np.any(
+        [np.zeros(len(table.places), bool), *(empty_cells(table, name) for name in compared)], axis=0
+    )
+    if (count := int(seen.sum())) < min(FEWEST, seen.size):
+        raise MeasurementError(f"{', '.join(compared)} have numbers in {count} rows; at least {FEWEST} must.")
+    # Of a path every row counts, measured or not.
+    kept = np.flatnonzero(seen | bool(path))
+
+    def column(name: str) -> Array:
+        """Return the kept rows of a column in SI, NaN where it is measured and not seen."""
+        result = np.full(len(table.places), np.nan)
+        rows = np.flatnonzero(seen) if name in compared else kept
+        result[rows] = table.numbers(name, units[name], rows)
+        return result[kept]
+
+    columns = {name: column(name) for name in ("time", *present, *stated, *path)}
+    time = columns["time"]
+    if time.size < FEWEST or (time[0] < 0.0 and not path) or not (np.diff(time) > 0.0).all():
+        raise MeasurementError(
+            f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
+            f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
+        )
+    for name in stated:
+        if not (least := np.nanmin(columns[name])) > 0.0:
+            raise MeasurementError(f"{name} is {least:g}; it must be greater than 0.")
+    attributes = {str(key): value for key, value in table.data.attrs.items() if key != "configuration"}
+    if (kind := attributes.get("forces", MEANS)) not in (MEANS, AT_TIMES):
+        raise MeasurementError(f"forces is '{excerpt(kind)}'; it must be {MEANS} or {AT_TIMES}.")
+    notes = [*gaps(time)]
+    if count < seen.size:
+        notes.append(f"{seen.size - count} of {seen.size} rows lack a measured number and are not compared.")
+    if "velocity" in path:
+        columns["slip"], text = integrated(time, columns["velocity"], columns.get(f"velocity{ERROR}"))
+        notes.append(text)
+    return MeasuredSeries(
+        time,
+        {name: columns[name] for name in present},
+        {name.removesuffix(ERROR): columns[name] for name in stated if name in compared},
+        configuration_in(table),
+        attributes,
+        digest,
+        {name: columns[name] for name in PATH if path and name in columns and name != "velocity"},
+        tuple(notes),
+    )
+
+
+def names_in(table: Table) -> tuple[dict[str, str], list[str], list[str], list[str]]:
+    """Return units by name, and the names of what is measured, of stated errors and of the path."""
+    path = [name for name in PATH if name in table.names]
+    path = path if {"slip", "velocity"} & {*path} else []
+    measurable = {n: x.units for n, x in MEASURABLE.items() if not path or n in FORCES}
+    units = {"time": "s"} | measurable | {name: PATH[name] for name in path}
+    units |= {f"{name}{ERROR}": units[name] for name in [*measurable, *({"velocity"} & {*path})]}
     present = [name for name in measurable if name in table.names]
     if "time" not in table.names or not (present or path) or len(path) not in (0, 2):
-        beside = ", and beside slip either gap or normal" if path else ""
+        beside = ", and slip or velocity beside either gap or normal" if path else ""
         raise MeasurementError(
             f"it has {excerpt(', '.join(table.names))}; it must have time and at least one of "
             f"{', '.join(measurable)}{beside}."
         )
     # A run has other variables; an error of nothing is a misspelt one.
     runs = table.dimension == "time"
-    table.check_names([*units, *errors, *(n for n in table.names if runs and not n.endswith(ERROR))])
-    for name in table.names:
-        if name in errors and name.removesuffix(ERROR) not in present:
+    table.check_names([*units, *(n for n in table.names if runs and not n.endswith(ERROR))])
+    stated = [name for name in table.names if name in units and name.endswith(ERROR)]
+    for name in stated:
+        if name.removesuffix(ERROR) not in (*present, *path):
             raise MeasurementError(f"{name} is the error of a series that is missing; leave it out.")
-    time = table.numbers("time", "s")
-    if time.size < FEWEST or (time[0] < 0.0 and not path) or not (np.diff(time) > 0.0).all():
-        raise MeasurementError(
-            f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
-            f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
-        )
-    deviations = {}
-    for name in present:
-        if (key := f"{name}{ERROR}") in table.names:
-            deviations[name] = table.numbers(key, errors[key])
-            if not deviations[name].min() > 0.0:
-                raise MeasurementError(f"{key} is {deviations[name].min():g}; it must be greater than 0.")
+    return units, present, stated, path
+
+
+def configuration_in(table: Table) -> dict[str, Any]:
+    """Return the configuration of a motor in the attributes of a table."""
     try:
         configuration = read_yaml(str(table.data.attrs.get("configuration", "{}")))
     # YAML raises ValueErrors for impossible dates.
@@ -164,15 +237,47 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         raise MeasurementError(f"its configuration is not YAML: {excerpt(error)}.") from error
     if not isinstance(configuration, dict):
         raise MeasurementError("its configuration must be a mapping of groups of keys, as that of a run.")
-    return MeasuredSeries(
-        time,
-        {name: table.numbers(name, units[name]) for name in present},
-        deviations,
-        configuration,
-        {str(key): value for key, value in table.data.attrs.items() if key != "configuration"},
-        digest,
-        {name: table.numbers(name, units[name]) for name in path},
-    )
+    return configuration
+
+
+def empty_cells(table: Table, name: str) -> NDArray[np.bool_]:
+    """Return which cells of a column are empty, or NaN in netCDF, shape (row,)."""
+    cells = np.broadcast_to(table.data.variables[name].values, (len(table.places),))
+    return np.isnan(cells) if cells.dtype.kind == "f" else np.array([not str(x).strip() for x in cells])
+
+
+def gaps(time: Array) -> Iterator[str]:
+    """Yield a sentence on the intervals that are far longer than the others, if there are any."""
+    intervals = np.diff(time)
+    usual = float(np.median(intervals))
+    if (count := int(np.sum(intervals > LONG * usual))) > 0:
+        longest = int(np.argmax(intervals))
+        yield (
+            f"The record has {count} gaps of more than {LONG:g} intervals of {usual:.3g} s, the longest of "
+            f"{intervals[longest]:.3g} s after {time[longest]:.6g} s."
+        )
+
+
+def integrated(time: Array, velocity: Array, error: Array | None = None) -> tuple[Array, str]:
+    """Return the slip from a velocity along the surface [m], zero at first, and a sentence on its error.
+
+    It is the integral of the cubic spline through the samples, whose error is of fourth order in their
+    distance: that of every second sample errs sixteen times as much.
+
+    Args:
+        time: increasing [s], shape (time,).
+        velocity: [m/s], shape (time,).
+        error: its standard deviation, independent from sample to sample [m/s]; None where it is not stated.
+    """
+    slip = np.asarray(CubicSpline(time, velocity).antiderivative()(time))
+    coarse = CubicSpline(time[::2], velocity[::2]).antiderivative()(time[::2])
+    off = float(np.abs(coarse - slip[::2]).max())
+    text = f"slip is the integral of velocity; that of every second sample differs by {off:.2g} m"
+    if error is not None:
+        weights = 0.5 * (np.diff(time, prepend=time[0]) + np.diff(time, append=time[-1]))
+        drift = float(np.sqrt(np.sum((weights * error) ** 2)))
+        text += f", and the error of velocity makes one of {drift:.2g} m at the end"
+    return slip, f"{text}."
 
 
 VELOCITY: Final = "rotor_velocity"

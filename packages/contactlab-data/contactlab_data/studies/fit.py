@@ -1,15 +1,18 @@
 """The study `fit`: numbers of laws and motors, and laws, from measurements."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from glob import has_magic
 from hashlib import sha256
 from importlib.metadata import version
 from math import inf
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Final, Literal
 
+import numpy as np
 import pandas
 import xarray
 import yaml
@@ -25,14 +28,24 @@ from contactlab.studies.study import LENGTH, Part, Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table, with_unit
 from contactlab_data.inference.candidates import Candidate, Data, Discrepancy, candidates_of, of_law
 from contactlab_data.inference.evidence import compared, evidences_of, misfits
-from contactlab_data.inference.fit import STARTS, fitted
+from contactlab_data.inference.fit import sampled, searched
 from contactlab_data.inference.held_out import HeldOut, folds_of
 from contactlab_data.inference.law_numbers import FreeNumbers, by_key
+from contactlab_data.inference.maximum_likelihood import STARTS
 from contactlab_data.inference.nested_sampling import POINTS
 from contactlab_data.inference.synthetic import with_noise, without_errors
 from contactlab_data.measured.files import read_measurements
 from contactlab_data.measured.impacts import MeasuredImpacts
 from contactlab_data.measured.series import MeasuredSeries
+
+Method = Literal["least_squares", "nested"]
+"""How numbers are found: nested sampling comes after least squares."""
+
+FIRST: Final[Literal["least_squares"]] = "least_squares"
+"""End of the keys of the tasks that are done first."""
+
+MISFITS: Final = {"misfit": "misfit", "held out": "held_out_misfit"}
+"""Attributes of a fit by the columns that show them."""
 
 OrFree = float | Literal["free"] | None
 """A number of the noise, or that it is free."""
@@ -46,7 +59,8 @@ class Fit(Study):
     not stated. Numbers of the geometry of measured impacts are data.NAME. Least squares from many
     starts are followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are
     compared by their evidence, each with its own numbers free besides. Keys are those of the motor that the
-    data state, and go before them.
+    data state, and go before them. Least squares, with intervals by the profile likelihood, are on the page
+    within seconds, posterior and evidence when they are there; method=least_squares ends with the first.
 
         >>> import contactlab as cl
         >>> newton = cl.build(["law=newton"])
@@ -60,11 +74,13 @@ class Fit(Study):
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = ("record", *LENGTH)
     files: ClassVar[str] = "data"
+    early: ClassVar[bool] = True
 
     data: Annotated[
         list[str | Path | Data] | str | Path | Data,
         option("files of measured impacts, tracks, forces on a path, or series or points of a motor"),
     ] = ""
+    method: Annotated[Method, option("least_squares, or nested sampling after them")] = "nested"
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
     own: Annotated[list[str] | None, option("keys of numbers that several data do not share")] = None
@@ -75,8 +91,8 @@ class Fit(Study):
     student: Annotated[OrFree, option("degrees of freedom of Student-t noise, or free", above=0.0)] = None
     series: Annotated[list[str] | None, option("series of the data; all")] = None
     held_out: Annotated[
-        HeldOut, option("what is predicted by fits to the rest: off, files, or cycles of loops")
-    ] = "off"
+        HeldOut, option("what fits to the rest predict: auto, off, files, cycles of loops, or folds")
+    ] = "auto"
     degree: Annotated[int, option("of the spline through the samples of a path: 1, 3, 5 or 7")] = DEGREE
     points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
@@ -99,8 +115,17 @@ class Fit(Study):
 
     @property
     def _sources(self) -> list[Any]:
-        """The data as they are given."""
-        return self.data if isinstance(self.data, list) else [self.data]
+        """The data as they are given; a name with wildcards stands for the files that it matches."""
+        every = list[Any]()
+        for each in self.data if isinstance(self.data, list) else [self.data]:
+            place = Path(each) if isinstance(each, str | Path) else Path()
+            if has_magic(str(place)) and not place.exists():
+                every += sorted(Path(place.anchor).glob(str(place.relative_to(place.anchor))))
+            else:
+                every.append(each)
+        if not every:
+            raise ConfigurationError(f"data is '{self.data}', which matches no file; it must match one.")
+        return every
 
     def _measured(self, data: Any) -> Data:
         """Return one of the measurements with the chosen series and noise."""
@@ -112,9 +137,18 @@ class Fit(Study):
                 result = result.only(self.series)
             except ValueError as error:
                 raise ConfigurationError(str(error)) from error
-        if self.noise is None:
+        noise = self.noise
+        if noise is None and not isinstance(result, MeasuredImpacts):
+            stated = str(result.attributes.get("noise", ""))
+            with suppress(ValueError):
+                noise = "free" if stated == "free" else float(stated)
+            if stated and noise != "free" and not (noise and 0.0 < noise <= 1.0):
+                raise ConfigurationError(
+                    f"noise is '{stated}' in the data; it must be free, or above 0 and at most 1."
+                )
+        if noise is None:
             return result
-        return without_errors(result) if self.noise == "free" else with_noise(result, self.noise)
+        return without_errors(result) if noise == "free" else with_noise(result, noise)
 
     @property
     def base(self) -> Mapping[str, Any]:
@@ -174,18 +208,37 @@ class Fit(Study):
         )
 
     def tasks(self, setups: Setups) -> Iterable[Task]:
-        """Return one task a law."""
-        settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "starts": self.starts}
-        settings["held_out"] = self.held_out
-        # Likelihoods are evaluated by several processes where the laws are not.
-        settings["workers"] = None if self.workers == 1 and self.scheduler is None else 1
-        every = self.candidates(setups)
-        if self.held_out != "off":
-            folds_of(every[0].problem, self.held_out)
+        """Return least squares of each law."""
+        settings = {"seed": self.seed, "starts": self.starts, "held_out": self.held_out}
+        self._made.update({f"{item.label} {self._digest(item)}": item for item in self.candidates(setups)})
+        folds_of(next(iter(self._made.values())).problem, self.held_out)
         return [
-            Task(f"{item.label} {self._digest(item)}", _fitted, (item, settings), resumes=True)
-            for item in every
+            Task(f"{key} {FIRST}", part_of, (searched, settings, item)) for key, item in self._made.items()
         ]
+
+    @cached_property
+    def _made(self) -> dict[str, Candidate]:
+        """The laws to be fitted by the keys of their tasks, once these are made."""
+        return {}
+
+    def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
+        """Return nested sampling of each law after all least squares."""
+        del setups
+        if self.method != "nested" or any(key in parts for key in self._made):
+            return []
+        # Likelihoods are evaluated by several processes where the laws are not.
+        workers = None if self.workers == 1 and self.scheduler is None else 1
+        settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "workers": workers}
+        return [
+            Task(key, part_of, (sampled, settings, item, parts[f"{key} {FIRST}"]), resumes=True)
+            for key, item in self._made.items()
+        ]
+
+    def notice(self, setups: Setups) -> str:
+        """Return what is on the page first."""
+        del setups
+        text = "The page has least squares first, posterior and evidence when they are there."
+        return text if self.method == "nested" else ""
 
     def _digest(self, candidate: Candidate) -> str:
         """Return the digest of all that a fit depends on."""
@@ -196,9 +249,11 @@ class Fit(Study):
         return sha256(repr(parts).encode()).hexdigest()[:16]
 
     def combine(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> xarray.DataTree:
-        """Return the fits, a group for each law."""
+        """Return the fits, a group for each law, by the last method that is done."""
         del setups
-        fits = {key.rpartition(" ")[0]: tree for key, tree in parts.items()}
+        fits = {
+            key.rpartition(" ")[0]: parts[key if key in parts else f"{key} {FIRST}"] for key in self._made
+        }
         tree = xarray.DataTree(children=fits)
         tree.attrs["title"] = f"Fit of {', '.join(fits)}"
         tree.attrs["comparison"] = "\n".join(compared(fits))
@@ -214,55 +269,12 @@ class Fit(Study):
         return result
 
     def findings(self, data: xarray.DataTree) -> list[str]:
-        """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
-
-        What does not fit stands before all of several laws, and after the numbers of one.
-        """
-        several = len(data.children) > 1
-        result = compared(data.children) if several else []
-        for label, fit in data.children.items():
-            before = f"{label}: " if several else ""
-            estimates = [
-                f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
-                for row in _rows(fit)
-            ]
-            result.append(f"{before}{'; '.join(estimates)}.")
-            result += [] if several else compared(data.children)
-            result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
-        return result
+        """Return the numbers of one law, or the comparison of several and then theirs; what limits them."""
+        return findings_of(data)
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return evidence and, for each law, posterior and correlation."""
-        tables = {}
-        if len(data.children) > 1:
-            every = evidences_of(data.children)
-            largest = next(iter(every.values())).value
-            failing = misfits(data.children)
-            rows = [
-                {"law": x, "fits": "no" if x in failing else "yes", "ln Z": z}
-                | {"less the largest": z.value - largest}
-                for x, z in every.items()
-            ]
-            none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
-            tables["evidence"] = table(rows, caption=f"Evidence{none}")
-        if unseen := [row for label, fit in data.children.items() for row in _unseen(label, fit)]:
-            tables["held_out"] = table(unseen, caption="Held out: root mean square of residuals over errors")
-        for label, fit in data.children.items():
-            end, rows = _ending(data, label), []
-            for row in _rows(fit):
-                mean = Estimate(row["mean"], row["deviation"])
-                number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
-                rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
-            frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
-            known = frame["truth"].notna().any()
-            tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
-            matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
-            if len(matrix) > 1:
-                related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
-                tables[f"correlation{end}"] = table(
-                    related, caption=f"Correlation of the posterior of {label}"
-                )
-        return tables
+        return tables_of(data)
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return, for each law, the posterior of all pairs of numbers, and data beside predictions."""
@@ -289,8 +301,66 @@ class Fit(Study):
         return figures
 
 
-def _fitted(candidate: Candidate, settings: dict[str, Any], checkpoint: Path | None = None) -> Part:
-    return Part(fitted(candidate, **settings, checkpoint=checkpoint))
+def findings_of(data: xarray.DataTree) -> list[str]:
+    """Return the numbers of one law, or the comparison of several and then theirs; what limits each fit.
+
+    What does not fit stands before all of several laws, and after the numbers of one.
+    """
+    several = len(data.children) > 1
+    result = compared(data.children) if several else []
+    for label, fit in data.children.items():
+        before = f"{label}: " if several else ""
+        estimates = [
+            f"{row['parameter']} = {with_unit(Estimate(row['mean'], row['deviation']), row['units'])}"
+            for row in _rows(fit)
+        ]
+        result.append(f"{before}{'; '.join(estimates)}.")
+        result += [] if several else compared(data.children)
+        result += [f"{before}{line}" for line in fit.attrs["findings"].splitlines()]
+    return result
+
+
+def tables_of(data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
+    """Return evidence and, for each law of some fits, posterior and correlation."""
+    tables = {}
+    if len(data.children) > 1:
+        every = evidences_of(data.children)
+        largest = next(iter(every.values())).value
+        failing = misfits(data.children)
+        rows = [
+            {"law": x, "fits": "no" if x in failing else "yes"}
+            | {name: data[x].attrs[key] for name, key in MISFITS.items()}
+            | {"ln Z": z, "less the largest": z.value - largest}
+            for x, z in every.items()
+        ]
+        none = " (no law fits: it ranks misfits)" if len(failing) == len(rows) else ""
+        quick = " by Laplace's approximation" if np.isnan(next(iter(every.values())).error) else ""
+        caption = f"Misfit (residuals over errors), and evidence{quick}{none}"
+        tables["evidence"] = table(rows, caption=caption)
+    if unseen := [row for label, fit in data.children.items() for row in _unseen(label, fit)]:
+        tables["held_out"] = table(unseen, caption="Held out: root mean square of residuals over errors")
+    for label, fit in data.children.items():
+        end, rows = _ending(data, label), []
+        for row in _rows(fit):
+            mean = Estimate(row["mean"], row["deviation"])
+            number = {"number": row["parameter"], UNIT: row["units"], "best": row["best"], "mean": mean}
+            rows.append(number | {"5 %": row["low"], "95 %": row["high"], "truth": row["truth"]})
+        frame = table(rows, caption=f"Posterior of {label}: optimum, mean +- deviation, 90 % interval")
+        known = frame["truth"].notna().any()
+        tables[f"posterior{end}"] = frame if known else frame.drop(columns="truth")
+        matrix = fit["summary"].to_dataset()["correlation"].to_pandas().round(2)
+        if len(matrix) > 1:
+            related = matrix.rename_axis("number").rename_axis(columns=None).reset_index()
+            tables[f"correlation{end}"] = table(related, caption=f"Correlation of the posterior of {label}")
+    return tables
+
+
+def part_of(
+    function: Callable[..., xarray.DataTree | xarray.Dataset], settings: Mapping[str, Any], *arguments: Any
+) -> Part:
+    """Return what a function makes of settings and arguments, as the part of a task."""
+    data = function(*arguments, **settings)
+    return Part(data if isinstance(data, xarray.DataTree) else xarray.DataTree(data))
 
 
 def _rows(fit: xarray.DataTree) -> list[dict[str, Any]]:

@@ -1,6 +1,6 @@
 """The study `validate`: contact laws against measured impacts to which they were not fitted."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -19,8 +19,9 @@ from contactlab.results.provenance import code_digest
 from contactlab.studies.function import function_of, of_laws
 from contactlab.studies.law_study import OF_MOTOR, read_file
 from contactlab.studies.run_state import code_of
-from contactlab.studies.study import Part, Setups, Study, Task, option
+from contactlab.studies.study import Setups, Study, Task, option
 from contactlab.studies.tables import UNIT, table
+from contactlab_data.inference.candidates import Candidate
 from contactlab_data.inference.cross_validation import (
     BASELINE,
     FOLDS,
@@ -31,17 +32,23 @@ from contactlab_data.inference.cross_validation import (
     laws_in,
     predictors_of,
 )
+from contactlab_data.inference.fit import fitted
 from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.impact_problem import ImpactPredictor, ImpactProblem, LawPredictor
 from contactlab_data.inference.law_numbers import FreeNumbers, by_key, corrections_in, law_predictors
+from contactlab_data.inference.nested_sampling import POINTS
 from contactlab_data.measured.files import read_impacts
 from contactlab_data.measured.impacts import MeasuredImpacts
+from contactlab_data.studies.fit import FIRST, Method, findings_of, part_of, tables_of
 
 SHOWN: Final = 40
 """Largest number of unexplained impacts in a sentence; the dataset has all of them."""
 
 LEAST: Final = 1e-4
 """Difference below which four decimals show nothing."""
+
+FIT: Final = "fit"
+"""Group of the fits to all impacts, and beginning of the keys of their tasks."""
 
 TRACKS: Final = "tracks"
 """Group of the tracks from which the impacts follow."""
@@ -57,7 +64,8 @@ class Validate(Study):
     can surpass. Numbers of the laws law=A,B that are not stated are free, in ranges
     KEY=LOW..HIGH if they are given; without law= these are all rigid laws and some compliant ones. Numbers
     of the geometry, data.NAME=LOW..HIGH, are fitted with those of every law. Verdicts on pairs are corrected
-    for their number.
+    for their number. Intervals of the numbers are by least squares of all impacts, with method=nested besides
+    by nested sampling, which weighs the laws by their evidence.
 
         >>> import contactlab as cl
         >>> laws = [cl.build([f"law={name}"]) for name in ("newton", "poisson")]
@@ -71,14 +79,17 @@ class Validate(Study):
     several: ClassVar[bool] = True
     ignored: ClassVar[tuple[str, ...]] = OF_MOTOR
     files: ClassVar[str] = "data"
+    early: ClassVar[bool] = True
 
     data: Annotated[str | Path | MeasuredImpacts, option("file of measured impacts, or of tracks")] = ""
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
     known: Annotated[list[str] | None, option("keys of a law's numbers that are not free")] = None
+    method: Annotated[Method, option("least_squares, or nested sampling of all impacts besides")] = FIRST
     folds: Annotated[int, option("parts that are held out in turn", at_least=2)] = FOLDS
     seed: Annotated[int, option("seed of folds, searches and resamples", at_least=0)] = 0
     repeats: Annotated[int, option("number of seeds, from the first on", at_least=1, at_most=1000)] = 1
     block: Annotated[int, option("impacts in a row that are resampled together", at_least=1)] = 1
+    points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
 
     @cached_property
     def impacts(self) -> MeasuredImpacts:
@@ -111,14 +122,38 @@ class Validate(Study):
         predictors = predictors_of(self.impacts, law_predictors(setups, free, self.known or ()), self.folds)
         # Refused before any of them is fitted.
         ImpactProblem(self.impacts, predictors[0], corrections=corrections)
+        for each in predictors:
+            problem = ImpactProblem(
+                self.impacts, each, self.impacts.covariance is None, corrections=corrections
+            )
+            if not each.baseline:
+                key = f"{FIT} {self._digest(each, corrections)} {each.label}"
+                numbers = f"Free: {'; '.join(map(str, problem.parameters)) or 'nothing'}."
+                self._made[key] = Candidate(each.label, problem, {}, {}, numbers)
         return [
             Task(
                 f"{seed} {place} {self._digest(predictor, corrections)}",
-                _cross_validated,
-                (predictor, self.impacts, self.folds, seed, corrections),
+                part_of,
+                (cross_validated, {}, predictor, self.impacts, self.folds, seed, corrections),
             )
             for seed in self.seeds
             for place, predictor in sorted(enumerate(predictors), key=lambda each: not each[1].integrated)
+        ]
+
+    @cached_property
+    def _made(self) -> dict[str, Candidate]:
+        """The laws by the keys of the tasks of nested sampling, once tasks are made."""
+        return {}
+
+    def further_tasks(self, setups: Setups, parts: Mapping[str, xarray.DataTree]) -> Iterable[Task]:
+        """Return fits of every law to all impacts after the cross-validation, if they are wanted."""
+        del setups
+        if self.method == FIRST or any(key in parts for key in self._made):
+            return []
+        workers = None if self.workers == 1 and self.scheduler is None else 1
+        settings: dict[str, Any] = {"points": self.points, "seed": self.seed, "workers": workers}
+        return [
+            Task(key, part_of, (fitted, settings, item), resumes=True) for key, item in self._made.items()
         ]
 
     def _digest(self, predictor: ImpactPredictor, corrections: tuple[FreeParameter, ...]) -> str:
@@ -143,7 +178,10 @@ class Validate(Study):
         first = groups.pop(f"seed_{self.seed}")
         if self.impacts.tracks is not None:
             groups[TRACKS] = self.impacts.tracks
-        return xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
+        tree = xarray.DataTree(first, {name: xarray.DataTree(data) for name, data in groups.items()})
+        if fits := {item.label: parts[key] for key, item in self._made.items() if key in parts}:
+            tree[FIT] = _renamed(xarray.DataTree(children=fits), lambda name: f"{FIT}_{name}")
+        return tree
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Estimate]:
         """Return the mean held-out error of each law, with half its interval."""
@@ -159,7 +197,8 @@ class Validate(Study):
     def findings(self, data: xarray.DataTree) -> list[str]:
         """Return the order of the laws, what limits it, and which impacts no law explains."""
         every = data.to_dataset()
-        trees = [every, *(child.to_dataset() for name, child in data.children.items() if name != TRACKS)]
+        seeds = [child for name, child in data.children.items() if name not in (TRACKS, FIT)]
+        trees = [every, *(child.to_dataset() for child in seeds)]
         tracks = data[TRACKS].attrs["findings"].splitlines() if TRACKS in data.children else []
         return [
             headline(every),
@@ -168,6 +207,7 @@ class Validate(Study):
             *limits(every),
             unexplained(every),
             *tracks,
+            *(findings_of(fits) if (fits := _fits(data)) else []),
         ]
 
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
@@ -187,12 +227,14 @@ class Validate(Study):
             "Laws of a group are not distinguishable from its first. A compliant law is fitted to a "
             "sample of the other folds."
         )
-        return {
+        own = {
             "errors": table(rows, caption=caption),
             "parameters": table(
-                [*parameters(every)], caption="Fitted parameters: median of the folds, least and greatest"
+                [*parameters(every)],
+                caption="Fitted parameters: median of the folds, least, greatest; 90 % interval by all",
             ),
         }
+        return own | (tables_of(fits) if (fits := _fits(data)) else {})
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return errors, paired differences, residuals, and a map of the impacts."""
@@ -230,8 +272,20 @@ CAPTIONS: Final = {
 """Captions of the figures by name."""
 
 
-def _cross_validated(*arguments: Any) -> Part:
-    return Part(xarray.DataTree(cross_validated(*arguments)))
+def _renamed(tree: xarray.DataTree, name: Callable[[str], str]) -> xarray.DataTree:
+    """Return a tree whose dimensions have other names: those of a group must be those above it."""
+    groups = {path: node.to_dataset(inherit=False) for path, node in tree.subtree_with_keys}
+    names = {path: {*map(str, data.dims), *map(str, data.coords)} for path, data in groups.items()}
+    return xarray.DataTree.from_dict(
+        {path: data.rename({old: name(old) for old in names[path]}) for path, data in groups.items()}
+    )
+
+
+def _fits(data: xarray.DataTree) -> xarray.DataTree | None:
+    """Return the fits to all impacts; None without."""
+    if FIT not in data.children:
+        return None
+    return _renamed(data.children[FIT], lambda name: name.removeprefix(f"{FIT}_"))
 
 
 def headline(data: xarray.Dataset) -> str:
@@ -293,9 +347,8 @@ def agreement(seeds: Sequence[xarray.Dataset]) -> list[str]:
 
 
 def limits(data: xarray.Dataset) -> list[str]:
-    """Return what limits the result: copied rows, undetermined parameters, impacts without a prediction."""
+    """Return what limits the result: copied rows, what determines numbers, impacts without a prediction."""
     remarks = {
-        "undetermined": "not determined",
         "at_end": "on an end of the range; the optimum may lie beyond",
         "unmoved": "without effect on the impacts and fixed",
         "unanswered": "impacts without a prediction; no change is assumed",
@@ -306,6 +359,8 @@ def limits(data: xarray.Dataset) -> list[str]:
         result += [
             f"{label}: {here[name].item()} {text}." for name, text in remarks.items() if here[name].item()
         ]
+        limited = zip(here["parameter"].values, here["remark"].values, strict=True)
+        result += [f"{label}: {name}: {text}." for name, text in limited if text]
     return result
 
 
@@ -329,12 +384,12 @@ def unexplained(data: xarray.Dataset) -> str:
 
 
 def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
-    """Yield a row for each fitted parameter: median of the folds, least, greatest and a remark."""
+    """Yield a row for each fitted parameter: median of the folds, least, greatest, interval by all."""
     for label, name in product(map(str, data["law"].values), map(str, data["parameter"].values)):
         here = data.sel(law=label, parameter=name)
         values = here["value"].values
         if np.isfinite(values).any():
-            remark = "on an end of its range" if name in here["at_end"].item().split(", ") else ""
+            low, high = map(float, here["interval"].values)
             yield {
                 "law": label,
                 "parameter": name,
@@ -342,7 +397,9 @@ def parameters(data: xarray.Dataset) -> Iterable[dict[str, Any]]:
                 "median": float(np.median(values)),
                 "least": float(values.min()),
                 "greatest": float(values.max()),
-                "remark": "not determined" if name in here["undetermined"].item().split(", ") else remark,
+                "5 %": low,
+                "95 %": high,
+                "remark": here["remark"].item(),
             }
 
 

@@ -13,7 +13,8 @@ from support.command_line import Command
 import contactlab as cl
 from contactlab.impacts import velocities_after
 from contactlab.laws.composed import label_of
-from contactlab_data.inference.cross_validation import ValidationError, folds_of, least_error_fit, noise_of
+from contactlab_data.inference.cross_validation import ValidationError, least_error_fit, noise_of
+from contactlab_data.inference.held_out import folds_of_measurements
 from contactlab_data.inference.impact_problem import (
     ConstantImpulse,
     ImpactProblem,
@@ -46,16 +47,16 @@ def data(result: cl.Result) -> xarray.Dataset:
 
 
 def test_folds_are_a_partition_of_even_parts_that_a_seed_fixes():
-    fold = folds_of(np.arange(103), 5, seed=4)
+    fold = folds_of_measurements(np.arange(103), 5, seed=4)
 
     assert sorted(np.bincount(fold)) == [20, 20, 21, 21, 21]
-    assert (fold == folds_of(np.arange(103), 5, seed=4)).all()
-    assert (fold != folds_of(np.arange(103), 5, seed=5)).any()
+    assert (fold == folds_of_measurements(np.arange(103), 5, seed=4)).all()
+    assert (fold != folds_of_measurements(np.arange(103), 5, seed=5)).any()
 
 
 def test_repeats_of_one_measurement_stay_in_one_fold_of_even_parts():
     measurement = np.repeat(np.arange(30), np.arange(30) % 4 + 1)
-    fold = folds_of(measurement, 5, seed=1)
+    fold = folds_of_measurements(measurement, 5, seed=1)
 
     assert all(len(set(fold[measurement == each])) == 1 for each in range(30))
     assert np.ptp(np.bincount(fold, minlength=5)) <= 4
@@ -155,7 +156,25 @@ def test_a_number_without_effect_is_fixed_and_one_that_no_impact_depends_on_is_u
     slow = replace(sticking, velocity_before=before, velocity_after=after)
     outcome = cl.validate(cl.Newton(), data=slow, folds=3)
 
-    assert "friction_coefficient" in outcome.data["undetermined"].sel(law="newton").item()
+    friction = outcome.data.to_dataset().sel(law="newton", parameter="friction_coefficient")
+    low, high = friction["interval"].values
+    assert 0.02 < low < 0.5
+    assert high == float(friction["range"][1])
+    assert f"at least {low:.4g}" in friction["remark"].item()
+
+
+def test_evidence_of_all_impacts_stands_beside_the_errors_if_wanted(tmp_path: Path) -> None:
+    impacts = struck_discs(cl.Newton(0.2, 0.6), 30, seed=1, spread=0.05)
+    laws, plain = [cl.Newton(), cl.LagrangeStick()], {"data": impacts, "folds": 3}
+    both = cl.validate(laws, **plain, method="nested", points=25, output=tmp_path)
+    alone = cl.validate(laws, **plain)
+    assert "evidence" not in alone.tables
+    np.testing.assert_array_equal(both.tables["errors"]["low"], alone.tables["errors"]["low"])
+    evidence = both.tables["evidence"].set_index("law")["ln Z"]
+    assert evidence["newton"].value > evidence["lagrange_stick"].value + 10.0
+    again = cl.load(tmp_path / "validate.nc")
+    assert again.findings == both.findings
+    assert again.tables["evidence"].equals(both.tables["evidence"])
 
 
 def test_too_few_impacts_and_one_law_twice_are_refused(tmp_path: Path) -> None:

@@ -186,3 +186,32 @@ def test_setups_of_one_law_are_named_by_their_labels(impacts):
     result = cl.fit(setups, data=impacts, free=free, known=known, **FEW)
     evidence = {label: fit.attrs["log_evidence"] for label, fit in result.data.children.items()}
     assert evidence["good"] > evidence["poor"] + np.log(100.0)
+
+
+@pytest.mark.parametrize("method", ["nested", "least_squares"])
+def test_the_page_has_least_squares_before_nested_sampling_begins(impacts, tmp_path, monkeypatch, method):
+    from contactlab_data.studies import fit as module
+
+    def interrupted(*_, **_others):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(module, "sampled", interrupted)
+    options = {"data": impacts, "free": FREE, "output": tmp_path / "out", "method": method}
+    if method == "nested":
+        with pytest.raises(KeyboardInterrupt):
+            cl.fit(laws("newton"), **options)
+        result = cl.load(tmp_path / "out" / "fit.nc")
+    else:
+        result = cl.fit(laws("newton"), **options)
+        assert not (tmp_path / "out" / "tasks").exists()
+    assert (tmp_path / "out" / "report.html").exists()
+    assert result.data["newton"].attrs["method"] == "least squares"
+    assert result.numbers["law.restitution"].value == pytest.approx(0.6, abs=0.05)
+    assert result.tables["held_out"]["held out"].tolist() == [f"fold {i}" for i in range(1, 6)]
+
+
+def test_of_least_squares_no_odds_follow(impacts):
+    result = cl.fit(laws("newton", "lagrange_slip"), data=impacts, free=FREE, method="least_squares")
+    evidence = result.tables["evidence"].set_index("law")
+    assert not any("odds of" in line for line in result.findings)
+    assert evidence["held out"]["newton"] < evidence["held out"]["lagrange_slip"]

@@ -11,7 +11,8 @@ import contactlab as cl
 from contactlab.config import ConfigurationError
 from contactlab.impacts import velocities_after
 from contactlab_data.inference.candidates import candidates_of
-from contactlab_data.inference.cross_validation import folds_of, pair_p_values
+from contactlab_data.inference.cross_validation import pair_p_values
+from contactlab_data.inference.held_out import folds_of_measurements
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab_data.inference.law_numbers import corrections_in
 from contactlab_data.measured.bodies import BodyImpacts
@@ -133,7 +134,7 @@ def test_pairs_are_corrected_for_their_number_and_floors_are_no_tests() -> None:
 
 def test_seeds_deal_impacts_into_folds_of_their_own() -> None:
     """Two impacts share a fold under both of two seeds, or neither, as often as by chance: 17 of 25."""
-    folds = [folds_of(np.arange(2000), 5, seed) for seed in range(4)]
+    folds = [folds_of_measurements(np.arange(2000), 5, seed) for seed in range(4)]
     pairs = np.random.default_rng(0).integers(0, 2000, (20000, 2)).T
     together = [fold[pairs[0]] == fold[pairs[1]] for fold in folds]
     for a in range(4):

@@ -4,16 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal, multivariate_t, t
+from scipy.stats import multivariate_normal, multivariate_t, norm, t
 
 import contactlab as cl
 from contactlab_data.inference.free_parameters import free_parameters
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor, impact_log_densities
-from contactlab_data.inference.motor_problem import (
-    ornstein_uhlenbeck,
-    series_log_densities,
-    student_log_densities,
-)
+from contactlab_data.inference.motor_problem import filtered, ornstein_uhlenbeck, student_log_densities
 from contactlab_data.inference.problem import IMPOSSIBLE
 from contactlab_data.inference.synthetic import made_impacts, with_noise, without_errors
 from contactlab_data.measured.impacts import squared_norm
@@ -29,8 +25,9 @@ def test_the_filter_gives_the_density_of_the_dense_multivariate_normal(amplitude
     apart = np.abs(TIME[:, None] - TIME)
     dense = np.diag(WHITE**2) + amplitude**2 * np.exp(-apart / correlation)
 
-    result = np.empty(40)
-    series_log_densities(residuals, TIME, WHITE, amplitude, correlation, result)
+    missed, deviation = np.empty((2, 40))
+    filtered(residuals, TIME, WHITE, amplitude, correlation, missed, deviation)
+    result = norm.logpdf(missed, scale=deviation)
 
     assert result.sum() == pytest.approx(multivariate_normal(cov=dense).logpdf(residuals), rel=1e-12)
     # Of each given those before it: the first alone knows of none.

@@ -30,7 +30,7 @@ def test_the_p_value_at_fixed_numbers_is_that_of_chi_square() -> None:
         square, rel=1e-12
     )
 
-    _, checks = _predictive(problem, np.tile(truth, (1000, 1)), 0)
+    _, checks = _predictive(problem, np.tile(truth, (1000, 1)), 0, problem.predict)
     exact = chi2.sf(square, 12)
     assert abs(checks["p_deviance"] - exact) < 4.0 * np.sqrt(exact * (1.0 - exact) / (1000 * REPLICAS))
     # The measurements are drawn as their replicas are.
@@ -105,7 +105,7 @@ def test_a_noise_of_free_size_does_not_hide_a_wrong_motor() -> None:
     checks = []
     for value in (inertia, 3.0 * inertia):
         noise = size * float(np.std(problem.residuals(np.array([value]))))
-        checks.append(_predictive(problem, np.tile([value, noise], (40, 1)), 0)[1])
+        checks.append(_predictive(problem, np.tile([value, noise], (40, 1)), 0, problem.predict)[1])
     right, wrong = checks
 
     assert min(right.values()) > 0.1
