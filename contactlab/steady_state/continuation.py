@@ -229,7 +229,7 @@ def place_at(curve: Curve, y: Array, heading: Array) -> Place:
     tangent = tangent if tangent @ heading >= 0.0 else -tangent
     run = section.run(orbit.state)
     # A map that has run holds tens of megabytes, and a branch has a thousand of them.
-    orbit = replace(orbit, map=replace(section, like=None))
+    orbit = replace(orbit, map=replace(section))
     return Place(curve, y, BranchPoint(curve.value(y), orbit, run), derivative, tangent)
 
 
