@@ -24,7 +24,7 @@ from contactlab.engine.binding import FRICTION, row_of
 from contactlab.engine.compiled_loops import path_loop_of
 from contactlab.engine.equilibrium import penetrations
 from contactlab.engine.memory import NUDGE
-from contactlab.engine.path import BY_GAP, BY_LOAD, COLUMNS, MOTION, NODAL, RIGID, Path as Walked
+from contactlab.engine.path_contact import BY_GAP, BY_LOAD, COLUMNS, MOTION, NODAL, RIGID, Path as Walked
 from contactlab.engine.preparation import take_in
 from contactlab.engine.state import CHATTERED, COUNTS, HEAD, INCONSISTENT, NO_INSTANTS, NOT_FINITE, RUNNING
 from contactlab.laws.base import RATE_DEPENDENT, SET_VALUED, ContactLaw, PenaltyLaw

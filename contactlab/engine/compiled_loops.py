@@ -22,7 +22,8 @@ from contactlab.engine.compliant import step_compliant
 from contactlab.engine.constrained import step_rigid
 from contactlab.engine.impact import MOMENT, OUTCOME, evaluate_impacts, integrate_impacts
 from contactlab.engine.loop import LoopData, run_law
-from contactlab.engine.path import Path, run_path
+from contactlab.engine.path import run_path
+from contactlab.engine.path_contact import Path
 from contactlab.engine.state import ImpactBatch, Law, Memory, Records, Run
 from contactlab.processes import processors
 
