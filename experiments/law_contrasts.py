@@ -21,8 +21,9 @@ in.
 **Practice.** A law whose friction coefficient and restitution are fitted to the speeds at two voltages under
 `TRUTH` predicts the third: |ln| of its ratio to the truth, by law, of the first `CALIBRATED` motors.
 
-**Map.** ln |c| by an additive spline of the groups, fitted on the first `FITTED` motors and judged on the
-others, at which nobody has looked before: R^2 and coverage of its 90 % intervals.
+**Map.** ln |c| of speed and of torque by an additive spline of the groups (`contrast_map`), fitted on the
+first `FITTED` motors and judged on the others, at which nobody has looked before: R^2 and coverage of its
+90 % intervals. A contrast is predicted where the lower end of its R^2 lies above `BAR`.
 
 **Stop.** At `LOOK` motors, if no contrast of laws has a share of law x motor above the largest of the null
 contrasts' upper ends, in speed and in torque, that is the result.
@@ -37,6 +38,7 @@ from typing import Any, Final
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
+from contrast_map import BAR, Judged, mapped
 from experiment import Experiment, main, part_of
 from matplotlib.figure import Figure
 from motor_population import ABSOLUTE, GROUPS, KNOWN, LAWS, begun, drawn, groups_of, law_of, motor_of
@@ -96,10 +98,12 @@ CONTRASTS: Final = {
 QUANTITIES: Final = ("rotor_velocity", "stall_torque", "normal_impulse", "start_time")
 
 SENTENCES: Final = (
-    "The groups say where the law decides: {contrasts} are predicted with an R^2 of {r2} in motors that were "
-    "not looked at.",
-    "No map: in motors that were not looked at, the groups explain at most {r2} of how much the law matters.",
+    "In {motors} motors that were not looked at, the groups predict where the law decides: {contrasts}.",
+    "No map: in {motors} motors that were not looked at, the groups explain at most {r2:.2f} of how much any "
+    "of these differences matters.",
 )
+"""The first is said of the contrasts that are predicted, the second where none is, with the largest upper end
+of their R^2."""
 
 OUTCOMES: Final = ("steady", "not settled", "broken off", "no such law")
 BRIEF: Final = (3, 13)
@@ -278,6 +282,32 @@ def half_widths(secant: Array) -> Array:
     return np.asarray(1.96 * np.sqrt(result))
 
 
+def maps(data: xarray.Dataset) -> dict[tuple[str, str], Judged]:
+    """Return how well the groups predict each contrast of laws, by quantity and contrast."""
+    groups = data["group_value"].transpose("motor", "group").values
+    return {
+        (quantity, name): mapped(
+            groups, np.abs(data["contrast_size"].sel(contrast=name, quantity=quantity).values), FITTED
+        )
+        for quantity in QUANTITIES[:2]
+        for name in CONTRASTS
+        if "null" not in name
+    }
+
+
+def map_sentence(found: Mapping[tuple[str, str], Judged]) -> str:
+    """Return the sentence of `SENTENCES` that the maps bear out."""
+    predicted = [
+        f"{name} ({quantity.replace('_', ' ')}, R^2 {one.r2:.2f}, {one.low:.2f} to {one.high:.2f})"
+        for (quantity, name), one in found.items()
+        if one.low > BAR
+    ]
+    motors = max(one.motors for one in found.values())
+    if predicted:
+        return SENTENCES[0].format(motors=motors, contrasts=", ".join(predicted))
+    return SENTENCES[1].format(motors=motors, r2=max(one.high for one in found.values()))
+
+
 class LawContrasts(Experiment):
     """In which motors does which difference of laws change what the motor does?"""
 
@@ -369,7 +399,10 @@ class LawContrasts(Experiment):
             f"{row['contrast']} ({str(row['quantity']).replace('_', ' ')}, {row['share']:.2g})"
             for row in above
         ]
-        return f"Above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}.", bool(above)
+        said = f"Above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}."
+        if data.sizes["motor"] > FITTED:
+            said = f"{said} {map_sentence(maps(data))}"
+        return said, bool(above)
 
 
 if __name__ == "__main__":

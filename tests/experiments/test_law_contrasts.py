@@ -5,7 +5,8 @@ from math import inf, nan
 import law_contrasts
 import numpy as np
 import pytest
-from law_contrasts import MEASURED, POINTS, contrast, half_widths, interval, shares
+from contrast_map import BAR, Judged
+from law_contrasts import MEASURED, POINTS, contrast, half_widths, interval, map_sentence, shares
 from motor_population import FAMILIES, KNOWN, RANGES, drawn
 
 
@@ -53,6 +54,14 @@ def test_motors_are_drawn_one_by_one_within_their_ranges() -> None:
         values = np.array([motor[name] for motor in motors if name != "angle" or motor[name]])
         assert low <= values.min() < values.max() <= high
     assert 60 < sum(motor["pressed"] for motor in motors) < 140
+
+
+def test_the_sentence_of_the_map_is_said_by_the_lower_end_of_its_r2() -> None:
+    low, high = (Judged(0.6, BAR + by, 0.9, 0.9, 64) for by in (-0.01, 0.01))
+    assert "0.90" in map_sentence({("rotor_velocity", "a"): low})
+    said = map_sentence({("rotor_velocity", "a"): low, ("stall_torque", "b"): high})
+    assert "b (stall torque" in said
+    assert "a (" not in said
 
 
 @pytest.mark.long
