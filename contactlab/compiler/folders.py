@@ -35,7 +35,10 @@ def code_folder() -> Path:
         try:
             (parent / name).mkdir(parents=True, exist_ok=True)
             with tempfile.TemporaryFile(dir=parent / name):
-                _remove_old(parent, name)
+                # The code of other sources that has not been added to for a month.
+                for folder in parent.glob(f"{PREFIX}*"):
+                    if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
+                        shutil.rmtree(folder, ignore_errors=True)
                 return parent / name
         except OSError:
             continue
@@ -57,13 +60,6 @@ def read_only_folder() -> Path | None:
     name, kept = code_name(), code_folder()
     first = next((folder for parent in _parents() if (folder := parent / name).is_dir()), kept)
     return None if first == kept else first
-
-
-def _remove_old(parent: Path, name: str) -> None:
-    """Remove the code of other sources that has not been added to for a month."""
-    for folder in parent.glob(f"{PREFIX}*"):
-        if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
-            shutil.rmtree(folder, ignore_errors=True)
 
 
 def shipped() -> Path:

@@ -190,15 +190,12 @@ def law(name: str | Callable[..., float], /, **parameters: Any) -> ContactLaw:
         ValueError: there is no such law or part, a parameter is out of its range, or the function names or
             does what only a class can.
     """
-    made: ContactLaw = (
-        _made("", name, parameters) if isinstance(name, str) else law_of(name, _named(parameters))
-    )
+    if isinstance(name, str):
+        named: ContactLaw = _made("", name, parameters)
+        return named
+    parts = {k: _made(k, x, {}) if k in PARTS and isinstance(x, str) else x for k, x in parameters.items()}
+    made: ContactLaw = law_of(name, parts)
     return made
-
-
-def _named(parts: dict[str, Any]) -> dict[str, Any]:
-    """Return parts with those that are given by name made."""
-    return {k: _made(k, x, {}) if k in PARTS and isinstance(x, str) else x for k, x in parts.items()}
 
 
 def _made(family: str, name: str, parameters: dict[str, Any]) -> Any:

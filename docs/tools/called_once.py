@@ -3,7 +3,8 @@
 python docs/tools/called_once.py [CHECKOUT]
 
 A function `_name` of a module or a class counts where its name is used once in the package outside of its own
-definition. The exit status is 1 where there are more than `ratchets.yaml` admits.
+definition, and that is a call: what is given to another function, or has a decorator (a cache, a property, a
+kernel), has to be a function. The exit status is 1 where there are more than `ratchets.yaml` admits.
 """
 
 import ast
@@ -43,6 +44,12 @@ def uses_in(tree: ast.AST) -> Counter[str]:
     return used
 
 
+def called_in(tree: ast.AST) -> set[str]:
+    """Return the names that are called below a node."""
+    calls = (node.func for node in ast.walk(tree) if isinstance(node, ast.Call))
+    return {name for call in calls for name in uses_in(call)}
+
+
 def called_once(root: Path = ROOT) -> Iterator[tuple[str, str, int]]:
     """Yield file, name and lines of each private function that is used once.
 
@@ -62,6 +69,7 @@ def called_once(root: Path = ROOT) -> Iterator[tuple[str, str, int]]:
         if isinstance(node, ast.ImportFrom)
         for alias in node.names
     )
+    called = {name for tree in files.values() for name in called_in(tree)}
     for path, tree in files.items():
         used, functions = uses_in(tree), [*functions_of(tree)]
         # Methods of several classes that share a name are one interface.
@@ -69,7 +77,7 @@ def called_once(root: Path = ROOT) -> Iterator[tuple[str, str, int]]:
         for function in functions:
             name = function.name
             outside = used[name] - uses_in(function)[name] + imported[name]
-            if outside == 1 and names[name] == 1:
+            if outside == 1 and names[name] == 1 and name in called and not function.decorator_list:
                 assert function.end_lineno is not None
                 first = min([function.lineno, *(each.lineno for each in function.decorator_list)])
                 yield path.relative_to(root).as_posix(), name, function.end_lineno - first + 1

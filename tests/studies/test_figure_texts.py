@@ -65,6 +65,13 @@ RESULTS: dict[str, Callable[[], cl.Result]] = {
     ),
     "characterise": lambda: cl.characterise([cl.build([NEWTON]), cl.build(["law=poisson"])]),
     "drive": driven,
+    "response": lambda: cl.response(
+        cl.oscillator(1.0, 1e4, damping=10.0, gap=1.0, force=1.0),
+        "drive.frequency",
+        15.0,
+        17.0,
+        law=cl.HertzPenalty(stiffness=1e9),
+    ),
     "compare": lambda: cl.compare([cl.build([NEWTON]), cl.build()], refine=False, samples=0),
 }  # fmt: skip
 """A small result of every study that has figures."""
@@ -117,6 +124,12 @@ NAMED: dict[str, dict[str, tuple[str, ...]]] = {
             *("hertz_penalty on a prescribed path of 200 ms", "energy (\u00b5J)", "work of the path"),
             *("friction loss", "contact loss", *DRIVEN),
         ),
+    },
+    "response": {
+        "response": (
+            *("hertz_penalty", "without contact", "phase (degrees)", "drive.frequency (Hz)"),
+            *("amplitude of the tip normal displacement (mm)",),
+        )
     },
     "compare": {
         "contact_force": (

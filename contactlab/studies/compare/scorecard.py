@@ -325,16 +325,12 @@ def scorecard(laws: Sequence[Reruns], notes: Sequence[str]) -> xarray.Dataset:
             **{name: ("law", texts) for name, texts in of_laws.items()},
         },
         {
-            "title": _title(labels),
+            "title": f"{len(labels)} contact laws compared"
+            if len(labels) > MOST_IN_TITLE
+            else f"Contact law{'s' if len(labels) > 1 else ''} compared: {', '.join(labels)}",
             "notes": "\n".join([*notes, *(note for law in laws for note in law.notes)]),
         },
     )
-
-
-def _title(labels: Sequence[str]) -> str:
-    if len(labels) > MOST_IN_TITLE:
-        return f"{len(labels)} contact laws compared"
-    return f"Contact law{'s' if len(labels) > 1 else ''} compared: {', '.join(labels)}"
 
 
 def energy_flow(run: Run, period: float = 0.0) -> dict[str, float]:

@@ -54,10 +54,13 @@ def best_admissible_impulses(impacts: MeasuredImpacts, friction_coefficient: flo
     radius = _length(centre)
     measured = np.einsum("nji,nj->ni", root, best_impulses(impacts))
     lines = _lines(impacts, root, mu)
+    away = measured - centre
+    with np.errstate(invalid="ignore", divide="ignore"):
+        onto_circle = centre + away * (radius / _length(away))[:, None]
     candidates = np.stack(
         [
             measured,
-            _onto_circle(measured, centre, radius),
+            onto_circle,
             *(_onto_line(measured, normal, offset) for normal, offset in lines),
             *(_crossing(*line, *other) for line, other in combinations(lines, 2)),
             *(point for line in lines for point in _through_circle(*line, centre, radius)),
@@ -102,13 +105,6 @@ def _length(vectors: Array) -> Array:
 
 def _onto_line(point: Array, normal: Array, offset: Array) -> Array:
     return np.asarray(point + (offset - np.einsum("ni,ni->n", point, normal))[:, None] * normal)
-
-
-def _onto_circle(point: Array, centre: Array, radius: Array) -> Array:
-    away = point - centre
-    distance = _length(away)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(centre + away * (radius / distance)[:, None])
 
 
 def _crossing(normal: Array, offset: Array, other: Array, other_offset: Array) -> Array:
