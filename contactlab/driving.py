@@ -20,7 +20,7 @@ import scipy
 from contactlab.arrays import Array
 from contactlab.checks import ON_GRID, check_shape, checked_arguments
 from contactlab.engine.arguments import check_interval, check_law
-from contactlab.engine.binding import FRICTION, row_of
+from contactlab.engine.binding import FORCE, FRICTION, SIGNATURES, row_of
 from contactlab.engine.compiled_loops import path_loop_of
 from contactlab.engine.equilibrium import penetrations
 from contactlab.engine.memory import NUDGE
@@ -54,6 +54,12 @@ RECORDS: Final = 1000
 DEGREE: Final = 7
 """Default degree of the spline through the samples of a path. Of a sine with 40 samples a period
 viscous friction is off by 1e-7 of its largest value, by 2e-4 through a cubic one: tests/test_driving.py."""
+
+BOUND: Final = [*SIGNATURES].index("bound")
+"""Place of the kernel of a rigid law's bound."""
+
+SPEEDS: Final = 1e-9, 10.0, 2001
+"""Slip velocities at which the steepest fall of friction is looked for: least, largest [m/s], number."""
 
 MOST_CORRECTIONS: Final = 100
 """Of Newton's method for steady sliding."""
@@ -445,6 +451,23 @@ class LawOnPath:
         damping = float(state["relaxation"] / state["compliance"])
         return float(by_z[0] * by_slip[1] - by_z[1] * (by_slip[0] - damping))
 
+    def critical_damping(self) -> float:
+        """Damping of a frame from which on no fall of set-valued friction with its slip ends a run [N s/m].
+
+        max -dF/dv: then k e + c (x_L' - v) = F(v) has one v, at any stiffness. Zero of other friction.
+        """
+        state, kernels = self.path.states[0], self._bound.kernels
+        if state["friction_kind"] != SET_VALUED:
+            return 0.0
+        gap, normal = float(state["last_gap"]), float(state["last_normal"])
+        speeds = np.geomspace(*SPEEDS)
+        with self._errors():
+            if state["prescribed"] == RIGID:
+                friction = [kernels[BOUND](normal, v, self._parameters) for v in speeds]
+            else:
+                friction = [-kernels[FORCE](gap, 0.0, v, 0.0, self._parameters)[1] for v in speeds]
+        return max(float(-(np.diff(friction) / np.diff(speeds)).min()), 0.0)
+
 
 def at_breaks(edges: Array, instants: Array) -> Array:
     """Return instants [s], those at edges of a path but for round-off as these.
@@ -545,17 +568,18 @@ def _ending(loop: LawOnPath, law: ContactLaw, state: Any) -> tuple[Ending, str]:
         )
     if code == NOT_FINITE:
         return Ending.DIVERGED, f"At {time} the law {law.name} has answered with no finite number."
-    critical = loop.critical_stiffness()
-    known = (
-        ""
-        if not critical > 1.0 / float(state["compliance"])
-        else f", which is below the critical {critical:.6g} N/m"
-    )
-    stiffness = 1.0 / float(state["compliance"])
+    stiffness, critical = 1.0 / float(state["compliance"]), loop.critical_stiffness()
+    damping, least = float(state["relaxation"]) * stiffness, loop.critical_damping()
+    known, mend = "", "a stiffer frame or frame_damping"
+    if critical > stiffness:
+        known = f", which is below the critical {critical:.6g} N/m"
+    elif least > damping:
+        known = f", whose damping is {damping:.6g} N s/m: at {least:.6g} N s/m no stiffness is critical"
+        mend = "that frame_damping"
     return Ending.CHATTERED if code == CHATTERED else Ending.STALLED, (
         f"At {time} the friction of {law.name} falls faster than a frame of {stiffness:.6g} N/m unloads"
-        f"{known}: stick-slip, of which there is no motion without inertia. Take a stiffer frame or "
-        "frame_damping, or a mass on a spring, contactlab.block."
+        f"{known}: stick-slip, of which there is no motion without inertia. Take {mend}, or a mass on a "
+        "spring, contactlab.block."
     )
 
 
@@ -576,8 +600,10 @@ def _pieces_until(path: Waveform, degree: int, duration: float | None) -> tuple[
         powers, turns = np.tile(powers, (times, 1, 1)), (starts + turns).ravel()
     elif length > whole * (1.0 + SAME_TIME):
         raise ValueError(f"The duration is {length} s; it must be at most that of the path, {whole} s.")
-    breaks = turns if degree == MOST_DEGREE else edges[1:-1]
-    breaks = np.unique(breaks[(breaks > SAME_TIME * length) & (breaks < (1.0 - SAME_TIME) * length)])
+    # A reversal is an edge but for round-off; between two pieces it is a root of each.
+    turns = edges[np.searchsorted(0.5 * (edges[1:] + edges[:-1]), turns)]
+    breaks = np.unique(turns) if degree == MOST_DEGREE else edges[1:-1]
+    breaks = breaks[(breaks > SAME_TIME * length) & (breaks < (1.0 - SAME_TIME) * length)]
     return edges, np.ascontiguousarray(powers), np.append(breaks, length)
 
 
