@@ -9,10 +9,10 @@ loop = cl.drive(rubbing, time, gap=-1e-6, slip=1e-6 * np.sin(2e3 * np.pi * time)
 loop.plot()
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from math import ceil, factorial
-from typing import Any, Final, cast, final
+from typing import Any, Final, Self, cast, final
 
 import numpy as np
 import scipy
@@ -32,6 +32,7 @@ from contactlab.laws.composed import Composed
 from contactlab.motor.bodies import FLAT, led_body
 from contactlab.motor.motor import ModalState, Motor
 from contactlab.motor.waveform import MOST_DEGREE, Waveform
+from contactlab.parameter import Parameter, not_negative, positive
 from contactlab.simulation import Solution, simulate
 from contactlab.trajectory import Ending, Trajectory, contact_variables
 from contactlab.variables import SERIES
@@ -72,6 +73,13 @@ AT_EDGE: Final = 1e-5
 
 AT_START: Final = 1e-4
 """Distance of the first instant from the start of its path, over that."""
+
+FRAME: Final = {
+    "frame_stiffness": positive("k", "N m-1", "of a frame that the path of slip pulls; none"),
+    "frame_damping": not_negative("c", "N s m-1", "of the frame"),
+    "frame_force": Parameter("", "N", "of the frame's spring at the start"),
+}
+"""Numbers of a frame by their names as arguments and options."""
 
 Path = Array | Waveform | float
 """Samples at the times, a waveform of one row from the first time on, or a number."""
@@ -301,14 +309,19 @@ class Frame:
     def __post_init__(self) -> None:
         if self.stiffness is None:
             raise ValueError("A frame has a damping or a force; it must have a frame_stiffness, too.")
-        for name, value, fits in (
-            ("frame_stiffness", self.stiffness, self.stiffness > 0.0),
-            ("frame_damping", self.damping, self.damping >= 0.0),
-            ("frame_force", self.force, True),
-        ):
-            if not (fits and np.isfinite(value)):
-                bound = {"frame_stiffness": "positive and ", "frame_damping": "not negative and "}
-                raise ValueError(f"{name} is {value:g}; it must be {bound.get(name, '')}finite.")
+        for name, value in self.numbers.items():
+            if not FRAME[name].admits(value):
+                bound = FRAME[name].range or "finite"
+                raise ValueError(f"{name} is {value:g}{FRAME[name].label}; it must be {bound}.")
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers by their names in `FRAME`."""
+        return {name: float(getattr(self, name.removeprefix("frame_"))) for name in FRAME}
+
+    def changed(self, numbers: Mapping[str, float]) -> Self:
+        """Return the frame with other numbers, by their names in `FRAME`."""
+        return replace(self, **{name.removeprefix("frame_"): float(x) for name, x in numbers.items()})
 
 
 @final
@@ -371,10 +384,7 @@ class LawOnPath:
         known["friction_kind"] = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
         known["variables"], known["guards"] = len(law.internal_variables), law.guards
         known["coupled"], known["load"] = law.coupled if compliant else 0, np.nan
-        if frame is not None and frame.stiffness is not None:
-            known["framed"], known["first_force"] = 1, frame.force
-            known["compliance"] = 1.0 / frame.stiffness
-            known["relaxation"] = frame.damping / frame.stiffness
+        self._frame = frame
         units = [each.units for each in law.internal_variables]
         count = len(units)
         known["alike"][:count] = [units.index(unit) for unit in units]
@@ -395,8 +405,10 @@ class LawOnPath:
         )
         self._loop = path_loop_of(self._bound, self.path)
 
-    def run(self, law: ContactLaw) -> Any:
+    def run(self, law: ContactLaw, frame: Frame | None = None) -> Any:
         """Take the law with other numbers along the path; returns its state at the end, `MOTION`.
+
+        A frame with other numbers stands for the path's own.
 
         Forces at the instants and records are those of `path`, until the next run.
 
@@ -411,6 +423,11 @@ class LawOnPath:
         states = self.path.states
         states.view(np.uint8)[:] = self._fresh.view(np.uint8)
         state = states[0]
+        frame = frame or self._frame
+        if frame is not None and frame.stiffness is not None:
+            state["framed"], state["first_force"] = 1, frame.force
+            state["compliance"] = 1.0 / frame.stiffness
+            state["relaxation"] = frame.damping / frame.stiffness
         count = int(state["variables"])
         state["memory"][:count] = row[HEAD : HEAD + count]
         self.path.forces[:] = np.nan

@@ -10,11 +10,11 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import DEGREE, drive
+from contactlab.driving import DEGREE, FRAME, drive
 from contactlab.estimate import Estimate
 from contactlab.laws import LawError
 from contactlab.motor.table import MeasurementError, read_table
-from contactlab.parameter import Parameter, not_negative
+from contactlab.parameter import Parameter
 from contactlab.results.files import check_file, damage
 from contactlab.studies.law_study import LawStudy, groups_of, read_file
 from contactlab.studies.study import Part, Setups, Task, listing, option
@@ -57,11 +57,9 @@ class Driven(LawStudy):
         float | None, Parameter("", "s", "time after which the path repeats itself", above=0.0)
     ] = None
     duration: Annotated[float | None, Parameter("", "s", "of the run; the path's, once", above=0.0)] = None
-    frame_stiffness: Annotated[
-        float | None, Parameter("k", "N m-1", "of a frame that the path of slip pulls; none", above=0.0)
-    ] = None
-    frame_damping: Annotated[float, not_negative("c", "N s m-1", "of the frame")] = 0.0
-    frame_force: Annotated[float, Parameter("", "N", "of the frame's spring at the start")] = 0.0
+    frame_stiffness: Annotated[float | None, FRAME["frame_stiffness"]] = None
+    frame_damping: Annotated[float, FRAME["frame_damping"]] = 0.0
+    frame_force: Annotated[float, FRAME["frame_force"]] = 0.0
 
     def path(self) -> xarray.Dataset:
         """Return the path, see `read_path`.
@@ -75,8 +73,7 @@ class Driven(LawStudy):
         """Return one task a law."""
         setups = self.chosen(setups)
         times = {"degree": self.degree, "period": self.period, "duration": self.duration}
-        frame = ("frame_stiffness", "frame_damping", "frame_force")
-        times |= {name: getattr(self, name) for name in frame}
+        times |= {name: getattr(self, name) for name in FRAME}
         path = self.path()
         return [Task(label, _driven, (setup, path, times)) for label, setup in setups.items()]
 
