@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from support.command_line import cases
 
 import contactlab as cl
-from contactlab.driving import DEGREE, Frame, LawOnPath
+from contactlab.driving import DEGREE, Frame, LawOnPath, integrated
 from contactlab.laws.registry import origins, own
 from contactlab.parameter import declared_fields
 from contactlab.studies.drive import Driven
@@ -58,6 +58,23 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
     )
     np.testing.assert_allclose(run["friction_loss"][-1], 3 * 4 * 0.3 * 10.0 * 1e-3, rtol=1e-9)
     assert set(run["contact_mode"].values.tolist()) == {1}
+
+
+def test_a_velocity_in_place_of_the_slip() -> None:
+    """Its integral has an error of fourth order, which is told, and the loop that of the slip."""
+    time = np.linspace(0.0, 1.0, 81)
+    law = cl.Composed(friction=cl.Dahl(friction_coefficient=0.3, rest_stiffness=1e6))
+    way, speed = 1e-6 * np.sin(2.0 * pi * time), 2e-6 * pi * np.cos(2.0 * pi * time)
+    slip, text = integrated(time, speed)
+    told = float(text.split("differs by ")[1].split(" m")[0])
+    assert np.abs(slip - way).max() < told < 1e-4 * 1e-6
+    path: dict[str, Any] = {"normal": 10.0, "frame_stiffness": 2e6}
+    by_slip, by_speed = cl.drive(law, time, slip=way, **path), cl.drive(law, time, velocity=speed, **path)
+    np.testing.assert_allclose(by_speed["friction_force"], by_slip["friction_force"], rtol=0.0, atol=3e-4)
+    steady = cl.drive(HERTZ, time, gap=-1e-6, velocity=1e-3)
+    assert float(steady["friction_loss"][-1]) == pytest.approx(0.3 * 10.0 * 1e-3, rel=1e-9)
+    with pytest.raises(ValueError, match="velocity"):
+        cl.drive(HERTZ, time, gap=-1e-6, slip=way, velocity=speed)
 
 
 def test_the_default_spline_keeps_a_sampled_sine() -> None:

@@ -10,7 +10,7 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import DEGREE, FRAME, drive
+from contactlab.driving import DEGREE, FRAME, drive, integrated
 from contactlab.estimate import Estimate
 from contactlab.laws import LawError
 from contactlab.motor.table import MeasurementError, read_table
@@ -22,11 +22,14 @@ from contactlab.studies.tables import table_of_quantities
 from contactlab.trajectory import Ending
 from contactlab.variables import Variable
 
-PATH: Final = {"slip": "m", "gap": "m", "normal": "N"}
-"""Units of what is prescribed: slip, and either gap or normal force."""
+PATH: Final = {"slip": "m", "velocity": "m s-1", "gap": "m", "normal": "N"}
+"""Units of what is prescribed: slip or its rate, and either gap or normal force."""
 
 FORCES: Final = ("normal_force", "friction_force")
 """What a file may have of a measured contact [N]."""
+
+NOTE: Final = "path"
+"""Attribute of a path that is integrated: a sentence on its error."""
 
 FEWEST: Final = 8
 """Smallest number of samples."""
@@ -36,9 +39,9 @@ FEWEST: Final = 8
 class Driven(LawStudy):
     """What forces does a law bring on a prescribed path, without a motor, and what does it lose?
 
-    The file of the path has columns time, slip, and gap or normal (a normal force), each with its unit:
-    contactlab drive path.csv law=composed law/friction=dahl,lugre. Forces in the file are drawn beside those
-    of the laws.
+    The file of the path has columns time, slip or its velocity, and gap or normal (a normal force), each with
+    its unit: contactlab drive path.csv law=composed law/friction=dahl,lugre. A velocity is integrated. Forces
+    in the file are drawn beside those of the laws.
     """
 
     name: ClassVar[str] = "drive"
@@ -81,6 +84,7 @@ class Driven(LawStudy):
         """Return the runs, a group for each law, and the measured forces."""
         tree = super().combine(setups, parts)
         path = self.path()
+        tree.attrs |= path.attrs
         if {*FORCES} & {*path}:
             tree["measured"] = xarray.DataTree(path)
         return tree
@@ -103,6 +107,7 @@ class Driven(LawStudy):
         """Return losses and largest forces of each law, and which runs did not reach the end of the path."""
         quantities = [q for q in self.quantities if q.name != "drive_work"]
         every = [f"{label}: {listing(quantities, own)}." for label, own in self.columns(data).items()]
+        every += [data.attrs[NOTE]] if NOTE in data.attrs else []
         return every + [
             f"{label} does not reach the end of the path: {run.attrs['message']}"
             for label, run in groups_of(data).items()
@@ -145,9 +150,13 @@ def read_path(path: Path) -> xarray.Dataset:
             raise MeasurementError(fault)
         table = read_table(path)
         prescribed = [name for name in PATH if name in table.names]
-        if not {"time", "slip"} <= {*table.names} or len(prescribed) != 2:
-            raise MeasurementError("it has no path; it must have time, slip, and either gap or normal.")
+        moved = {"slip", "velocity"} & {*prescribed}
+        if "time" not in table.names or len(moved) != 1 or len(prescribed) != 2:
+            raise MeasurementError(
+                "it has no path; it must have time, slip or velocity, and either gap or normal."
+            )
         units = {"time": "s"} | {name: PATH[name] for name in prescribed} | dict.fromkeys(FORCES, "N")
+        units |= {"velocity_error": PATH["velocity"]} if "velocity" in moved else {}
         # A run has other variables.
         if table.dimension != "time":
             table.check_names([*units, *(f"{name}_error" for name in FORCES)])
@@ -160,13 +169,18 @@ def read_path(path: Path) -> xarray.Dataset:
             f"'{path}': time has {time.size} values from {time.min(initial=np.inf):.9g} s; it must have at "
             f"least {FEWEST} that increase."
         )
+    about = {}
+    if "velocity" in columns:
+        columns["slip"], about[NOTE] = integrated(time, columns["velocity"], columns.get("velocity_error"))
+    units["slip"] = PATH["slip"]
     return xarray.Dataset(
-        {name: ("time", values, {"units": units[name]}) for name, values in columns.items()}
+        {name: ("time", values, {"units": units[name]}) for name, values in columns.items()}, attrs=about
     )
 
 
 def _driven(setup: Setup, path: xarray.Dataset, times: Mapping[str, Any]) -> Part:
     prescribed: dict[str, Any] = {name: path[name].values for name in PATH if name in path}
+    prescribed.pop("velocity", None)
     try:
         run = drive(setup.law, path["time"].values, **prescribed, **times)
     except (ValueError, LawError) as error:
