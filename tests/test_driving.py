@@ -61,13 +61,13 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
 
 
 def test_a_velocity_in_place_of_the_slip() -> None:
-    """Its integral has an error of fourth order, which is told, and the loop that of the slip."""
+    """Its integral has an error of fourth order, which is stated, and the loop that of the slip."""
     time = np.linspace(0.0, 1.0, 81)
     law = cl.Composed(friction=cl.Dahl(friction_coefficient=0.3, rest_stiffness=1e6))
     way, speed = 1e-6 * np.sin(2.0 * pi * time), 2e-6 * pi * np.cos(2.0 * pi * time)
     slip, text = integrated(time, speed)
-    told = float(text.split("differs by ")[1].split(" m")[0])
-    assert np.abs(slip - way).max() < told < 1e-4 * 1e-6
+    stated = float(text.split("differs by ")[1].split(" m")[0])
+    assert np.abs(slip - way).max() < stated < 1e-4 * 1e-6
     path: dict[str, Any] = {"normal": 10.0, "frame_stiffness": 2e6}
     by_slip, by_speed = cl.drive(law, time, slip=way, **path), cl.drive(law, time, velocity=speed, **path)
     np.testing.assert_allclose(by_speed["friction_force"], by_slip["friction_force"], rtol=0.0, atol=3e-4)

@@ -37,7 +37,7 @@ def test_coulomb_loses_mu_n_times_the_way(command: Command) -> None:
     assert {"drive.png", "report.html", "newton.png"} <= {file.name for file in Path("out").iterdir()}
 
 
-def test_a_velocity_is_integrated_and_its_error_is_told(command: Command) -> None:
+def test_a_velocity_is_integrated_and_its_error_is_stated(command: Command) -> None:
     speed = 2.0 * np.pi * np.cos(2e3 * np.pi * TIME)
     table = np.column_stack([TIME, speed, np.full(TIME.size, 10.0), np.full(TIME.size, 0.01)])
     header = "time [s],velocity [mm/s],normal [N],velocity_error [mm/s]"

