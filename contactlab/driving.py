@@ -9,10 +9,10 @@ loop = cl.drive(rubbing, time, gap=-1e-6, slip=1e-6 * np.sin(2e3 * np.pi * time)
 loop.plot()
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from math import ceil, factorial
-from typing import Any, Final, cast, final
+from typing import Any, Final, Self, cast, final
 
 import numpy as np
 import scipy
@@ -20,7 +20,7 @@ import scipy
 from contactlab.arrays import Array
 from contactlab.checks import ON_GRID, check_shape, checked_arguments
 from contactlab.engine.arguments import check_interval, check_law
-from contactlab.engine.binding import FRICTION, row_of
+from contactlab.engine.binding import FORCE, FRICTION, SIGNATURES, row_of
 from contactlab.engine.compiled_loops import path_loop_of
 from contactlab.engine.equilibrium import penetrations
 from contactlab.engine.memory import NUDGE
@@ -32,6 +32,7 @@ from contactlab.laws.composed import Composed
 from contactlab.motor.bodies import FLAT, led_body
 from contactlab.motor.motor import ModalState, Motor
 from contactlab.motor.waveform import MOST_DEGREE, Waveform
+from contactlab.parameter import Parameter, not_negative, positive
 from contactlab.simulation import Solution, simulate
 from contactlab.trajectory import Ending, Trajectory, contact_variables
 from contactlab.variables import SERIES
@@ -55,6 +56,12 @@ DEGREE: Final = 7
 """Default degree of the spline through the samples of a path. Of a sine with 40 samples a period
 viscous friction is off by 1e-7 of its largest value, by 2e-4 through a cubic one: tests/test_driving.py."""
 
+BOUND: Final = [*SIGNATURES].index("bound")
+"""Place of the kernel of a rigid law's bound."""
+
+SPEEDS: Final = 1e-9, 10.0, 2001
+"""Slip velocities at which the steepest fall of friction is looked for: least, largest [m/s], number."""
+
 MOST_CORRECTIONS: Final = 100
 """Of Newton's method for steady sliding."""
 
@@ -67,6 +74,13 @@ AT_EDGE: Final = 1e-5
 AT_START: Final = 1e-4
 """Distance of the first instant from the start of its path, over that."""
 
+FRAME: Final = {
+    "frame_stiffness": positive("k", "N m-1", "of a frame that the path of slip pulls; none"),
+    "frame_damping": not_negative("c", "N s m-1", "of the frame"),
+    "frame_force": Parameter("", "N", "of the frame's spring at the start"),
+}
+"""Numbers of a frame by their names as arguments and options."""
+
 Path = Array | Waveform | float
 """Samples at the times, a waveform of one row from the first time on, or a number."""
 
@@ -76,6 +90,7 @@ Path = Array | Waveform | float
     gap="m",
     normal="N",
     slip="m",
+    velocity="m/s",
     period="s",
     frame_stiffness="N/m",
     frame_damping="N s/m",
@@ -91,6 +106,7 @@ def drive(
     gap: Path | None = None,
     normal: Path | None = None,
     slip: Path = 0.0,
+    velocity: Path | None = None,
     degree: int = DEGREE,
     period: float | None = None,
     touching: bool = False,
@@ -137,6 +153,7 @@ def drive(
             which the law has these forces at rest: damping is refused where they vary, and memory along the
             normal.
         slip: displacement along the surface [m]; its rate is the slip velocity.
+        velocity: in place of slip [m/s], whose integral it is; `contactlab.driving.integrated` has its error.
         degree: of the spline through the samples: 1 joins them by lines, so that velocities jump; 3, 5 or 7
             is smooth, with an error of the fourth, sixth or eighth order in the time between samples. Corners
             and jumps take 1.
@@ -158,6 +175,10 @@ def drive(
         TypeError, ValueError: an argument out of range, one too many or one too few.
         LawError: the law contradicts itself, or its code raised an exception.
     """
+    if velocity is not None:
+        if np.any(np.asarray(slip) != 0.0):
+            raise ValueError("A path has slip and velocity; it must have one of them.")
+        slip = integrated(time, _samples("velocity", velocity, time))[0]
     motor = driven_by(law, time, gap, normal, slip, degree, period, touching)
     length = (period or float(time[-1] - time[0])) if duration is None else duration
     if record_interval is None:
@@ -254,6 +275,28 @@ def _samples(name: str, path: Path | None, time: Array) -> Array:
     return samples
 
 
+def integrated(time: Array, velocity: Array, error: Array | None = None) -> tuple[Array, str]:
+    """Return the slip from a velocity along the surface [m], zero at first, and a sentence on its error.
+
+    It is the integral of the cubic spline through the samples, whose error is of fourth order in their
+    distance: that of every second sample errs sixteen times as much.
+
+    Args:
+        time: increasing [s], shape (time,).
+        velocity: [m/s], shape (time,).
+        error: its standard deviation, independent from sample to sample [m/s]; None where it is not stated.
+    """
+    slip = np.asarray(scipy.interpolate.CubicSpline(time, velocity).antiderivative()(time))
+    coarse = scipy.interpolate.CubicSpline(time[::2], velocity[::2]).antiderivative()(time[::2])
+    off = float(np.abs(coarse - slip[::2]).max())
+    text = f"slip is the integral of velocity; that of every second sample differs by {off:.2g} m"
+    if error is not None:
+        weights = 0.5 * (np.diff(time, prepend=time[0]) + np.diff(time, append=time[-1]))
+        drift = float(np.sqrt(np.sum((weights * error) ** 2)))
+        text += f", and the error of velocity makes one of {drift:.2g} m at the end"
+    return slip, f"{text}."
+
+
 def _reversals(path: Waveform) -> Array:
     """Return the times at which the slip of a path reverses [s]: friction may have a kink there."""
     pieces: Any = path.pieces
@@ -295,14 +338,19 @@ class Frame:
     def __post_init__(self) -> None:
         if self.stiffness is None:
             raise ValueError("A frame has a damping or a force; it must have a frame_stiffness, too.")
-        for name, value, fits in (
-            ("frame_stiffness", self.stiffness, self.stiffness > 0.0),
-            ("frame_damping", self.damping, self.damping >= 0.0),
-            ("frame_force", self.force, True),
-        ):
-            if not (fits and np.isfinite(value)):
-                bound = {"frame_stiffness": "positive and ", "frame_damping": "not negative and "}
-                raise ValueError(f"{name} is {value:g}; it must be {bound.get(name, '')}finite.")
+        for name, value in self.numbers.items():
+            if not FRAME[name].admits(value):
+                bound = FRAME[name].range or "finite"
+                raise ValueError(f"{name} is {value:g}{FRAME[name].label}; it must be {bound}.")
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """The numbers by their names in `FRAME`."""
+        return {name: float(getattr(self, name.removeprefix("frame_"))) for name in FRAME}
+
+    def changed(self, numbers: Mapping[str, float]) -> Self:
+        """Return the frame with other numbers, by their names in `FRAME`."""
+        return replace(self, **{name.removeprefix("frame_"): float(x) for name, x in numbers.items()})
 
 
 @final
@@ -365,10 +413,7 @@ class LawOnPath:
         known["friction_kind"] = law.friction_kind if isinstance(law, PenaltyLaw) else SET_VALUED
         known["variables"], known["guards"] = len(law.internal_variables), law.guards
         known["coupled"], known["load"] = law.coupled if compliant else 0, np.nan
-        if frame is not None and frame.stiffness is not None:
-            known["framed"], known["first_force"] = 1, frame.force
-            known["compliance"] = 1.0 / frame.stiffness
-            known["relaxation"] = frame.damping / frame.stiffness
+        self._frame = frame
         units = [each.units for each in law.internal_variables]
         count = len(units)
         known["alike"][:count] = [units.index(unit) for unit in units]
@@ -389,8 +434,10 @@ class LawOnPath:
         )
         self._loop = path_loop_of(self._bound, self.path)
 
-    def run(self, law: ContactLaw) -> Any:
+    def run(self, law: ContactLaw, frame: Frame | None = None) -> Any:
         """Take the law with other numbers along the path; returns its state at the end, `MOTION`.
+
+        A frame with other numbers stands for the path's own.
 
         Forces at the instants and records are those of `path`, until the next run.
 
@@ -405,6 +452,11 @@ class LawOnPath:
         states = self.path.states
         states.view(np.uint8)[:] = self._fresh.view(np.uint8)
         state = states[0]
+        frame = frame or self._frame
+        if frame is not None and frame.stiffness is not None:
+            state["framed"], state["first_force"] = 1, frame.force
+            state["compliance"] = 1.0 / frame.stiffness
+            state["relaxation"] = frame.damping / frame.stiffness
         count = int(state["variables"])
         state["memory"][:count] = row[HEAD : HEAD + count]
         self.path.forces[:] = np.nan
@@ -444,6 +496,23 @@ class LawOnPath:
         by_slip, by_z = (flow(speed + dv, z) - here) / dv, (flow(speed, z + dz) - here) / dz
         damping = float(state["relaxation"] / state["compliance"])
         return float(by_z[0] * by_slip[1] - by_z[1] * (by_slip[0] - damping))
+
+    def critical_damping(self) -> float:
+        """Damping of a frame from which on no fall of set-valued friction with its slip ends a run [N s/m].
+
+        max -dF/dv: then k e + c (x_L' - v) = F(v) has one v, at any stiffness. Zero of other friction.
+        """
+        state, kernels = self.path.states[0], self._bound.kernels
+        if state["friction_kind"] != SET_VALUED:
+            return 0.0
+        gap, normal = float(state["last_gap"]), float(state["last_normal"])
+        speeds = np.geomspace(*SPEEDS)
+        with self._errors():
+            if state["prescribed"] == RIGID:
+                friction = [kernels[BOUND](normal, v, self._parameters) for v in speeds]
+            else:
+                friction = [-kernels[FORCE](gap, 0.0, v, 0.0, self._parameters)[1] for v in speeds]
+        return max(float(-(np.diff(friction) / np.diff(speeds)).min()), 0.0)
 
 
 def at_breaks(edges: Array, instants: Array) -> Array:
@@ -545,17 +614,18 @@ def _ending(loop: LawOnPath, law: ContactLaw, state: Any) -> tuple[Ending, str]:
         )
     if code == NOT_FINITE:
         return Ending.DIVERGED, f"At {time} the law {law.name} has answered with no finite number."
-    critical = loop.critical_stiffness()
-    known = (
-        ""
-        if not critical > 1.0 / float(state["compliance"])
-        else f", which is below the critical {critical:.6g} N/m"
-    )
-    stiffness = 1.0 / float(state["compliance"])
+    stiffness, critical = 1.0 / float(state["compliance"]), loop.critical_stiffness()
+    damping, least = float(state["relaxation"]) * stiffness, loop.critical_damping()
+    known, mend = "", "a stiffer frame or frame_damping"
+    if critical > stiffness:
+        known = f", which is below the critical {critical:.6g} N/m"
+    elif least > damping:
+        known = f", whose damping is {damping:.6g} N s/m: at {least:.6g} N s/m no stiffness is critical"
+        mend = "that frame_damping"
     return Ending.CHATTERED if code == CHATTERED else Ending.STALLED, (
         f"At {time} the friction of {law.name} falls faster than a frame of {stiffness:.6g} N/m unloads"
-        f"{known}: stick-slip, of which there is no motion without inertia. Take a stiffer frame or "
-        "frame_damping, or a mass on a spring, contactlab.block."
+        f"{known}: stick-slip, of which there is no motion without inertia. Take {mend}, or a mass on a "
+        "spring, contactlab.block."
     )
 
 
@@ -576,8 +646,10 @@ def _pieces_until(path: Waveform, degree: int, duration: float | None) -> tuple[
         powers, turns = np.tile(powers, (times, 1, 1)), (starts + turns).ravel()
     elif length > whole * (1.0 + SAME_TIME):
         raise ValueError(f"The duration is {length} s; it must be at most that of the path, {whole} s.")
-    breaks = turns if degree == MOST_DEGREE else edges[1:-1]
-    breaks = np.unique(breaks[(breaks > SAME_TIME * length) & (breaks < (1.0 - SAME_TIME) * length)])
+    # A reversal is an edge but for round-off; between two pieces it is a root of each.
+    turns = edges[np.searchsorted(0.5 * (edges[1:] + edges[:-1]), turns)]
+    breaks = np.unique(turns) if degree == MOST_DEGREE else edges[1:-1]
+    breaks = breaks[(breaks > SAME_TIME * length) & (breaks < (1.0 - SAME_TIME) * length)]
     return edges, np.ascontiguousarray(powers), np.append(breaks, length)
 
 

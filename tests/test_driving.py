@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from support.command_line import cases
 
 import contactlab as cl
-from contactlab.driving import DEGREE, Frame, LawOnPath
+from contactlab.driving import DEGREE, Frame, LawOnPath, integrated
 from contactlab.laws.registry import origins, own
 from contactlab.parameter import declared_fields
 from contactlab.studies.drive import Driven
@@ -58,6 +58,23 @@ def test_coulomb_loses_four_times_mu_n_x_in_a_cycle() -> None:
     )
     np.testing.assert_allclose(run["friction_loss"][-1], 3 * 4 * 0.3 * 10.0 * 1e-3, rtol=1e-9)
     assert set(run["contact_mode"].values.tolist()) == {1}
+
+
+def test_a_velocity_in_place_of_the_slip() -> None:
+    """Its integral has an error of fourth order, which is stated, and the loop that of the slip."""
+    time = np.linspace(0.0, 1.0, 81)
+    law = cl.Composed(friction=cl.Dahl(friction_coefficient=0.3, rest_stiffness=1e6))
+    way, speed = 1e-6 * np.sin(2.0 * pi * time), 2e-6 * pi * np.cos(2.0 * pi * time)
+    slip, text = integrated(time, speed)
+    stated = float(text.split("differs by ")[1].split(" m")[0])
+    assert np.abs(slip - way).max() < stated < 1e-4 * 1e-6
+    path: dict[str, Any] = {"normal": 10.0, "frame_stiffness": 2e6}
+    by_slip, by_speed = cl.drive(law, time, slip=way, **path), cl.drive(law, time, velocity=speed, **path)
+    np.testing.assert_allclose(by_speed["friction_force"], by_slip["friction_force"], rtol=0.0, atol=3e-4)
+    steady = cl.drive(HERTZ, time, gap=-1e-6, velocity=1e-3)
+    assert float(steady["friction_loss"][-1]) == pytest.approx(0.3 * 10.0 * 1e-3, rel=1e-9)
+    with pytest.raises(ValueError, match="velocity"):
+        cl.drive(HERTZ, time, gap=-1e-6, slip=way, velocity=speed)
 
 
 def test_the_default_spline_keeps_a_sampled_sine() -> None:
@@ -488,6 +505,93 @@ def test_a_frame_below_the_critical_stiffness_ends_the_run() -> None:
     loop = LawOnPath(ROCK, edges, **path, frame=Frame(0.3 * CRITICAL, force=MU * LOAD))
     loop.run(ROCK)
     assert loop.critical_stiffness() == pytest.approx(CRITICAL, rel=1e-4)
+
+
+FRICTIONS = [
+    *(cl.LuGre(), cl.Dahl(), cl.BoucWen(), cl.ElastoPlastic(), cl.Mindlin(0.3), cl.Iwan(), cl.Microslip()),
+    *(cl.Regularised(), cl.Coulomb(0.3)),
+]
+
+
+@pytest.mark.parametrize("damping", [0.0, 3e2])
+@pytest.mark.parametrize("friction", FRICTIONS, ids=lambda friction: friction.name)
+def test_the_ledger_behind_a_frame_closes(friction: cl.Friction, damping: float) -> None:
+    """In a loop with a minor one, of few and of many samples."""
+    law = cl.Composed(friction=friction)
+    for count, size, stiffness in ((41, 1e-6, 2e6), (401, 1e-5, 2e6), (401, 1e-4, 3e5)):
+        time = np.linspace(0.0, 1.0, count)
+        way = size * (np.sin(2.0 * pi * time) + 0.4 * np.sin(4.0 * pi * time))
+        frame = {"frame_stiffness": stiffness, "frame_damping": damping}
+        run = cl.drive(law, time, normal=10.0, slip=way, **frame)
+        assert run.complete
+        assert np.abs(run["energy_residual"]).max() < 1e-9 * np.abs(run["drive_work"]).max()
+
+
+@pytest.mark.parametrize("speed", [1e-3, 5e-2])
+def test_coulomb_behind_a_spring_and_a_dashpot(speed: float) -> None:
+    """It sticks until k v t + c v = mu N, then x' = v (1 - exp(-t k/c)); a fast one slips at once."""
+    stiffness, damping, most = 1e5, 1e2, 3.0
+    relaxation, until = damping / stiffness, (most / speed - damping) / stiffness
+    time = np.linspace(0.0, 0.05, 11)
+    law = cl.Composed(friction=cl.Coulomb(0.3))
+    frame = {"frame_stiffness": stiffness, "frame_damping": damping}
+    run = cl.drive(law, time, normal=10.0, slip=speed * time, degree=1, **frame)
+    slides = run["time"].values - max(until, 0.0)
+    # What of the damper's pull is above the cone is slip at the start.
+    at_once = max(speed - most / damping, 0.0)
+    decays = relaxation * -np.expm1(-slides / relaxation)
+    expected = np.where(slides > 0.0, speed * slides - (speed - at_once) * decays, 0.0)
+    way = run["tip_tangential_displacement"].values
+    np.testing.assert_allclose(way, expected, rtol=0.0, atol=1e-8 * way.max())
+    assert run.complete
+    assert abs(float(run["energy_residual"][-1])) < 1e-10 * float(run["drive_work"][-1])
+
+
+def test_dahl_behind_a_spring_and_a_dashpot_converges_to_two_equations_in_scipy() -> None:
+    """c e' = N sigma z - k e, z' = v - |v| sigma z / mu, v = x_L' - e'."""
+    stiffness, damping, load, sigma, mu, size = 4e5, 2e3, 10.0, 1e6, 0.3, 4e-6
+    law = cl.Composed(friction=cl.Dahl(friction_coefficient=mu, rest_stiffness=sigma))
+    instants = np.linspace(0.003, 0.997, 300)
+
+    def rates(t, y):
+        stretches = (load * sigma * y[1] - stiffness * y[0]) / damping
+        slip = 2.0 * pi * size * np.cos(2.0 * pi * t) - stretches
+        return [stretches, slip - abs(slip) * sigma * y[1] / mu]
+
+    options: Any = {"method": "Radau", "rtol": 1e-11, "atol": 1e-19}
+    expected = -load * sigma * solve_ivp(rates, (0.0, 1.0), [0.0, 0.0], t_eval=instants, **options).y[1]
+    time = np.linspace(0.0, 1.0, 401)
+    for tolerance in (1e-4, 1e-6, 1e-8):
+        loop = LawOnPath(
+            law,
+            time,
+            normal=load,
+            slip=size * np.sin(2.0 * pi * time),
+            frame=Frame(stiffness, damping),
+            instants=instants,
+            tolerance=tolerance,
+        )
+        loop.run(law)
+        error = np.abs(loop.path.forces[:, 1] - expected).max() / (mu * load)
+        assert error < max(10.0 * tolerance, 3e-9)
+
+
+@pytest.mark.parametrize(("exponent", "steepest"), [(1.0, 1.0), (2.0, np.sqrt(2.0 / np.e))])
+def test_friction_that_falls_takes_a_damping_whatever_the_stiffness(exponent: float, steepest: float) -> None:
+    """Stribeck's curve falls by (mu_s - mu) N/v_s with the exponent 1, by sqrt(2/e) of that with 2."""
+    law = cl.Composed(friction=cl.Stribeck(0.3, 1.3, 1e-2, exponent))
+    critical = 0.3 * 0.3 * 10.0 / 1e-2 * steepest
+    time = TIME / DURATION
+    path: dict[str, Any] = {"normal": 10.0, "slip": 1e-2 * np.sin(2.0 * pi * time)}
+    for stiffness in (1e5, 1e8):
+        ends = [
+            cl.drive(law, time, **path, frame_stiffness=stiffness, frame_damping=share * critical).complete
+            for share in (0.0, 1.05)
+        ]
+        assert ends == [False, True]
+    loop = LawOnPath(law, time, **path, frame=Frame(1e8))
+    loop.run(law)
+    assert loop.critical_damping() == pytest.approx(critical, rel=1e-4)
 
 
 @pytest.mark.parametrize(

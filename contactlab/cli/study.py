@@ -67,16 +67,18 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     refuse_dashed(arguments, (*options, "output", *KEYS))
     for word in arguments:
         name, sign, value = word.partition("=")
+        # A number with a range is free, an option's too.
+        taken = next((key for key, form in patterns.items() if form.fullmatch(word)), "")
         if word == "output=":
             raise RefusalError("output is empty; it must be a folder.")
         if name == "output" and sign:
             lines.append(f"{place}={quoted(value)}")
-        elif name in options and sign:
+        elif name in options and sign and not (taken not in ("", study.files) and options[name].is_number):
             listed = _takes_several(options[name])
             apart = listed and not value.startswith("[")
             matched[name] += map(str.strip, value.split(",")) if apart else [value]
             single += [] if listed else [word]
-        elif taken := next((key for key, form in patterns.items() if form.fullmatch(word)), ""):
+        elif taken:
             matched[taken].append(word)
         else:
             others.append(word)

@@ -72,6 +72,9 @@ FIRST = 1e-3
 SHORTEST = 1e-14
 """Shortest step over the duration."""
 
+AGAIN = 1e-9
+"""Least first step after an event over the duration: in a shorter one forces change by round-off."""
+
 AT_ONCE = 1e-10
 """Share of a step within which an event lies at its start."""
 
@@ -246,8 +249,16 @@ def _begin(path: Path, law: Law, memory: Memory | None) -> None:
     if state.friction_kind == SET_VALUED:
         _, least, most, _, _ = bounds_of(path, law, gap, rate, load, 0.0)
         state.force = -state.first_force - state.relaxation / state.compliance * speed
-        if not least <= state.force <= most:
-            state.ending, state.force = INCONSISTENT, min(max(state.force, least), most)
+        if least <= state.force <= most:
+            return
+        sign = 1 if state.force < least else -1
+        # A load point that moves at once pulls by the damper.
+        state.slip = slip_of_frame(path, law, sign)
+        if not state.slip >= 0.0:
+            state.ending, state.force = INCONSISTENT, min(max(-state.first_force, least), most)
+            return
+        state.slip *= sign
+        jump_path(path, law, memory, AT_SLIP, state.slip)
         return
     friction = forces_of(path, law, gap, rate, load, speed)[3]
     other = forces_of(path, law, gap, rate, load, 0.5 * speed + SLIP_ROUND_OFF)[3]
@@ -295,6 +306,7 @@ def run_path(path: Path, law: Law) -> None:
     state, step, memory = path.states[0], path.steps[0], law.memory
     _begin(path, law, memory)
     length, least = FIRST * (path.breaks[0] - state.time), SHORTEST * state.end
+    again = AGAIN * state.end
     if state.variables == 0 and state.framed == 0:
         length = np.inf
     if path.records.size > 0:
@@ -303,7 +315,7 @@ def run_path(path: Path, law: Law) -> None:
         while path.breaks[state.next_break] <= state.time:
             state.next_break += 1
             # Behind a kink nothing of the last polynomials goes on.
-            state.goes_on, length = 0, max(FRESH * length, 4.0 * least)
+            state.goes_on, length = 0, max(FRESH * length, again)
         until = path.breaks[state.next_break]
         load_point(path, state.time, False)
         if state.piece + PIECES < path.edges.size - 1 and (state.variables > 0 or state.framed == 1):
@@ -345,7 +357,7 @@ def run_path(path: Path, law: Law) -> None:
         if share <= AT_ONCE:
             state.at_once += 1
             reverses = state.event == state.guards and state.friction_kind == RATE_DEPENDENT
-            state.goes_on, length = 0, h if reverses else max(FRESH * h, 4.0 * least)
+            state.goes_on, length = 0, h if reverses else max(FRESH * h, again)
             _restore(path)
             if state.at_once > MOST_AT_ONCE:
                 state.ending = CHATTERED
@@ -370,7 +382,7 @@ def run_path(path: Path, law: Law) -> None:
         _watch(state)
         if share <= 1.0:
             state.goes_on = 0
-            length = max(FRESH * h, 4.0 * least)
+            length = max(FRESH * h, again)
             switch(path, law, memory)
         else:
             length = max(factor * h, length) if h < length else factor * h

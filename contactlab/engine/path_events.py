@@ -191,3 +191,9 @@ def switch(path: Path, law: Law, memory: Memory | None) -> None:
         state.slip *= sign
     state.mode, state.sign = SLIP, sign
     jump_path(path, law, memory, AT_SLIP, sign * SLIP_ROUND_OFF)
+    if state.framed == 1 and state.friction_kind == ELASTOPLASTIC and state.relaxation == 0.0:
+        # On a bound that is no function of the slip velocity what the event's location has left would be a
+        # velocity in the next step, however short.
+        bound = forces_of(path, law, gap, rate, load, state.slip)[3]
+        if bound == forces_of(path, law, gap, rate, load, 0.5 * state.slip + sign * SLIP_ROUND_OFF)[3]:
+            state.extension = -state.compliance * bound

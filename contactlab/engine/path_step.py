@@ -20,6 +20,7 @@ from contactlab.engine.path_contact import (
     first_flowing,
     forces_of,
     friction_of,
+    load_point,
     moves_freely,
     press,
     rate_of,
@@ -255,6 +256,10 @@ def _sweep(path: Path, law: Law, memory: Memory | None, fresh: bool, begins: boo
             step.memory[i, k] += moved
             size = max(size, abs(step.memory[i, k]))
             step.left[i, k] = moved
+            # The error of the step is judged by rates of what it has come to.
+            step.rate[i, k] += step.by_memory[i, k] * moved
+            if moves:
+                step.rate[i, k] += step.by_slip[i, k] * step.before[i]
         for i in range(NODES):
             moved = step.left[i, k]
             change = abs(moved) / size if not abs(moved) <= change * size else change
@@ -279,11 +284,8 @@ def collocate_path(path: Path, law: Law, memory: Memory | None) -> bool:
         return False
     if state.framed == 1 and sticks(path):
         for i in range(NODES):
-            extension = state.extension
-            for m in range(NODES):
-                extension += state.length * INTEGRAL[i, m] * step.speed[m]
-            step.extension[i] = extension
-            step.friction[i] = -(extension + state.relaxation * step.speed[i]) / state.compliance
+            step.extension[i] = _stuck_extension(path, state.time + NODE[i] * state.length)
+            step.friction[i] = -(step.extension[i] + state.relaxation * step.speed[i]) / state.compliance
     elif state.framed == 1:
         for i in range(NODES):
             extension = state.extension
@@ -298,6 +300,13 @@ def collocate_path(path: Path, law: Law, memory: Memory | None) -> bool:
                 path, law, step.gap[i], step.gap_rate[i], seen, step.normal[i], step.friction[i]
             )
     return True
+
+
+@part_kernel
+def _stuck_extension(path: Path, time: float) -> float:
+    """Return the extension of the frame at a time of a step in stick [m]."""
+    state = path.states[0]
+    return float(state.extension + load_point(path, time, True)[2] - load_point(path, state.time, False)[2])
 
 
 @part_kernel
@@ -429,6 +438,7 @@ def dense_at(path: Path, law: Law, x: float) -> tuple[float, float, float, float
     """Leave the internal variables at a share x of the step recalled, and return the contact there.
 
     Gap, its rate, prescribed load, slip velocity, extension of the frame, way and velocity of the load point.
+    The slip velocity is that of the extension's polynomial, so that works and energies close.
     """
     state, step = path.states[0], path.steps[0]
     time = state.time + x * state.length
@@ -436,8 +446,12 @@ def dense_at(path: Path, law: Law, x: float) -> tuple[float, float, float, float
     for k in range(state.variables):
         path.row[HEAD + k] = _variable_at(step, k, x)
     slip, extension = speed, 0.0
-    if state.framed == 1:
+    if state.framed == 1 and sticks(path):
+        slip, extension = 0.0, _stuck_extension(path, time)
+    elif state.framed == 1:
+        stretched = 0.0
         for d in range(NODES, -1, -1):
+            stretched = stretched * x + extension
             extension = extension * x + step.extended[d]
-        slip = 0.0 if sticks(path) else _polynomial(step.slip, x)
+        slip = speed - stretched / state.length
     return gap, rate, load, slip, extension, way, speed

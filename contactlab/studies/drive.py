@@ -10,11 +10,11 @@ import pandas
 import xarray
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import DEGREE, drive
+from contactlab.driving import DEGREE, FRAME, drive, integrated
 from contactlab.estimate import Estimate
 from contactlab.laws import LawError
 from contactlab.motor.table import MeasurementError, read_table
-from contactlab.parameter import Parameter, not_negative
+from contactlab.parameter import Parameter
 from contactlab.results.files import check_file, damage
 from contactlab.studies.law_study import LawStudy, groups_of, read_file
 from contactlab.studies.study import Part, Setups, Task, listing, option
@@ -22,11 +22,14 @@ from contactlab.studies.tables import table_of_quantities
 from contactlab.trajectory import Ending
 from contactlab.variables import Variable
 
-PATH: Final = {"slip": "m", "gap": "m", "normal": "N"}
-"""Units of what is prescribed: slip, and either gap or normal force."""
+PATH: Final = {"slip": "m", "velocity": "m s-1", "gap": "m", "normal": "N"}
+"""Units of what is prescribed: slip or its rate, and either gap or normal force."""
 
 FORCES: Final = ("normal_force", "friction_force")
 """What a file may have of a measured contact [N]."""
+
+NOTE: Final = "path"
+"""Attribute of a path that is integrated: a sentence on its error."""
 
 FEWEST: Final = 8
 """Smallest number of samples."""
@@ -36,9 +39,9 @@ FEWEST: Final = 8
 class Driven(LawStudy):
     """What forces does a law bring on a prescribed path, without a motor, and what does it lose?
 
-    The file of the path has columns time, slip, and gap or normal (a normal force), each with its unit:
-    contactlab drive path.csv law=composed law/friction=dahl,lugre. Forces in the file are drawn beside those
-    of the laws.
+    The file of the path has columns time, slip or its velocity, and gap or normal (a normal force), each with
+    its unit: contactlab drive path.csv law=composed law/friction=dahl,lugre. A velocity is integrated. Forces
+    in the file are drawn beside those of the laws.
     """
 
     name: ClassVar[str] = "drive"
@@ -57,11 +60,9 @@ class Driven(LawStudy):
         float | None, Parameter("", "s", "time after which the path repeats itself", above=0.0)
     ] = None
     duration: Annotated[float | None, Parameter("", "s", "of the run; the path's, once", above=0.0)] = None
-    frame_stiffness: Annotated[
-        float | None, Parameter("k", "N m-1", "of a frame that the path of slip pulls; none", above=0.0)
-    ] = None
-    frame_damping: Annotated[float, not_negative("c", "N s m-1", "of the frame")] = 0.0
-    frame_force: Annotated[float, Parameter("", "N", "of the frame's spring at the start")] = 0.0
+    frame_stiffness: Annotated[float | None, FRAME["frame_stiffness"]] = None
+    frame_damping: Annotated[float, FRAME["frame_damping"]] = 0.0
+    frame_force: Annotated[float, FRAME["frame_force"]] = 0.0
 
     def path(self) -> xarray.Dataset:
         """Return the path, see `read_path`.
@@ -75,8 +76,7 @@ class Driven(LawStudy):
         """Return one task a law."""
         setups = self.chosen(setups)
         times = {"degree": self.degree, "period": self.period, "duration": self.duration}
-        frame = ("frame_stiffness", "frame_damping", "frame_force")
-        times |= {name: getattr(self, name) for name in frame}
+        times |= {name: getattr(self, name) for name in FRAME}
         path = self.path()
         return [Task(label, _driven, (setup, path, times)) for label, setup in setups.items()]
 
@@ -84,6 +84,7 @@ class Driven(LawStudy):
         """Return the runs, a group for each law, and the measured forces."""
         tree = super().combine(setups, parts)
         path = self.path()
+        tree.attrs |= path.attrs
         if {*FORCES} & {*path}:
             tree["measured"] = xarray.DataTree(path)
         return tree
@@ -106,6 +107,7 @@ class Driven(LawStudy):
         """Return losses and largest forces of each law, and which runs did not reach the end of the path."""
         quantities = [q for q in self.quantities if q.name != "drive_work"]
         every = [f"{label}: {listing(quantities, own)}." for label, own in self.columns(data).items()]
+        every += [data.attrs[NOTE]] if NOTE in data.attrs else []
         return every + [
             f"{label} does not reach the end of the path: {run.attrs['message']}"
             for label, run in groups_of(data).items()
@@ -148,9 +150,13 @@ def read_path(path: Path) -> xarray.Dataset:
             raise MeasurementError(fault)
         table = read_table(path)
         prescribed = [name for name in PATH if name in table.names]
-        if not {"time", "slip"} <= {*table.names} or len(prescribed) != 2:
-            raise MeasurementError("it has no path; it must have time, slip, and either gap or normal.")
+        moved = {"slip", "velocity"} & {*prescribed}
+        if "time" not in table.names or len(moved) != 1 or len(prescribed) != 2:
+            raise MeasurementError(
+                "it has no path; it must have time, slip or velocity, and either gap or normal."
+            )
         units = {"time": "s"} | {name: PATH[name] for name in prescribed} | dict.fromkeys(FORCES, "N")
+        units |= {"velocity_error": PATH["velocity"]} if "velocity" in moved else {}
         # A run has other variables.
         if table.dimension != "time":
             table.check_names([*units, *(f"{name}_error" for name in FORCES)])
@@ -163,13 +169,18 @@ def read_path(path: Path) -> xarray.Dataset:
             f"'{path}': time has {time.size} values from {time.min(initial=np.inf):.9g} s; it must have at "
             f"least {FEWEST} that increase."
         )
+    about = {}
+    if "velocity" in columns:
+        columns["slip"], about[NOTE] = integrated(time, columns["velocity"], columns.get("velocity_error"))
+    units["slip"] = PATH["slip"]
     return xarray.Dataset(
-        {name: ("time", values, {"units": units[name]}) for name, values in columns.items()}
+        {name: ("time", values, {"units": units[name]}) for name, values in columns.items()}, attrs=about
     )
 
 
 def _driven(setup: Setup, path: xarray.Dataset, times: Mapping[str, Any]) -> Part:
     prescribed: dict[str, Any] = {name: path[name].values for name in PATH if name in path}
+    prescribed.pop("velocity", None)
     try:
         run = drive(setup.law, path["time"].values, **prescribed, **times)
     except (ValueError, LawError) as error:

@@ -37,6 +37,17 @@ def test_coulomb_loses_mu_n_times_the_way(command: Command) -> None:
     assert {"drive.png", "report.html", "newton.png"} <= {file.name for file in Path("out").iterdir()}
 
 
+def test_a_velocity_is_integrated_and_its_error_is_stated(command: Command) -> None:
+    speed = 2.0 * np.pi * np.cos(2e3 * np.pi * TIME)
+    table = np.column_stack([TIME, speed, np.full(TIME.size, 10.0), np.full(TIME.size, 0.01)])
+    header = "time [s],velocity [mm/s],normal [N],velocity_error [mm/s]"
+    np.savetxt("speed.csv", table, delimiter=",", header=header, comments="")
+    status, out, _ = command("drive", "speed.csv", "law=newton", "output=out")
+    assert status == 0
+    assert "integral of velocity" in out
+    np.testing.assert_allclose(cl.load("out/drive.nc").numbers["friction_loss"].value, 1.2e-5, rtol=1e-5)
+
+
 def test_a_path_repeats_itself(command: Command) -> None:
     status, _, error = command(
         "drive", path(), "law=hertz_penalty", "degree=1", "period=1.01 ms", "duration=3.03 ms", "output=out"

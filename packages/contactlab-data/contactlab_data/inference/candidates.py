@@ -1,14 +1,16 @@
 """The laws that are fitted to measurements, each with its inference problem."""
 
+import json
 from collections import ChainMap
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from math import inf
+from types import MappingProxyType
 from typing import Any, Final, Literal, final
 
 from contactlab.config import ConfigurationError, Setup
-from contactlab.driving import DEGREE
+from contactlab.driving import DEGREE, FRAME, Frame
 from contactlab.laws.composed import label_of
 from contactlab.results.yaml_text import write_yaml
 from contactlab.studies.law_study import NO_LAW
@@ -16,7 +18,7 @@ from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab_data.inference.influence import without_influence
 from contactlab_data.inference.joint_problem import JointProblem
-from contactlab_data.inference.law_numbers import Free, corrections_in, free_numbers, numbers_of
+from contactlab_data.inference.law_numbers import Free, corrections_in, frame_in, free_numbers, numbers_of
 from contactlab_data.inference.motor_problem import points_problem, series_problem
 from contactlab_data.inference.path_records import record_problem
 from contactlab_data.inference.problem import Problem
@@ -61,6 +63,7 @@ def candidates_of(
     discrepancy: Discrepancy = "off",
     degrees_of_freedom: float | None = inf,
     degree: int = DEGREE,
+    frame: Mapping[str, float | None] = MappingProxyType({}),
     name: str = "",
     digest: str = "",
 ) -> list[Candidate]:
@@ -75,6 +78,7 @@ def candidates_of(
         discrepancy: whether the laws may be wrong.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
         degree: of the spline through the samples of a path.
+        frame: values of its numbers, see `contactlab.driving.FRAME`, which ranges may free.
         name: of the data.
         digest: of their file.
 
@@ -90,6 +94,8 @@ def candidates_of(
     if own and len(sets) == 1:
         raise ConfigurationError("study.own is set and there is one data set; leave it out.")
     every, corrections = free_numbers(setups, free, known), corrections_in(free)
+    pulled, of_frame = frame_in(free, frame)
+    every = {label: (*keys, *of_frame) for label, keys in every.items()}
     if unknown := sorted({*own} - {item.name for keys in every.values() for item in keys}):
         raise ConfigurationError(
             [f"study.own has {key}, which is not free; leave it out." for key in unknown]
@@ -104,7 +110,9 @@ def candidates_of(
     for (place, setup), may_err in product(setups.items(), cases):
         keys = every[place]
         try:
-            problem = _problem_of(sets, setup, keys, corrections, own, degrees_of_freedom, degree, may_err)
+            problem = _problem_of(
+                sets, setup, keys, corrections, own, degrees_of_freedom, degree, pulled, may_err
+            )
             problem, idle = _with_influence(problem, keys)
         except ConfigurationError as error:
             faults += error.faults
@@ -118,11 +126,12 @@ def candidates_of(
                 text for each in sets.values() if isinstance(each, MeasuredSeries) for text in each.notes
             ],
         }
+        origin |= {"frame": json.dumps(pulled.numbers)} if pulled else {}
         origin |= {key: "\n".join(lines) for key, lines in notes.items() if any(lines)}
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
         truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}
-        stated = numbers_of(setup, [item for item in keys if item.name not in idle], [*free, *known])
+        stated = numbers_of(setup, [item for item in keys if item.name not in idle], [*free, *known], pulled)
         if idle:
             stated += f" Not free, since they have no influence on these data: {', '.join(idle)}."
         result.append(Candidate(label, problem, truth, origin, stated))
@@ -147,7 +156,12 @@ def _check_impacts(data: MeasuredImpacts, discrepancy: Discrepancy) -> None:
 
 def of_law(data: Data) -> bool:
     """Return whether measurements are of a law alone, without a motor."""
-    return isinstance(data, MeasuredImpacts) or (isinstance(data, MeasuredSeries) and bool(data.path))
+    return isinstance(data, MeasuredImpacts) or on_path(data)
+
+
+def on_path(data: Data) -> bool:
+    """Return whether measurements are forces on a prescribed path."""
+    return isinstance(data, MeasuredSeries) and bool(data.path)
 
 
 def _problem_of(
@@ -158,6 +172,7 @@ def _problem_of(
     own: Collection[str],
     degrees_of_freedom: float | None,
     degree: int,
+    frame: Frame | None,
     discrepancy: bool,
 ) -> Problem:
     """Return the problem of one law."""
@@ -167,12 +182,15 @@ def _problem_of(
     impacts = any(isinstance(data, MeasuredImpacts) for data in sets.values())
     if corrections and not impacts:
         raise ConfigurationError(f"{corrections[0].name} is of measured impacts; the data have none.")
+    if frame and not any(map(on_path, sets.values())):
+        raise ConfigurationError(f"{', '.join(FRAME)} are of forces on a path; these data have none.")
     parts = {}
     for (label, data), alone in zip(sets.items(), of_laws, strict=True):
-        chosen = [item for item in keys if item.field or not alone]
+        chosen = [item for item in keys if on_path(data) or item.name not in FRAME]
+        chosen = [item for item in chosen if item.field or not alone]
         of_data = corrections if isinstance(data, MeasuredImpacts) else ()
         parts[label] = _problem(
-            data, setup, chosen, of_data, degrees_of_freedom, degree, discrepancy=discrepancy
+            data, setup, chosen, of_data, degrees_of_freedom, degree, frame, discrepancy=discrepancy
         )
     problem = parts[""] if [*parts] == [""] else JointProblem(parts, own)
     if not problem.free:
@@ -202,6 +220,7 @@ def _problem(
     corrections: tuple[FreeParameter, ...],
     degrees_of_freedom: float | None,
     degree: int,
+    frame: Frame | None,
     *,
     discrepancy: bool,
 ) -> Problem:
@@ -212,7 +231,7 @@ def _problem(
         return ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
     if isinstance(data, MeasuredSeries) and data.path:
         noise: dict[str, Any] = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
-        return record_problem(data, setup.law, keys, **noise, degree=degree)
+        return record_problem(data, setup.law, keys, **noise, degree=degree, frame=frame)
     if "resonator" not in setup.configuration:
         raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")
     if isinstance(data, MeasuredSeries):

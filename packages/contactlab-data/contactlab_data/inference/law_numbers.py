@@ -11,6 +11,7 @@ from contactlab import laws
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.nesting import flat
 from contactlab.config.schema import FRICTION, declared_in
+from contactlab.driving import FRAME, Frame
 from contactlab.laws import Composed, ContactLaw, MultiplierLaw, registry
 from contactlab.laws.composed import label_of
 from contactlab.laws.declaration import SHARED
@@ -69,6 +70,31 @@ def corrections_in(free: Free) -> tuple[FreeParameter, ...]:
     return tuple(result)
 
 
+def frame_in(
+    free: Free, stated: Mapping[str, float | None]
+) -> tuple[Frame | None, tuple[FreeParameter, ...]]:
+    """Return the frame of measured paths, None without, and its free numbers, in the middle of their ranges.
+
+    Args:
+        free: ranges by key, of `contactlab.driving.FRAME` and others.
+        stated: values of numbers of the frame by the same keys; zero and None are none.
+
+    Raises:
+        ConfigurationError: a value or range is not admitted, or a number has both.
+    """
+    keys = tuple(chosen_range(name, free[name], FRAME[name], name) for name in FRAME if name in free)
+    values = {name: x for name, x in stated.items() if x}
+    if twice := [item.name for item in keys if item.name in values]:
+        raise ConfigurationError([f"{name} has a value and a range; it must have one." for name in twice])
+    values |= {item.name: item.from_unit(0.5) for item in keys}
+    if not values:
+        return None, ()
+    try:
+        return Frame(values.pop("frame_stiffness", None)).changed(values), keys
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+
+
 def is_of_data(key: str) -> bool:
     """Return whether a free number is one of the measured impacts."""
     return key.startswith(DATA)
@@ -90,7 +116,7 @@ def free_numbers(
     Raises:
         ConfigurationError: no setup has a number, or a range is not admitted.
     """
-    ranges = {key: ends for key, ends in free.items() if not is_of_data(key)}
+    ranges = {key: ends for key, ends in free.items() if not (is_of_data(key) or key in FRAME)}
     result, every = {}, dict[str, Parameter]()
     for label, setup in setups.items():
         declared = declared_in(setup.configuration)
@@ -102,7 +128,7 @@ def free_numbers(
             for key, ends in ranges.items()
             if key in declared
         ]
-        if not ranges or len(setups) > 1:
+        if len(setups) > 1 or not (ranges or {*free} & {*FRAME}):
             chosen += [
                 replace(x, name=key, field=x.name) for key, x in own.items() if key not in {*ranges, *known}
             ]
@@ -115,10 +141,13 @@ def free_numbers(
     return result
 
 
-def numbers_of(setup: Setup, free: Sequence[FreeParameter], keys: Collection[str]) -> str:
-    """Return a sentence on the free and fixed numbers of a law, and on those of some keys that it lacks."""
+def numbers_of(
+    setup: Setup, free: Sequence[FreeParameter], keys: Collection[str], frame: Frame | None = None
+) -> str:
+    """Return a sentence on free and fixed numbers of law and frame, and on some keys that the law lacks."""
     names = {item.name for item in free}
     every = {key_of(name): value for name, value in setup.law.describe().items()}
+    every |= frame.numbers if frame else {}
     fixed = {key: value for key, value in every.items() if key not in names}
     absent = [key for key in keys if key.startswith(LAW) and key not in {*flat(setup.configuration)}]
     return " ".join(

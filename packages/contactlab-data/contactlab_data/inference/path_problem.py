@@ -10,7 +10,16 @@ import numpy as np
 
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError
-from contactlab.driving import DEGREE, LawOnPath, at_breaks, driven_by, longest_step, stays_closed
+from contactlab.driving import (
+    DEGREE,
+    FRAME,
+    Frame,
+    LawOnPath,
+    at_breaks,
+    driven_by,
+    longest_step,
+    stays_closed,
+)
 from contactlab.engine import simulate
 from contactlab.engine.state import RUNNING
 from contactlab.laws import ContactLaw, LawError
@@ -35,10 +44,12 @@ class PathProblem(OverTime):
     Args:
         base: the law with the values of what is not free.
         degree: of the spline through the path.
+        frame: that the path pulls, with the values of what is not free; None for a path of the slip itself.
     """
 
     base: ContactLaw
     degree: int = DEGREE
+    frame: Frame | None = None
 
     @property
     def law(self) -> str:
@@ -60,8 +71,11 @@ class PathProblem(OverTime):
             KeyboardInterrupt: somebody pressed Ctrl-C.
         """
         try:
-            law = with_values(self.base, self.keys, values[: len(self.keys)])
-            forces = self._from_run(law) if (loop := _loop_of(self)) is None else _from_loop(loop, law)
+            numbers = [*zip(self.keys, values, strict=False)]
+            of_law = [(item, x) for item, x in numbers if item.name not in FRAME]
+            law = with_values(self.base, [item for item, _ in of_law], [x for _, x in of_law])
+            frame = self.frame and self.frame.changed({x.name: y for x, y in numbers if x.name in FRAME})
+            forces = self._from_run(law) if (loop := _loop_of(self)) is None else _from_loop(loop, law, frame)
         # Values that are admitted one by one need not be so together.
         except (LawError, ValueError):
             return None
@@ -97,14 +111,16 @@ class PathProblem(OverTime):
 def _loop_of(problem: PathProblem) -> LawOnPath | None:
     """Return the path made ready for the law of a problem; None where the contact may open, which runs."""
     path, time = problem.measured.path, problem.measured.time
-    if not stays_closed(problem.base, path.get("gap")):
+    if problem.frame is None and not stays_closed(problem.base, path.get("gap")):
         return None
-    return LawOnPath(problem.base, time, **path, degree=problem.degree, instants=time - time[0])
+    return LawOnPath(
+        problem.base, time, **path, degree=problem.degree, frame=problem.frame, instants=time - time[0]
+    )
 
 
-def _from_loop(loop: LawOnPath, law: ContactLaw) -> Array | None:
+def _from_loop(loop: LawOnPath, law: ContactLaw, frame: Frame | None) -> Array | None:
     """Return the forces of a contact that stays closed, or None."""
-    return loop.path.forces.copy() if loop.run(law)["ending"] == RUNNING else None
+    return loop.path.forces.copy() if loop.run(law, frame)["ending"] == RUNNING else None
 
 
 def path_problem(
@@ -115,6 +131,7 @@ def path_problem(
     discrepancy: bool,
     degrees_of_freedom: float | None = inf,
     degree: int = DEGREE,
+    frame: Frame | None = None,
 ) -> PathProblem:
     """Return the problem of forces on a path.
 
@@ -125,16 +142,18 @@ def path_problem(
         discrepancy: whether the law may be wrong, by a process that a twentieth of the path correlates.
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
         degree: of the spline through the samples of the path, 1, 3, 5 or 7.
+        frame: that the path of the slip pulls.
 
     Raises:
-        ConfigurationError: no force is measured, the path is not one of the law's, or a discrepancy has
-            Student-t noise, whose likelihood has no closed form.
+        ConfigurationError: no force is measured, the path is not one of the law's, a contact opens behind a
+            frame, or a discrepancy has Student-t noise, whose likelihood has no closed form.
     """
     check_noise(discrepancy, degrees_of_freedom)
     if not measured.values:
         raise ConfigurationError(f"The data have a path and no force; they must have {' or '.join(FORCES)}.")
     try:
         driven_by(law, measured.time, **measured.path, degree=degree)
+        LawOnPath(law, measured.time, **measured.path, degree=degree, frame=frame) if frame else None
     except ValueError as error:
         raise ConfigurationError(f"law={law.name}: {error}") from error
     span = float(measured.time[-1] - measured.time[0])
@@ -144,6 +163,7 @@ def path_problem(
         keys=tuple(keys),
         base=law,
         degree=degree,
+        frame=frame,
         correlation=CORRELATED * span if discrepancy else 0.0,
         degrees_of_freedom=degrees_of_freedom,
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 
 from contactlab.arrays import Array
-from contactlab.driving import DEGREE
+from contactlab.driving import DEGREE, Frame
 from contactlab.laws import Composed, ContactLaw
 from contactlab.laws.damping import Undamped
 from contactlab_data.inference.free_parameters import FreeParameter
@@ -64,6 +64,7 @@ def record_problem(
     discrepancy: bool,
     degrees_of_freedom: float | None = inf,
     degree: int = DEGREE,
+    frame: Frame | None = None,
 ) -> PathProblem | RecordProblem:
     """Return the problem of forces on a path; arguments and errors as of `path_problem`.
 
@@ -76,7 +77,7 @@ def record_problem(
 
     def problem(of: MeasuredSeries) -> PathProblem:
         noise = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
-        return path_problem(of, law, keys, **noise, degree=degree)  # type: ignore[arg-type]
+        return path_problem(of, law, keys, **noise, degree=degree, frame=frame)  # type: ignore[arg-type]
 
     seen = np.full(measured.time.size, True)
     for values in measured.values.values():

@@ -35,10 +35,10 @@ import numpy as np
 import xarray
 import yaml
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from contactlab import variables
 from contactlab.arrays import Array
+from contactlab.driving import integrated
 from contactlab.motor.table import MeasurementError, Table
 from contactlab.results.yaml_text import read_yaml, write_yaml
 from contactlab.suggestion import excerpt, suggestion
@@ -256,28 +256,6 @@ def gaps(time: Array) -> Iterator[str]:
             f"The record has {count} gaps of more than {LONG:g} intervals of {usual:.3g} s, the longest of "
             f"{intervals[longest]:.3g} s after {time[longest]:.6g} s."
         )
-
-
-def integrated(time: Array, velocity: Array, error: Array | None = None) -> tuple[Array, str]:
-    """Return the slip from a velocity along the surface [m], zero at first, and a sentence on its error.
-
-    It is the integral of the cubic spline through the samples, whose error is of fourth order in their
-    distance: that of every second sample errs sixteen times as much.
-
-    Args:
-        time: increasing [s], shape (time,).
-        velocity: [m/s], shape (time,).
-        error: its standard deviation, independent from sample to sample [m/s]; None where it is not stated.
-    """
-    slip = np.asarray(CubicSpline(time, velocity).antiderivative()(time))
-    coarse = CubicSpline(time[::2], velocity[::2]).antiderivative()(time[::2])
-    off = float(np.abs(coarse - slip[::2]).max())
-    text = f"slip is the integral of velocity; that of every second sample differs by {off:.2g} m"
-    if error is not None:
-        weights = 0.5 * (np.diff(time, prepend=time[0]) + np.diff(time, append=time[-1]))
-        drift = float(np.sqrt(np.sum((weights * error) ** 2)))
-        text += f", and the error of velocity makes one of {drift:.2g} m at the end"
-    return slip, f"{text}."
 
 
 VELOCITY: Final = "rotor_velocity"

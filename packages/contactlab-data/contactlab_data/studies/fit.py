@@ -18,7 +18,7 @@ import xarray
 import yaml
 
 from contactlab.config import ConfigurationError, build
-from contactlab.driving import DEGREE
+from contactlab.driving import DEGREE, FRAME
 from contactlab.estimate import Estimate
 from contactlab.results.files import digest_of_file
 from contactlab.studies.function import function_of, of_laws
@@ -55,12 +55,14 @@ OrFree = float | Literal["free"] | None
 class Fit(Study):
     """Which numbers of a law or a motor do measurements support, and which law?
 
-    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that are
-    not stated. Numbers of the geometry of measured impacts are data.NAME. Least squares from many
-    starts are followed by nested sampling, which yields posterior and evidence. Several laws, law=A,B, are
-    compared by their evidence, each with its own numbers free besides. Keys are those of the motor that the
-    data state, and go before them. Least squares, with intervals by the profile likelihood, are on the page
-    within seconds, posterior and evidence when they are there; method=least_squares ends with the first.
+    Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that are not
+    stated. Numbers of the geometry of measured impacts are data.NAME. Behind a frame the slip of a path is
+    that of its load point, as in `drive`; frame_stiffness and its others are values or ranges. Least squares
+    from many starts are followed by nested sampling, which yields posterior and evidence. Several laws,
+    law=A,B, are compared by their evidence, each with its own numbers free besides. Keys are those of the
+    motor that the data state, and go before them. Least squares, with intervals by the profile likelihood,
+    are on the page within seconds, posterior and evidence when they are there; method=least_squares ends with
+    the first.
 
         >>> import contactlab as cl
         >>> newton = cl.build(["law=newton"])
@@ -94,6 +96,9 @@ class Fit(Study):
         HeldOut, option("what fits to the rest predict: auto, off, files, cycles of loops, or folds")
     ] = "auto"
     degree: Annotated[int, option("of the spline through the samples of a path: 1, 3, 5 or 7")] = DEGREE
+    frame_stiffness: Annotated[float | None, FRAME["frame_stiffness"]] = None
+    frame_damping: Annotated[float, FRAME["frame_damping"]] = 0.0
+    frame_force: Annotated[float, FRAME["frame_force"]] = 0.0
     points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
@@ -200,6 +205,7 @@ class Fit(Study):
             discrepancy=self.discrepancy,
             degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
             degree=self.degree,
+            frame={name: getattr(self, name) for name in FRAME},
             name=", ".join(Path(x).name for x in self._sources if isinstance(x, str | Path)),
             digest=" ".join(
                 digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")

@@ -7,12 +7,13 @@ import pytest
 
 import contactlab as cl
 from contactlab.config import ConfigurationError
+from contactlab.driving import integrated
 from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.path_records import record_problem
 from contactlab_data.inference.problem import Problem
 from contactlab_data.inference.synthetic import made_impacts
 from contactlab_data.measured.files import MeasurementError, read_measurements
-from contactlab_data.measured.series import MeasuredSeries, gaps, integrated
+from contactlab_data.measured.series import MeasuredSeries, gaps
 from contactlab_data.studies.fit import Fit
 
 NORMAL, FRICTION, AMPLITUDE, VISCOUS = 10.0, 0.3, 2e-3, 90.0
