@@ -5,17 +5,23 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.driving import Frame, LawOnPath
+from contactlab.studies.compare.bootstrap import mean_intervals
 
 HARD: Final = 1e18
 """Stiffness of a normal force that yields by nothing [N/m]: only friction is asked."""
 
 UNSOLVED: Final = 10.0
 """Residual where a law has no motion behind a frame, over the largest measured force."""
+
+
+Chosen = NDArray[np.bool_]
+"""Whether instants count."""
 
 
 def rubbing(friction: cl.Friction, viscous: float | None = None) -> cl.Composed:
@@ -53,14 +59,13 @@ class Track:
     """Measured friction.
 
     Args:
-        time: of the samples of the path [s].
+        time: of the samples of the path, which lines join [s].
         slip: displacement of the surface or of the load point [m].
         normal: normal force [N].
         instants: times at which friction was measured [s].
         friction: against the slip [N].
         nuisance: columns that the apparatus adds to any prediction, each with a free factor, shape (instant,
             column): the zero of a load cell, a trend.
-        degree: of the path, see `contactlab.drive`.
         force: of the frame at the start [N].
     """
 
@@ -70,27 +75,28 @@ class Track:
     instants: Array
     friction: Array
     nuisance: Array
-    degree: int = 1
     force: float = 0.0
 
     def predicted(self, candidate: Candidate, numbers: Array) -> Array:
         """Return the friction of a law at the instants [N]; NaN where it has no motion."""
         frame = Frame(float(numbers[-1]), force=self.force) if candidate.framed else None
         law = candidate.law(numbers)
-        path = {"normal": self.normal, "slip": self.slip, "degree": self.degree}
-        loop = LawOnPath(law, self.time, **path, frame=frame, instants=self.instants)
+        loop = LawOnPath(
+            law, self.time, normal=self.normal, slip=self.slip, degree=1, frame=frame, instants=self.instants
+        )
         loop.run(law)
         return np.array(loop.path.forces[:, 1])
 
-    def with_nuisance(self, predicted: Array, chosen: Array) -> Array:
+    def with_nuisance(self, predicted: Array, chosen: Chosen) -> Array:
         """Return a prediction with the columns that the apparatus adds, fitted to chosen instants."""
         there = np.isfinite(predicted)
         known = chosen & there
         factors = np.linalg.lstsq(self.nuisance[known], (self.friction - predicted)[known])[0]
-        return np.where(there, predicted + self.nuisance @ factors, UNSOLVED * np.abs(self.friction).max())
+        bad = UNSOLVED * np.abs(self.friction).max()
+        return np.asarray(np.where(there, predicted + self.nuisance @ factors, bad))
 
 
-def fitted(candidate: Candidate, track: Track, chosen: Array) -> Array:
+def fitted(candidate: Candidate, track: Track, chosen: Chosen) -> Array:
     """Return the numbers of a law that fit the friction at chosen instants best, of all starts."""
     low, high = np.asarray(candidate.low), np.asarray(candidate.high)
     even = low > 0.0
@@ -103,7 +109,7 @@ def fitted(candidate: Candidate, track: Track, chosen: Array) -> Array:
 
     def misses(x: Array) -> Array:
         predicted = track.with_nuisance(track.predicted(candidate, numbers(x)), chosen)
-        return (predicted - track.friction)[chosen]
+        return np.asarray((predicted - track.friction)[chosen])
 
     best = min(
         (
@@ -118,3 +124,14 @@ def fitted(candidate: Candidate, track: Track, chosen: Array) -> Array:
 def rms(values: Array) -> float:
     """Return the root mean square."""
     return float(np.sqrt(np.mean(np.square(values))))
+
+
+def ratio_to(square: Array, reference: Array, blocks: NDArray[np.int64] | None = None) -> dict[str, float]:
+    """Return the mean of squared errors over that of another law of the same data, with its interval at 95 %.
+
+    The interval is that of the mean difference over blocks: cycles, speeds, or velocity steps.
+    """
+    made = mean_intervals((square - reference)[:, None], 0, blocks=blocks)
+    size = float(reference.mean())
+    low, high = map(float, 1.0 + made.interval[0] / size)
+    return {"ratio": 1.0 + float(made.mean[0]) / size, "low": low, "high": high}

@@ -7,29 +7,31 @@ which `tribometer.py` makes from the published record.
 """
 
 from dataclasses import dataclass, replace
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 import xarray
 from dependencies import ROOT
 from experiment import Experiment, main
-from fitted_laws import Candidate, Track, fitted, rms, rubbing
+from fitted_laws import Candidate, Chosen, Track, fitted, ratio_to, rms, rubbing
 from matplotlib.figure import Figure
 from matplotlib.style import context
+from numpy.typing import NDArray
 
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.plot.style import STYLE
-from contactlab.studies.compare.bootstrap import mean_intervals
 from contactlab.studies.study import option
+from contactlab_data.measured.files import read_measurements
+from contactlab_data.measured.series import MeasuredSeries
 
 SHIPPED: Final = ROOT / "docs" / "gallery" / "tribometer.csv"
 
 FITTED: Final = 5
 """Cycles that laws are fitted to. The one before them is none of these: laws begin undeformed."""
 
-ALIKE: Final = 1.1
-"""Held-out errors whose ratio is less are called alike."""
+ALIKE: Final = 0.1
+"""Relative difference of two mean squares that are called alike."""
 
 FRAME: Final = ((2e4,), 1e3, 1e7)
 """Starts and bounds of a frame's stiffness [N/m]."""
@@ -37,7 +39,7 @@ FRAME: Final = ((2e4,), 1e3, 1e7)
 RESTS: Final = 0.5e-6
 """Way below which the load point rests [m]: no law here knows time, so that rows at rest are left out."""
 
-REFERENCE: Final = "coulomb"
+REFERENCE: Final = "coulomb, frame"
 
 OWN: Final = (
     Candidate("coulomb", lambda p: rubbing(cl.Coulomb(p[0])), [[0.4]], [0.05], [2.0]),
@@ -86,7 +88,7 @@ def label(candidate: Candidate) -> str:
     return f"{candidate.name}, frame" if candidate.framed else candidate.name
 
 
-def moving(slip: Array) -> Array:
+def moving(slip: Array) -> NDArray[np.int64]:
     """Return the rows at which the load point has moved since the row before that is returned."""
     kept = [0]
     for n in range(1, slip.size):
@@ -95,11 +97,21 @@ def moving(slip: Array) -> Array:
     return np.array(kept)
 
 
-def cycle_of(time: Array, slip: Array) -> Array:
+def cycle_of(time: Array, slip: Array) -> NDArray[np.int64]:
     """Return the cycle of each sample: a new one begins where the load point passes the middle upwards."""
     middle = 0.5 * (slip.min() + slip.max())
     ups = time[1:][(slip[:-1] < middle) & (slip[1:] >= middle)]
     return np.searchsorted(ups, time, side="right")
+
+
+def seen_in(cycle: NDArray[np.int64]) -> Chosen:
+    """Return whether laws are fitted to each row."""
+    return np.asarray((cycle >= 1) & (cycle <= FITTED))
+
+
+def unseen_in(cycle: NDArray[np.int64]) -> Chosen:
+    """Return whether each row is predicted; the last cycle is cut off."""
+    return np.asarray((cycle > FITTED) & (cycle < cycle.max()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,17 +126,21 @@ class FrictionLoop(Experiment):
     path: Annotated[str, option("CSV file of the loop")] = str(SHIPPED)
 
     def compute(self, setup: cl.Setup) -> xarray.Dataset:
-        """The loop, what each law predicts, and its error in the cycles it has not seen."""
+        """The loop, what each law predicts, and its error in the cycles it has not seen.
+
+        Raises:
+            ValueError: the file is of another kind.
+        """
         del setup
-        series = cl.read_measurements(self.path)
+        series = read_measurements(self.path)
+        if not (isinstance(series, MeasuredSeries) and {"slip", "normal"} <= {*series.path}):
+            raise ValueError(f"{self.path} has no forces on a path; it must have slip and normal.")
         moves = moving(series.path["slip"])
         slip, normal = (series.path[name][moves] for name in ("slip", "normal"))
         friction = series.values["friction_force"][moves]
         time = np.arange(float(friction.size))
         cycle = cycle_of(time, slip)
-        # The last cycle is cut off.
-        chosen, unseen = (cycle >= 1) & (cycle <= FITTED), (cycle > FITTED) & (cycle < cycle.max())
-        block = cycle[unseen] - FITTED - 1
+        chosen = seen_in(cycle)
 
         def track(until: int) -> Track:
             some = slice(until)
@@ -136,9 +152,7 @@ class FrictionLoop(Experiment):
         for candidate in CANDIDATES[:2] + CANDIDATES[5:7] if self.short else CANDIDATES:
             numbers = fitted(candidate, seen, chosen[: seen.time.size])
             predicted = whole.with_nuisance(whole.predicted(candidate, numbers), chosen)
-            square = np.square(predicted - friction)
-            mean = mean_intervals(square[unseen][:, None], 0, blocks=block)
-            rows.append((candidate, numbers, predicted, rms((predicted - friction)[chosen]), mean))
+            rows.append((candidate, numbers, predicted))
         names = [label(row[0]) for row in rows]
         most = max(row[0].free for row in rows)
         return xarray.Dataset(
@@ -149,61 +163,58 @@ class FrictionLoop(Experiment):
                 "numbers": (("law", "number"), [[*row[1], *[np.nan] * (most - row[0].free)] for row in rows]),
                 "free": ("law", [row[0].free for row in rows]),
                 "framed": ("law", [row[0].framed for row in rows]),
-                "fitted": ("law", [row[3] for row in rows], {"units": "N"}),
-                "held_out": ("law", [float(row[4].mean[0]) ** 0.5 for row in rows], {"units": "N"}),
-                "interval": (("law", "end"), [row[4].interval[0] ** 0.5 for row in rows], {"units": "N"}),
             },
             coords={"time": time, "cycle": ("time", cycle), "law": names},
             attrs={
                 "force": rms(friction),
                 "again": again(slip, friction, cycle),
-                "unseen": int(block.max()) + 1,
+                "unseen": int(cycle.max()) - FITTED - 1,
             },
         )
 
     def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
-        """Return numbers and errors of each law."""
+        """Return numbers and errors of each law, over the force; squares over those of `REFERENCE`."""
+        chosen, unseen = seen_in(data.cycle.values), unseen_in(data.cycle.values)
+        square = np.square(data.predicted - data.friction_force)
+        blocks = data.cycle.values[unseen] - FITTED - 1
         result: list[dict[str, object]] = []
-        for name in data.law.values:
-            here = data.sel(law=name)
-            numbers = [float(x) for x in here.numbers.values if np.isfinite(x)]
-            framed = bool(here.framed)
+        for name in map(str, data.law.values):
+            own, reference = (square.sel(law=x).values for x in (name, REFERENCE))
+            numbers = [float(x) for x in data.numbers.sel(law=name).values if np.isfinite(x)]
             result.append(
                 {
-                    "law": str(name),
-                    "free numbers": int(here.free),
+                    "law": name,
+                    "free numbers": int(data.free.sel(law=name)),
                     "friction coefficient": numbers[0],
-                    "frame [N/m]": numbers[-1] if framed else np.nan,
-                    "fitted": float(here.fitted) / data.force,
-                    "held out": float(here.held_out) / data.force,
-                    "low": float(here.interval[0]) / data.force,
-                    "high": float(here.interval[1]) / data.force,
+                    "frame [N/m]": numbers[-1] if data.framed.sel(law=name) else np.nan,
+                    "fitted": float(own[chosen].mean()) ** 0.5 / data.force,
+                    "held out": float(own[unseen].mean()) ** 0.5 / data.force,
+                    **ratio_to(own[unseen], reference[unseen], blocks),
                 }
             )
         return result
 
-    def numbers(self, data: xarray.DataTree) -> dict[str, float]:
+    def numbers(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return what does not belong to a law."""
         return {name: float(data.attrs[name]) for name in ("force", "again", "unseen")}
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
         """Compare rigid friction behind a frame with the best law."""
-        errors = {str(row["law"]): float(str(row["held out"])) for row in self.rows(data)}
+        rows = {str(row["law"]): row for row in self.rows(data)}
+        errors = {name: 100.0 * float(str(row["held out"])) for name, row in rows.items()}
         best = min(errors, key=lambda name: errors[name])
-        ours = errors[f"{REFERENCE}, frame"]
         sentence = (
-            f"Of the force, coulomb misses {100 * errors['coulomb']:.0f} % of the cycles not seen, behind a "
-            f"frame {100 * ours:.1f} %, the best law ({best}) {100 * errors[best]:.1f} %; the mean of the "
-            f"cycles seen misses {100 * data.again / data.force:.1f} %."
+            f"Of the force, coulomb misses {errors['coulomb']:.0f} % in the cycles not seen, behind a frame "
+            f"{errors[REFERENCE]:.1f} %, the best law ({best}) {errors[best]:.1f} %; the mean of the cycles "
+            f"seen misses {100 * data.again / data.force:.1f} %."
         )
-        return sentence, ours < ALIKE * errors[best]
+        return sentence, min(float(str(row["low"])) for row in rows.values()) > 1.0 - ALIKE
 
     def draw(self, data: xarray.Dataset) -> Figure:
         """The loop with three laws, and what each misses over the cycles."""
         with context(STYLE):
             figure = Figure(figsize=(7.2, 3.2), layout="constrained")
             left, right = figure.subplots(1, 2)
-            unseen = (data.cycle > FITTED) & (data.cycle < data.cycle.max())
             one = data.isel(time=np.flatnonzero(data.cycle == FITTED + 1))
             slip = 1e6 * one.slip
             left.plot(slip, one.friction_force, "o", color="0.6", label="measured, first cycle not seen")
@@ -212,7 +223,9 @@ class FrictionLoop(Experiment):
                     left.plot(slip, one.predicted.sel(law=name), label=name)
             left.set(xlabel="position of the load point (um)", ylabel="friction (N)", ylim=(-3.0, 4.2))
             left.legend(loc="upper center", ncols=2)
-            square = np.square(data.predicted - data.friction_force).isel(time=np.flatnonzero(unseen))
+            square = np.square(data.predicted - data.friction_force).isel(
+                time=np.flatnonzero(unseen_in(data.cycle.values))
+            )
             each = np.sqrt(square.groupby("cycle").mean()) / data.force
             behind = [str(name) for name in data.law.values if data.framed.sel(law=name)]
             for name in map(str, data.law.values):
@@ -226,12 +239,14 @@ class FrictionLoop(Experiment):
         return figure
 
 
-def again(slip: Array, friction: Array, cycle: Array) -> float:
-    """Return what the mean of the cycles seen misses of the others [N], over the way since their beginning."""
+def again(slip: Array, friction: Array, cycle: NDArray[np.int64]) -> float:
+    """Return what the mean of the cycles seen misses of the others [N], over the way of the load point."""
     whole = range(1, int(cycle.max()))
     ways = [np.cumsum(np.abs(np.diff(slip[cycle == n], prepend=slip[cycle == n][0]))) for n in whole]
     grid = np.linspace(0.0, min(way[-1] for way in ways), 50)
-    curves = np.array([np.interp(grid, way, friction[cycle == n]) for n, way in zip(whole, ways, strict=True)])
+    curves = np.array(
+        [np.interp(grid, way, friction[cycle == n]) for n, way in zip(whole, ways, strict=True)]
+    )
     return rms(curves[FITTED:] - curves[:FITTED].mean(axis=0))
 
 

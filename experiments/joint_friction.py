@@ -9,19 +9,18 @@ current, friction torque [N m] by an observer.
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import numpy as np
 import xarray
 from experiment import Experiment, main
-from fitted_laws import Candidate, Track, fitted, rms, rubbing
+from fitted_laws import Candidate, Track, fitted, ratio_to, rubbing
 from matplotlib.figure import Figure
 from matplotlib.style import context
 
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.plot.style import STYLE
-from contactlab.studies.compare.bootstrap import mean_intervals
 from contactlab.studies.study import option
 
 VELOCITY, FRICTION, COLUMNS = 2, 6, 7
@@ -39,7 +38,7 @@ BY_SPEED: Final = (0.5, 0.02)
 """Starts of viscous friction [N m s/rad] and of what grows with the logarithm of the speed [N m]."""
 
 STATE: Final = 0.5
-"""Evolution effect of the law with a state [N m]: of steady friction only the difference of effects is known."""
+"""Evolution effect of the law with a state [N m]: steady friction has only the difference of both effects."""
 
 
 def _stribeck(exponent: float) -> Candidate:
@@ -113,8 +112,8 @@ def read_speeds(folder: Path) -> Array:
 
 def track_of(speed: Array, friction: Array) -> Track:
     """Return a path that has one speed after another, and the friction measured at each."""
-    time = HELD * np.arange(speed.size + 1)
-    slip = np.append(0.0, HELD * np.cumsum(speed))
+    time: Array = HELD * np.arange(speed.size + 1.0)
+    slip: Array = np.append(0.0, HELD * np.cumsum(speed))
     # Friction against the slip is negative.
     return Track(time, slip, 1.0, time[1:], -friction, np.zeros((speed.size, 0)))
 
@@ -127,7 +126,7 @@ def same_speed(speed: Array, friction: Array) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class JointFriction(Experiment):
-    """Does a law with a Stribeck curve predict the friction of a joint at speeds that it has not seen?"""
+    """Does a Stribeck curve predict the friction of a joint at speeds that it has not seen?"""
 
     says = (
         "The measured speeds do not show a Stribeck curve: it predicts speeds not seen no better than "
@@ -170,34 +169,33 @@ class JointFriction(Experiment):
         )
 
     def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
-        """Return each law's error at speeds not seen, and by how much its square exceeds the plain law's."""
+        """Return each law's error at speeds not seen; squares over those of `PLAIN`."""
         square = np.square(data.held_out - data.friction)
         plain = square.sel(law=PLAIN)
         result: list[dict[str, object]] = []
         for name in map(str, data.law.values):
-            more = mean_intervals((square.sel(law=name) - plain).values[:, None], 0)
+            own = square.sel(law=name).values
             result.append(
                 {
                     "law": name,
                     "free numbers": int(data.free.sel(law=name)),
-                    "held out [N m]": rms(np.sqrt(square.sel(law=name).values)),
-                    "more": float(more.mean[0]),
-                    "low": float(more.interval[0, 0]),
-                    "high": float(more.interval[0, 1]),
+                    "held out [N m]": float(own.mean()) ** 0.5,
+                    **ratio_to(own, plain.values),
                 }
             )
         return result
 
-    def numbers(self, data: xarray.DataTree) -> dict[str, float]:
+    def numbers(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return what does not belong to a law."""
-        speed, deviation = data["speed"].values, data["deviation"].values
+        own = data.to_dataset()
+        speed, deviation = own.speed.values, own.deviation.values
         return {
             "same speed": float(data.attrs["same_speed"]),
             "slowest": float(speed[0]),
             "fastest": float(speed[-1]),
             "deviation of the slowest": float(deviation[0]),
-            "least friction": float(data["friction"].min()),
-            "greatest friction": float(data["friction"].max()),
+            "least friction": float(own.friction.min()),
+            "greatest friction": float(own.friction.max()),
         }
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
@@ -206,11 +204,11 @@ class JointFriction(Experiment):
         errors = {name: float(str(row["held out [N m]"])) for name, row in rows.items()}
         curves = [name for name in CURVES if name in rows]
         best = min(curves, key=lambda name: errors[name])
-        better = any(float(str(rows[name]["high"])) < 0.0 for name in curves)
+        better = any(float(str(rows[name]["high"])) < 1.0 for name in curves)
         gain = errors[PLAIN] - errors[best]
         sentence = (
-            f"At speeds not seen {PLAIN} misses {errors[PLAIN]:.3f} N m, {best} {errors[best]:.3f} N m, which is "
-            f"{'' if better else 'not '}distinguishable; two records at the same speed differ by "
+            f"At speeds not seen {PLAIN} misses {errors[PLAIN]:.3f} N m and {best} {errors[best]:.3f} N m, "
+            f"which is {'' if better else 'not '}distinguishable; two records at the same speed differ by "
             f"{data.same_speed:.3f} N m."
         )
         return sentence, not better and gain < data.same_speed
@@ -227,7 +225,13 @@ class JointFriction(Experiment):
                 else:
                     right.plot([], [])
             left.errorbar(
-                data.speed, data.friction, xerr=data.deviation, fmt="o", color="black", zorder=5, linewidth=0.6
+                data.speed,
+                data.friction,
+                xerr=data.deviation,
+                fmt="o",
+                color="black",
+                zorder=5,
+                linewidth=0.6,
             )
             half = 0.5 * data.same_speed
             right.axhspan(-half, half, color="0.9", zorder=0, label="two records at the same speed")

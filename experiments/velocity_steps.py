@@ -2,8 +2,8 @@
 
     python experiments/velocity_steps.py path=p446s7tr005l [output=DIR]
 
-The file is example/p446s7tr005l of github.com/PennStateRockandSedimentMechanics/xlook: a head, then columns of
-big-endian numbers, each whole: sample period, load point, shear load, thickness and normal load. Units, zeros
+The file is example/p446s7tr005l of github.com/PennStateRockandSedimentMechanics/xlook: a head, then whole
+columns of big-endian numbers: sample period, load point, shear load, thickness and normal load. Units, zeros
 and the intervals in which a sensor was moved are those of example/p446_r there.
 """
 
@@ -15,9 +15,10 @@ from typing import Annotated, Any, Final, NamedTuple
 import numpy as np
 import xarray
 from experiment import Experiment, main
-from fitted_laws import Candidate, Track, fitted, rms, rubbing
+from fitted_laws import Candidate, Track, fitted, ratio_to, rubbing
 from matplotlib.figure import Figure
 from matplotlib.style import context
+from numpy.typing import NDArray
 from scipy.signal import medfilt
 
 import contactlab as cl
@@ -63,13 +64,10 @@ FRICTION, SPEED = 0.58, 1e-5
 CALIBRATED: Final = 1e11
 """Stiffness of the apparatus by its calibration, `ec` of p446_r: 0.1 MPa/um [Pa/m]."""
 
-ALIKE: Final = 1.1
-"""Held-out errors whose ratio is less are called alike."""
-
 STIFFNESS: Final = ((3e10, 2e11), 1e9, 1e13)
 """Starts and bounds of the stiffness of the frame per area [Pa/m]."""
 
-REFERENCE: Final = "no state"
+REFERENCE, AGEING = "no state", "rate_and_state"
 
 
 def _of_state(name: str, friction: Callable[..., cl.Friction]) -> Candidate:
@@ -174,12 +172,17 @@ def steps_of(record: Record, begin: float, end: float) -> Steps:
     return Steps(way, friction, track, normal)
 
 
+def step_of(steps: Steps) -> Array:
+    """Return the velocity step that each average belongs to, from 0; -1 where the run-in is left out."""
+    step = np.searchsorted(steps.track.time[1:-1], steps.track.instants, side="right")
+    step -= step[steps.way > RUN_IN][0]
+    return np.where(steps.way > RUN_IN, step, -1).astype(float)
+
+
 def at_stress(candidate: Candidate, normal: float) -> Candidate:
     """Return a law whose frame has its stiffness per area over a normal stress [Pa]."""
     starts = [[*start[:-1], start[-1] / normal] for start in candidate.starts]
-    low, high = (
-        [*bounds[:-1], bounds[-1] / normal] for bounds in (candidate.low, candidate.high)
-    )
+    low, high = ([*bounds[:-1], bounds[-1] / normal] for bounds in (candidate.low, candidate.high))
     return Candidate(candidate.name, candidate.law, starts, low, high, candidate.framed)
 
 
@@ -188,8 +191,8 @@ class VelocitySteps(Experiment):
     """Does a law of rate and state that was fitted at one normal stress predict the steps at another?"""
 
     says = (
-        "Friction has a memory: laws with a state, fitted at one normal stress, miss less of the velocity steps "
-        "at another than friction of the present speed, and among themselves they are alike."
+        "Friction has a memory: laws with a state, fitted at one normal stress, miss less of the velocity "
+        "steps at another than friction of the present speed; among themselves they are not distinguishable."
     )
 
     path: Annotated[str, option("file of the record")]
@@ -207,7 +210,6 @@ class VelocitySteps(Experiment):
 
         most = max(each.free for each in candidates)
         numbers = np.full((len(candidates), len(steps), most), np.nan)
-        errors = np.full((len(candidates), len(steps), len(steps)), np.nan)
         predicted = np.full((len(candidates), len(steps), len(steps), size), np.nan)
         for i, candidate in enumerate(candidates):
             for j, seen in enumerate(steps.values()):
@@ -218,7 +220,6 @@ class VelocitySteps(Experiment):
                     chosen = other.way > RUN_IN
                     there = np.append(best[:-1], best[-1] / other.normal)
                     curve = -other.track.with_nuisance(other.track.predicted(candidate, there), chosen)
-                    errors[i, j, k] = rms((curve - other.friction)[chosen])
                     predicted[i, j, k, : curve.size] = curve
         return xarray.Dataset(
             {
@@ -226,24 +227,32 @@ class VelocitySteps(Experiment):
                 "friction": (("stress", "row"), [padded(x.friction, size) for x in steps.values()]),
                 "predicted": (("law", "fitted", "stress", "row"), predicted),
                 "numbers": (("law", "fitted", "number"), numbers),
-                "error": (("law", "fitted", "stress"), errors),
+                "step": (("stress", "row"), [padded(step_of(x), size) for x in steps.values()]),
                 "free": ("law", [each.free for each in candidates]),
             },
-            coords={
-                "law": [each.name for each in candidates],
-                "fitted": [*steps],
-                "stress": [*steps],
-            },
+            coords={"law": [each.name for each in candidates], "fitted": [*steps], "stress": [*steps]},
         )
 
+    def unseen(self, data: xarray.Dataset, law: str, seen: str) -> tuple[Array, NDArray[np.int64]]:
+        """Return squared errors at the stress that a law is not fitted to, and the steps that they lie in."""
+        (other,) = (str(x) for x in data.stress.values if x != seen)
+        here = data.sel(law=law, fitted=seen, stress=other)
+        used = here.step.values >= 0
+        return np.square(here.predicted - here.friction).values[used], here.step.values[used].astype(int)
+
+    def ratio(self, data: xarray.Dataset, law: str, reference: str, seen: str) -> dict[str, float]:
+        """Return the mean square of a law over that of another at the stress that both are not fitted to."""
+        square, steps = self.unseen(data, law, seen)
+        return ratio_to(square, self.unseen(data, reference, seen)[0], steps)
+
     def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
-        """Return the numbers of each law at each stress, its error there and at the other."""
+        """Return numbers of each law at each stress and errors; squares over those of `REFERENCE`."""
         result: list[dict[str, object]] = []
         for name in map(str, data.law.values):
             for seen in map(str, data.fitted.values):
-                here = data.sel(law=name, fitted=seen)
-                (other,) = (str(x) for x in data.stress.values if x != seen)
-                numbers = [float(x) for x in here.numbers.values if np.isfinite(x)]
+                here = data.sel(law=name, fitted=seen, stress=seen)
+                fit = np.square(here.predicted - here.friction).values[here.step.values >= 0]
+                numbers = [float(x) for x in data.numbers.sel(law=name, fitted=seen).values if np.isfinite(x)]
                 state = len(numbers) > 2
                 result.append(
                     {
@@ -253,37 +262,50 @@ class VelocitySteps(Experiment):
                         "evolution effect": numbers[1] if state else np.nan,
                         "renewal distance [m]": numbers[2] if state else np.nan,
                         "stiffness [Pa/m]": numbers[-1],
-                        "fitted": float(here.error.sel(stress=seen)),
-                        "held out": float(here.error.sel(stress=other)),
+                        "fitted": float(fit.mean()) ** 0.5,
+                        "held out": float(self.unseen(data, name, seen)[0].mean()) ** 0.5,
+                        **self.ratio(data, name, REFERENCE, seen),
                     }
                 )
         return result
 
-    def numbers(self, data: xarray.DataTree) -> dict[str, float]:
-        """Return what does not belong to a law."""
-        del data
-        return {"calibrated stiffness": CALIBRATED}
+    def numbers(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return squared errors over those of `AGEING`, and what does not belong to a law."""
+        own = data.to_dataset()
+        return {
+            "calibrated stiffness": CALIBRATED,
+            "over ageing": {
+                f"{law}, {seen}": self.ratio(own, law, AGEING, seen)
+                for law in map(str, own.law.values)
+                for seen in map(str, own.fitted.values)
+                if law not in (REFERENCE, AGEING)
+            },
+        }
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
         """Compare laws with a state and without, at the stress that they were not fitted to."""
-        rows = self.rows(data)
-        holds, parts = True, []
+        rows, parts = self.rows(data), []
+        of_state = [row for row in rows if row["law"] != REFERENCE]
         for seen in map(str, data.fitted.values):
-            errors = {row["law"]: float(str(row["held out"])) for row in rows if row["fitted at"] == seen}
+            errors = {x["law"]: 1e3 * float(str(x["held out"])) for x in rows if x["fitted at"] == seen}
             without = errors.pop(REFERENCE)
-            least, most = min(errors.values()), max(errors.values())
-            holds &= most < without / ALIKE and most < ALIKE * least
             parts.append(
-                f"fitted at {seen}, laws with a state miss {1e3 * least:.2f} to {1e3 * most:.2f} thousandths of the "
-                f"normal stress at the other, without {1e3 * without:.2f}"
+                f"fitted at {seen}, laws with a state miss {min(errors.values()):.2f} to "
+                f"{max(errors.values()):.2f} thousandths of the normal stress at the other, without a state "
+                f"{without:.2f}"
             )
-        return f"{'; '.join(parts)}.".capitalize().replace(" mpa", " MPa"), holds
+        better = all(float(str(row["high"])) < 1.0 for row in of_state)
+        beside = self.numbers(xarray.DataTree(data))["over ageing"].values()
+        alike = all(own["low"] <= 1.0 <= own["high"] for own in beside)
+        return f"When {'; '.join(parts)}.", better and alike
 
     def draw(self, data: xarray.Dataset) -> Figure:
         """Friction over the way of the load point at each stress, with laws fitted at the other."""
         with context(STYLE):
             figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-            for ax, stress in zip(figure.subplots(2, 1, sharex=True), map(str, data.stress.values), strict=True):
+            for ax, stress in zip(
+                figure.subplots(2, 1, sharex=True), map(str, data.stress.values), strict=True
+            ):
                 (other,) = (str(x) for x in data.fitted.values if x != stress)
                 here = data.sel(stress=stress)
                 used = here.way.values > RUN_IN
@@ -293,9 +315,10 @@ class VelocitySteps(Experiment):
                     curve = here.predicted.sel(law=name, fitted=other).values[used]
                     ax.plot(way, curve, linewidth=0.8, label=name)
                 low, high = np.quantile(friction, [0.002, 0.998])
-                ax.set(ylabel=f"friction coefficient at {stress}", ylim=(low - 0.003, high + 0.003))
+                ax.set(ylabel="friction coefficient", ylim=(low - 0.003, high + 0.003))
+                ax.set_title(f"steps at {stress}, laws fitted at {other}")
             ax.set(xlabel="way of the load point (mm)")
-            ax.legend(loc="lower right", ncols=3, title=f"fitted at {other}")
+            ax.legend(loc="lower right", ncols=3)
         return figure
 
 
