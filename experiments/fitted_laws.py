@@ -1,7 +1,7 @@
 """Laws fitted to measured friction on a path, or behind the frame of the apparatus, by least squares."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
@@ -67,6 +67,7 @@ class Track:
         nuisance: columns that the apparatus adds to any prediction, each with a free factor, shape (instant,
             column): the zero of a load cell, a trend.
         force: of the frame at the start [N].
+        ready: the last law and frame stiffness, with their loop: making it takes longer than running it.
     """
 
     time: Array
@@ -76,16 +77,25 @@ class Track:
     friction: Array
     nuisance: Array
     force: float = 0.0
+    ready: dict[tuple[str, float | None], LawOnPath] = field(default_factory=dict, init=False)
 
     def predicted(self, candidate: Candidate, numbers: Array) -> Array:
         """Return the friction of a law at the instants [N]; NaN where it has no motion."""
-        frame = Frame(float(numbers[-1]), force=self.force) if candidate.framed else None
         law = candidate.law(numbers)
-        loop = LawOnPath(
-            law, self.time, normal=self.normal, slip=self.slip, degree=1, frame=frame, instants=self.instants
-        )
-        loop.run(law)
-        return np.array(loop.path.forces[:, 1])
+        key = (candidate.name, float(numbers[-1]) if candidate.framed else None)
+        if key not in self.ready:
+            self.ready.clear()
+            self.ready[key] = LawOnPath(
+                law,
+                self.time,
+                normal=self.normal,
+                slip=self.slip,
+                degree=1,
+                frame=None if key[1] is None else Frame(key[1], force=self.force),
+                instants=self.instants,
+            )
+        self.ready[key].run(law)
+        return np.array(self.ready[key].path.forces[:, 1])
 
     def with_nuisance(self, predicted: Array, chosen: Chosen) -> Array:
         """Return a prediction with the columns that the apparatus adds, fitted to chosen instants."""
