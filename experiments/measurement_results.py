@@ -1,4 +1,4 @@
-"""Numbers of docs/measurements.md: laws against the spheres and the ellipses that were measured.
+"""Numbers of docs/measurements.md and of docs/measurements/: laws against what was measured.
 
 They are made by remake.py, from the files that the page describes, and with them the figures.
 """
@@ -11,13 +11,16 @@ from typing import Any, Final
 
 import numpy as np
 import xarray
-from dependencies import ROOT
+from all import numbers_of
+from dependencies import ROOT, Recorder
+from experiment import class_of, setup_of
 from oblique_spheres import ObliqueSpheres, misfit_rows
 from scipy.optimize import minimize
 
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.studies.compare.bootstrap import mean_intervals
+from contactlab.studies.study import Result, finish, run
 from contactlab_data.inference.cross_validation import laws_in
 from contactlab_data.measured.files import read_impacts
 from contactlab_data.studies.validate import parameters
@@ -186,5 +189,30 @@ def of_ellipses(path: Path, folder: Path) -> dict[str, Any]:
     }
 
 
-SECTIONS: Final = {"ellipses": (of_ellipses, some_ellipses), "spheres": (of_spheres, misfits)}
+def under_every_law(name: str, source: Path) -> Result:
+    """Return an experiment on measured friction; the loop of the tribometer is a part of the project."""
+    options: dict[str, Any] = {} if name == "friction_loop" else {"path": str(source)}
+    return run(class_of(name)(**options), {"": setup_of(name)})
+
+
+def of_friction(name: str) -> tuple[Callable[[Path, Path], dict[str, Any]], Callable[[Path], dict[str, Any]]]:
+    """Return what makes a section on measured friction, and its short form, which has the same numbers."""
+
+    def made(source: Path, folder: Path) -> dict[str, Any]:
+        result = under_every_law(name, source)
+        numbers = numbers_of(result)
+        # What draws decides no number.
+        Recorder.stop()
+        finish(result, folder)
+        copyfile(folder / f"{name}.png", PICTURES / f"{name}.png")
+        return numbers
+
+    return made, lambda source: numbers_of(under_every_law(name, source))
+
+
+SECTIONS: Final = {
+    "ellipses": (of_ellipses, some_ellipses),
+    "spheres": (of_spheres, misfits),
+    **{name: of_friction(name) for name in ("friction_loop", "joint_friction", "velocity_steps")},
+}
 """What makes a section, and its short form."""

@@ -441,6 +441,59 @@ def spheres(law: str, name: str = "all") -> Number:
     return stored if name in ("lowest", "at") else Number.of(stored.value, 1.96 / sqrt(DIGITISED))
 
 
+BEHIND: Final = ("mindlin, frame", "dahl, frame", "iwan, frame", "bouc_wen, frame")
+"""Laws with a stiffness of their own behind the frame of a tribometer."""
+
+CURVES: Final = ("stribeck, exponent 1, viscous", "stribeck, exponent 2, viscous")
+"""Laws of a joint's friction with a Stribeck curve."""
+
+STATES: Final = ("rate_and_state", "ruina", "perrin_rice_zheng", "nagata")
+"""Laws of rock friction with a state."""
+
+STRESSES: Final = ("15 MPa", "20 MPa")
+"""Normal stresses at which these are fitted."""
+
+
+def rubbing(experiment: str, law: str, seen: str = "") -> Mapping[str, Any]:
+    """Return what is recorded of a law against measured friction, and fitted at a normal stress."""
+    rows = results("measurements")[experiment]["rows"]
+    (row,) = (x for x in rows if x["law"] == law and x.get("fitted at", "") == seen)
+    return dict(row)
+
+
+def over_reference(experiment: str, law: str, seen: str = "") -> Number:
+    """Return the mean square of what a law misses unseen, over that of the reference of its experiment."""
+    return interval(rubbing(experiment, law, seen), "ratio")
+
+
+def of_rubbing(experiment: str, law: str, name: str, seen: str = "") -> float:
+    """Return a number of a law against measured friction, by the beginning of its name."""
+    (found,) = (x for key, x in rubbing(experiment, law, seen).items() if key.startswith(name))
+    return float(found)
+
+
+def missed(experiment: str, law: str, seen: str = "") -> float:
+    """Return what a law misses unseen: of the force, of the normal stress [1], or of a torque [N m]."""
+    return of_rubbing(experiment, law, "held out", seen)
+
+
+def over_ageing() -> list[Number]:
+    """Return the mean squares of what other laws with a state miss of velocity steps, over Dieterich's."""
+    own = results("measurements")["velocity_steps"]["numbers"]["over ageing"].values()
+    return [interval(each, "ratio") for each in own]
+
+
+def against_friction(experiment: str, name: str) -> Number:
+    """Return a number of an experiment on measured friction that belongs to no law."""
+    stored: Number = value(f"{experiment}/numbers/{name}", "measurements")
+    return number(stored)
+
+
+def again() -> Number:
+    """Return what the mean of the cycles seen misses of the others, over the force [1]."""
+    return against_friction("friction_loop", "again") / against_friction("friction_loop", "force")
+
+
 def scattered() -> Number:
     """Return the scatter of the spheres' figures about any curve, by chi-square [errors of digitisation]."""
     freedom = DIGITISED - CURVE

@@ -1,6 +1,7 @@
 """Make the results that pages state, docs/results/*.json, and the pages with them.
 
-    python experiments/remake.py [SECTION ...] [--spheres FILE] [--ellipses FILE] [--all] [--short]
+    python experiments/remake.py [SECTION ...] [--spheres FILE] [--ellipses FILE] [--joint_friction FOLDER]
+        [--velocity_steps FILE] [--all] [--short]
 
 Sections that are not of the present code are made, each in a process of its own, as many at once as there
 are processors; each is written when it is made, so that an interrupted command goes on. A section that fails
@@ -43,8 +44,8 @@ from results_store import (
     write,
 )
 
-NEEDS: Final = ("spheres", "ellipses")
-"""Sections of measurements, which need the file of this name."""
+NEEDS: Final = ("spheres", "ellipses", "joint_friction", "velocity_steps")
+"""Sections of measurements, which need the file or folder of this name."""
 
 
 def make(file: str, name: str, source: Path, target: Path, short: bool) -> None:

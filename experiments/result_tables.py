@@ -5,6 +5,7 @@ from functools import partial
 from typing import Any, Final
 
 import motor_findings
+from friction_loop import FRAME
 from recorded_numbers import (
     CARRIERS,
     CASES,
@@ -35,6 +36,7 @@ from recorded_numbers import (
     value,
     velocity,
 )
+from velocity_steps import STIFFNESS
 from verdicts import share
 
 
@@ -164,6 +166,76 @@ def laws_against_spheres() -> str:
     laws = results("measurements")["spheres"]["laws"]
     rows = (row(label, law) for label, law in laws.items())
     return markdown(("law", *names, "lowest", "free"), rows)
+
+
+def frame(stiffness: float, most: float, unit: float, digits: str) -> str:
+    """Return a frame's stiffness; one near the stiffest that is tried yields by nothing."""
+    return "rigid" if stiffness > 0.9 * most else f"{unit * stiffness:{digits}}"
+
+
+def friction_loop() -> str:
+    """Return what each law misses of a tribometer's loop, and its numbers."""
+
+    def row(law: Mapping[str, Any]) -> Iterator[str]:
+        yield law["law"].replace("_", "\\_")
+        yield str(law["free numbers"])
+        yield f"{law['friction coefficient']:.3f}"
+        yield "" if law["frame [N/m]"] is None else frame(law["frame [N/m]"], FRAME[-1], 1e-3, ".0f")
+        yield from (f"{100 * law[name]:.1f}" for name in ("fitted", "held out"))
+        yield f"{law['low']:.3f} to {law['high']:.3f}"
+
+    head = (
+        "law",
+        "free numbers",
+        "friction coefficient",
+        "frame (N/mm)",
+        "fitted (%)",
+        "not seen (%)",
+        "ratio",
+    )
+    return markdown(head, map(row, results("measurements")["friction_loop"]["rows"]))
+
+
+def joint_friction() -> str:
+    """Return what each law misses of a joint's friction at speeds that it has not seen."""
+    rows = (
+        (
+            law["law"].replace("_", "\\_"),
+            law["free numbers"],
+            f"{law['held out [N m]']:.3f}",
+            f"{law['low']:.2f} to {law['high']:.2f}",
+        )
+        for law in results("measurements")["joint_friction"]["rows"]
+    )
+    return markdown(("law", "free numbers", "not seen (N m)", "ratio"), rows)
+
+
+def velocity_steps() -> str:
+    """Return numbers of laws of rock friction, and what they miss at another normal stress."""
+
+    def row(law: Mapping[str, Any]) -> Iterator[str]:
+        yield law["law"].replace("_", "\\_")
+        yield law["fitted at"]
+        for name in ("direct effect", "evolution effect"):
+            yield "" if law[name] is None else f"{law[name]:.4f}"
+        length = law["renewal distance [m]"]
+        yield "" if length is None else f"{1e6 * length:.0f}"
+        yield frame(law["stiffness [Pa/m]"], STIFFNESS[-1], 1e-12, ".2f")
+        yield from (f"{1e3 * law[name]:.2f}" for name in ("fitted", "held out"))
+        yield f"{law['low']:.2f} to {law['high']:.2f}"
+
+    head = (
+        "law",
+        "fitted at",
+        "a",
+        "b",
+        "D (um)",
+        "frame (MPa/um)",
+        "fitted (0.001)",
+        "not seen (0.001)",
+        "ratio",
+    )
+    return markdown(head, map(row, results("measurements")["velocity_steps"]["rows"]))
 
 
 def carrying() -> str:
@@ -324,6 +396,9 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "free geometry": free_geometry,
     "restitution over slip": restitution_over_slip,
     "laws against spheres": laws_against_spheres,
+    "friction loop": friction_loop,
+    "joint friction": joint_friction,
+    "velocity steps": velocity_steps,
     "published motor": carrying,
     "when laws matter": when_laws_matter,
     "groups": groups,
