@@ -419,9 +419,7 @@ class LawContrasts(Experiment):
             },
             "fitted": int(np.isfinite(errors).any("law").sum()),
             "map": {
-                quantity: {
-                    name: judged._asdict() for (of, name), judged in maps(own).items() if of == quantity
-                }
+                quantity: {name: judged._asdict() for (of, name), judged in found.items() if of == quantity}
                 for quantity in QUANTITIES[:2]
             },
         }
