@@ -1,7 +1,8 @@
 """Sentences of the pages that state a result; they stand in claims.yaml.
 
 A claim has a population, a predicate and what the page says if it holds, if it does not, and if that is open.
-A predicate is an expression over the files of results with the names of recorded_numbers.py and verdicts.py.
+A predicate is an expression over the files of results with the names of recorded_numbers.py,
+recorded_contrasts.py and verdicts.py.
 It is true, false, or None where the uncertainty of the numbers leaves it open. `{expression:format}` in a
 sentence is a number. What was measured or follows in closed form, and claims nothing, is stated without a
 predicate. `results_pages.py` writes the sentence that holds on its page.
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+import recorded_contrasts
 import recorded_numbers
 import verdicts
 import yaml
@@ -38,7 +40,7 @@ PAGES: Final = tuple(
 
 def evaluated(expression: str) -> Any:
     """Return the value of an expression over the recorded numbers and verdicts."""
-    return eval(expression, vars(verdicts) | vars(recorded_numbers))
+    return eval(expression, vars(verdicts) | vars(recorded_numbers) | vars(recorded_contrasts))
 
 
 @dataclass(frozen=True)

@@ -31,7 +31,8 @@ def motors_of(folder: Path, most: int) -> list[xarray.Dataset]:
     whole = folder / f"{LawContrasts.name}.nc"
     if whole.is_file():
         with xarray.open_dataset(whole, engine="netcdf4") as data:
-            own = data[[*OF_A_MOTOR]].drop_vars([*data.coords]).load()
+            own = data[[*OF_A_MOTOR]].load()
+        own = own.drop_vars([*own.coords])
         motors = [own.isel(motor=number) for number in range(own.sizes["motor"])]
     else:
         # A finished task is known by its motor's first group, which is drawn.

@@ -139,7 +139,7 @@ def of_page(name: str) -> list[Statement]:
 
 
 WORD = r"\S+?"
-FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,4}}?"
+FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,5}}?"
 """A number, and one with its error or the name of a factor."""
 
 
