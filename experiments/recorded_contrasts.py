@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from math import isnan
 from typing import Any, Final
 
-import law_contrasts
 import numpy as np
 from contrast_figures import array, is_null
 from contrast_map import BAR
+from law_contrasts import FITTED, MOTORS, OUTCOMES
 from recorded_numbers import rows_of, value
 from verdicts import NONE, Number, exact, less, share, some
 
@@ -32,6 +32,16 @@ VISIBLE: Final = 0.01
 def of_run(name: str) -> Any:
     """Return what is recorded of all motors under a name."""
     return value(f"{LONG}/numbers/{name}", "experiments")
+
+
+def judged() -> int:
+    """Return on how many motors the map is judged in a whole run."""
+    return MOTORS - FITTED
+
+
+def pairs() -> int:
+    """Return the pairs of a motor and a law."""
+    return without(*OUTCOMES)
 
 
 def motors() -> int:
