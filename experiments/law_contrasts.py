@@ -8,7 +8,8 @@ has the motor's own in a straight impact at the motor's own speed: the median ap
 friction coefficient larger by a millionth, a tolerance a hundred times the default's.
 
 **Size.** c = ln |Q_a / Q_b| of a quantity Q; infinite where Q has another sign under b, or is zero to its
-error under one of both. Motors without a steady state under a law are an outcome, counted by law.
+error under one of both. Motors without a steady state under a law within `LONGEST` periods of the drive are
+an outcome, counted by law.
 
 **Share.** Of the variance of ln |Q| over laws and motors, the share of law, of motor, and of law x motor,
 which is what no common factor of a law explains, with intervals by bootstrap over motors.
@@ -18,8 +19,11 @@ over the inputs of `KNOWN` under `poisson`: h = 1.96 sqrt(s' S s), with S as of 
 and after the speed has been measured to `MEASURED` at two other voltages, which a linear Gaussian model takes
 in.
 
+A motor that never leaves its rotor has no contrast with `johnson`, whose restitution comes to one as the
+speed falls: a pressed rotor bounces under it without end.
+
 **Practice.** A law whose friction coefficient and restitution are fitted to the speeds at two voltages under
-`TRUTH` predicts the third: |ln| of its ratio to the truth, by law, of the first `CALIBRATED` motors.
+`TRUTH` predicts the third: |ln| of its ratio to the truth, by law, of the first `PRACTISED` motors.
 
 **Map.** ln |c| of speed and of torque by an additive spline of the groups (`contrast_map`), fitted on the
 first `FITTED` motors and judged on the others, at which nobody has looked before: R^2 and coverage of its
@@ -54,9 +58,9 @@ from contactlab.steady_state.means import LONGEST, motion_of
 from contactlab.studies.characterise.transients import start_time
 from contactlab.studies.study import Part, Setups, Task, option
 
-MOTORS, FITTED, LOOK, STARTED, CALIBRATED = 256, 192, 64, 64, 64
-"""Motors in all, those on which the map is fitted, those at the look, those whose start is timed, and those
-to which laws are fitted."""
+MOTORS, FITTED, LOOK, PRACTISED = 256, 192, 64, 64
+"""Motors in all, those on which the map is fitted, those at the look, and those whose start is timed and to
+which laws are fitted."""
 
 TRUTH: Final = "flores, mindlin"
 """The law that stands for the motor to which others are fitted: the one with most in it."""
@@ -97,7 +101,7 @@ CONTRASTS: Final = {
     **{f"null: {law}, {null}": (law, f"{law}, {null}") for law in ("poisson", "flores") for null in NULLS},
 }
 
-QUANTITIES: Final = ("rotor_velocity", "stall_torque", "normal_impulse", "start_time")
+QUANTITIES: Final = ("rotor_velocity", "stall_torque", "normal_impulse")
 
 SENTENCES: Final = (
     "In {motors} motors that were not looked at, the groups predict where the law decides: {contrasts}.",
@@ -123,19 +127,30 @@ BRIEF: Final = (3, 13)
 RESAMPLES, LEVEL, SEED = 2000, 0.95, 0
 
 
+def law_at(name: str, motor: Mapping[str, Any], made: cl.Motor, speed: float) -> cl.ContactLaw:
+    """Return a law of `law_of`.
+
+    Raises:
+        ValueError: the motor cannot have it.
+    """
+    if name == "johnson" and speed == SLOWEST:
+        raise ValueError("A motor that never leaves its rotor bounces under johnson without end.")
+    return law_of(name, motor, made, speed)
+
+
 def settle(
     made: cl.Motor, law: cl.ContactLaw, velocity: float = 0.0, tolerance: float | None = None
 ) -> tuple[int, Steady | None]:
     """Return the outcome, an index of `OUTCOMES`, and the steady state."""
     try:
-        return 0, steady(begun(made, law, velocity), law, tolerance=tolerance)
+        return 0, steady(begun(made, law, velocity), law, tolerance=tolerance, longest=LONGEST)
     except NotSettledError:
         return 1, None
     except BrokenOffError:
         return 2, None
 
 
-def numbers_of(state: Steady | None, starts: bool) -> list[Estimate]:
+def numbers_of(state: Steady | None) -> list[Estimate]:
     """Return the quantities of a steady state, NaN where there is none."""
     none = Estimate(np.nan, np.nan)
     if state is None:
@@ -145,8 +160,7 @@ def numbers_of(state: Steady | None, starts: bool) -> list[Estimate]:
         torque = steady(state.setup, belt=0.0, start=state, longest=LONGEST).torque
     except (BrokenOffError, NotSettledError):
         torque = none
-    start = start_time(state.setup, state.velocity.value) if starts else none
-    return [state.velocity, torque, Estimate(state.period * force.value, state.period * force.error), start]
+    return [state.velocity, torque, Estimate(state.period * force.value, state.period * force.error)]
 
 
 def own_speed(state: Steady | None) -> float:
@@ -178,7 +192,7 @@ def log_speeds(name: str, motor: Mapping[str, Any], speed: float, points: Sequen
     values = []
     for scale in points:
         made = motor_of(motor, scale)
-        state = settle(made, law_of(name, motor, made, speed))[1]
+        state = settle(made, law_at(name, motor, made, speed))[1]
         values.append(np.log(abs(state.velocity.value)) if state else np.nan)
     return np.array(values)
 
@@ -205,20 +219,25 @@ def prediction_errors(motor: Mapping[str, Any], speed: float) -> Array:
     return np.array(errors)
 
 
-def computed(number: int, starts: bool, fits: bool) -> Part:
-    """Return everything of one motor."""
+def begin(number: int) -> tuple[dict[str, Any], cl.Motor, float]:
+    """Return a motor as drawn and as made, and the speed of its own impacts [m/s]."""
     motor = drawn(number)
     made = motor_of(motor)
-    speed = own_speed(settle(made, law_of("poisson", motor, made, SLOWEST))[1])
+    return motor, made, own_speed(settle(made, law_of("poisson", motor, made, SLOWEST))[1])
+
+
+def computed(number: int) -> Part:
+    """Return the states of a motor, what is not known of it, and its groups."""
+    motor, made, speed = begin(number)
     rows, outcomes, states, laws = [], [], dict[str, Steady | None](), dict[str, cl.ContactLaw]()
     for name in LAWS:
         try:
-            laws[name] = law_of(name, motor, made, speed)
+            laws[name] = law_at(name, motor, made, speed)
             outcome, states[name] = settle(made, laws[name])
         except ValueError:
             outcome, states[name] = 3, None
         outcomes.append(outcome)
-        rows.append(numbers_of(states[name], starts))
+        rows.append(numbers_of(states[name]))
     for name in ("poisson", "flores"):
         law, state = laws[name], states[name]
         near = law_of(
@@ -234,7 +253,7 @@ def computed(number: int, starts: bool, fits: bool) -> Part:
             settle(made, law, tolerance=COARSE),
         ):
             outcomes.append(outcome)
-            rows.append(numbers_of(other, starts))
+            rows.append(numbers_of(other))
     values = np.array([[(x.value, x.error) for x in row] for row in rows])
     data = {
         "value": (("state", "quantity"), values[..., 0]),
@@ -242,7 +261,24 @@ def computed(number: int, starts: bool, fits: bool) -> Part:
         "outcome": ("state", outcomes),
         "group_value": ("group", groups_of(motor, made, laws["flores"], speed)),
         "secant": (("input", "point"), secants(motor, speed)),
-        "prediction_error": ("law", prediction_errors(motor, speed) if fits else np.full(len(LAWS), np.nan)),
+    }
+    return part_of(xarray.Dataset(data))
+
+
+def practised(number: int) -> Part:
+    """Return the times in which a motor starts, by law, and the errors of laws that are fitted to it."""
+    motor, made, speed = begin(number)
+    starts = []
+    for name in LAWS:
+        try:
+            state = settle(made, law_at(name, motor, made, speed))[1]
+        except ValueError:
+            state = None
+        starts.append(start_time(state.setup, state.velocity.value) if state else Estimate(np.nan, np.nan))
+    data = {
+        "start_time": ("law", [start.value for start in starts]),
+        "start_time_error": ("law", [start.error for start in starts]),
+        "prediction_error": ("law", prediction_errors(motor, speed)),
     }
     return part_of(xarray.Dataset(data))
 
@@ -329,6 +365,14 @@ def recorded(value: float) -> float | str | None:
     return float(f"{value:.{DIGITS}g}") if isfinite(value) else TURNED if value == inf else None
 
 
+def errors_of(data: xarray.Dataset) -> list[list[float]]:
+    """Return the errors of fitted laws, shape (law, motor), in the motors to which every law was fitted."""
+    if "prediction_error" not in data:
+        return [[] for _ in LAWS]
+    fitted = data["prediction_error"].dropna("motor").transpose("law", "motor")
+    return [*map(list, fitted.values.tolist())]
+
+
 @dataclass(frozen=True, kw_only=True)
 class LawContrasts(Experiment):
     """In which motors does which difference of laws change what the motor does?"""
@@ -338,22 +382,29 @@ class LawContrasts(Experiment):
     motors: Annotated[int, option("motors, the first ones of the population", at_least=2)] = MOTORS
 
     def tasks(self, setups: Setups) -> Iterator[Task]:
-        """Yield a task a motor; the short form has few."""
+        """Yield the tasks of all motors before those of the first ones that take longer."""
         del setups
         for number in BRIEF if self.short else range(self.motors):
-            starts, fits = (number < most and not self.short for most in (STARTED, CALIBRATED))
-            yield Task(f"{number:04d}", computed, (number, starts, fits))
+            yield Task(f"{number:04d}", computed, (number,))
+        for number in () if self.short else range(min(PRACTISED, self.motors)):
+            yield Task(f"{number:04d}, practised", practised, (number,))
 
     def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
         """Return everything by motor, with contrasts and half-widths."""
         del setup
-        data = xarray.concat(parts, "motor").assign_coords(
+        every, first = ([part for part in parts if name in part] for name in ("value", "start_time"))
+        data = xarray.concat(every, "motor")
+        if first:
+            practice = xarray.concat(first, "motor")
+            rest = (0, data.sizes["motor"] - len(first))
+            data = data.merge(practice.pad(motor=rest, constant_values=np.nan))
+        data = data.assign_coords(
             state=[*STATES],
             quantity=[*QUANTITIES],
             group=[*GROUPS],
             input=[*KNOWN],
             point=[*POINTS],
-            law=[*LAWS],
+            **({"law": [*LAWS]} if first else {}),
         )
         pairs = [[STATES.index(name) for name in pair] for pair in CONTRASTS.values()]
         value, error = (data[x].transpose("state", "motor", "quantity").values for x in ("value", "error"))
@@ -366,7 +417,7 @@ class LawContrasts(Experiment):
     def rows(self, data: xarray.Dataset) -> list[dict[str, object]]:
         """Return the contrasts: sizes, turned motors, shares, and motors beyond each level of knowledge."""
         rows: list[dict[str, object]] = []
-        for quantity in QUANTITIES[:3]:
+        for quantity in QUANTITIES:
             for name, pair in CONTRASTS.items():
                 size = np.abs(data["contrast_size"].sel(contrast=name, quantity=quantity).values)
                 known = ~np.isnan(size)
@@ -389,7 +440,7 @@ class LawContrasts(Experiment):
     def numbers(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return what pages and figures have: outcomes, and by motor contrasts, half-widths and errors."""
         own = data.to_dataset()
-        sizes, errors = np.abs(own["contrast_size"]), own["prediction_error"]
+        sizes = np.abs(own["contrast_size"])
         width = own["half_width"].transpose("level", "motor")
         found = maps(own)
         outcome = own["outcome"].sel(state=[*LAWS]).transpose("state", "motor").values
@@ -410,14 +461,7 @@ class LawContrasts(Experiment):
                 str(level): [*map(recorded, row.values.tolist())]
                 for level, row in zip(own["level"].values, width, strict=True)
             },
-            # The error of a law is that in the motors in which all have one.
-            "error": {
-                law: [*map(recorded, row)]
-                for law, row in zip(
-                    LAWS, errors.dropna("motor").transpose("law", "motor").values.tolist(), strict=True
-                )
-            },
-            "fitted": int(np.isfinite(errors).any("law").sum()),
+            "error": {law: [*map(recorded, row)] for law, row in zip(LAWS, errors_of(own), strict=True)},
             "map": {
                 quantity: {name: judged._asdict() for (of, name), judged in found.items() if of == quantity}
                 for quantity in QUANTITIES[:2]

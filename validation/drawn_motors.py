@@ -17,8 +17,8 @@ from math import acos, exp, sqrt
 from typing import Any, Final
 
 import numpy as np
-from law_contrasts import SLOWEST, own_speed, settle
-from motor_population import closed_force, drawn, law_of, modes_of, motor_of
+from law_contrasts import begin, law_at, settle
+from motor_population import closed_force, modes_of
 from oracle.composed import Judge, JudgedRun, Parts
 from oracle.flight import Flight
 from oracle.friction_parts import Friction, Mindlin, SetValued
@@ -168,13 +168,11 @@ class Drawn:
     """A motor of the population."""
 
     def __init__(self, number: int) -> None:
-        self.drawn = drawn(number)
-        self.made = motor_of(self.drawn)
-        self.speed = own_speed(settle(self.made, law_of("poisson", self.drawn, self.made, SLOWEST))[1])
+        self.drawn, self.made, self.speed = begin(number)
 
     def steady(self, name: str) -> Steady | None:
         """The engine's steady state under a law."""
-        return settle(self.made, law_of(name, self.drawn, self.made, self.speed))[1]
+        return settle(self.made, law_at(name, self.drawn, self.made, self.speed))[1]
 
     @cached_property
     def motor(self) -> DrawnMotor:
@@ -215,7 +213,7 @@ class Drawn:
         orbit = state.orbit
         if orbit is None or orbit.map.contact is not None:
             raise ValueError(f"{name} has no orbit with a section in flight.")
-        judge = judge_of(name, law_of(name, self.drawn, self.made, self.speed), self.motor)
+        judge = judge_of(name, law_at(name, self.drawn, self.made, self.speed), self.motor)
         section, n = orbit.map, self.made.modes.stiffness.size
         begun = section.phase * state.period
         z = orbit.state.copy()

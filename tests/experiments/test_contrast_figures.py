@@ -84,10 +84,13 @@ def test_a_run_under_way_has_the_motors_before_the_first_gap(tmp_path: Path) -> 
     motors = motors_of(4)
     for number in (3, 1, 0):
         motors[number].to_netcdf(tmp_path / TASKS / f"{number}-x.nc", engine="netcdf4")
+    # A motor of an earlier plan, with another number of quantities, and a practised one.
+    motors[2].isel(quantity=[0]).to_netcdf(tmp_path / TASKS / "2-x.nc", engine="netcdf4")
+    motors[0][[*contrast_run.OF_PRACTICE]].to_netcdf(tmp_path / TASKS / "4-x.nc", engine="netcdf4")
     there = contrast_run.motors_of(tmp_path, most=8)
     assert len(there) == 2
     for own, motor in zip(there, motors, strict=False):
-        xarray.testing.assert_equal(own, motor)
+        xarray.testing.assert_equal(own, motor[[*contrast_run.OF_A_MOTOR]])
 
 
 def test_a_whole_run_has_its_motors_in_their_order(tmp_path: Path) -> None:
@@ -96,20 +99,25 @@ def test_a_whole_run_has_its_motors_in_their_order(tmp_path: Path) -> None:
         xarray.testing.assert_equal(own, motor)
 
 
-@pytest.mark.parametrize("by", [0.0, 1e-6])
+@pytest.mark.parametrize("name", ["", "value", "prediction_error"])
 def test_a_motor_with_other_digits_is_refused(
-    by: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     data_of(4).to_netcdf(tmp_path / "law_contrasts.nc", engine="netcdf4")
     again = motors_of(1)[0]
-    again["value"] *= 1.0 + by
-    monkeypatch.setattr(contrast_run, "computed", lambda *_: Part(xarray.DataTree(again)))
-    if by:
-        with pytest.raises(ValueError, match="motor 0"):
+    if name:
+        again[name] *= 1.0 + 1e-6
+    every = {"computed": contrast_run.OF_A_MOTOR, "practised": contrast_run.OF_PRACTICE}
+    for function, variables in every.items():
+        part = Part(xarray.DataTree(again[[*variables]]))
+        monkeypatch.setattr(contrast_run, function, lambda _, part=part: part)
+    if name:
+        with pytest.raises(ValueError, match=name):
             contrast_run.result_of(tmp_path, cl.build())
     else:
         result = contrast_run.result_of(tmp_path, cl.build())
-        assert result.study.numbers(result.data)["motors"] == 4 < FITTED
+        numbers = result.study.numbers(result.data)
+        assert numbers["motors"] == len(numbers["error"]["newton"]) == 4 < FITTED
 
 
 def test_a_folder_without_a_motor_is_refused(tmp_path: Path) -> None:

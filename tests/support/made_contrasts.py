@@ -2,7 +2,7 @@
 
 import numpy as np
 import xarray
-from law_contrasts import CONTRASTS, POINTS, QUANTITIES, STATES, LawContrasts
+from law_contrasts import CONTRASTS, POINTS, PRACTISED, QUANTITIES, STATES, LawContrasts
 from motor_population import GROUPS, KNOWN, LAWS, drawn
 
 import contactlab as cl
@@ -14,7 +14,9 @@ def motors_of(count: int) -> list[xarray.Dataset]:
     parts = []
     for number in range(count):
         value = np.full((len(STATES), len(QUANTITIES)), np.nan)
-        value[: len(LAWS)] = np.exp(rng.standard_normal() + 0.3 * rng.standard_normal((len(LAWS), 4)))
+        value[: len(LAWS)] = np.exp(
+            rng.standard_normal() + 0.3 * rng.standard_normal((len(LAWS), len(QUANTITIES)))
+        )
         for law, null in CONTRASTS.values():
             if null not in LAWS:
                 value[STATES.index(null)] = value[STATES.index(law)] * (1.0 + 1e-9 * rng.random())
@@ -30,6 +32,8 @@ def motors_of(count: int) -> list[xarray.Dataset]:
             "outcome": ("state", np.where(np.isnan(value[:, 0]), 1, 0)),
             "group_value": ("group", groups),
             "secant": (("input", "point"), 0.02 * rng.standard_normal((len(KNOWN), len(POINTS)))),
+            "start_time": ("law", rng.random(len(LAWS))),
+            "start_time_error": ("law", 1e-6 * rng.random(len(LAWS))),
             "prediction_error": ("law", np.abs(0.1 * rng.standard_normal(len(LAWS)))),
         }
         parts.append(xarray.Dataset(data))
@@ -38,4 +42,7 @@ def motors_of(count: int) -> list[xarray.Dataset]:
 
 def data_of(count: int) -> xarray.Dataset:
     """Return the data of motors that were made up."""
-    return LawContrasts().join(cl.build(), motors_of(count))
+    motors = motors_of(count)
+    practice = ["start_time", "start_time_error", "prediction_error"]
+    parts = [motor.drop_vars(practice) for motor in motors]
+    return LawContrasts().join(cl.build(), [*parts, *(motor[practice] for motor in motors[:PRACTISED])])
