@@ -104,14 +104,14 @@ def explained(numbers: Numbers) -> Figure:
     """Draw R^2 of the map in motors that it has not seen, with 95 % intervals and the bar."""
     names = [name for name in numbers["size"][SPEED] if not is_null(name)]
     figure, axes = plt.subplots(figsize=(WIDTH, 0.3 * len(names) + 0.8), layout="constrained")
-    for shift, colour, (quantity, found) in zip(
+    for shift, colour, (quantity, judged) in zip(
         (-0.15, 0.15), ("C0", "C1"), numbers["map"].items(), strict=True
     ):
-        drawn = [(names.index(name) + shift, one) for name, one in found.items()]
+        drawn = [(names.index(name) + shift, own) for name, own in judged.items()]
         axes.errorbar(
-            [one["r2"] for _, one in drawn],
+            [own["r2"] for _, own in drawn],
             [row for row, _ in drawn],
-            xerr=np.abs([[one["r2"] - one[end] for _, one in drawn] for end in ("low", "high")]),
+            xerr=np.abs([[own["r2"] - own[end] for _, own in drawn] for end in ("low", "high")]),
             fmt="o",
             color=colour,
             label=quantity.replace("_", " "),
@@ -136,6 +136,9 @@ def practice(numbers: Numbers) -> Figure:
     rows(axes, own)
     axes.set_xscale("log")
     motors = max(map(len, own.values()))
+    if not motors:
+        text = "no law is fitted yet: it follows when all motors have run"
+        axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes)
     axes.set_xlabel(f"|ln of predicted over true speed| in each of {motors} motors (1)")
     return figure
 

@@ -20,7 +20,7 @@ OF_PRACTICE: Final = ("start_time", "start_time_error", "prediction_error")
 """Variables of a motor to which laws are fitted, in a whole run."""
 
 SIZES: Final = {"state": len(STATES), "quantity": len(QUANTITIES), "group": len(GROUPS)}
-"""Sizes that a motor has; one of an earlier plan in the same folder has others."""
+"""Sizes that a motor has; a motor of an earlier plan in the same folder has others."""
 
 AGAIN: Final = 0
 """Motor that is computed again: one to which laws are fitted."""
@@ -41,9 +41,9 @@ def motors_of(folder: Path, most: int) -> list[xarray.Dataset]:
             own = data[[name for name in (*OF_A_MOTOR, *OF_PRACTICE) if name in data]].load()
         own = own.drop_vars([*own.coords])
         return [
-            one if number < PRACTISED else one.drop_vars(OF_PRACTICE, errors="ignore")
+            motor if number < PRACTISED else motor.drop_vars(OF_PRACTICE, errors="ignore")
             for number in range(own.sizes["motor"])
-            for one in [own.isel(motor=number)]
+            for motor in [own.isel(motor=number)]
         ]
     # A finished task is known by its motor's first group, which is drawn; the latest one counts.
     numbers = {drawn(number)[GROUPS[0]]: number for number in range(most)}

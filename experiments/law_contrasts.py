@@ -347,17 +347,17 @@ def maps(data: xarray.Dataset) -> dict[tuple[str, str], Judged]:
     }
 
 
-def map_sentence(found: Mapping[tuple[str, str], Judged]) -> str:
+def map_sentence(judged: Mapping[tuple[str, str], Judged]) -> str:
     """Return the sentence of `SENTENCES` that the maps bear out."""
     predicted = [
-        f"{name} ({quantity.replace('_', ' ')}, R^2 {one.r2:.2f}, {one.low:.2f} to {one.high:.2f})"
-        for (quantity, name), one in found.items()
-        if one.low > BAR
+        f"{name} ({quantity.replace('_', ' ')}, R^2 {own.r2:.2f}, {own.low:.2f} to {own.high:.2f})"
+        for (quantity, name), own in judged.items()
+        if own.low > BAR
     ]
-    motors = max(one.motors for one in found.values())
+    motors = max(own.motors for own in judged.values())
     if predicted:
         return SENTENCES[0].format(motors=motors, contrasts=", ".join(predicted))
-    return SENTENCES[1].format(motors=motors, r2=max(one.high for one in found.values()))
+    return SENTENCES[1].format(motors=motors, r2=max(own.high for own in judged.values()))
 
 
 def recorded(value: float) -> float | str | None:
@@ -442,7 +442,7 @@ class LawContrasts(Experiment):
         own = data.to_dataset()
         sizes = np.abs(own["contrast_size"])
         width = own["half_width"].transpose("level", "motor")
-        found = maps(own)
+        judged = maps(own)
         outcome = own["outcome"].sel(state=[*LAWS]).transpose("state", "motor").values
         return {
             "motors": own.sizes["motor"],
@@ -463,7 +463,7 @@ class LawContrasts(Experiment):
             },
             "error": {law: [*map(recorded, row)] for law, row in zip(LAWS, errors_of(own), strict=True)},
             "map": {
-                quantity: {name: judged._asdict() for (of, name), judged in found.items() if of == quantity}
+                quantity: {name: each._asdict() for (of, name), each in judged.items() if of == quantity}
                 for quantity in QUANTITIES[:2]
             },
         }
@@ -494,9 +494,9 @@ class LawContrasts(Experiment):
             for row in above
         ]
         motors = data.sizes["motor"]
-        said = f"In {motors} motors, above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}."
-        found = maps(data)
-        return f"{said} {map_sentence(found)}" if found else said, bool(above)
+        text = f"In {motors} motors, above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}."
+        judged = maps(data)
+        return f"{text} {map_sentence(judged)}" if judged else text, bool(above)
 
 
 if __name__ == "__main__":

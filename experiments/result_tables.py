@@ -237,15 +237,15 @@ def practice() -> str:
     return markdown(head, map(row, recorded_contrasts.fitting()))
 
 
-def said_of_map() -> str:
+def sentence_of_map() -> str:
     """Return the sentence on the map that was written before, or that it is not judged yet."""
-    found = {
+    judged = {
         (quantity, name): Judged(**own)
         for quantity, each in recorded_contrasts.of_run("map").items()
         for name, own in each.items()
     }
-    if found:
-        return map_sentence(found)
+    if judged:
+        return map_sentence(judged)
     return f"The map is not judged yet: {recorded_contrasts.motors()} motors have run."
 
 
@@ -356,7 +356,7 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "contrasts": contrasts,
     "what decides": decided,
     "practice": practice,
-    "said of the map": said_of_map,
+    "sentence on the map": sentence_of_map,
     "populations": populations,
     "known worlds": known_worlds,
     "known factors": known_factors,

@@ -7,6 +7,9 @@ A steady state is a fixed point z of the map P of some periods of the drive. The
 from the engine's orbit, whose derivative only says where to: what it ends at is the solver's fixed point, and
 the mean of the rotor's velocity over it is the solver's speed. Beside the modes of the resonator, which are
 the input of both, nothing is shared: bearing, contact, laws, flights and impacts are written again.
+
+Left out is `flores` with `mindlin`: the solver's slider leaves its bound mu N by the rate of an elastic force
+N, and that of a damped one is not written.
 """
 
 from __future__ import annotations
@@ -18,10 +21,10 @@ from typing import Any, Final
 
 import numpy as np
 from law_contrasts import begin, law_at, settle
-from motor_population import closed_force, modes_of
+from motor_population import LAWS, closed_force, modes_of
 from oracle.composed import Judge, JudgedRun, Parts
 from oracle.flight import Flight
-from oracle.friction_parts import Friction, Mindlin, SetValued
+from oracle.friction_parts import SetValued
 from oracle.motor import Law, Mechanics, OracleMotor
 from oracle.normal_parts import Damping, Power, hysteretic, loss_number
 from oracle.resonator import Resonator
@@ -30,6 +33,9 @@ from scipy.optimize import brentq
 
 import contactlab as cl
 from contactlab.steady_state import Steady
+
+JUDGED: Final = [name for name in LAWS if name != "flores, mindlin"]
+"""Laws that the solver has."""
 
 RTOL: Final = 1e-10
 
@@ -141,14 +147,11 @@ def judge_of(name: str, law: Any, motor: DrawnMotor) -> TurningJudge | TurningRi
     mu = motor.friction_coefficient
     if hasattr(law, "normal"):
         stiffness = law.normal.stiffness
-        friction: Friction = SetValued(mu)
-        if name.endswith("mindlin"):
-            friction = Mindlin(mu, law.friction.stiffness_ratio)
         if name == "tsuji":
             damped = spring_dashpot(law, stiffness)
         else:
             damped = hysteretic(loss_number(law.damping.restitution), least=law.damping.least_speed)
-        return TurningJudge(motor, Parts(Power(stiffness, 1.5), friction, damped), RTOL)
+        return TurningJudge(motor, Parts(Power(stiffness, 1.5), SetValued(mu), damped), RTOL)
     impact: Impact
     match name:
         case "lagrange_slip":
@@ -171,8 +174,11 @@ class Drawn:
         self.drawn, self.made, self.speed = begin(number)
 
     def steady(self, name: str) -> Steady | None:
-        """The engine's steady state under a law."""
-        return settle(self.made, law_at(name, self.drawn, self.made, self.speed))[1]
+        """The engine's steady state under a law; None if there is none, or no such law of the motor."""
+        try:
+            return settle(self.made, law_at(name, self.drawn, self.made, self.speed))[1]
+        except ValueError:
+            return None
 
     @cached_property
     def motor(self) -> DrawnMotor:

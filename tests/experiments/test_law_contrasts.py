@@ -57,6 +57,6 @@ def test_motors_are_drawn_one_by_one_within_their_ranges() -> None:
 def test_the_sentence_of_the_map_is_said_by_the_lower_end_of_its_r2() -> None:
     low, high = (Judged(0.6, BAR + by, 0.9, 0.9, 64) for by in (-0.01, 0.01))
     assert "0.90" in map_sentence({("rotor_velocity", "a"): low})
-    said = map_sentence({("rotor_velocity", "a"): low, ("stall_torque", "b"): high})
-    assert "b (stall torque" in said
-    assert "a (" not in said
+    both = map_sentence({("rotor_velocity", "a"): low, ("stall_torque", "b"): high})
+    assert "b (stall torque" in both
+    assert "a (" not in both
