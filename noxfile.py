@@ -38,3 +38,10 @@ def pictures(session: nox.Session) -> None:
     session.install("-e", ".")
     session.run("python", "docs/tools/readme_pictures.py")
     session.run("python", "docs/tools/drawings.py")
+
+
+@nox.session
+def paper(session: nox.Session) -> None:
+    """Write numbers, sentences and figures of the papers; what has fallen or is missing is a failure."""
+    session.install("-e", ".[design,experiments]", "-e", DATA)
+    session.run("python", "experiments/papers.py")

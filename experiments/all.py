@@ -45,7 +45,7 @@ BEYOND = (
     "optimise_motor",
     "steady_states",
     "published_motor",
-    "when_laws_matter",
+    "law_contrasts",
 )
 """Experiments beyond it."""
 

@@ -1,16 +1,19 @@
 """Sentences of the pages that state a result; they stand in claims.yaml.
 
 A claim has a population, a predicate and what the page says if it holds, if it does not, and if that is open.
-A predicate is an expression over the files of results with the names of recorded_numbers.py and verdicts.py.
+A predicate is an expression over the files of results with the names of recorded_numbers.py,
+recorded_contrasts.py and verdicts.py.
 It is true, false, or None where the uncertainty of the numbers leaves it open. `{expression:format}` in a
 sentence is a number. What was measured or follows in closed form, and claims nothing, is stated without a
 predicate. `results_pages.py` writes the sentence that holds on its page.
 """
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+import recorded_contrasts
 import recorded_numbers
 import verdicts
 import yaml
@@ -28,9 +31,16 @@ GENERATED: Final = (
 )
 """Pages whose numbers other scripts write, from runs or declarations of their own."""
 
+PAPERS: Final = ("paper/paper.md", "paper/laws/laws.md")
+"""Pages of which the conclusions are their authors': a script writes their numbers, and no other sentence."""
+
 PAGES: Final = tuple(
     name
-    for path in (ROOT / "README.md", ROOT / "paper" / "paper.md", *sorted((ROOT / "docs").rglob("*.md")))
+    for path in (
+        ROOT / "README.md",
+        *(ROOT / each for each in PAPERS),
+        *sorted((ROOT / "docs").rglob("*.md")),
+    )
     if not (name := path.relative_to(ROOT).as_posix()).startswith((*GENERATED, "docs/build/"))
 )
 """Pages that state no result without a claim."""
@@ -38,7 +48,7 @@ PAGES: Final = tuple(
 
 def evaluated(expression: str) -> Any:
     """Return the value of an expression over the recorded numbers and verdicts."""
-    return eval(expression, vars(verdicts) | vars(recorded_numbers))
+    return eval(expression, vars(verdicts) | vars(recorded_numbers) | vars(recorded_contrasts))
 
 
 @dataclass(frozen=True)
@@ -115,5 +125,13 @@ class Claim(Statement):
 
 _WRITTEN: Final = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
 
-CLAIMS: Final = tuple(Claim(**claim) for claim in _WRITTEN["claims"])
-STATEMENTS: Final = (*CLAIMS, *(Statement(**each) for each in _WRITTEN["measured"]))
+
+def on_pages(written: Iterable[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Yield what is written of statements once for each of their pages."""
+    for each in written:
+        pages = each["page"] if isinstance(each["page"], list) else [each["page"]]
+        yield from (each | {"page": page} for page in pages)
+
+
+CLAIMS: Final = tuple(Claim(**each) for each in on_pages(_WRITTEN["claims"]))
+STATEMENTS: Final = (*CLAIMS, *(Statement(**each) for each in on_pages(_WRITTEN["measured"])))

@@ -36,9 +36,11 @@ contrasts' upper ends, in speed and in torque, that is the result.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from math import inf
-from typing import Any, Final
+from dataclasses import dataclass
+from math import inf, isfinite
+from typing import Annotated, Any, Final
 
+import contrast_figures
 import matplotlib.pyplot as plt
 import numpy as np
 import xarray
@@ -54,7 +56,7 @@ from contactlab.estimate import Estimate
 from contactlab.steady_state import BrokenOffError, NotSettledError, Steady, steady
 from contactlab.steady_state.means import LONGEST, motion_of
 from contactlab.studies.characterise.transients import start_time
-from contactlab.studies.study import Part, Setups, Task
+from contactlab.studies.study import Part, Setups, Task, option
 
 MOTORS, FITTED, LOOK, PRACTISED = 256, 192, 64, 64
 """Motors in all, those on which the map is fitted, those at the look, and those whose start is timed and to
@@ -108,6 +110,15 @@ SENTENCES: Final = (
 )
 """The first is said of the contrasts that are predicted, the second where none is, with the largest upper end
 of their R^2."""
+
+LEAST: Final = 16
+"""Motors not seen of a run that was ended early, from which on the map is judged."""
+
+TURNED: Final = "turned"
+"""What stands for a contrast without a size, as no number is infinite in JSON."""
+
+DIGITS: Final = 4
+"""Digits of the recorded numbers of each motor."""
 
 OUTCOMES: Final = ("steady", "not settled", "broken off", "no such law")
 BRIEF: Final = (3, 13)
@@ -319,7 +330,12 @@ def half_widths(secant: Array) -> Array:
 
 
 def maps(data: xarray.Dataset) -> dict[tuple[str, str], Judged]:
-    """Return how well the groups predict each contrast of laws, by quantity and contrast."""
+    """Return how well the groups predict each contrast of laws, by quantity and contrast.
+
+    There is no map where less than `LEAST` motors have not been seen.
+    """
+    if data.sizes["motor"] < FITTED + LEAST:
+        return {}
     groups = data["group_value"].transpose("motor", "group").values
     return {
         (quantity, name): mapped(
@@ -331,30 +347,46 @@ def maps(data: xarray.Dataset) -> dict[tuple[str, str], Judged]:
     }
 
 
-def map_sentence(found: Mapping[tuple[str, str], Judged]) -> str:
+def map_sentence(judged: Mapping[tuple[str, str], Judged]) -> str:
     """Return the sentence of `SENTENCES` that the maps bear out."""
     predicted = [
-        f"{name} ({quantity.replace('_', ' ')}, R^2 {one.r2:.2f}, {one.low:.2f} to {one.high:.2f})"
-        for (quantity, name), one in found.items()
-        if one.low > BAR
+        f"{name} ({quantity.replace('_', ' ')}, R^2 {own.r2:.2f}, {own.low:.2f} to {own.high:.2f})"
+        for (quantity, name), own in judged.items()
+        if own.low > BAR
     ]
-    motors = max(one.motors for one in found.values())
+    motors = max(own.motors for own in judged.values())
     if predicted:
         return SENTENCES[0].format(motors=motors, contrasts=", ".join(predicted))
-    return SENTENCES[1].format(motors=motors, r2=max(one.high for one in found.values()))
+    return SENTENCES[1].format(motors=motors, r2=max(own.high for own in judged.values()))
 
 
+def recorded(value: float) -> float | str | None:
+    """Return a number with `DIGITS` digits, `TURNED` where it is infinite, None where it is missing."""
+    return float(f"{value:.{DIGITS}g}") if isfinite(value) else TURNED if value == inf else None
+
+
+def errors_of(data: xarray.Dataset) -> list[list[float]]:
+    """Return the errors of fitted laws, shape (law, motor), in the motors to which every law was fitted."""
+    if "prediction_error" not in data:
+        return [[] for _ in LAWS]
+    fitted = data["prediction_error"].dropna("motor").transpose("law", "motor")
+    return [*map(list, fitted.values.tolist())]
+
+
+@dataclass(frozen=True, kw_only=True)
 class LawContrasts(Experiment):
     """In which motors does which difference of laws change what the motor does?"""
 
     says = "One difference of laws at least has a share of law x motor above all null contrasts."
 
+    motors: Annotated[int, option("motors, the first ones of the population", at_least=2)] = MOTORS
+
     def tasks(self, setups: Setups) -> Iterator[Task]:
         """Yield the tasks of all motors before those of the first ones that take longer."""
         del setups
-        for number in BRIEF if self.short else range(MOTORS):
+        for number in BRIEF if self.short else range(self.motors):
             yield Task(f"{number:04d}", computed, (number,))
-        for number in () if self.short else range(PRACTISED):
+        for number in () if self.short else range(min(PRACTISED, self.motors)):
             yield Task(f"{number:04d}, practised", practised, (number,))
 
     def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
@@ -405,31 +437,50 @@ class LawContrasts(Experiment):
                 rows.append(row)
         return rows
 
+    def numbers(self, data: xarray.DataTree) -> dict[str, Any]:
+        """Return what pages and figures have: outcomes, and by motor contrasts, half-widths and errors."""
+        own = data.to_dataset()
+        sizes = np.abs(own["contrast_size"])
+        width = own["half_width"].transpose("level", "motor")
+        judged = maps(own)
+        outcome = own["outcome"].sel(state=[*LAWS]).transpose("state", "motor").values
+        return {
+            "motors": own.sizes["motor"],
+            "outcomes": {
+                law: {name: int((row == n).sum()) for n, name in enumerate(OUTCOMES)}
+                for law, row in zip(LAWS, outcome, strict=True)
+            },
+            "size": {
+                quantity: {
+                    name: [*map(recorded, sizes.sel(quantity=quantity, contrast=name).values.tolist())]
+                    for name in CONTRASTS
+                }
+                for quantity in QUANTITIES[:2]
+            },
+            "half-width": {
+                str(level): [*map(recorded, row.values.tolist())]
+                for level, row in zip(own["level"].values, width, strict=True)
+            },
+            "error": {law: [*map(recorded, row)] for law, row in zip(LAWS, errors_of(own), strict=True)},
+            "map": {
+                quantity: {name: each._asdict() for (of, name), each in judged.items() if of == quantity}
+                for quantity in QUANTITIES[:2]
+            },
+        }
+
     def draw(self, data: xarray.Dataset) -> Figure:
-        """Draw the sizes of the contrasts in speed, and how many motors lie beyond what is known."""
-        figure, (left, right) = plt.subplots(1, 2, figsize=(12.0, 5.0), layout="constrained")
-        for number, name in enumerate(CONTRASTS):
-            size = np.abs(data["contrast_size"].sel(contrast=name, quantity="rotor_velocity").values)
-            size = size[np.isfinite(size)]
-            height = number + 0.3 * np.linspace(-1.0, 1.0, max(size.size, 1))[: size.size]
-            left.plot(
-                np.maximum(size, 1e-9), height, ".", markersize=3.0, color="C3" if "null" in name else "C0"
-            )
-        left.set_yticks(range(len(CONTRASTS)), [*CONTRASTS])
-        left.set_xscale("log")
-        left.set_xlabel("|ln of the ratio of speeds|")
-        for name in (name for name in CONTRASTS if "null" not in name):
-            size = np.abs(data["contrast_size"].sel(contrast=name, quantity="rotor_velocity").values)
-            ratio = np.sort(size / data["half_width"].sel(level="bench").values)
-            ratio = ratio[~np.isnan(ratio)]
-            if ratio.size:
-                right.step(np.maximum(ratio, 1e-6), 1.0 - np.arange(ratio.size) / ratio.size, label=name)
-        right.axvline(1.0, color="0.4", linewidth=0.8)
-        right.set_xscale("log")
-        right.set_xlabel("over the half-width of what a bench predicts")
-        right.set_ylabel("share of motors beyond")
-        right.legend(fontsize=8)
-        return figure
+        """Draw the sizes of the contrasts in speed."""
+        return contrast_figures.sizes(self.numbers(xarray.DataTree(data)))
+
+    def figures(self, data: xarray.DataTree) -> dict[str, Figure]:
+        """Return the sizes, and the figures of what is known, of the map and of the practitioner."""
+        figures = {
+            f"{self.name}{suffix}": draw(self.numbers(data))
+            for suffix, draw in contrast_figures.FIGURES.items()
+        }
+        for figure in figures.values():
+            plt.close(figure)
+        return figures
 
     def finding(self, data: xarray.Dataset) -> tuple[str, bool]:
         """State the contrasts whose share of law x motor lies above all null contrasts'."""
@@ -442,10 +493,10 @@ class LawContrasts(Experiment):
             f"{row['contrast']} ({str(row['quantity']).replace('_', ' ')}, {row['share']:.2g})"
             for row in above
         ]
-        said = f"Above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}."
-        if data.sizes["motor"] > FITTED:
-            said = f"{said} {map_sentence(maps(data))}"
-        return said, bool(above)
+        motors = data.sizes["motor"]
+        text = f"In {motors} motors, above the null contrasts' {chance:.2g}: {', '.join(names) or 'none'}."
+        judged = maps(data)
+        return f"{text} {map_sentence(judged)}" if judged else text, bool(above)
 
 
 if __name__ == "__main__":

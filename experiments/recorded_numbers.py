@@ -3,12 +3,12 @@
 import re
 from collections.abc import Iterable, Mapping
 from functools import cache
-from math import atanh, ceil, inf, isfinite, sqrt, tanh
+from math import ceil, isfinite, sqrt
 from typing import Any, Final
 
 import motor_findings
 from results_store import read
-from scipy.stats import chi2, fisher_exact, norm
+from scipy.stats import chi2, fisher_exact
 from verdicts import NONE, Number, every, exact, greatest, least, less, number, share, some, within
 
 from contactlab.engine.defaults import DEFAULT_TOLERANCE
@@ -564,66 +564,3 @@ def moves_all(law: str) -> bool | None:
 def is_function(law: str) -> bool | None:
     """Return whether repetitions of the published motor agree to what its speeds were read."""
     return less(spread(law, *CHANGED), READ)
-
-
-def mattering() -> list[dict[str, Any]]:
-    """Return the rows of the experiment on when laws matter."""
-    # A column with gaps has counts as floats.
-    return [
-        {key: int(x) if isinstance(x, float) and x.is_integer() else x for key, x in row.items()}
-        for row in rows_of("when_laws_matter")
-    ]
-
-
-def matters(quantity: str) -> dict[str, Any]:
-    """Return the motors in which the law matters to a quantity."""
-    return next(row for row in mattering() if row["quantity"] == quantity and row["group"] == "all")
-
-
-def of(quantity: str) -> str:
-    """Return the motors in which the law matters to a quantity, over those where that is known."""
-    return f"{matters(quantity)['D > 1']}/{matters(quantity)['motors']}"
-
-
-def clear_share(quantity: str) -> Number:
-    """Return the share of motors with D > 1 and its 95 % interval; what is not clear counts as either."""
-    here = matters(quantity)
-    fewest, most = here["clearly above"], here["motors"] - here["clearly below"]
-    counts = [share(times, here["motors"]) for times in (here["D > 1"], fewest, most)]
-    return Number(counts[0].value, counts[1].low, counts[2].high)
-
-
-def in_most(quantity: str) -> bool | None:
-    """Return whether the law matters to a quantity in more than half of such motors."""
-    return less(0.5, clear_share(quantity))
-
-
-TOLD: Final = 0.5
-"""Rank correlation below which a group tells little of D."""
-
-
-def tested_groups() -> list[dict[str, Any]]:
-    """Return the groups of which the correlation with D is tested."""
-    return [row for row in mattering() if row["p"] is not None]
-
-
-def separates(row: Mapping[str, Any]) -> bool | None:
-    """Return whether D goes with a group: by the corrected p-value at 5 %.
-
-    It does not where the interval of the rank correlation lies below `TOLD` (Fisher's transformation).
-    """
-    if row["p"] < 0.05:
-        return True
-    correlation = min(abs(row["rank correlation"]), 1.0 - 1e-9)
-    return False if tanh(atanh(correlation) + 1.96 * blur(row["motors"])) < TOLD else None
-
-
-def blur(motors: int) -> float:
-    """Return the standard deviation of Fisher's transform of a rank correlation."""
-    return 1.03 / sqrt(motors - 3) if motors > 3 else inf
-
-
-def shown_by_half() -> Number:
-    """Return the rank correlation that the motors show with a probability of one half, corrected."""
-    rows = tested_groups()
-    return exact(tanh(norm.isf(0.025 / len(rows)) * blur(min(row["motors"] for row in rows))))

@@ -5,7 +5,10 @@ from functools import partial
 from typing import Any, Final
 
 import motor_findings
+import recorded_contrasts
+from contrast_map import Judged
 from friction_loop import FRAME
+from law_contrasts import map_sentence
 from recorded_numbers import (
     CARRIERS,
     CASES,
@@ -25,19 +28,16 @@ from recorded_numbers import (
     ellipses,
     frequency_ratio,
     is_function,
-    mattering,
     misfit,
     pair,
     predicted,
     published,
     results,
     rows_of,
-    tested_groups,
     value,
     velocity,
 )
 from velocity_steps import STIFFNESS
-from verdicts import share
 
 
 def markdown(head: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
@@ -265,32 +265,60 @@ def carrying() -> str:
     return markdown(head, [*map(row, CARRIERS), model])
 
 
-def when_laws_matter() -> str:
-    """Return in how many motors the law matters, by quantity."""
+def contrasts() -> str:
+    """Return sizes and shares of the contrasts, and motors in which each exceeds what is known."""
 
-    def row(own: Mapping[str, Any]) -> Iterator[object]:
-        near = share(own["D > 1"], own["motors"])
-        yield from (own["quantity"].replace("_", " "), own["motors"])
-        yield f"{own['D > 1']} ({100 * near.low:.0f} to {100 * near.high:.0f} %)"
-        yield from (own["clearly above"], own["clearly below"])
-        yield f"{own['median']:.2g} ({own['10 %']:.2g} to {own['90 %']:.2g})"
+    def row(name: str) -> Iterator[object]:
+        yield from (name.replace("null: ", "*null*: "), recorded_contrasts.turning(name))
+        yield f"{recorded_contrasts.middle(name):.2g}"
+        own = recorded_contrasts.interaction(name)
+        yield f"{own.value:.2g} ({own.low:.2g} to {own.high:.2g})"
+        for level in recorded_contrasts.levels():
+            each = recorded_contrasts.beyond(name, level)
+            yield f"{100 * each.value:.0f} ({100 * each.low:.0f} to {100 * each.high:.0f})"
 
-    head = ("quantity", "motors", "D > 1", "clearly", "clearly not", "median D (10 to 90 %)")
-    rows = (row(own) for own in mattering() if own["group"] == "all")
+    head = (
+        "contrast",
+        "turned",
+        "median",
+        "law x motor",
+        *(f"beyond {level} (%)" for level in recorded_contrasts.levels()),
+    )
+    return markdown(head, map(row, recorded_contrasts.contrasts()))
+
+
+def decided() -> str:
+    """Return for each difference of laws how well a motor must be known for it to show in most motors."""
+    head = ("difference of laws", "shows in most motors that are known", "a designer may conclude")
+    rows = ((name, *recorded_contrasts.conclusion(name)) for name in recorded_contrasts.differences())
     return markdown(head, rows)
 
 
-def groups() -> str:
-    """Return the groups over which D differs, or for each quantity the one that tells most."""
-    rows = []
-    for quantity in dict.fromkeys(row["quantity"] for row in mattering()):
-        own = sorted((x for x in tested_groups() if x["quantity"] == quantity), key=lambda x: x["p"])
-        for row in [x for x in own if x["p"] < 0.05] or own[:1]:
-            halves = (str(int(row[f"{half} half"])) for half in ("lower", "upper"))
-            numbers = f"{row['rank correlation']:+.2f}", f"{row['p']:.2g}"
-            rows.append((quantity.replace("_", " "), row["group"], ", ".join(halves), *numbers))
-    head = ("quantity", "group", "motors with D > 1 in the lower, upper half", "rank correlation", "p")
-    return markdown(head, rows)
+def practice() -> str:
+    """Return how well laws, fitted at two operating points, predict the third."""
+
+    def row(law: str) -> Iterator[str]:
+        own = recorded_contrasts.near(law)
+        low, middle, high = recorded_contrasts.missed(law)
+        yield f"`{law}`"
+        yield f"{100 * middle:.2g} ({100 * low:.2g} to {100 * high:.2g})"
+        yield f"{100 * own.value:.0f} ({100 * own.low:.0f} to {100 * own.high:.0f})"
+
+    margin = 100 * recorded_contrasts.MARGIN
+    head = ("law", "median error (quartiles) (%)", f"motors within {margin:.0f} % (%)")
+    return markdown(head, map(row, recorded_contrasts.fitting()))
+
+
+def sentence_of_map() -> str:
+    """Return the sentence on the map that was written before, or that it is not judged yet."""
+    judged = {
+        (quantity, name): Judged(**own)
+        for quantity, each in recorded_contrasts.of_run("map").items()
+        for name, own in each.items()
+    }
+    if judged:
+        return map_sentence(judged)
+    return f"The map is not judged yet: {recorded_contrasts.motors()} motors have run."
 
 
 def populations() -> str:
@@ -400,8 +428,10 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "joint friction": joint_friction,
     "velocity steps": velocity_steps,
     "published motor": carrying,
-    "when laws matter": when_laws_matter,
-    "groups": groups,
+    "contrasts": contrasts,
+    "what decides": decided,
+    "practice": practice,
+    "sentence on the map": sentence_of_map,
     "populations": populations,
     "known worlds": known_worlds,
     "known factors": known_factors,

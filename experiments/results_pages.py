@@ -5,10 +5,11 @@
 A sentence of `claims.CLAIMS` stands on its page as its template, with the numbers of the store and in the
 form that its predicate decides; a table stands between `<!-- table NAME -->` and `<!-- end of the table -->`.
 A page whose results are not of the present code says so at its end. Every other number with a unit is listed
-in numbers.yaml with its origin, which is checked (listed_numbers.py). Without an option the pages are written
-anew; `--check` says what differs. The exit status is 1 where something differs, where a number stands on a
-page without a claim and unlisted or is not what its origin has, where a section was changed by hand, and
-where its short form has other digits under the present code. remake.py makes sections.
+in numbers.yaml with its origin, which is checked (listed_numbers.py). A paper of which a sentence has fallen
+is left as it is, and the sentence is named: what it concludes is its authors' to write. Without an option the
+pages are written anew; `--check` says what differs. The exit status is 1 where something differs, where a
+number stands on a page without a claim and unlisted or is not what its origin has, where a section was
+changed by hand, and where its short form has other digits under the present code. remake.py makes sections.
 """
 
 import argparse
@@ -26,7 +27,7 @@ import accuracy_tables
 import claims
 import listed_numbers
 import result_tables
-from claims import STATEMENTS, Statement
+from claims import PAPERS, STATEMENTS, Claim, Statement
 from dependencies import ROOT
 from recorded_numbers import FILES, USED
 from results_store import CHECKED, DIFFERENT, EDITED, OLDER, PRESENT, changed, read, state_of
@@ -97,6 +98,16 @@ class Page:
         own = AGE.sub("", self.text).rstrip("\n")
         self.text = f"{own}\n{age_of(USED)}" if own else ""
 
+    def fallen(self) -> Iterator[str]:
+        """Yield sentences of a paper that do not hold, each with the one that does."""
+        if self.name not in PAPERS:
+            return
+        for claim in (each for each in of_page(self.name) if isinstance(each, Claim)):
+            standing = [each for text in claim.templates if (each := pattern(text).search(self.old))]
+            if standing and not pattern(claim.template).search(self.old):
+                fallen = " ".join(standing[0][0].split())
+                yield f"{self.name}: '{fallen}' has fallen by `{claim.holds}`. It is '{rendered(claim)}'."
+
     def numbers(self) -> Counter[str]:
         """Count the numbers that no claim and no table states."""
         text = AGE.sub("", TABLE.sub("", self.text))
@@ -139,7 +150,7 @@ def of_page(name: str) -> list[Statement]:
 
 
 WORD = r"\S+?"
-FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,4}}?"
+FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,5}}?"
 """A number, and one with its error or the name of a factor."""
 
 
@@ -220,6 +231,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     pages = [Page(name) for name in claims.PAGES]
     faults = [fault for page in pages for fault in page.fill()]
     faults += [fault for page in pages for fault in page.bare()]
+    fallen = {page.name: [*page.fallen()] for page in pages}
+    faults += [fault for own in fallen.values() for fault in own]
     pages.append(Page(LIST))
     pages[-1].text = listed() if not faults else pages[-1].old
     by_hand = [f"{file}: {name} was changed by hand." for (file, name), x in states().items() if x == EDITED]
@@ -235,7 +248,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             faults += unified_diff(
                 page.old.splitlines(), page.text.splitlines(), page.name, "store", n=0, lineterm=""
             )
-        elif page.text != page.old and not by_hand:
+        elif page.text != page.old and not by_hand and not fallen.get(page.name):
             (ROOT / page.name).write_text(page.text, encoding="utf-8")
     print(*faults, sep="\n", end="\n" if faults else "")
     return int(bool(faults))

@@ -9,11 +9,11 @@ from all import BEYOND, PAPER, numbers_of
 from dependencies import ROOT, Recorder
 from experiment import class_of, setup_of
 
-from contactlab.studies.study import finish, run
+from contactlab.studies.study import Result, finish, run
 
 PICTURES: Final = {
     **{name: "docs/paper" for name in PAPER if name.startswith("fig")},
-    **dict.fromkeys(("published_motor", "when_laws_matter"), "docs/measurements"),
+    **dict.fromkeys(("published_motor", "law_contrasts"), "docs/measurements"),
 }
 """Folders of the experiments' pictures that pages show."""
 
@@ -22,7 +22,8 @@ class Section(NamedTuple):
     """A section of a file of results.
 
     Args:
-        make: returns the results, from a file of measurements and with a folder to write to.
+        make: returns the results, from a file of measurements or the folder of a run, and with a folder to
+            write to.
         short: returns those of the short form, from a file of measurements.
     """
 
@@ -49,18 +50,30 @@ def of_accuracy(name: str) -> Section:
     return Section(lambda *_: make(), lambda *_: short())
 
 
+LONG: Final = "law_contrasts"
+"""Experiment of many hours, whose section is made from the folder of its run."""
+
+
+def of_run(folder: Path) -> Result:
+    """Return the result of the experiment `LONG` from the folder of its run."""
+    class_of(LONG)
+    from contrast_run import result_of
+
+    return result_of(folder, setup_of(LONG))
+
+
 def of_experiment(name: str) -> Section:
     """Return the section of an experiment."""
 
     def make(source: Path, folder: Path) -> dict[str, Any]:
-        del source
-        result = run(class_of(name)(), {"": setup_of(name)})
+        result = of_run(source) if name == LONG else run(class_of(name)(), {"": setup_of(name)})
         numbers = numbers_of(result)
         # What draws decides no number.
         Recorder.stop()
         finish(result, folder)
         if name in PICTURES:
-            copyfile(folder / f"{name}.png", ROOT / PICTURES[name] / f"{name}.png")
+            for picture in folder.glob(f"{name}*.png"):
+                copyfile(picture, ROOT / PICTURES[name] / picture.name)
         return numbers
 
     def short(source: Path) -> dict[str, Any]:

@@ -22,18 +22,18 @@ def world(signal: float, noise: float, seed: int, motors: int = 256) -> tuple[Ar
 @pytest.mark.parametrize("seed", range(4))
 def test_the_share_that_the_groups_decide_is_found(seed: int) -> None:
     """R^2 at most 0.8, as a fifth of the variance is no group's."""
-    found = mapped(*world(0.8, 0.4, seed), fitted=192)
-    assert found.motors == 64
-    assert BAR < found.low < found.r2 < found.high < 1.0
-    assert 0.6 < found.r2 < 0.9
-    assert 0.8 < found.coverage <= 1.0
+    judged = mapped(*world(0.8, 0.4, seed), fitted=192)
+    assert judged.motors == 64
+    assert BAR < judged.low < judged.r2 < judged.high < 1.0
+    assert 0.6 < judged.r2 < 0.9
+    assert 0.8 < judged.coverage <= 1.0
 
 
 def test_where_no_group_decides_none_is_found() -> None:
     """At most one of 40 worlds of noise has a lower end above the bar, and predictions keep their width."""
-    found = [mapped(*world(0.0, 0.8, seed), fitted=192) for seed in range(40)]
-    assert sum(one.low > BAR for one in found) <= 1
-    assert np.mean([one.coverage for one in found]) == pytest.approx(0.9, abs=0.03)
+    judged = [mapped(*world(0.0, 0.8, seed), fitted=192) for seed in range(40)]
+    assert sum(each.low > BAR for each in judged) <= 1
+    assert np.mean([each.coverage for each in judged]) == pytest.approx(0.9, abs=0.03)
 
 
 def test_motors_that_turn_count_as_the_largest_and_those_without_a_contrast_do_not() -> None:
