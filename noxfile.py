@@ -37,4 +37,5 @@ def pictures(session: nox.Session) -> None:
     """Make the pictures of README, the home page and the paper, and the drawings of the documentation."""
     session.install("-e", ".")
     session.run("python", "docs/tools/readme_pictures.py")
+    session.run("python", "docs/tools/reader_pictures.py")
     session.run("python", "docs/tools/drawings.py")

@@ -186,8 +186,8 @@ def as_text(frame: pandas.DataFrame, width: int = 0) -> str:
         sizes = [max(len(line) for cell in column for line in cell) for column in group]
         own = [wrap(cell, width - sum(sizes) - GAP * len(sizes)) for cell in label]
         first = max(len(line) for cell in own for line in cell)
-        lines = (line for row in zip(own, *group, strict=True) for line in zip_longest(*row, fillvalue=""))
-        texts = ([head.ljust(first), *map(str.rjust, rest, sizes)] for head, *rest in lines)
+        grid = (line for row in zip(own, *group, strict=True) for line in zip_longest(*row, fillvalue=""))
+        texts = ([head.ljust(first), *map(str.rjust, rest, sizes)] for head, *rest in grid)
         blocks.append("\n".join((" " * GAP).join(row).rstrip() for row in texts))
     return "\n\n".join(blocks)
 
