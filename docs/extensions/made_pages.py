@@ -18,6 +18,7 @@ _MARK: Final = re.compile(r"^<!-- made: (\w+) -->$", re.MULTILINE)
 MAKERS: Final[dict[str, Callable[[], str]]] = {
     "front_door": made_api.front_door,
     "further": made_api.further,
+    "tiers": made_api.tiers,
     "citation": lambda: f"```text\n{bibtex()}\n```",
     "keys": made_keys.groups,
     "law_keys": made_keys.laws,
