@@ -5,6 +5,12 @@ import nox
 DATA = "packages/contactlab-data"
 PYTHONS = ("3.11", "3.12", "3.13", "3.14", "3.15")
 
+LOWEST = (
+    *("tests/cli/test_app.py", "tests/config", "tests/engine/test_case_a.py"),
+    *("tests/laws/test_registry.py", "tests/results", "tests/studies/test_tables.py"),
+)
+"""Tests of what an old version of a dependency may lack."""
+
 nox.options.sessions = ("lint", "tests")
 nox.options.reuse_existing_virtualenvs = True
 
@@ -25,6 +31,15 @@ def lint(session: nox.Session) -> None:
         session.run(*command.split())
 
 
+@nox.session(python=PYTHONS[0], venv_backend="uv")
+def lowest(session: nox.Session) -> None:
+    """Run the tests of `.ci/run`'s other Pythons with the lowest versions that pyproject.toml states."""
+    session.run_install("uv", "pip", "install", "--resolution", "lowest-direct", "-e", ".")
+    # The tests' own tools may be new.
+    session.install("hypothesis", "psutil", "pytest", "pytest-xdist")
+    session.run("pytest", *(session.posargs or LOWEST))
+
+
 @nox.session
 def docs(session: nox.Session) -> None:
     """Build the documentation into build/site; a warning is a failure."""
@@ -37,6 +52,7 @@ def pictures(session: nox.Session) -> None:
     """Make the pictures of README, the home page and the paper, and the drawings of the documentation."""
     session.install("-e", ".")
     session.run("python", "docs/tools/readme_pictures.py")
+    session.run("python", "docs/tools/reader_pictures.py")
     session.run("python", "docs/tools/drawings.py")
 
 

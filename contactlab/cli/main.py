@@ -82,8 +82,12 @@ def _perform(*line: str) -> int:
             return 0
         arguments = tuple(as_overrides(verb, arguments))
     elif verb.isidentifier() and verb != SIMULATE:
+        # Imported here: it brings the laws.
+        from contactlab.laws.registry import ways_to_choose
+
         known = verbs.names()
-        hint = bringing(verb) or suggestion(verb, known, f"It must be one of {', '.join(known)}.")
+        way = ways_to_choose(verb) or f"It must be one of {', '.join(known)}."
+        hint = bringing(verb) or suggestion(verb, known, way)
         raise RefusalError(f"There is no verb '{verb}'. {hint}")
     else:
         arguments = line if verb != SIMULATE else arguments

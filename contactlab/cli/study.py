@@ -21,15 +21,15 @@ from contactlab.cli.terminal import COMPLETE, INCOMPLETE, REFUSED, RefusalError,
 from contactlab.config import ConfigurationError, Setup, build, compose
 from contactlab.config.faults import failure_of, is_sentence
 from contactlab.config.nesting import flat, quoted
-from contactlab.config.options import known_keys
+from contactlab.config.options import key_meant, known_keys
 from contactlab.config.schema import FRICTION, KEYS
+from contactlab.laws.registry import ways_to_choose
 from contactlab.parameter import DeclaredField, declared_fields
 from contactlab.results.files import LOG
 from contactlab.studies.docstrings import paragraphs_in
 from contactlab.studies.registry import study_class
 from contactlab.studies.study import Setups, Study
 from contactlab.studies.sweep.values import listed
-from contactlab.suggestion import suggestion
 
 LISTED: Final = re.compile(r"[\w/.]+=[^'\"\[{(]*,")
 """An override with several values."""
@@ -83,7 +83,7 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         else:
             others.append(word)
     refuse_repeated([*single, *others])
-    _refuse_unknown(verb, options, others)
+    _refuse_unknown(verb, options, others, arguments)
     keys = (line.partition("=")[0] for line in others if "known" in options)
     matched["known"] += [key for key in keys if key.startswith("law.") or key == FRICTION]
     for name, values in filter(itemgetter(1), matched.items()):
@@ -105,16 +105,22 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
     return lines if sweeps else [f"{place}={verb}", "hydra.output_subdir=null", *lines]
 
 
-def _refuse_unknown(verb: str, options: Iterable[str], lines: Iterable[str]) -> None:
+def _refuse_unknown(
+    verb: str, options: Iterable[str], lines: Iterable[str], arguments: Iterable[str]
+) -> None:
     """Refuse what is neither an option of a verb nor a group of a run, and list the options: a RefusalError.
 
-    Whether a key of a group exists depends on what is chosen, and is seen when it is composed.
+    Whether a key of a group exists depends on what is chosen, and is seen when it is composed. A name of a
+    law without a key is no file.
     """
+    bare = [word for word in arguments if word.isidentifier() and not Path(word).exists()]
+    if bare and (way := ways_to_choose(*bare)):
+        raise RefusalError(way)
     for key, sign, _ in (line.partition("=") for line in lines):
         if sign and key.isidentifier() and key not in (*KEYS, "experiment", "study", "sweep", "hydra"):
             own = [*options, "output"]
             known = [*own, *(each for each in known_keys() if not each.startswith("study."))]
-            hint = suggestion(key, known, f"Options of {verb} are {', '.join(own)}.")
+            hint = key_meant(key, known, f"Options of {verb} are {', '.join(own)}.")
             raise RefusalError(f"{key} is not a known key. {hint}")
 
 
@@ -269,6 +275,6 @@ def perform_study(study: Study, setups: Setups, folder: Path) -> int:
         write_log(folder, error)
         text = f"{failure_of(error)} The traceback is in {folder / LOG}."
         raise RefusalError(f"The study {study.name} failed. {text}", INCOMPLETE) from error
-    tell(repr(result), sys.stdout)
+    tell(result.text(terminal.width_of(sys.stdout)), sys.stdout)
     tell(f"Written to {folder}: {', '.join(files)}.", sys.stdout)
     return COMPLETE

@@ -78,6 +78,11 @@ def tell(text: str, stream: TextIO) -> None:
         silence(stream)
 
 
+def width_of(stream: TextIO) -> int:
+    """Return the columns of a terminal; 0 of what is none."""
+    return shutil.get_terminal_size().columns if stream.isatty() else 0
+
+
 def refuse(faults: Iterable[str], status: int = REFUSED) -> int:
     """Print faults, a line each and each once, and return the exit status."""
     print(*dict.fromkeys(faults), sep="\n", file=sys.stderr)
@@ -210,15 +215,14 @@ class _Line:
         begun, all_of_it = self.kept or 0.0, self.total or 1.0
         done, elapsed = min(self.done + self.share * self.size, all_of_it), perf_counter() - self.began
         # Of a single task its parts tell.
-        pieces = [
-            f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "",
-            f"{tqdm.format_interval(elapsed)} so far",
-        ]
         left = elapsed * (all_of_it - done) / (done - begun) if done > begun else inf
-        if left < LONGEST_LEFT:
-            pieces.append(f"about {tqdm.format_interval(left)} left")
         # A narrow screen cuts off the end.
-        pieces.append(self.current)
+        pieces = [
+            f"about {tqdm.format_interval(left)} left" if left < LONGEST_LEFT else "",
+            f"{tqdm.format_interval(elapsed)} so far",
+            f"{self.done:.6g} of {self.total:.6g} {self.unit}" if self.total != 1.0 else "",
+            self.current,
+        ]
         return f"{done / all_of_it:4.0%} | {' | '.join(filter(None, pieces))}"
 
 

@@ -34,7 +34,7 @@ from contactlab.config.options import (
     known_keys,
     unknown_key,
 )
-from contactlab.laws.registry import part_named
+from contactlab.laws.registry import ways_to_choose
 from contactlab.quantity import describe
 from contactlab.results.yaml_text import check_expansion
 from contactlab.suggestion import suggestion
@@ -348,7 +348,7 @@ def faults_of(error: Exception, lines: Sequence[str]) -> list[str]:
             return error.faults
         case errors.MissingConfigException() if error.options and error.missing_cfg_file:
             group, _, option = error.missing_cfg_file.rpartition("/")
-            hint = part_named(option) if group == "law" else ""
+            hint = ways_to_choose(option) if group == "law" else ""
             hint = hint or suggestion(option, error.options)
             return [f"{group} is '{option}'; it must be one of {', '.join(error.options)}. {hint}".rstrip()]
         case errors.OverrideParseException():
@@ -374,6 +374,10 @@ def unknown_override(key: str, lines: Iterable[str] = ()) -> str:
     option = next(chosen, "")
     if option and (fault := fault_of_option(group, option)):
         return fault
+    if group == "law" and (
+        way := ways_to_choose(*(x.partition("=")[2] for x in lines if x.startswith(f"{key}=")))
+    ):
+        return f"{key} is a part of a composed law alone. {way}"
     hydras = flat({"hydra": OmegaConf.to_container(OmegaConf.structured(HydraConf))})
     return unknown_key(path, option or "the default", [*known_keys(), *hydras])
 

@@ -122,7 +122,15 @@ def unknown_key(key: str, kind: str, known: Sequence[str]) -> str:
     # Keys and groups beside it.
     siblings = [".".join(parts[:depth]) for name in known if (parts := name.split("."))[: len(path)] == path]
     expected = ", ".join(dict.fromkeys(siblings or ("law", *GROUPS)))
-    return f"{key} is not a known key. {suggestion(key, known, f'It must be one of {expected}.')}"
+    return f"{key} is not a known key. {key_meant(key, known, f'It must be one of {expected}.')}"
+
+
+def key_meant(key: str, known: Sequence[str], otherwise: str) -> str:
+    """Return a sentence on the key that was meant: one of nearly this name, or of this symbol, as mu."""
+    every = dict(full_keys({group: section for group, section in GROUPS.items() if not section.selector}))
+    symbols = [name for name, field in every.items() if field.parameter and field.parameter.symbol == key]
+    meant = f"Did you mean {' or '.join(symbols)}?" if symbols else otherwise
+    return suggestion(key, known, meant)
 
 
 def help_on_keys() -> str:

@@ -220,7 +220,8 @@ def value_of(field: DeclaredField, value: Any, key: str) -> Any:
         except UnitError as fault:
             raise UnitError(f"{key} {fault}") from fault
     if value == MISSING:
-        raise UnitError(f"{key} is missing; it must be in the configuration.")
+        meaning = f", {field.parameter.meaning}," if field.parameter else ""
+        raise UnitError(f"{key}{meaning} is missing; write {key}=VALUE.")
     if any(is_kind(value, kind) for kind in field.kinds):
         return value
     try:

@@ -6,6 +6,7 @@ See `contactlab.config.groups` for keys, units and ranges, `contactlab.config.sc
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import lru_cache, reduce
+from html import escape
 from pathlib import Path
 from typing import Any, Final, final
 
@@ -16,7 +17,7 @@ from contactlab.config.faults import ConfigurationError, as_fault, faults_added,
 from contactlab.config.made_in_python import PLACES, with_number
 from contactlab.config.motors import motor_of
 from contactlab.config.nesting import flat
-from contactlab.config.schema import Examination
+from contactlab.config.schema import Examination, declared_in
 from contactlab.engine.arguments import check_kinds
 from contactlab.engine.defaults import run_numbers
 from contactlab.engine.equilibrium import at_rest
@@ -173,6 +174,17 @@ class Setup:
             numbers = ", ".join(f"{key}={value}" for key, value in flat(self.configuration).items())
             return f"<Setup of a motor made in Python: {numbers}>"
         return f"contactlab.build({differences(self.source)})"
+
+    def _repr_html_(self) -> str:
+        """Show every key with its value, unit and meaning as a table in a notebook."""
+        declared = declared_in(self.configuration)
+        rows = []
+        for key, value in flat(self.configuration).items():
+            about = declared.get(key)
+            texts = key, f"{value}{about.label if about else ''}", about.meaning if about else ""
+            name, *cells = map(escape, texts)
+            rows.append(f"<tr><th>{name}</th>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>")
+        return f"<table>{''.join(rows)}</table>"
 
     def run(self, *, keep_interrupted: bool = False, **others: Any) -> Trajectory:
         """Simulate it, with other arguments of `contactlab.engine.simulate` beside or in place of its own.

@@ -434,7 +434,12 @@ class Result:
         return report.save(Path(folder))
 
     def __repr__(self) -> str:
-        blocks = ["\n".join(filter(None, (t.attrs["caption"], as_text(t)))) for t in self._tables_to_read]
+        return self.text()
+
+    def text(self, width: int = 0) -> str:
+        """Return findings, the answer first, and tables of so many characters at most; 0 is any number."""
+        tables = ((t.attrs["caption"], as_text(t, width)) for t in self._tables_to_read)
+        blocks = ["\n".join(filter(None, table)) for table in tables]
         return "\n\n".join(filter(None, ["\n".join(self.findings), *blocks]))
 
     def _repr_html_(self) -> str:

@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from html import escape
+from itertools import zip_longest
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, final
 
 import numpy as np
@@ -31,6 +33,10 @@ WITHOUT_PREFIX: Final = ("rad/s", "1", "1/m", "V A")
 
 MOST_COLUMNS: Final = 12
 """Columns of a table on a page, beyond which every row is a block of its own."""
+
+
+GAP: Final = 2
+"""Spaces between two columns of a table that is fitted to a terminal."""
 
 
 @final
@@ -152,10 +158,38 @@ def with_unit(number: Estimate | float, units: str) -> str:
     return f"{shown(row['number'])} {row[UNIT]}".rstrip()
 
 
-def as_text(frame: pandas.DataFrame) -> str:
-    """Return a table for a terminal."""
+def as_text(frame: pandas.DataFrame, width: int = 0) -> str:
+    """Return a table for a terminal of so many columns; of any where width is 0.
+
+    A table that is wider has its texts on several lines, and where that does not do, columns in several
+    blocks, each with the first column.
+    """
     written = _as_written(frame, lambda cell: shown(cell, digits=frame.attrs.get("digits")))
-    return str(written.to_string(index=False))
+    text = str(written.to_string(index=False))
+    if not width or max(map(len, text.splitlines())) <= width:
+        return text
+    cells = [[str(head), *map(str, column)] for head, column in written.items()]
+    label, *others = cells
+    least = min(max(map(len, label)), max(width // 3, 1))
+    groups: list[list[list[list[str]]]] = []
+    room = 0
+    for column in others:
+        lines = [wrap(cell, max(width - least - GAP, 1)) for cell in column]
+        size = GAP + max(len(line) for cell in lines for line in cell)
+        if not groups or size > room:
+            groups.append([])
+            room = width - least
+        groups[-1].append(lines)
+        room -= size
+    blocks = []
+    for group in groups or [[]]:
+        sizes = [max(len(line) for cell in column for line in cell) for column in group]
+        own = [wrap(cell, width - sum(sizes) - GAP * len(sizes)) for cell in label]
+        first = max(len(line) for cell in own for line in cell)
+        grid = (line for row in zip(own, *group, strict=True) for line in zip_longest(*row, fillvalue=""))
+        texts = ([head.ljust(first), *map(str.rjust, rest, sizes)] for head, *rest in grid)
+        blocks.append("\n".join((" " * GAP).join(row).rstrip() for row in texts))
+    return "\n\n".join(blocks)
 
 
 def as_csv(frame: pandas.DataFrame) -> str:

@@ -26,6 +26,9 @@ CHAPTERS: Final = {
 }
 """Modules of the package by what their names are for."""
 
+PROVISIONAL: Final = ("Studies, and many runs", "Steady states", "Impacts and measurements")
+"""Chapters whose names may still change in a minor release; those of all others are stable."""
+
 FURTHER: Final = {
     "contactlab_data.measured.files": "files of measured impacts and series",
     "contactlab_data.measured.series": "measured series of a motor",
@@ -64,6 +67,15 @@ def front_door() -> str:
             parts += _directive(name, exported()[name])
         parts.append("```\n")
     return "\n".join(parts)
+
+
+def tiers() -> str:
+    """Return the exported names by how stable they are, as Markdown."""
+    listed = {False: list[str](), True: list[str]()}
+    for chapter, names in chapters().items():
+        listed[chapter in PROVISIONAL] += [f"`{name}`" for name in names]
+    stable, provisional = (f"{len(names)} names: {', '.join(sorted(names))}." for names in listed.values())
+    return f"## Stable\n\n{stable}\n\n## Provisional\n\n{provisional}\n"
 
 
 def further() -> str:

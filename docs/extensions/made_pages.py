@@ -5,19 +5,21 @@ from collections.abc import Callable
 from typing import Any, Final
 
 import made_api
-import made_citation
 import made_dataset
 import made_keys
 import made_verbs
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
+from contactlab.cli.verbs.cite import bibtex
+
 _MARK: Final = re.compile(r"^<!-- made: (\w+) -->$", re.MULTILINE)
 
 MAKERS: Final[dict[str, Callable[[], str]]] = {
     "front_door": made_api.front_door,
     "further": made_api.further,
-    "citation": made_citation.citation,
+    "tiers": made_api.tiers,
+    "citation": lambda: f"```text\n{bibtex()}\n```",
     "keys": made_keys.groups,
     "law_keys": made_keys.laws,
     "verbs": made_verbs.verbs,

@@ -9,7 +9,16 @@ from support.command_line import Command, left_behind
 
 FAULTS = [
     (["law=null"], ["law"]),
-    (["law=hertz"], ["law is 'hertz'"]),
+    (["law=hertz"], ["law is 'hertz'", "law=hertz_penalty", "law/normal=hertz_point"]),
+    (["stick"], ["law=lagrange_stick"]),
+    (["coulomb"], ["law=composed law/friction=coulomb"]),
+    (["mu=0.4"], ["contact.friction_coefficient"]),
+    (["steady", "mu=0.4"], ["contact.friction_coefficient"]),
+    (["law/friction=dahl"], ["law=composed law/friction=dahl"]),
+    (["resonator=modal"], ["resonator.file="]),
+    (["compare", "newton", "poisson"], ["law=newton,poisson"]),
+    (["drive", "lugre"], ["law=composed law/friction=lugre"]),
+    (["laws", "newton", "hertz"], ["'hertz'", "law=hertz_penalty"]),
     (["law=[newton,poisson]"], ["law"]),
     (["experiment=case_b"], ["experiment"]),
     (["contactstep=1"], ["contactstep"]),

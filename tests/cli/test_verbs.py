@@ -4,6 +4,7 @@ from pathlib import Path
 
 import made_verbs
 import pytest
+import yaml
 from support.command_line import Command, Elsewhere
 
 from contactlab.cli import verbs
@@ -58,3 +59,19 @@ def test_the_verb_of_another_package_is_listed_without_an_import(tmp_path: Path)
     assert (status, err) == (0, "")
     assert "  probed        What is measured without a motor?\n" in out
     assert "  missing       " in out
+
+
+def test_several_laws_and_parts_are_described_at_once(command: Command) -> None:
+    status, out, _ = command("laws", "iwan", "newton")
+    assert status == 0
+    assert [line for line in out.splitlines() if line and line[0] != " "] == ["newton", "friction/iwan"]
+
+
+def test_the_version_and_the_citation_are_those_of_the_files(command: Command) -> None:
+    stated = yaml.safe_load(Path(__file__).parents[2].joinpath("CITATION.cff").read_text(encoding="utf-8"))
+    status, out, _ = command("version")
+    assert (status, out.split()[:2]) == (0, ["contactlab", stated["version"]])
+    status, out, _ = command("cite")
+    assert status == 0
+    for text in (stated["title"], stated["version"], *(work["title"] for work in stated["references"])):
+        assert f"{{{text}}}" in out

@@ -1,6 +1,7 @@
 """A configuration either builds exactly what it says or is refused with all its faults at once."""
 
 import math
+from html import escape
 from itertools import pairwise, product
 from typing import Any, Literal
 
@@ -8,10 +9,13 @@ import numpy as np
 import pytest
 from support.configurations import CONF, altered, composed, options
 
+import contactlab as cl
 from contactlab.checks import MOST_RECORDS
 from contactlab.config import ConfigurationError, build, rebuild, validate
 from contactlab.config.groups import BASES, keys_of_law
+from contactlab.config.nesting import flat
 from contactlab.config.options import groups, known_keys
+from contactlab.config.schema import declared_in
 from contactlab.engine.defaults import DEFAULT_TOLERANCE
 from contactlab.laws import LAWS, HertzPenalty, hertz_stiffness
 
@@ -256,3 +260,12 @@ def test_conf_gives_every_key_a_default() -> None:
         for option in options(group):
             values |= keys_of(composed(**choice | {group: option}), "")
     assert values == set(known_keys())
+
+
+def test_a_notebook_shows_every_number_that_runs_with_its_unit_and_meaning() -> None:
+    setup = cl.build(["law=newton", "law.restitution=0.125", "contact.clearance=0.75 um"])
+    html = setup._repr_html_()
+    for key, text in {"law.restitution": "0.125", "contact.clearance": "7.5e-07 m"}.items():
+        meaning = declared_in(setup.configuration)[key].meaning
+        assert f"<th>{key}</th><td>{text}</td><td>{escape(meaning)}</td>" in html
+    assert html.count("<tr>") == len(flat(setup.configuration))

@@ -8,6 +8,7 @@ import law_table
 import metric_page
 import numpy as np
 import pytest
+import reader_pictures
 import readme_pictures
 from first_hour import Step, page_of
 from PIL import Image, ImageSequence
@@ -85,7 +86,9 @@ def test_the_table_of_the_laws_has_a_row_for_each_and_none_that_fails() -> None:
 @pytest.mark.long
 def test_the_pictures_of_readme_are_current(tmp_path: Path) -> None:
     readme_pictures.main(tmp_path)
-    for name in ("motor.gif", "laws.png", "order.png"):
+    reader_pictures.main(tmp_path)
+    small = (f"for_{name}.png" for name in reader_pictures.READERS)
+    for name in ("motor.gif", "laws.png", "order.png", "compared.png", *small):
         made, committed = frames_of(tmp_path / name), frames_of(readme_pictures.STATIC / name)
         assert made.shape == committed.shape
         # Another machine rounds otherwise, which moves an edge by a shade.

@@ -1,6 +1,7 @@
 """Version and supported Pythons are the same in all files that state them."""
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -28,3 +29,31 @@ def test_every_supported_python_is_tested() -> None:
     workflow = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]["run"]
     assert workflow["strategy"]["matrix"]["python"] == promised
     assert all(version in read(".ci/run") and version in read("noxfile.py") for version in promised)
+
+
+def test_the_recipe_for_conda_has_the_version_and_the_bounds_of_the_package() -> None:
+    recipe = yaml.safe_load(read("recipe/recipe.yaml"))
+    assert recipe["context"]["version"] == PROJECT["version"]
+    assert recipe["about"]["summary"] == PROJECT["description"]
+    # The names that conda-forge has; of one with a condition on Python the first is meant.
+    names = {"netcdf4": "netCDF4", "matplotlib-base": "matplotlib"}
+    rows = (line.split() for line in recipe["requirements"]["run"])
+    bounds = {names.get(name, name): bound for name, bound in rows}
+    stated = dict(
+        re.fullmatch(r"([\w-]+)(>=[\w.]+).*", line).groups() for line in reversed(PROJECT["dependencies"])
+    )
+    assert bounds == {"python": PROJECT["requires-python"], **stated}
+    assert {*yaml.safe_load(read("CITATION.cff"))["keywords"]} == {*PROJECT["keywords"]}
+    assert {*json.loads(read("codemeta.json"))["keywords"]} == {*PROJECT["keywords"]}
+
+
+def test_wheels_are_built_for_every_supported_python_but_the_first() -> None:
+    tool = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["cibuildwheel"]
+    promised = [text.rpartition(" ")[2] for text in PROJECT["classifiers"] if "Python :: 3." in text]
+    assert tool["build"].split() == [f"cp{version.replace('.', '')}-*" for version in promised[1:]]
+    assert tool["environment"] == {"CONTACTLAB_COMPILE": "1"}
+    runners = yaml.safe_load(read(".github/workflows/wheels.yml"))["jobs"]["wheels"]["strategy"]["matrix"][
+        "runner"
+    ]
+    assert {name.partition("-")[0] for name in runners} == {"ubuntu", "macos", "windows"}
+    assert any(name.endswith("-arm") for name in runners)

@@ -45,3 +45,16 @@ def test_a_csv_is_in_si_units() -> None:
 def test_an_error_of_round_off_is_not_shown() -> None:
     assert shown(cl.Estimate(1.0 / 3.0, 6.2e-16)) == shown(1.0 / 3.0)
     assert float(shown(cl.Estimate(-2.19110625, 1.2e-8)).split(" +- ")[1]) == 1.2e-8
+
+
+@pytest.mark.parametrize("width", [30, 40, 80, 120])
+def test_a_table_for_a_terminal_is_no_wider_and_loses_no_word(width: int) -> None:
+    rows = [
+        {"metric": f"largest normal force of the contact number {i}", UNIT: "N", "key": f"force_{i}"}
+        | {f"law_{j}": cl.Estimate(1.0 + i + 0.1 * j, 1e-3) for j in range(9)}
+        for i in range(3)
+    ]
+    text, whole = as_text(table(rows), width), as_text(table(rows))
+    assert max(map(len, text.splitlines())) <= width < max(map(len, whole.splitlines()))
+    assert {*text.split()} == {*whole.split()}
+    assert as_text(table(rows), 10_000) == whole

@@ -18,7 +18,7 @@ from contactlab.laws.base import ContactLaw, Friction, PenaltyLaw
 from contactlab.laws.composed import Composed
 from contactlab.laws.declaration import SHARED, Declared, family_of, members_of
 from contactlab.laws.memory import ODD, InternalVariable
-from contactlab.laws.registry import PARTS, Origin, class_of, law_names, origins
+from contactlab.laws.registry import PARTS, Origin, class_of, law_names, origins, ways_to_choose
 from contactlab.parameter import DeclaredField, from_cf
 from contactlab.suggestion import suggestion
 
@@ -45,26 +45,24 @@ _wrapped = partial(
 
 
 def main(arguments: list[str]) -> int:
-    """Print the listing, of everything or of one name, and return the exit status.
+    """Print the listing, of everything or of some names, and return the exit status.
 
     Raises:
         RefusalError: no law or part has the name.
     """
-    operands, _ = Parser(__name__, __doc__, "[NAME]", "of a law, or of a part (friction/coulomb)").read(
-        arguments
-    )
-    wanted = operands[0] if operands else None
+    parser = Parser(__name__, __doc__, "[NAME ...]", "of laws, or of parts (friction/coulomb)")
+    wanted, _ = parser.read(arguments)
     listing = _listing()
     titles, known = [title for entries in listing.values() for title, _ in entries], names()
-    if wanted is not None and wanted not in known:
-        hint = suggestion(wanted, known, f"It must be one of {', '.join(titles)}.")
-        raise RefusalError(f"There is no law or part '{wanted}'. {hint}")
+    for name in {*wanted} - {*known}:
+        hint = suggestion(name, known, ways_to_choose(name) or f"It must be one of {', '.join(titles)}.")
+        raise RefusalError(f"There is no law or part '{name}'. {hint}")
     blocks = []
     for family, entries in listing.items():
-        if wanted is None:
+        if not wanted:
             blocks.append(HEADINGS[family])
         for title, origin in entries:
-            if wanted in (None, title, title.rpartition("/")[2]):
+            if not wanted or not {*wanted}.isdisjoint((title, title.rpartition("/")[2])):
                 blocks.append(_paragraph(title, origin, family))
     print("\n\n".join(blocks))
     return COMPLETE

@@ -36,6 +36,6 @@ def main(arguments: list[str]) -> int:
             raise RefusalError(f"FILE: {error}") from error
         except OSError as error:
             raise unwritable(folder, error) from error
-    tell(repr(result), sys.stdout)
+    tell(result.text(terminal.width_of(sys.stdout)), sys.stdout)
     tell(f"Written to {folder}: {', '.join(files)}.", sys.stdout)
     return COMPLETE
