@@ -11,6 +11,7 @@ from contactlab.checks import check_kind, check_number
 from contactlab.config import Setup
 from contactlab.engine.initial_state import memory_mark
 from contactlab.estimate import Estimate
+from contactlab.interrupts import Stop, stopped_by
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.progress import tell_progress
@@ -76,6 +77,32 @@ def steady(
     state = settled(setup, belt, begins, longest, cycle=cycle)
     assert state is not None
     return state
+
+
+def orbit(
+    motor: Motor | Setup, law: ContactLaw | None = None, *, stop: Stop | None = None, **arguments: Any
+) -> Steady:
+    """Compute the steady state alone, at one step of the solver, without the study `contactlab.steady` of it.
+
+        >>> import contactlab as cl
+        >>> state = cl.orbit(cl.build(["law=newton"]))
+        >>> state.kind, state.series(300)["gap"].size, state.impacts["phase"].size
+        ('periodic', 301, 1)
+
+    Args:
+        motor: what moves, or a whole setup.
+        law: what acts between tip and rotor; a setup has its own.
+        stop: function or event that is looked at between periods, and ends the search once it is true or set.
+        arguments: `belt`, `load`, `brake`, `start`, `contact_step`, `tolerance` and `longest`, as of
+            `contactlab.steady`.
+
+    Raises:
+        NoPeriodError, NotSettledError, BrokenOffError: as of `contactlab.steady`.
+        StoppedError: it was stopped.
+        ValueError, TypeError: an argument is out of range, or of another kind.
+    """
+    with stopped_by(stop):
+        return steady(motor, law, **arguments)
 
 
 def steady_setup(
