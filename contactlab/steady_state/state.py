@@ -225,15 +225,17 @@ class Steady:
 
     @cached_property
     def impacts(self) -> dict[str, Array]:
-        """The contacts that begin in the motion, a row each, by name.
+        """The contacts within one orbit, or one period of the drive, a row each, as arrays by name.
 
-        `phase` is that of the drive at their start [periods], from 0 to 1, `approach_velocity` [m/s] and
-        `normal_impulse` [N s] as in a run's contacts. A rigid impact has an impulse and no force.
+        `phase` is that of the drive at their start [periods], as in `series`; `approach_velocity` [m/s],
+        `normal_impulse`, `friction_impulse` [N s] and `duration` [s] are those of a run's contacts. A rigid
+        impact has an impulse and no force.
         """
-        rows = self.motion.contacts_within
-        since = (rows["start_time"] - self.motion.time[0]) / self.period
+        run = self.curves(1)
+        rows = run.contacts_within
         names = "approach_velocity", "normal_impulse", "friction_impulse", "duration"
-        return {"phase": (self.phase + since) % 1.0} | {name: rows[name] for name in names}
+        phase = self.phase + (rows["start_time"] - run.time[0]) / self.period
+        return {"phase": phase} | {name: rows[name] for name in names}
 
     def series(self, records: int = 1000) -> dict[str, Array]:
         """Return the quantities of a run over one orbit, or one period of the drive, as arrays by name.
