@@ -1,5 +1,6 @@
 """Who may open the page: this machine, from this page, with the link that the command printed."""
 
+import socket
 from collections.abc import Awaitable, Callable, MutableMapping
 from http.cookies import SimpleCookie
 from secrets import compare_digest
@@ -19,6 +20,18 @@ NAMES: Final = HOST, "localhost"
 
 TOKEN: Final = "token"
 """Name of the token in the query of the link."""
+
+
+def free_port(port: int) -> int:
+    """Return a port that can be listened at, 0 being any.
+
+    Raises:
+        OSError: it cannot.
+    """
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        probe.bind((HOST, port))
+        return int(probe.getsockname()[1])
 
 
 @final

@@ -75,16 +75,20 @@ def pictures(state: State, law: str, stop: Stop | None = None) -> dict[str, Any]
     series, impacts, powers = orbit.series(RECORDS), orbit.impacts, orbit.energy
     rigid = isinstance(setup.law, cl.MultiplierLaw)
     phase = series["phase"] - series["phase"][0]
-    since = impacts["phase"] - series["phase"][0]
-    stemmed, force = impacts["duration"] == 0.0, series["normal_force"].copy()
-    # The interval that contains an impact has no force, but an impulse over its length.
-    force[np.searchsorted(phase, since[stemmed]).clip(max=phase.size - 1)] = np.nan
+    since, force = impacts["phase"] - series["phase"][0], series["normal_force"].copy()
+    begins = np.searchsorted(phase, since).clip(1, phase.size - 1) if rigid else np.empty(0, int)
+    # A rigid contact that lasts begins with an impact: the impulse of its first interval.
+    first = force[begins] * np.diff(series["time"])[begins - 1]
+    impulses = np.where(impacts["duration"] == 0.0, impacts["normal_impulse"], first) if rigid else first
+    # That interval has no force, but an impulse over its length.
+    force[begins] = np.nan
+    lasting = not rigid or bool((impacts["duration"] > 0.0).any())
     multipliers = orbit.multipliers
     return {
         "tip": points(1e6 * series["tip_tangential_displacement"], 1e6 * series["tip_normal_displacement"]),
         "gap": points(phase, 1e6 * series["gap"]),
-        "force": [] if rigid and stemmed.all() else points(phase, force),
-        "impulse": stems(since[stemmed], 1e6 * impacts["normal_impulse"][stemmed]),
+        "force": points(phase, force) if lasting else [],
+        "impulse": stems(since[: impulses.size], 1e6 * impulses),
         "multipliers": points(multipliers.real, multipliers.imag),
         "energy": [[name.replace("_", " "), 1e3 * power] for name, power in powers.items()],
         "said": f"{law}: {orbit.kind}, {orbit.velocity.value:.5g} rad/s",

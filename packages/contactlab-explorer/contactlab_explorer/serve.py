@@ -1,6 +1,5 @@
 """The server of the page: on this machine alone, by a link with a token."""
 
-import socket
 from collections.abc import Callable
 from os import cpu_count
 from secrets import token_urlsafe
@@ -12,18 +11,6 @@ from contactlab_explorer.guard import HOST, NAMES, TOKEN, Guard
 from contactlab_explorer.page import add_page
 from contactlab_explorer.pool import Pool
 from contactlab_explorer.state import MOST, State
-
-
-def free_port(port: int) -> int:
-    """Return a port that can be listened at, 0 being any.
-
-    Raises:
-        OSError: it cannot.
-    """
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        probe.bind((HOST, port))
-        return int(probe.getsockname()[1])
 
 
 def serve(state: State, port: int, opens: Callable[[str], object] | None) -> None:

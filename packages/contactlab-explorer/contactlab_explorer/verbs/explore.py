@@ -26,8 +26,8 @@ def main(arguments: list[str]) -> int:
     own = {"law", "see", "port", "browser"}
     options = [word for word in arguments if word.partition("=")[0] in own or word.startswith("-")]
     _, values = parser.read(options)
-    # Imported here: they bring engine and server, which --help does not need.
-    from contactlab_explorer.serve import free_port, serve
+    # Imported here: they bring the engine, which --help does not need.
+    from contactlab_explorer.guard import free_port
     from contactlab_explorer.state import MOST, VIEWS, State, laws, options_of
 
     chosen = values.get("law", "newton").split(",")
@@ -55,5 +55,8 @@ def main(arguments: list[str]) -> int:
         raise RefusalError(
             f"port is {text}, which cannot be had ({error.strerror}); give another."
         ) from error
+    # Imported here: it brings the server, which no refusal needs.
+    from contactlab_explorer.serve import serve
+
     serve(State(base, view, tuple(chosen)), port, webbrowser.open if browser == "true" else None)
     return COMPLETE
