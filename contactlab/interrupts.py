@@ -82,10 +82,10 @@ def stopped_by(stop: Stop | None) -> Iterator[None]:
     if stop is None:
         yield
         return
-    asked = getattr(stop, "is_set", stop)
-    if not callable(asked):
+    is_set = getattr(stop, "is_set", stop)
+    if not callable(is_set):
         raise TypeError(f"stop is {stop!r}; it must be a function without arguments, or an event.")
-    token = _stops.set((*_stops.get(), asked))
+    token = _stops.set((*_stops.get(), is_set))
     try:
         yield
     finally:
@@ -94,7 +94,7 @@ def stopped_by(stop: Stop | None) -> Iterator[None]:
 
 def is_stopped() -> bool:
     """Return whether the computation of this context is to end."""
-    return any(asked() for asked in _stops.get())
+    return any(is_set() for is_set in _stops.get())
 
 
 def raise_if_stopped(*_: object) -> None:

@@ -216,8 +216,8 @@ def simulate(
             [1]; 1e-3, at most 0.01.
         start: a run whose end is this one's start: in two parts or in one, a motor does the same to the last
             bit, as long as motor, law and numbers are the same. Others act from that end on.
-        stop: function or event that is looked at as often as progress is told; once it is true or set, the
-            run ends as by Ctrl-C, as `Ending.INTERRUPTED`, and the solution has what there is by then.
+        stop: function or event that is looked at as often as progress is reported; once it is true or set,
+            the run ends as by Ctrl-C, as `Ending.INTERRUPTED`, and the solution has what there is by then.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
 
     Returns:
@@ -251,7 +251,7 @@ def simulate(
     longest = {"duration": LONGEST} if until == STEADY and not isinstance(motor, Setup) else {}
     setup = setup_of(motor, law, longest | settings)
 
-    def told(time: float) -> None:
+    def report(time: float) -> None:
         if progress is not None:
             progress(time)
         # Before a first step there is nothing to keep.
@@ -260,7 +260,7 @@ def simulate(
 
     with stopped_by(stop):
         begins = None if start is None else start.state
-        trajectory = setup.run(progress=told, start=begins, keep_interrupted=True)
+        trajectory = setup.run(progress=report, start=begins, keep_interrupted=True)
     return Solution(trajectory, setup)
 
 

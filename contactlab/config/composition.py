@@ -253,7 +253,7 @@ def overridden(
                 # The composition says what there is.
                 compose([f"{group}={option}"])
             family = group.partition("/")[2]
-            section = _declared(group, option)
+            section = declared_section(group, option)
             whole["law"] = {**whole["law"], family: section} if family else section
     for key, value in values.items():
         if group := group_selected_by(key):
@@ -269,7 +269,7 @@ def overridden(
     return whole
 
 
-def _declared(group: str, option: str) -> dict[str, Any]:
+def declared_section(group: str, option: str) -> dict[str, Any]:
     """Return the section of a law or a part, those of its parts included, as its classes declare it."""
     section = {**content(group, option)}
     for entry in section.pop("defaults", ()):
@@ -277,7 +277,7 @@ def _declared(group: str, option: str) -> dict[str, Any]:
             # "friction": name, or "friction@other": name where the field has another name.
             ((place, name),) = entry.items()
             family, _, field = place.partition("@")
-            section = {field or family: _declared(f"law/{family}", name), **section}
+            section = {field or family: declared_section(f"law/{family}", name), **section}
     return section
 
 

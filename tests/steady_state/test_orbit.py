@@ -60,11 +60,11 @@ def test_a_stop_ends_a_search_a_study_and_a_branch() -> None:
     for compute in (cl.orbit, cl.steady):
         with pytest.raises(cl.StoppedError):
             compute(RIGID, stop=event)
-    asked = []
+    looks = []
     # A hundred looks later it is in the middle of the branch.
     with pytest.raises(cl.StoppedError):
-        cl.branch(RIGID, "drive.phase", -0.6, 0.6, stop=lambda: asked.append(0) or len(asked) > 100)
-    assert len(asked) == 101
+        cl.branch(RIGID, "drive.phase", -0.6, 0.6, stop=lambda: looks.append(0) or len(looks) > 100)
+    assert len(looks) == 101
 
 
 def test_a_stopped_run_keeps_what_there_is() -> None:
@@ -89,7 +89,7 @@ def test_a_stop_counts_within_its_body_and_thread() -> None:
 
 def test_a_law_that_is_warm_compiles_nothing() -> None:
     cl.warm(cl.Newton())
-    told: list[object] = []
-    assert cl.warm(cl.Newton(), progress=lambda *what: told.append(what)) == []
+    shown: list[object] = []
+    assert cl.warm(cl.Newton(), progress=lambda *what: shown.append(what)) == []
     with pytest.raises(TypeError, match="law"):
         cl.warm("newton")  # type: ignore[arg-type]

@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Callable
 from dataclasses import replace
 from math import cos, pi, sin
-from typing import Any, ClassVar, Final, final
+from typing import Any, Final, final
 from urllib.parse import urlencode
 
 from nicegui import background_tasks, ui
@@ -52,7 +52,7 @@ CIRCLE: Final = [[cos(0.02 * pi * i), sin(0.02 * pi * i)] for i in range(101)]
 class Slider(ui.slider):
     """A slider whose own moves do not come back to it: late, they would undo those of a quick hand."""
 
-    LOOPBACK: ClassVar[bool | None] = False
+    LOOPBACK = False
 
 
 def chart(name: str, x: str, y: str) -> ui.echart:
@@ -136,10 +136,10 @@ class Page:
                 self._laws.props('use-chips aria-label="laws"')
                 self._laws.on_value_change(lambda e: self._choose(self.state.with_laws(e.value)))
                 with ui.row().classes("gap-1"):
-                    ui.button("undo", on_click=self._undo).props("dense outline no-caps")
-                    ui.button("stop", on_click=self._stop).props("dense outline no-caps")
+                    ui.button("undo", on_click=self.undo).props("dense outline no-caps")
+                    ui.button("stop", on_click=self.stop).props("dense outline no-caps")
                     for kind in ("run.nc", "run.png"):
-                        ui.button(kind, on_click=lambda k=kind: self._save(k)).props("dense outline no-caps")
+                        ui.button(kind, on_click=lambda k=kind: self.save(k)).props("dense outline no-caps")
                 self._sliders = ui.column().classes("w-full gap-1")
             with ui.column().classes("grow min-w-0 max-md:w-full"):
                 self._said = ui.row().classes("gap-x-4 gap-y-0").props('role="status" data-state="computing"')
@@ -166,13 +166,13 @@ class Page:
                 if keys:
                     with ui.expansion(group, value=group in OPEN).classes("w-full").props("dense"):
                         for key in keys:
-                            self._slider(key)
+                            self.add_slider(key)
         self._grid.clear()
         with self._grid:
             self._charts = {name: chart(name, *axes) for name, axes in CHARTS[state.view].items()}
         self._draw()
 
-    def _slider(self, key: str) -> None:
+    def add_slider(self, key: str) -> None:
         """Make a slider with a labelled number beside it, and a place for a sentence."""
         number = self.state.sliders[key]
         value = number.value if isinstance(number.value, float | int) else None
@@ -216,16 +216,18 @@ class Page:
             self._show()
             self._wanted.set()
 
-    def _undo(self) -> None:
+    def undo(self) -> None:
+        """Go back to the state before the last change."""
         if self._history.undo():
             self._pictures.clear()
             self._show()
             self._wanted.set()
 
-    def _stop(self) -> None:
+    def stop(self) -> None:
+        """End what is being computed."""
         self._ticket = self._pool.ticket(self._number)
 
-    async def _save(self, kind: str) -> None:
+    async def save(self, kind: str) -> None:
         """Let the browser save a run or a figure of the law that was touched last."""
         state, law = self.state, self.state.laws[0]
         self._fault.text = f"computing {kind} of {law}"
@@ -260,7 +262,7 @@ class Page:
                 ui.label(f"{doing} ...").classes("text-gray-500")
         self._said.props(f'data-state="{"computing" if doing else "ready"}"')
 
-    def _refused(self) -> bool:
+    def refused(self) -> bool:
         """Say what the checks refuse, beside the slider that was moved; return whether they do."""
         for label in self._faults.values():
             label.text = ""
@@ -279,7 +281,7 @@ class Page:
         while True:
             await self._wanted.wait()
             self._wanted.clear()
-            if self._refused():
+            if self.refused():
                 self._tell()
                 continue
             state = self.state
@@ -292,7 +294,7 @@ class Page:
                     whole = await self._all(approach, state)
                 if whole:
                     self._tell()
-                    self._finish(state)
+                    self.finish(state)
 
     async def _all(self, function: Callable[..., Any], state: State) -> bool:
         """Draw what a function returns of each law as it is ready; return whether nothing newer came."""
@@ -312,14 +314,14 @@ class Page:
             done, _ = await asyncio.wait(look, timeout=PATIENCE, return_when=asyncio.FIRST_COMPLETED)
             for each in done - {newer}:
                 waiting.discard(each)
-                self._take(tasks[each], each.result(), function)
+                self.take(tasks[each], each.result(), function)
             if elapsed > 4 * PATIENCE and waiting:
                 names = ", ".join(tasks[each] for each in waiting)
                 self._tell(f"computing {names} for {elapsed:.0f} s; the first time its code is compiled")
         newer.cancel()
         return not waiting and not self._wanted.is_set()
 
-    def _take(self, law: str, picture: dict[str, Any], function: Callable[..., Any]) -> None:
+    def take(self, law: str, picture: dict[str, Any], function: Callable[..., Any]) -> None:
         """Draw what was computed of a law, or say why there is nothing."""
         if law not in self.state.laws or STOPPED in picture:
             return
@@ -334,7 +336,7 @@ class Page:
             self._pictures[law] |= picture
         self._draw()
 
-    def _finish(self, state: State) -> None:
+    def finish(self, state: State) -> None:
         """Put the state into the link, and its texts below the charts."""
         ui.navigate.history.replace(f"/?{urlencode(state.query())}")
         self._texts.clear()

@@ -107,8 +107,7 @@ def approach(state: State, law: str, stop: Stop | None = None) -> dict[str, Any]
     run = cl.simulate(setup, duration=duration, record_interval=duration / RECORDS, stop=stop)
     if stop is not None and stop():
         raise cl.StoppedError(run.message)
-    series = run.source.series  # type: ignore[union-attr]
-    return {"approach": points(1e3 * run.source.time, series["rotor_velocity"])}  # type: ignore[union-attr]
+    return {"approach": points(1e3 * run["time"].values, run["rotor_velocity"].values)}
 
 
 def saved(state: State, law: str, kind: str, stop: Stop | None = None) -> bytes:

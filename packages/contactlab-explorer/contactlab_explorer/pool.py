@@ -2,6 +2,8 @@
 
 import asyncio
 import multiprocessing
+import os
+import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -22,12 +24,20 @@ _wanted: Any = None
 """In a process of the pool: the ticket of each page that is wanted."""
 
 
-def _begin(wanted: Any) -> None:
+def begin(wanted: Any) -> None:
+    """Begin a process of the pool, which ends with the server, however that ends."""
     global _wanted
-    _wanted = wanted
+    _wanted, server = wanted, multiprocessing.parent_process()
+    assert server is not None
+
+    def follow() -> None:
+        server.join()
+        os._exit(1)
+
+    threading.Thread(target=follow, daemon=True).start()
 
 
-def _work(page: int, ticket: int, function: Callable[..., Any], *arguments: Any) -> Any:
+def work_of(page: int, ticket: int, function: Callable[..., Any], *arguments: Any) -> Any:
     """Do the work of a ticket, unless another one is wanted by now, and say what is wrong in a sentence."""
 
     def stop() -> bool:
@@ -58,7 +68,7 @@ class Pool:
         self._executor = self._made()
 
     def _made(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._workers, self._context, _begin, (self._wanted,))
+        return ProcessPoolExecutor(self._workers, self._context, begin, (self._wanted,))
 
     def page(self) -> int:
         """Return the number of a new page.
@@ -87,7 +97,7 @@ class Pool:
         """
         executor = self._executor
         try:
-            future = executor.submit(_work, page, ticket, function, *arguments)
+            future = executor.submit(work_of, page, ticket, function, *arguments)
             return await asyncio.wrap_future(future)
         except BrokenProcessPool:
             if executor is self._executor:

@@ -1,7 +1,7 @@
 """Positions of a slider over the usual values of a number, on a linear or a logarithmic scale."""
 
 from math import exp, log
-from typing import Any, Final
+from typing import Final
 
 from contactlab.config.numbers import Number
 
@@ -9,7 +9,7 @@ STEPS: Final = 200
 """Of a slider from end to end."""
 
 
-def position(number: Number, value: Any) -> int:
+def position(number: Number, value: float | str | None) -> int:
     """Return the step next to a value, the nearest end to one outside of the usual values or to none."""
     low, high = number.usual or (0.0, 1.0)
     if not isinstance(value, float | int):

@@ -11,7 +11,7 @@ from contactlab.config.numbers import Number
 from contactlab.parameter import declared_fields
 from contactlab_explorer.motions import Dropping, Rubbing
 
-MOTIONS: Final[dict[str, type]] = {"path": Rubbing, "impact": Dropping}
+MOTIONS: Final[dict[str, type[Rubbing] | type[Dropping]]] = {"path": Rubbing, "impact": Dropping}
 """Motions of a law by itself, by view."""
 
 VIEWS: Final = {"motor": "a motor", **{name: motion.title for name, motion in MOTIONS.items()}}
@@ -113,7 +113,8 @@ class State:
                 elif key == FRICTION or (self.view == "motor" and group in OF_MOTOR):
                     found[key] = number
         if self.view in MOTIONS:
-            for name, each in declared_fields(MOTIONS[self.view]).items():
+            kind: type = MOTIONS[self.view]
+            for name, each in declared_fields(kind).items():
                 assert each.parameter is not None
                 key = f"{self.view}.{name}"
                 found[key] = Number(key, each.default, each.default, each.parameter, (), False)
