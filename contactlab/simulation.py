@@ -264,6 +264,7 @@ def simulate(
     return Solution(trajectory, setup)
 
 
+@checked_arguments()
 def warm(law: ContactLaw, *, progress: Callable[[str, float], object] | None = None) -> list[str]:
     """Compile what runs and impacts under a law need and what is not there yet, once for an installation.
 

@@ -74,9 +74,9 @@ class Number:
 
     @property
     def scale(self) -> Literal["linear", "log"]:
-        """Scale of the usual values, 'log' where positive ends are far apart."""
+        """Scale of the usual values, 'log' where positive ends are far apart and no number need be whole."""
         ends = self.usual
-        far = ends is not None and 0.0 < LOGARITHMIC * ends[0] <= ends[1]
+        far = ends is not None and not self.whole and 0.0 < LOGARITHMIC * ends[0] <= ends[1]
         return "log" if far else "linear"
 
 

@@ -13,7 +13,7 @@ from starlette.requests import Request
 from contactlab.config import ConfigurationError
 from contactlab_explorer.pictures import approach, pictures, saved
 from contactlab_explorer.pool import FAULT, STOPPED, Pool
-from contactlab_explorer.scales import STEPS, position, value_at
+from contactlab_explorer.scales import position, steps_of, value_at
 from contactlab_explorer.state import MOST, OF_MOTOR, VIEWS, History, State, laws
 
 COLOURS: Final = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
@@ -183,7 +183,7 @@ class Page:
             ui.label(label).classes("text-xs grow")
             box = ui.number(value=value, format="%.5g").classes("w-24")
             box.props(f'dense aria-label="{label}" data-number="{key}"')
-        slider = Slider(min=0, max=STEPS, step=1, value=position(number, value))
+        slider = Slider(min=0, max=steps_of(number), step=1, value=position(number, value))
         slider.props(f'aria-label="{label}" data-key="{key}"').tooltip(f"{key}: {number.range}")
         self._faults[key] = ui.label().classes("text-xs text-red-700 dark:text-red-400").props('role="alert"')
 

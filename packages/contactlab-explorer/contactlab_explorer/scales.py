@@ -6,7 +6,13 @@ from typing import Final
 from contactlab.config.numbers import Number
 
 STEPS: Final = 200
-"""Of a slider from end to end."""
+"""Of a slider from end to end, of a number that need not be whole."""
+
+
+def steps_of(number: Number) -> int:
+    """Return the number of steps from end to end; each of a whole number is one."""
+    low, high = number.usual or (0.0, 1.0)
+    return round(high - low) if number.whole else STEPS
 
 
 def position(number: Number, value: float | str | None) -> int:
@@ -16,16 +22,17 @@ def position(number: Number, value: float | str | None) -> int:
         return 0
     value = min(max(value, low), high)
     if number.scale == "log":
-        return round(STEPS * log(value / low) / log(high / low))
-    return round(STEPS * (value - low) / (high - low))
+        return round(steps_of(number) * log(value / low) / log(high / low))
+    return round(steps_of(number) * (value - low) / (high - low))
 
 
 def value_at(number: Number, step: float) -> float:
     """Return the value at a step, with four digits of the scale and the ends as they are."""
     low, high = number.usual or (0.0, 1.0)
-    if step <= 0 or step >= STEPS:
+    most = steps_of(number)
+    if step <= 0 or step >= most:
         return low if step <= 0 else high
-    share = step / STEPS
+    share = step / most
     if number.scale == "log":
         value = float(f"{low * exp(share * log(high / low)):.4g}")
     else:
