@@ -25,8 +25,13 @@ NEED_DATA = ["packages/contactlab-data/tests", "tests/benchmarks", "tests/docume
 
 WITHOUT_DATA = find_spec("contactlab_data") is None
 
-if WITHOUT_DATA:
-    collect_ignore_glob = [f"{folder}/*" for folder in NEED_DATA]
+EXPLORER = "packages/contactlab-explorer/tests"
+"""Tests that need contactlab-explorer."""
+
+WITHOUT_EXPLORER = find_spec("contactlab_explorer") is None
+
+collect_ignore_glob = [f"{folder}/*" for folder in NEED_DATA if WITHOUT_DATA]
+collect_ignore_glob += [f"{EXPLORER}/*"] if WITHOUT_EXPLORER else []
 
 # The same examples in every run: a failure is one that everybody can repeat.
 settings.register_profile("repeatable", derandomize=True, deadline=None, max_examples=50)
@@ -68,8 +73,9 @@ def pytest_configure() -> None:
 
 
 def pytest_report_header() -> list[str]:
-    """Return which tests are left out where contactlab-data is not installed."""
-    return [f"without contactlab-data: {', '.join(NEED_DATA)} are left out"] if WITHOUT_DATA else []
+    """Return which tests are left out where a package of this project is not installed."""
+    lines = [f"without contactlab-data: {', '.join(NEED_DATA)} are left out"] if WITHOUT_DATA else []
+    return lines + ([f"without contactlab-explorer: {EXPLORER} is left out"] if WITHOUT_EXPLORER else [])
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:

@@ -2,7 +2,7 @@
 
 import nox
 
-DATA = "packages/contactlab-data"
+PACKAGES = "-e", "packages/contactlab-data", "-e", "packages/contactlab-explorer"
 PYTHONS = ("3.11", "3.12", "3.13", "3.14", "3.15")
 
 LOWEST = (
@@ -18,14 +18,14 @@ nox.options.reuse_existing_virtualenvs = True
 @nox.session(python=PYTHONS)
 def tests(session: nox.Session) -> None:
     """Run the suite, or what is named: `nox -s tests-3.12 -- tests/laws`."""
-    session.install("-e", ".[test]", "-e", DATA)
+    session.install("-e", ".[test]", *PACKAGES)
     session.run("pytest", *session.posargs)
 
 
 @nox.session
 def lint(session: nox.Session) -> None:
     """Check style, format, types and import contracts."""
-    session.install("-e", ".[test]", "-e", DATA)
+    session.install("-e", ".[test]", *PACKAGES)
     checks = "ruff check", "ruff format --check", "mypy", "lint-imports", "python docs/tools/plain_words.py"
     for command in checks:
         session.run(*command.split())

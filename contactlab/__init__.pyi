@@ -3,6 +3,7 @@ from contactlab.driving import drive as drive
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
 from contactlab.impacts import impact as impact, normal_impact as normal_impact
+from contactlab.interrupts import StoppedError as StoppedError
 from contactlab.laws import (
     AgeingStick as AgeingStick,
     Archard as Archard,
@@ -95,7 +96,7 @@ from contactlab.motor.table import MeasurementError as MeasurementError
 from contactlab.motor.universal import read_universal as read_universal
 from contactlab.parameter import Parameter as Parameter
 from contactlab.processes import WorkerError as WorkerError
-from contactlab.simulation import Solution as Solution, simulate as simulate
+from contactlab.simulation import Solution as Solution, simulate as simulate, warm as warm
 from contactlab.steady_state import (
     Attractor as Attractor,
     BrokenOffError as BrokenOffError,
@@ -105,6 +106,7 @@ from contactlab.steady_state import (
     NotSettledError as NotSettledError,
     UnboundedError as UnboundedError,
     attractors as attractors,
+    orbit as orbit,
 )
 from contactlab.studies.basins import Basins as Basins, basins as basins
 from contactlab.studies.branch import Branch as Branch, branch as branch

@@ -17,7 +17,8 @@ BROUGHT: Final = {
         *("bench", "fit", "identify", "synthetic", "validate"),
         *("Bench", "Fit", "Identification", "Synthetic", "Validate", "ValidationError"),
         *("read_impacts", "read_measurements", "write_impacts"),
-    )
+    ),
+    "contactlab-explorer": ("explore",),
 }
 """Verbs and names by the package of this project that brings them: for what is said where it is missing."""
 

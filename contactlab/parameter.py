@@ -16,6 +16,12 @@ MAGNITUDES: Final = 1e-300, 1e300
 BEYOND: Final = "which is not finite, or neither 0 nor of a magnitude from {:g} to {:g}".format(*MAGNITUDES)
 """What a number of another magnitude is."""
 
+BOUNDED: Final = 100.0
+"""Magnitude up to which the bounds of a range are its usual ends too."""
+
+FACTOR: Final = 5.0
+"""Ratio of the usual ends to a default, where none are declared."""
+
 
 @final
 @dataclass(frozen=True)
@@ -36,6 +42,8 @@ class Parameter:
         hint: a sentence that helps who has run into the range more than the default: "0 is no tip."
         spread: half the range within which the value is known, over the value, for `contactlab.compare`
             to vary it; 0 where a comparison leaves it as it is, and says so.
+        usual: lower and upper end of the values that are usual, for sliders and first searches; empty where
+            they follow from the default, see `usual_range`.
     """
 
     symbol: str
@@ -47,11 +55,17 @@ class Parameter:
     below: float = inf
     hint: str = ""
     spread: float = 0.0
+    usual: tuple[float, float] | tuple[()] = ()
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.spread < 1.0:
             raise ValueError(
                 f"The spread of {self.symbol} is {self.spread}; it must be at least 0 and below 1."
+            )
+        if self.usual and not (self.usual[0] < self.usual[1] and all(map(self.admits, self.usual))):
+            raise ValueError(
+                f"The usual range of {self.symbol} is {self.usual}; it must be two ascending values that are "
+                f"{self.range or 'finite'}."
             )
 
     def admits(self, value: float) -> bool:
@@ -65,6 +79,31 @@ class Parameter:
     def may_vanish(self) -> bool:
         """Whether 0 is in the range: then nothing is divided by the number, however small it is."""
         return self._includes(0.0)
+
+    def usual_range(self, about: float | None) -> tuple[float, float] | None:
+        """Return the ends of the usual values.
+
+        These are the declared ones; else the whole range where both of its bounds are within a factor of
+        `BOUNDED` of each other or of 1, a hundredth inside a bound that is not admitted; else from a fifth of
+        a value to five times it, within the range.
+
+            >>> positive("m", "kg", "mass").usual_range(2.0)
+            (0.4, 10.0)
+
+        Args:
+            about: a value that is not zero, as the default; None or 0 where there is none, and then a number
+                without declared ends has no usual range.
+        """
+        if self.usual:
+            return self.usual
+        low, high = max(self.above, self.at_least), min(self.below, self.at_most)
+        if isfinite(low) and isfinite(high) and max(abs(low), abs(high)) <= BOUNDED:
+            inside = 0.01 * (high - low)
+            return low + inside * (self.above == low), high - inside * (self.below == high)
+        if not about:
+            return None
+        ends = sorted((about / FACTOR, about * FACTOR))
+        return max(ends[0], low), min(ends[1], high)
 
     @property
     def unit(self) -> str:

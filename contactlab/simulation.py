@@ -5,20 +5,27 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final, get_args
+from typing import TYPE_CHECKING, Any, Final, final, get_args
 
 from contactlab.checks import check_kind, check_number, checked_arguments
-from contactlab.config import ConfigurationError, Setup, rebuild
+from contactlab.compiler.notice import telling
+from contactlab.config import ConfigurationError, Setup, build, rebuild
 from contactlab.config.made_in_python import KEYS
 from contactlab.engine.arguments import check_kinds
+from contactlab.impacts import velocities_after
+from contactlab.interrupts import Stop, is_stopped, stopped_by
 from contactlab.laws.base import ContactLaw, is_stepped
 from contactlab.motor import Motor
+from contactlab.progress import shown_by
 from contactlab.results.netcdf import configuration_of, state_of, to_datatree, write_tree
 from contactlab.results.summary import summarise, summary_of
 from contactlab.settling.criterion import LONGEST, PRECISION, STEADY, Until
 from contactlab.settling.verdict import SHARE
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import CONTACT_MODE, CONTACTS, SERIES
+
+SHORTEST: Final = 2e-6
+"""Duration of a run that compiles what runs need [s]."""
 
 if TYPE_CHECKING:
     import pandas
@@ -176,6 +183,7 @@ def simulate(
     until: Until | None = None,
     precision: float | None = None,
     start: Solution | None = None,
+    stop: Stop | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Solution:
     """Simulate a motor with a contact law.
@@ -208,6 +216,8 @@ def simulate(
             [1]; 1e-3, at most 0.01.
         start: a run whose end is this one's start: in two parts or in one, a motor does the same to the last
             bit, as long as motor, law and numbers are the same. Others act from that end on.
+        stop: function or event that is looked at as often as progress is reported; once it is true or set,
+            the run ends as by Ctrl-C, as `Ending.INTERRUPTED`, and the solution has what there is by then.
         progress: called with 0 once the engine is compiled, then now and then with the simulated time [s].
 
     Returns:
@@ -240,10 +250,47 @@ def simulate(
             )
     longest = {"duration": LONGEST} if until == STEADY and not isinstance(motor, Setup) else {}
     setup = setup_of(motor, law, longest | settings)
-    trajectory = setup.run(
-        progress=progress, start=None if start is None else start.state, keep_interrupted=True
-    )
+
+    def report(time: float) -> None:
+        if progress is not None:
+            progress(time)
+        # Before a first step there is nothing to keep.
+        if time > 0.0 and is_stopped():
+            raise KeyboardInterrupt
+
+    with stopped_by(stop):
+        begins = None if start is None else start.state
+        trajectory = setup.run(progress=report, start=begins, keep_interrupted=True)
     return Solution(trajectory, setup)
+
+
+@checked_arguments()
+def warm(law: ContactLaw, *, progress: Callable[[str, float], object] | None = None) -> list[str]:
+    """Compile what runs and impacts under a law need and what is not there yet, once for an installation.
+
+        >>> import contactlab as cl
+        >>> functions = cl.warm(cl.Newton())
+
+    A page or a class calls it first, from a thread if need be: the first run then waits for nothing. The
+    command `contactlab warm-up` does it for laws of every kind.
+
+    Args:
+        law: whose kind of engine is compiled.
+        progress: receives what is compiled, with the seconds that it has taken and will take, and NaN.
+
+    Returns:
+        The functions that were compiled; none where all was there.
+
+    Raises:
+        TypeError: an argument of another kind.
+        LawError: the law contradicts itself.
+    """
+    check_kind("The law", law, ContactLaw)
+    setup = build()
+    with telling() as compiled, shown_by(progress or (lambda *_: None)):
+        simulate(setup.motor, law, duration=SHORTEST, record_interval=SHORTEST)
+        velocities_after(law, [[1.0, 0.0], [0.0, 3.5]], [-1.0, 0.5])
+    return compiled.functions
 
 
 def _ending(until: Until | None, precision: float | None) -> dict[str, Any]:

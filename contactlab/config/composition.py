@@ -234,20 +234,31 @@ def parsed(overrides: Sequence[str]) -> tuple[dict[str, str], dict[str, Any]]:
     return options, values
 
 
-def overridden(source: Mapping[str, Any], overrides: Sequence[str]) -> dict[str, Any]:
+def overridden(
+    source: Mapping[str, Any], options: Mapping[str, Any], values: Mapping[str, Any]
+) -> dict[str, Any]:
     """Return a whole configuration with other options of groups and other values of keys, not yet checked.
 
+    A law or a part takes the defaults that it declares; other groups, which may have options in files, are
+    composed.
+
     Raises:
-        ConfigurationError: an override is none, an option does not exist, or a key has another below it.
+        ConfigurationError: an option does not exist, a key has another below it, or would rename an option.
     """
-    options, values = parsed(overrides)
-    whole = completed(
-        _merged(source, {}) | {group: option for group, option in options.items() if "/" not in group}
-    )
+    lines = {group: option for group, option in options.items() if group.partition("/")[0] != "law"}
+    whole = completed(_merged(source, {}) | lines) if lines else _merged(source, {})
     for group, option in options.items():
-        if "/" in group:
-            whole = completed({**whole, "law": {**whole["law"], group.partition("/")[2]: option}})
+        if group == "law" or "/" in group:
+            if not isinstance(option, str) or option not in groups()[group]:
+                # The composition says what there is.
+                compose([f"{group}={option}"])
+            family = group.partition("/")[2]
+            section = declared_section(group, option)
+            whole["law"] = {**whole["law"], family: section} if family else section
     for key, value in values.items():
+        if group := group_selected_by(key):
+            fault = f"{key} would rename a {group} and keep its parameters; choose by {group}=NAME."
+            raise ConfigurationError(fault)
         *path, last = key.split(".")
         below = whole
         for name in path:
@@ -256,6 +267,18 @@ def overridden(source: Mapping[str, Any], overrides: Sequence[str]) -> dict[str,
                 raise ConfigurationError(unknown_override(key))
         below[last] = value
     return whole
+
+
+def declared_section(group: str, option: str) -> dict[str, Any]:
+    """Return the section of a law or a part, those of its parts included, as its classes declare it."""
+    section = {**content(group, option)}
+    for entry in section.pop("defaults", ()):
+        if isinstance(entry, dict):
+            # "friction": name, or "friction@other": name where the field has another name.
+            ((place, name),) = entry.items()
+            family, _, field = place.partition("@")
+            section = {field or family: declared_section(f"law/{family}", name), **section}
+    return section
 
 
 def readable(override: str) -> str:

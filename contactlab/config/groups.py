@@ -276,13 +276,15 @@ GROUPS: Final[dict[str, Section]] = {
                 "clearance": _narrowed(
                     _CONTACT["clearance"],
                     at_least=0.0,
+                    usual=(0.0, 5e-6),
                     hint="A rotor that is pressed on the tip has a contact.preload.",
                 ),
-                "angle": _CONTACT["angle"],
+                "angle": _narrowed(_CONTACT["angle"], usual=(-0.3, 0.3)),
                 "preload": _PRELOAD,
                 SHARED: _narrowed(
                     declared_fields(LagrangeSlip)[SHARED],
                     at_most=5.0,
+                    usual=(0.0, 1.0),
                     hint="Dry solids have 0.05 to 1.5, and 0 is frictionless.",
                 ),
             }

@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 from functools import lru_cache, reduce
 from html import escape
 from pathlib import Path
+from shlex import join
 from typing import Any, Final, final
 
 from contactlab.checks import check_records, checked_arguments
@@ -17,6 +18,8 @@ from contactlab.config.faults import ConfigurationError, as_fault, faults_added,
 from contactlab.config.made_in_python import PLACES, with_number
 from contactlab.config.motors import motor_of
 from contactlab.config.nesting import flat
+from contactlab.config.numbers import Number, numbers_of
+from contactlab.config.options import groups
 from contactlab.config.schema import Examination, declared_in
 from contactlab.engine.arguments import check_kinds
 from contactlab.engine.defaults import run_numbers
@@ -30,6 +33,7 @@ from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import Motor, NormalModes
 from contactlab.results.netcdf import contents_of, keep, settings_of
+from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
 from contactlab.trajectory import Ending, Trajectory
@@ -129,7 +133,7 @@ class Setup:
         """Whether motor or law are others than its configuration would give."""
         return self.origin is None or not self.origin.is_of(self)
 
-    def with_(self, *overrides: str) -> "Setup":
+    def with_(self, *overrides: str | Mapping[str, Any]) -> "Setup":
         """Return the setup with other values of keys, or other options of groups, composed and checked anew.
 
             >>> import contactlab as cl
@@ -137,23 +141,75 @@ class Setup:
             >>> setup.motor.geometry.clearance, setup.law.name
             (5e-07, 'newton')
 
+        A mapping of keys to values in SI is taken as it is, and is fast enough for a slider:
+
+            >>> cl.build().with_({"drive.voltage_1": 90.0}, {"law": "newton"}).source["drive"]["voltage_1"]
+            90.0
+
         What follows from other keys, such as a drive at the first natural frequency, follows from the new
         values. A motor made in Python has the numbers of contact, rotor, law and solver, and
         drive.frequency.
 
         Args:
-            overrides: as of `contactlab.build`.
+            overrides: texts as of `contactlab.build`, or mappings of full keys to values and of groups to the
+                names of options.
 
         Raises:
             ConfigurationError: with every fault.
         """
+        texts = [each for each in overrides if isinstance(each, str)]
+        options, values = parsed(texts) if texts else ({}, {})
+        for each in overrides:
+            if isinstance(each, Mapping):
+                chosen = {key: value for key, value in each.items() if key in groups()}
+                options |= chosen
+                values |= {key: value for key, value in each.items() if key not in chosen}
         if self.made_in_python:
-            options, values = parsed(overrides)
             if options:
                 fault = f"{next(iter(options))} is an option; a motor made in Python must have KEY=VALUE."
                 raise ConfigurationError(fault)
             return reduce(lambda setup, item: with_number(setup, *item), values.items(), self)
-        return build(overridden(self.source, overrides))
+        return rebuild(overridden(self.source, options, values))
+
+    def numbers(self) -> dict[str, Number]:
+        """Return the numbers of what is selected by full key: value, default, unit, meaning, ranges, choices.
+
+            >>> import contactlab as cl
+            >>> numbers = cl.build(["law=composed", "law/friction=dahl"]).numbers()
+            >>> numbers["law.normal.stiffness"].value, numbers["drive.voltage_1"].usual
+            (10000000000.0, (0.0, 200.0))
+
+        Of a motor made in Python they are those that `with_` takes.
+        """
+        return numbers_of(self, self.configuration, self.made_in_python)
+
+    def command(self, verb: str = "") -> str:
+        """Return the command that runs the setup, or puts a study to it: `contactlab steady law=newton`.
+
+        Raises:
+            ConfigurationError: the motor was made in Python, which no command can say.
+        """
+        return join(["contactlab", *([verb] if verb else []), *self._differences])
+
+    def python(self) -> str:
+        """Return the lines of Python that make the setup, as `setup`; errors as of `command`."""
+        lines = "".join(f"\n    {line!r}," for line in self._differences)
+        return f"import contactlab as cl\n\nsetup = cl.build([{lines}{lines and chr(10)}])\n"
+
+    def yaml(self) -> str:
+        """Return the whole configuration as YAML, which `build` takes once read; errors as of `command`."""
+        self._refuse_made("a configuration")
+        return write_yaml(self.source)
+
+    @property
+    def _differences(self) -> list[str]:
+        self._refuse_made("a command")
+        return differences(self.source)
+
+    def _refuse_made(self, text: str) -> None:
+        if self.made_in_python:
+            fault = f"The motor was made in Python; {text} must be of one that keys describe."
+            raise ConfigurationError(fault)
 
     @property
     def source(self) -> dict[str, Any]:

@@ -13,7 +13,9 @@ from contactlab.parameter import not_negative, positive
 TOUCHING = 1e-9
 """Share of the clearance that is open where a pressed motor begins: round-off must not close it."""
 
-PRELOAD = not_negative("P", "N", "force that presses the rotor towards the tip at the clearance")
+PRELOAD = not_negative(
+    "P", "N", "force that presses the rotor towards the tip at the clearance", usual=(0.0, 20.0)
+)
 
 
 @final

@@ -17,11 +17,11 @@ from contactlab.motor.waveform import MOST_DEGREE, SAMPLED_TURN, Waveform, check
 from contactlab.parameter import Parameter, positive
 
 # Over patches of a millimetre; ceramics break down at some 1e3 V.
-_voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5)
+_voltage = partial(Parameter, units="V", at_least=-1e5, at_most=1e5, usual=(0.0, 200.0))
 # Between the tones, and between a tone and a second, which a double tells apart within a run.
 _scale = partial(Parameter, at_least=1e-9, at_most=1e9)
 # Beyond it, a double has fewer than ten digits of the angle within a turn.
-_PHASE = Parameter("phi", "rad", "phase of the first tone", at_least=-1e6, at_most=1e6)
+_PHASE = Parameter("phi", "rad", "phase of the first tone", at_least=-1e6, at_most=1e6, usual=(-pi, pi))
 _PHASE_2 = replace(_PHASE, meaning="lead of the second electrode")
 _FIRST = _scale("f1", "Hz", "first tone", hint="Leave it out for the first natural frequency.")
 

@@ -165,8 +165,14 @@ def _check_capacitance(matrix: Array) -> None:
         )
 
 
-_LOAD = Parameter("tau", "N m", "load torque towards negative rotation: it brakes positive, drives negative")
-_START = Parameter("Omega(0)", "rad s-1", "velocity at the start")
+_LOAD = Parameter(
+    "tau",
+    "N m",
+    "load torque towards negative rotation: it brakes positive, drives negative",
+    usual=(-2e-3, 2e-3),
+)
+_ROTOR_DAMPING = not_negative("C_r", "N m s rad-1", "viscous damping", usual=(0.0, 1e-3))
+_START = Parameter("Omega(0)", "rad s-1", "velocity at the start", usual=(-5.0, 5.0))
 
 
 @final
@@ -181,7 +187,7 @@ class Rotor(Checked):
     """
 
     inertia: Annotated[float, positive("J", "kg m2", "moment of inertia")] = 4.8e-5
-    damping: Annotated[float, not_negative("C_r", "N m s rad-1", "viscous damping")] = 0.0
+    damping: Annotated[float, _ROTOR_DAMPING] = 0.0
     load_torque: Annotated[float, _LOAD] = 0.0
     initial_velocity: Annotated[float, _START] = 0.0
 

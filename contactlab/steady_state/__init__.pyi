@@ -16,5 +16,6 @@ from contactlab.steady_state.search import (
     Converged as Converged,
     Steady as Steady,
     converged as converged,
+    orbit as orbit,
     steady as steady,
 )

@@ -11,6 +11,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
 from contactlab.engine.state import State
+from contactlab.interrupts import raise_if_stopped
 from contactlab.laws.base import ELASTOPLASTIC, FREE, RATE_DEPENDENT, SLIP, STICK, is_stepped
 from contactlab.motor import ModalState
 from contactlab.settling.statistics import (
@@ -199,6 +200,7 @@ def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:
         record_interval=min(1.0 / records, periods) * period,
         contact_step=(step := run.contact_step or None),
         tolerance=None if is_stepped(run.law, step) else run.state["tolerance"],
+        progress=raise_if_stopped,
         start=run.state,
     )
     if later.ending is Ending.INTERRUPTED:

@@ -14,6 +14,7 @@ from contactlab.config import Setup
 from contactlab.engine import Flow, Simulator, simulator_of
 from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.state import TOUCHING, State
+from contactlab.interrupts import raise_if_stopped
 from contactlab.laws.base import SET_VALUED, STICK, ContactLaw, MultiplierLaw
 from contactlab.laws.memory import InternalVariable
 from contactlab.motor import ModalState, Motor
@@ -281,7 +282,10 @@ class PeriodMap:
         duration = times * self.period
         motor = replace(self._motor, start=modal, rotor=rotor)
         trajectory = self._simulator(motor, duration).run(
-            record_interval=min(self.period / records, duration), memory=memory, contact=self.contact
+            record_interval=min(self.period / records, duration),
+            progress=raise_if_stopped,
+            memory=memory,
+            contact=self.contact,
         )
         if trajectory.ending is Ending.INTERRUPTED:
             raise KeyboardInterrupt(trajectory.message)
@@ -325,6 +329,7 @@ class PeriodMap:
 
     def _sent(self, starts: Array, times: int = 1) -> tuple[Array, tuple[str, ...]]:
         """Return the states after others, and why one is no number."""
+        raise_if_stopped()
         # All starts in one call of the compiled loop, and z of (7.1) at their ends.
         ends = self._flow(*self._parts_of(starts), times)
         placed = (self.scale * ends.displacement)[:, self._kept]

@@ -7,10 +7,11 @@ from typing import Any, Final, final
 
 import numpy as np
 
-from contactlab.checks import check_kind, check_number
+from contactlab.checks import check_kind, check_number, checked_arguments
 from contactlab.config import Setup
 from contactlab.engine.initial_state import memory_mark
 from contactlab.estimate import Estimate
+from contactlab.interrupts import Stop, stopped_by
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.progress import tell_progress
@@ -76,6 +77,52 @@ def steady(
     state = settled(setup, belt, begins, longest, cycle=cycle)
     assert state is not None
     return state
+
+
+@checked_arguments(belt="rad/s", load="N m", brake="N m", contact_step="s", tolerance="1")
+def orbit(
+    motor: Motor | Setup,
+    law: ContactLaw | None = None,
+    *,
+    belt: float | None = None,
+    load: float | None = None,
+    brake: float | None = None,
+    start: "Steady | tuple[ModalState, float] | None" = None,
+    contact_step: float | None = None,
+    tolerance: float | None = None,
+    longest: int = LONGEST,
+    stop: Stop | None = None,
+) -> Steady:
+    """Compute the steady state alone, at one step of the solver, without the study `contactlab.steady` of it.
+
+        >>> import contactlab as cl
+        >>> state = cl.orbit(cl.build(["law=newton"]))
+        >>> state.kind, state.series(300)["gap"].size, state.impacts["phase"].size
+        ('periodic', 301, 1)
+
+    Args:
+        motor: what moves, or a whole setup.
+        law: what acts between tip and rotor; a setup has its own.
+        belt, load, brake, start, contact_step, tolerance, longest: as of `contactlab.steady`.
+        stop: function or event that is looked at between periods, and ends the search once it is true or set.
+
+    Raises:
+        NoPeriodError, NotSettledError, BrokenOffError: as of `contactlab.steady`.
+        StoppedError: it was stopped.
+        ValueError, TypeError: an argument is out of range, or of another kind.
+    """
+    with stopped_by(stop):
+        return steady(
+            motor,
+            law,
+            belt=belt,
+            load=load,
+            brake=brake,
+            start=start,
+            contact_step=contact_step,
+            tolerance=tolerance,
+            longest=longest,
+        )
 
 
 def steady_setup(

@@ -7,6 +7,7 @@ from typing import Final, final
 
 import numpy as np
 import pandas
+from numpy.typing import NDArray
 
 from contactlab.arrays import Array
 from contactlab.config import Setup
@@ -211,6 +212,40 @@ class Steady:
     def final(self) -> Array:
         """The state of `once` at the end of the motion."""
         return self.once.state_of(*self.end[1:4])
+
+    @property
+    def multipliers(self) -> NDArray[np.complex128]:
+        """Floquet multipliers, the largest first [1]; none where there is no orbit."""
+        return np.empty(0, np.complex128) if self.orbit is None else self.orbit.multipliers
+
+    @cached_property
+    def energy(self) -> dict[str, float]:
+        """Mean power that flows in, `drive_work`, and out, by name [W]; they balance in an orbit."""
+        return {name: self.average(name).value for name in CUMULATIVE[1:]}
+
+    @cached_property
+    def impacts(self) -> dict[str, Array]:
+        """The contacts within one orbit, or one period of the drive, a row each, as arrays by name.
+
+        `phase` is that of the drive at their start [periods], as in `series`; `approach_velocity` [m/s],
+        `normal_impulse`, `friction_impulse` [N s] and `duration` [s] are those of a run's contacts. A rigid
+        impact has an impulse and no force.
+        """
+        run = self.curves(1)
+        rows = run.contacts_within
+        names = "approach_velocity", "normal_impulse", "friction_impulse", "duration"
+        phase = self.phase + (rows["start_time"] - run.time[0]) / self.period
+        return {"phase": phase} | {name: rows[name] for name in names}
+
+    def series(self, records: int = 1000) -> dict[str, Array]:
+        """Return the quantities of a run over one orbit, or one period of the drive, as arrays by name.
+
+        `phase` is that of the drive [periods], ascending from `phase` of the state; `time` and the others
+        have the units of a run. There are as many records as asked for, and the start.
+        """
+        run = self.curves(records)
+        phase = self.phase + (run.time - run.time[0]) / self.period
+        return {"phase": phase, "time": run.time, **run.series}
 
     def curves(self, records: int = 1000) -> Trajectory:
         """Return one orbit, or one period of the drive, finely recorded; its clock begins at `phase`."""

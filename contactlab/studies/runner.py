@@ -28,6 +28,7 @@ import xarray
 
 from contactlab.checks import check_kind
 from contactlab.foreign import covered_sources, digest_of_sources, other_sources
+from contactlab.interrupts import raise_if_stopped
 from contactlab.processes import WorkerError
 from contactlab.results.files import digest_of_file
 from contactlab.results.netcdf import write_tree
@@ -151,6 +152,7 @@ def done_parts(
             check_kind(f"The study {study.name}: what its task {key!r} returns", part, Part)
             parts.put(key, store.write(key, part.data) if store else part)
             details = part.details if parts.count == 1 else None
+            raise_if_stopped()
             if progress:
                 progress(len(parts), parts.count)
         if tasks := list(study.further_tasks(setups, parts)):

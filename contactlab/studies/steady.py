@@ -14,6 +14,7 @@ import xarray
 
 from contactlab.config import Setup
 from contactlab.estimate import Estimate
+from contactlab.interrupts import Stop, stopped_by
 from contactlab.laws import ContactLaw
 from contactlab.motor import ModalState, Motor
 from contactlab.parameter import Parameter
@@ -95,6 +96,7 @@ class Steady(Study):
         *,
         start: "Result | State | tuple[ModalState, float] | None" = None,
         output: str | Path | None = None,
+        stop: Stop | None = None,
         progress: Progress | None = None,
     ) -> Result:
         """Compute the steady state of a setup, or of several by label.
@@ -105,12 +107,13 @@ class Steady(Study):
                 drive's phase 0.
         """
         if start is None:
-            return super().__call__(setups, output=output, progress=progress)
+            return super().__call__(setups, output=output, stop=stop, progress=progress)
         (setup,) = setups.values() if isinstance(setups, Mapping) else (setups,)
         begun: Any = start.details if isinstance(start, Result) else start
         if isinstance(begun, Converged):
             begun = begun.best
-        part = _steady_state(setup, self.refine, {**self.arguments, "start": begun})
+        with stopped_by(stop):
+            part = _steady_state(setup, self.refine, {**self.arguments, "start": begun})
         result = Result.of(self, {"": setup}, part.source, part.details)
         if output is not None:
             result.save(output)

@@ -26,6 +26,7 @@ import numpy as np
 
 from contactlab.checks import check_fields
 from contactlab.estimate import Estimate
+from contactlab.interrupts import Stop, stopped_by
 from contactlab.parameter import Parameter, declared_fields
 from contactlab.quantity import UnitError, to_si
 from contactlab.results.netcdf import configuration_of
@@ -214,21 +215,31 @@ class Study(ABC):
         return {}
 
     def __call__(
-        self, setups: Setup | Setups, *, output: str | Path | None = None, progress: Progress | None = None
+        self,
+        setups: Setup | Setups,
+        *,
+        output: str | Path | None = None,
+        stop: Stop | None = None,
+        progress: Progress | None = None,
     ) -> Result:
         """Put the study to a setup, or to several by label.
 
         Args:
             setups: what it is put to.
             output: folder of the files, in which an interrupted study goes on; None writes none.
+            stop: function or event that is looked at between periods of steady states and branches and after
+                each task; once it is true or set, the study ends by a StoppedError, and keeps what is in the
+                folder.
             progress: receives the number of finished tasks and that of all.
 
         Raises:
             OSError: the folder cannot be written to.
+            StoppedError: it was stopped.
         """
         folder = None if output is None else Path(output)
         every: Setups = setups if isinstance(setups, Mapping) else {"": setups}
-        result = run(self, every, folder, progress)
+        with stopped_by(stop):
+            result = run(self, every, folder, progress)
         if folder is not None:
             finish(result, folder)
         return result

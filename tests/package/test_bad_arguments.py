@@ -54,6 +54,10 @@ CALLS: dict[str, dict[str, Any]] = {
     "normal_impact": {"law": cl.Newton(), "speed": [0.1], "mass": 2e-3, "tolerance": None},
     "on_bearing": {"motor": SETUP.motor, "bearing": cl.Bearing(0.1, 1.0)},
     "oscillator": {"mass": 1.0, "stiffness": 1.0, "damping": 0.0, "gap": 0.0, "frequency": 1.0},
+    "orbit": {
+        "motor": SETUP, "law": None, "belt": None, "contact_step": None, "tolerance": None, "start": None,
+        "longest": 1, "stop": None,
+    },
     "read_modes": {"path": "nowhere.csv", "tip_length": 1.0, "most": None},
     "read_universal": {
         "path": "nowhere.unv", "node": 1, "coupling": np.ones((1, 1)), "towards": (0.0, 1.0, 0.0),
@@ -83,6 +87,7 @@ CALLS: dict[str, dict[str, Any]] = {
     "tabor_number": {
         "radius": 1e-3, "effective_modulus": 1e9, "work_of_adhesion": 0.1, "equilibrium_distance": 1e-9,
     },
+    "warm": {"law": cl.Newton(), "progress": None},
     "write_modes": {"modes": BEAM.modes, "path": "nowhere/modes.csv"},
 }  # fmt: skip
 """Arguments of every public function. Those that would compute for long have one that is refused at last."""

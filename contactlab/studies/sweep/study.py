@@ -27,7 +27,7 @@ import xarray
 
 from contactlab.checks import check_kind, checked_arguments
 from contactlab.config import ConfigurationError, Setup, rebuild
-from contactlab.config.composition import compose, overridden
+from contactlab.config.composition import compose, overridden, parsed
 from contactlab.config.faults import failure_of, is_sentence
 from contactlab.config.made_in_python import variable_numbers, with_number
 from contactlab.config.nesting import Value, flat
@@ -496,4 +496,6 @@ def composing(base: Sequence[str] | Configuration | Setup, study: Study | None =
     base = base.source if isinstance(base, Setup) else base
     below = base if isinstance(base, Mapping) else compose(base)
     section = {"study": {"name": study.name, **study.options, **ONE_PROCESS}} if study else {}
-    return lambda chosen: overridden(below, [f"{key}={option}" for key, option in chosen.items()]) | section
+    return lambda chosen: (
+        overridden(below, *parsed([f"{key}={option}" for key, option in chosen.items()])) | section
+    )

@@ -1,0 +1,1 @@
+"""The page of `contactlab explore`: laws under sliders, in the browser."""
