@@ -59,5 +59,5 @@ def pictures(session: nox.Session) -> None:
 @nox.session
 def paper(session: nox.Session) -> None:
     """Write numbers, sentences and figures of the papers; what has fallen or is missing is a failure."""
-    session.install("-e", ".[design,experiments]", "-e", DATA)
+    session.install("-e", ".[design,experiments]", "-e", "packages/contactlab-data")
     session.run("python", "experiments/papers.py")

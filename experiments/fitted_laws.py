@@ -14,7 +14,7 @@ from contactlab.driving import Frame, LawOnPath
 from contactlab.studies.compare.bootstrap import mean_intervals
 
 HARD: Final = 1e18
-"""Stiffness of a normal force that yields by nothing [N/m]: only friction is asked."""
+"""Stiffness of a normal force that yields by nothing [N/m]: only friction counts."""
 
 UNSOLVED: Final = 10.0
 """Residual where a law has no motion behind a frame, over the largest measured force."""

@@ -215,12 +215,12 @@ class FrictionLoop(Experiment):
         with context(STYLE):
             figure = Figure(figsize=(7.2, 3.2), layout="constrained")
             left, right = figure.subplots(1, 2)
-            one = data.isel(time=np.flatnonzero(data.cycle == FITTED + 1))
-            slip = 1e6 * one.slip
-            left.plot(slip, one.friction_force, "o", color="0.6", label="measured, first cycle not seen")
+            cycle = data.isel(time=np.flatnonzero(data.cycle == FITTED + 1))
+            slip = 1e6 * cycle.slip
+            left.plot(slip, cycle.friction_force, "o", color="0.6", label="measured, first cycle not seen")
             for name in ("coulomb", "coulomb, frame", "dahl"):
                 if name in data.law:
-                    left.plot(slip, one.predicted.sel(law=name), label=name)
+                    left.plot(slip, cycle.predicted.sel(law=name), label=name)
             left.set(xlabel="position of the load point (um)", ylabel="friction (N)", ylim=(-3.0, 4.2))
             left.legend(loc="upper center", ncols=2)
             square = np.square(data.predicted - data.friction_force).isel(

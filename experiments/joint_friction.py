@@ -142,10 +142,10 @@ class JointFriction(Experiment):
         track, every = track_of(speed, friction), np.ones(speed.size, bool)
         grid = np.geomspace(speed[0], speed[-1], 60)
         candidates = CANDIDATES[:3] if self.short else CANDIDATES
-        held, curves = np.zeros((len(candidates), speed.size)), []
+        errors, curves = np.zeros((len(candidates), speed.size)), []
         most = max(each.free for each in candidates)
         best = []
-        for row, candidate in zip(held, candidates, strict=True):
+        for row, candidate in zip(errors, candidates, strict=True):
             for n in range(speed.size):
                 others = np.delete(np.arange(speed.size), n)
                 seen = track_of(speed[others], friction[others])
@@ -159,7 +159,7 @@ class JointFriction(Experiment):
             {
                 "friction": ("speed", friction, unit),
                 "deviation": ("speed", deviation, {"units": "rad/s"}),
-                "held_out": (("law", "speed"), held, unit),
+                "held_out": (("law", "speed"), errors, unit),
                 "curve": (("law", "grid"), curves, unit),
                 "numbers": (("law", "number"), best),
                 "free": ("law", [each.free for each in candidates]),

@@ -133,7 +133,7 @@ def origin_of(name: str, family: str = "") -> Origin:
     raise ValueError(f"{text} {suggestion(name, known)}".rstrip())
 
 
-def ways_to_choose(*words: str) -> str:
+def ways_to_choose(*names: str) -> str:
     """Return how laws and parts of these names are chosen, a sentence; empty where a word is no such name.
 
     Where no law and no part has a name, those that have the word in theirs are meant.
@@ -142,14 +142,14 @@ def ways_to_choose(*words: str) -> str:
     ('newton and poisson are chosen by law=newton,poisson.', '')
     """
     keys = {"": "law", **{family: f"law=composed law/{family}" for family in PARTS}}
-    ways = [f"{key}={','.join(words)}" for each, key in keys.items() if {*words} <= {*law_names(each)}]
-    if not ways and len(words) == 1:
+    ways = [f"{key}={','.join(names)}" for each, key in keys.items() if {*names} <= {*law_names(each)}]
+    if not ways and len(names) == 1:
         every = ((key, name) for each, key in keys.items() for name in law_names(each))
-        ways = [f"{key}={name}" for key, name in every if words[0] in name.split("_")]
+        ways = [f"{key}={name}" for key, name in every if names[0] in name.split("_")]
     *others, last = ways or [""]
     listed = f"{', '.join(others)} or {last}" if others else last
-    verb = "is" if len(words) == 1 else "are"
-    return f"{' and '.join(words)} {verb} chosen by {listed}." if ways else ""
+    verb = "is" if len(names) == 1 else "are"
+    return f"{' and '.join(names)} {verb} chosen by {listed}." if ways else ""
 
 
 @cache
