@@ -468,8 +468,8 @@ def over_reference(experiment: str, law: str, seen: str = "") -> Number:
 
 def of_rubbing(experiment: str, law: str, name: str, seen: str = "") -> float:
     """Return a number of a law against measured friction, by the beginning of its name."""
-    (found,) = (x for key, x in rubbing(experiment, law, seen).items() if key.startswith(name))
-    return float(found)
+    (number,) = (x for key, x in rubbing(experiment, law, seen).items() if key.startswith(name))
+    return float(number)
 
 
 def missed(experiment: str, law: str, seen: str = "") -> float:
