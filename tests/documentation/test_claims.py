@@ -588,6 +588,29 @@ made(
 )
 
 
+JOINT = "measurements|joint_friction|rows"
+
+
+def over_plain(ratio: float, *rows: int) -> dict[str, float]:
+    """Return mean squares of laws of a joint over that of the plain one, to a tenth."""
+    ends = {"ratio": ratio, "low": 0.9 * ratio, "high": 1.1 * ratio}
+    return {f"{JOINT}|{row}|{name}": value for row in rows for name, value in ends.items()}
+
+
+made(
+    "A Stribeck curve predicts better",
+    (over_plain(0.9, 2) | over_plain(2.0, 3), True),
+    (over_plain(1.12, 2, 3), False),
+    (over_plain(1.0, 2, 3), None),
+)
+made(
+    "Viscous friction is needed",
+    (over_plain(1.23, 0, 4), True),
+    (over_plain(2.0, 0) | over_plain(1.0, 4), False),
+    (over_plain(1.1, 0, 4), None),
+)
+
+
 @pytest.mark.parametrize("case", MADE)
 def test_a_claim_is_judged_by_the_uncertainty_of_its_numbers(case: str) -> None:
     start, edits, known = MADE[case]

@@ -46,15 +46,15 @@ def test_rigid_friction_behind_a_frame_is_found_in_a_loop_that_it_has_made(tmp_p
     tribometer.convert(published, target)
     assert "The above copyright notice" in target.read_text(encoding="utf-8")
     data = FrictionLoop(path=str(target), short=True).compute(cl.build())
-    numbers = numbers_of(data, "coulomb, frame")
-    np.testing.assert_allclose(numbers[:2], [mu, stiffness], rtol=0.02)
+    best = numbers_of(data, "coulomb, frame")
+    np.testing.assert_allclose(best[:2], [mu, stiffness], rtol=0.02)
     miss = (data.predicted - data.friction_force).sel(law="coulomb, frame")[
         friction_loop.unseen_in(data.cycle.values)
     ]
     assert float(np.sqrt((miss**2).mean())) < 0.03
     # A spring of the contact is in series with the frame.
     own = numbers_of(data, "mindlin")
-    np.testing.assert_allclose(own[1] * 1e6, numbers[1], rtol=1e-4)
+    np.testing.assert_allclose(own[1] * 1e6, best[1], rtol=1e-4)
 
 
 def test_the_shipped_loop_is_predicted_by_rigid_friction_behind_a_frame(tmp_path: Path) -> None:
@@ -84,8 +84,8 @@ def test_a_stribeck_curve_is_seen_where_there_is_one(tmp_path: Path, dip: float,
     data = experiment.compute(cl.build())
     assert experiment.finding(data)[1] == none
     if not none:
-        numbers = numbers_of(data, joint_friction.CURVES[0])
-        np.testing.assert_allclose([numbers[0], numbers[2], numbers[3]], [1.5, 0.1, 0.8], rtol=0.1)
+        best = numbers_of(data, joint_friction.CURVES[0])
+        np.testing.assert_allclose([best[0], best[2], best[3]], [1.5, 0.1, 0.8], rtol=0.1)
 
 
 def test_other_columns_of_a_joint_are_refused(tmp_path: Path) -> None:
@@ -155,9 +155,9 @@ def test_the_state_of_a_made_rock_is_found_and_carries_over(
     experiment = VelocitySteps(path=str(path), short=True)
     data = experiment.compute(cl.build())
     for seen in data.fitted.values:
-        numbers = data.numbers.sel(law="rate_and_state", fitted=seen).values
-        np.testing.assert_allclose(numbers[:3], [A, B, D], rtol=0.1)
-        np.testing.assert_allclose(numbers[3], K, rtol=0.25)
+        best = data.numbers.sel(law="rate_and_state", fitted=seen).values
+        np.testing.assert_allclose(best[:3], [A, B, D], rtol=0.1)
+        np.testing.assert_allclose(best[3], K, rtol=0.25)
         assert experiment.ratio(data, "rate_and_state", velocity_steps.REFERENCE, str(seen))["ratio"] < 0.2
 
 
