@@ -11,7 +11,8 @@ from motor_population import GROUPS, drawn
 from results_store import SAME
 
 import contactlab as cl
-from contactlab.studies.study import TASKS, Result
+from contactlab.studies.study import Result
+from contactlab.studies.task import TASKS
 
 OF_A_MOTOR: Final = ("value", "error", "outcome", "group_value", "secant")
 """Variables of one motor."""

@@ -72,8 +72,9 @@ def differences() -> list[str]:
 def interaction(contrast: str, quantity: str = SPEED) -> Number:
     """Return the share of law x motor of a contrast, with its interval; `NONE` of too few motors."""
     (own,) = (x for x in rows_of(LONG) if (x["contrast"], x["quantity"]) == (contrast, quantity))
-    ends = [own.get(name) for name in ("share", "low", "high")]
-    return NONE if None in ends else Number(*ends)
+    if own.get("share") is None:
+        return NONE
+    return Number(float(own["share"]), float(own["low"]), float(own["high"]))
 
 
 def interactions(*names: str) -> list[Number]:

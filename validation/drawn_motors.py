@@ -137,7 +137,7 @@ def spring_dashpot(law: Any, stiffness: float) -> Damping:
 
     def damped(f: float, rate: float, speed: float) -> float:
         d = (max(f, 0.0) / stiffness) ** (2.0 / 3.0)
-        return max(f + sqrt(5.0) * zeta * sqrt(mass * stiffness) * d**0.25 * rate, 0.0)
+        return float(max(f + sqrt(5.0) * zeta * sqrt(mass * stiffness) * d**0.25 * rate, 0.0))
 
     return damped
 
@@ -185,7 +185,7 @@ class Drawn:
         """The motor as the solver has it."""
         own, drive, geometry = self.drawn, self.made.drive, self.made.geometry
         modes = modes_of(own)
-        bearing: dict[str, float] = {}
+        bearing: dict[str, Any] = {}
         if own["pressed"]:
             preload = own["preload over closed force"] * closed_force(modes, drive, own["bearing mass"])
             bearing = {

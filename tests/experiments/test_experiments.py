@@ -77,10 +77,10 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
     ),
     # A foot that friction does not disturb: the speed is the median of its free velocity.
     "published_motor": (lambda d: float(d.constant_load_run[0] / d.constant_load[0]), 1.0, 0.02),
-    # A millionth of friction, another start and a coarse tolerance leave ln |speed| and ln |torque|.
+    # A millionth of friction, another start and a coarse tolerance leave ln |speed|.
     "law_contrasts": (
         lambda d: float(
-            np.abs(d.contrast_size[[c.startswith("null") for c in d.contrast.values], :, :2]).max()
+            np.abs(d.contrast_size[[c.startswith("null") for c in d.contrast.values], :, 0]).max()
         ),
         0.0,
         1e-4,
