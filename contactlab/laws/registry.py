@@ -133,23 +133,23 @@ def origin_of(name: str, family: str = "") -> Origin:
     raise ValueError(f"{text} {suggestion(name, known)}".rstrip())
 
 
-def ways_to_choose(*names: str) -> str:
-    """Return how laws and parts of these names are chosen, a sentence; empty where a word is no such name.
+def ways_to_choose(*texts: str) -> str:
+    """Return how laws and parts of these names are chosen, a sentence; empty where a text is no such name.
 
-    Where no law and no part has a name, those that have the word in theirs are meant.
+    Where no law and no part has a name, those that have the text in theirs are meant.
 
     >>> ways_to_choose("newton", "poisson"), ways_to_choose("newtonian")
     ('newton and poisson are chosen by law=newton,poisson.', '')
     """
     keys = {"": "law", **{family: f"law=composed law/{family}" for family in PARTS}}
-    ways = [f"{key}={','.join(names)}" for each, key in keys.items() if {*names} <= {*law_names(each)}]
-    if not ways and len(names) == 1:
+    ways = [f"{key}={','.join(texts)}" for each, key in keys.items() if {*texts} <= {*law_names(each)}]
+    if not ways and len(texts) == 1:
         every = ((key, name) for each, key in keys.items() for name in law_names(each))
-        ways = [f"{key}={name}" for key, name in every if names[0] in name.split("_")]
+        ways = [f"{key}={name}" for key, name in every if texts[0] in name.split("_")]
     *others, last = ways or [""]
     listed = f"{', '.join(others)} or {last}" if others else last
-    verb = "is" if len(names) == 1 else "are"
-    return f"{' and '.join(names)} {verb} chosen by {listed}." if ways else ""
+    verb = "is" if len(texts) == 1 else "are"
+    return f"{' and '.join(texts)} {verb} chosen by {listed}." if ways else ""
 
 
 @cache

@@ -116,7 +116,7 @@ def draw_joint(axes: Axes) -> None:
 
 
 def draw_creep(axes: Axes) -> None:
-    """Draw a block that is pushed inside its cone: sticking exactly, and under a function of slip."""
+    """Draw a block that is pushed inside its cone: stick, and friction that is a function of slip."""
     pushed = cl.block(1.0, weight=10.0, push=2.4, height=-1e-5)
     for label, friction in (("regularised", cl.Regularised(0.3)), ("stick", cl.Coulomb(0.3))):
         run = cl.simulate(pushed, cl.Composed(cl.Linear(1e6), friction=friction), duration=1.0)
