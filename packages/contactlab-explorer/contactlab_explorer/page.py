@@ -295,6 +295,9 @@ class Page:
                 if whole:
                     self._tell()
                     self.finish(state)
+                elif not self._wanted.is_set():
+                    self._tell()
+                    self._fault.text = "Stopped: what was not yet there is left out."
 
     async def _all(self, function: Callable[..., Any], state: State) -> bool:
         """Draw what a function returns of each law as it is ready; return whether nothing newer came."""
@@ -319,7 +322,7 @@ class Page:
                 names = ", ".join(tasks[each] for each in waiting)
                 self._tell(f"computing {names} for {elapsed:.0f} s; the first time its code is compiled")
         newer.cancel()
-        return not waiting and not self._wanted.is_set()
+        return not waiting and not self._wanted.is_set() and ticket == self._ticket
 
     def take(self, law: str, picture: dict[str, Any], function: Callable[..., Any]) -> None:
         """Draw what was computed of a law, or say why there is nothing."""
