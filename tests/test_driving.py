@@ -594,6 +594,27 @@ def test_friction_that_falls_takes_a_damping_whatever_the_stiffness(exponent: fl
     assert loop.critical_damping() == pytest.approx(critical, rel=1e-4)
 
 
+RESTS = (cl.Coulomb(0.4), cl.Mindlin(0.4), cl.Dahl(0.4), cl.Iwan(0.4), cl.BoucWen(0.4))
+
+
+@pytest.mark.parametrize("frame", [None, Frame(4e4), Frame(4e4, damping=2.0)], ids=str)
+@pytest.mark.parametrize("friction", RESTS, ids=lambda each: each.name)
+def test_a_load_point_that_rests_changes_nothing_of_rate_independent_friction(
+    friction: cl.Friction, frame: Frame | None
+) -> None:
+    """At rest at the start, and on the bound: the same forces as of the path without its holds."""
+    law = cl.Composed(cl.Linear(1e6), friction=friction)
+    time, way = np.array([0.0, 0.2, 0.5, 0.6, 0.9]), np.array([0.0, 0.0, 1e-4, 1e-4, -1e-4])
+    wanted = np.array([0.1, 0.2, 0.29, 0.3, 0.33, 0.45, 0.6])
+    settings: dict[str, Any] = {"normal": 5.0, "degree": 1, "frame": frame, "tolerance": 1e-9}
+    loops = [
+        LawOnPath(law, time, slip=way, instants=wanted + 0.2 + 0.1 * (wanted > 0.3), **settings),
+        LawOnPath(law, np.array([0.0, 0.3, 0.6]), slip=way[[0, 2, 4]], instants=wanted, **settings),
+    ]
+    assert [int(loop.run(law)["ending"]) for loop in loops] == [0, 0]
+    np.testing.assert_allclose(loops[0].path.forces, loops[1].path.forces, rtol=0.0, atol=1e-8)
+
+
 @pytest.mark.parametrize(
     ("law", "frame", "key"),
     [

@@ -347,7 +347,7 @@ def run_path(path: Path, law: Law) -> None:
             if not length > least:
                 state.ending = UNSOLVED
             continue
-        if state.framed == 1 and state.sign == 0 and state.mode == SLIP:
+        if state.framed == 1 and state.sign == 0 and state.mode == SLIP and step.slip[0] != 0.0:
             state.sign = 1 if step.slip[0] > 0.0 else -1
         lay_polynomials(path)
         share = find_event(path, law, memory)

@@ -13,6 +13,10 @@ from contactlab.laws.memory import AT_SLIP, AT_STICK
 CONTINUOUS = 1e-6
 """Relative jump of the friction at the end of stick that is round-off [1]."""
 
+AT_REST = 1e-12
+"""Friction beyond its bound over the bound, and slip over the fastest one, that are round-off [1]: a load point
+that comes to rest leaves a slider on its bound, where it stays."""
+
 
 @inner_kernel
 def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float, node: int) -> float:
@@ -36,11 +40,11 @@ def _event_at(path: Path, law: Law, memory: Memory | None, which: int, x: float,
             return float(state.sign * slip)
         _, least, most, _, _ = bounds_of(path, law, gap, rate, load, 0.0)
         friction = -(extension + state.relaxation * speed) / state.compliance
-        return float(min(most - friction, friction - least))
+        return float(min(most - friction, friction - least) + AT_REST * max(most, -least))
     if state.friction_kind == ELASTOPLASTIC:
         normal, least, most, friction, flow, _ = forces_of(path, law, gap, rate, load, slip)
         if state.mode == STICK:
-            return min(most - friction, friction - least)
+            return min(most - friction, friction - least) + AT_REST * max(most, -least)
         stretched = 0.0
         for m in range(NODES):
             by = 0.0
@@ -68,8 +72,9 @@ def find_event(path: Path, law: Law, memory: Memory | None) -> float:
         begin, low = 0.0, 1.0
         last = NODES - 1
         reverses = which == state.guards and state.friction_kind == RATE_DEPENDENT
-        # A reversal lasts: in short steps what Newton's method has left may change the sign in between.
-        if reverses and _event_at(path, law, memory, which, NODE[last], last) > 0.0:
+        # A reversal lasts: in short steps what Newton's method has left may change the sign in between, and at
+        # rest there is none.
+        if reverses and _event_at(path, law, memory, which, NODE[last], last) > -AT_REST * state.fastest:
             continue
         for i in range(NODES):
             high = _event_at(path, law, memory, which, NODE[i], i)
@@ -133,7 +138,8 @@ def slip_of_frame(path: Path, law: Law, sign: int) -> float:
     """
     state = path.states[0]
     gap, rate, load, _, speed = press(path, law, state.time, False)
-    state.mode, state.sign = SLIP, sign
+    if state.friction_kind == SET_VALUED:
+        state.mode, state.sign = SLIP, sign
     damping = state.relaxation / state.compliance
     pull = sign * (state.extension / state.compliance + damping * speed)
     if state.relaxation == 0.0 and state.friction_kind == SET_VALUED:
