@@ -188,7 +188,7 @@ def near(law: str) -> Number:
     return share(int((errors < np.log1p(MARGIN)).sum()), errors.size) if errors.size else NONE
 
 
-def missed(law: str) -> tuple[float, float, float]:
+def errors_of(law: str) -> tuple[float, float, float]:
     """Return quartiles and median of the error of the prediction, in their order; NaN before a fit."""
     errors = np.expm1(array(of_run("error")[law]))
     low, half, high = np.quantile(errors, (0.25, 0.5, 0.75)) if errors.size else (np.nan,) * 3

@@ -295,11 +295,13 @@ def decided() -> str:
 
 
 def practice() -> str:
-    """Return how well laws, fitted at two operating points, predict the third."""
+    """Return how well laws, fitted at two operating points, predict the third, or that none is fitted yet."""
+    if not recorded_contrasts.fitted():
+        return "No law is fitted yet: the run has come to all motors, and not to this."
 
     def row(law: str) -> Iterator[str]:
         own = recorded_contrasts.near(law)
-        low, middle, high = recorded_contrasts.missed(law)
+        low, middle, high = recorded_contrasts.errors_of(law)
         yield f"`{law}`"
         yield f"{100 * middle:.2g} ({100 * low:.2g} to {100 * high:.2g})"
         yield f"{100 * own.value:.0f} ({100 * own.low:.0f} to {100 * own.high:.0f})"
