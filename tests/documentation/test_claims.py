@@ -566,7 +566,7 @@ def of_maps(low: float) -> Edits:
 
 
 made(
-    "In which motors a difference",
+    "Dimensionless groups predict",
     (of_maps(0.26), True),
     (of_maps(0.24), False),
     ({f"{CONTRASTS}|numbers|map": {"rotor_velocity": {}, "stall_torque": {}}}, None),

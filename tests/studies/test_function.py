@@ -69,7 +69,8 @@ def test_the_function_of_ones_own_study_takes_a_setup_and_the_options() -> None:
     setup = cl.build()
     assert echo(setup).length.value == 0.5
     assert echo(setup, length="20 cm").length.value == 0.2
-    assert [*signature(echo).parameters] == ["setup", "length", "workers", "scheduler", "output", "progress"]
+    names = ["setup", "length", "workers", "scheduler", "output", "stop", "progress"]
+    assert [*signature(echo).parameters] == names
     assert "    length: length of the echo [m]; greater than 0 m and at most 2 m.\n" in echo.__doc__
     assert "    >>> echo(setup)\n" in echo.__doc__
     assert echo.__doc__.endswith("Raises:\n    ValueError: it has no length.")
