@@ -17,7 +17,18 @@ _PACKAGE: Final = __name__.partition(".")[0]
 _LIBRARIES: Final = {
     _PACKAGE,
     *sys.stdlib_module_names,
-    *("hydra", "llvmlite", "matplotlib", "numba", "numpy", "omegaconf", "pandas", "scipy", "xarray"),
+    *(
+        "hydra",
+        "llvmlite",
+        "matplotlib",
+        "numba",
+        "numpy",
+        "omegaconf",
+        "pandas",
+        "scipy",
+        "sklearn",
+        "xarray",
+    ),
 }
 """Top-level names of modules whose version is recorded elsewhere, or that make no law's numbers."""
 
