@@ -14,8 +14,8 @@ CONTINUOUS = 1e-6
 """Relative jump of the friction at the end of stick that is round-off [1]."""
 
 AT_REST = 1e-12
-"""Friction beyond its bound over the bound, and slip over the fastest one, that are round-off [1]: a load point
-that comes to rest leaves a slider on its bound, where it stays."""
+"""Friction beyond its bound over the bound, and slip over the fastest one, that are round-off [1]: a load
+point that comes to rest leaves a slider on its bound, where it stays."""
 
 
 @inner_kernel
@@ -72,8 +72,8 @@ def find_event(path: Path, law: Law, memory: Memory | None) -> float:
         begin, low = 0.0, 1.0
         last = NODES - 1
         reverses = which == state.guards and state.friction_kind == RATE_DEPENDENT
-        # A reversal lasts: in short steps what Newton's method has left may change the sign in between, and at
-        # rest there is none.
+        # A reversal lasts: in short steps what Newton's method has left may change the sign in between, and
+        # at rest there is none.
         if reverses and _event_at(path, law, memory, which, NODE[last], last) > -AT_REST * state.fastest:
             continue
         for i in range(NODES):
