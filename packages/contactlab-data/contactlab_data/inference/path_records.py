@@ -76,8 +76,15 @@ def record_problem(
         keys = [item for item in keys if not item.field.startswith("damping.")]
 
     def problem(of: MeasuredSeries) -> PathProblem:
-        noise = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
-        return path_problem(of, law, keys, **noise, degree=degree, frame=frame)  # type: ignore[arg-type]
+        return path_problem(
+            of,
+            law,
+            keys,
+            discrepancy=discrepancy,
+            degrees_of_freedom=degrees_of_freedom,
+            degree=degree,
+            frame=frame,
+        )
 
     seen = np.full(measured.time.size, True)
     for values in measured.values.values():
