@@ -20,8 +20,8 @@ MARGIN: Final = 0.05
 
 CONCLUSIONS: Final = {
     "catalogue": ("from a catalogue", "a design needs the law"),
-    "bench": ("on a bench", "a design may have either law, a motor of measured parts needs it"),
-    "measured": ("by two operating points", "either law will do until the motor itself is measured"),
+    "bench": ("on a bench", "a motor of measured parts needs the law"),
+    "measured": ("by two operating points", "a motor that is measured itself needs the law"),
 }
 """From which knowledge on a contrast shows in most motors, and what a designer may conclude, by level."""
 
@@ -126,12 +126,16 @@ def oftenest(level: str) -> str:
 
 def conclusion(contrast: str) -> tuple[str, str]:
     """Return how well motors must be known for a contrast to show in most of them, and what follows."""
+    undecided = ""
     for level in levels():
+        known, needs = CONCLUSIONS[level]
         match in_most(contrast, level):
             case True:
-                return CONCLUSIONS[level]
+                return f"{known}{undecided}", needs
             case None:
-                return "open", f"open: {level}"
+                undecided += f"; open {known}"
+    if undecided:
+        return f"in no other way{undecided}", "open"
     return "in none of these ways", "either law will do"
 
 
