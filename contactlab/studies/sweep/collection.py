@@ -129,8 +129,9 @@ def collect(
         raise SweepError(f"'{directory}' must have a run, itself or in a folder below it.")
     dataset = _dataset(runs, outputs.metrics)
     if dims := [] if plan and plan.samples else dimensions(dataset):
-        texts = {name: "" for name, variable in dataset.variables.items() if variable.dtype.kind == "O"}
-        empty = texts | {"status": np.int8(Status.ABSENT), "reason": NOT_CONFIGURED}
+        texts = {name for name, variable in dataset.variables.items() if variable.dtype.kind == "O"}
+        empty = {name: "" if name in texts else np.nan for name in dataset.variables}
+        empty |= {"status": np.int8(Status.ABSENT), "reason": NOT_CONFIGURED}
         choices = {name: pandas.unique(dataset[name].values) for name in dims if name in texts}
         dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(DIMENSION, fill_value=empty)
         # Choices keep the order in which the sweep names them.
