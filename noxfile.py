@@ -58,6 +58,13 @@ def pictures(session: nox.Session) -> None:
 
 
 @nox.session
+def film(session: nox.Session) -> None:
+    """Make the film of the explorer, in Chromium."""
+    session.install("-e", ".", "-e", "packages/contactlab-explorer", "playwright")
+    session.run("python", "docs/tools/explorer_film.py")
+
+
+@nox.session
 def paper(session: nox.Session) -> None:
     """Write numbers, sentences and figures of the papers; what has fallen or is missing is a failure."""
     session.install("-e", ".[design,experiments]", "-e", "packages/contactlab-data")

@@ -5,7 +5,7 @@ Runs lie over their parameters as a grid where they form one, else one after the
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from math import prod
@@ -130,7 +130,7 @@ def collect(
     dataset = _dataset(runs, outputs.metrics)
     if dims := [] if plan and plan.samples else dimensions(dataset):
         texts = {name for name, variable in dataset.variables.items() if variable.dtype.kind == "O"}
-        empty = {name: "" if name in texts else np.nan for name in dataset.variables}
+        empty: dict[Hashable, Any] = {name: "" if name in texts else np.nan for name in dataset.variables}
         empty |= {"status": np.int8(Status.ABSENT), "reason": NOT_CONFIGURED}
         choices = {name: pandas.unique(dataset[name].values) for name in dims if name in texts}
         dataset = dataset.set_xindex(dims, PandasMultiIndex).unstack(DIMENSION, fill_value=empty)
