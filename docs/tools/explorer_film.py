@@ -1,7 +1,7 @@
 """A film of the explorer in Chromium: sliders that a hand moves, and the motors that follow.
 
 `python docs/tools/explorer_film.py` leaves `explorer.webp` in `docs/static`, or in the folder that is given.
-It needs Chromium, playwright and contactlab-explorer. A picture is taken whenever the page is complete, so the
+It needs Chromium, playwright and contactlab-explorer. A picture is taken when the page is complete, so the
 film has no waiting in it.
 """
 
