@@ -25,7 +25,7 @@ def tests(session: nox.Session) -> None:
 @nox.session
 def lint(session: nox.Session) -> None:
     """Check style, format, types and import contracts."""
-    session.install("-e", ".[test]", *PACKAGES)
+    session.install("-e", ".[test]", *PACKAGES, "playwright")
     checks = "ruff check", "ruff format --check", "mypy", "lint-imports", "python docs/tools/plain_words.py"
     for command in checks:
         session.run(*command.split())
