@@ -3,7 +3,7 @@ Frames for a lecture
 ====================
 
 A number and what follows from it, a picture for each value, with a slider that the arrow keys move. The text
-of ``_repr_html_()`` is a file for any browser, with the pictures in it, that needs no network and no Python; a
+of ``_repr_html_()`` is a file for any browser, with the pictures in it, that needs no network or Python; a
 notebook shows it as it is shown here.
 """
 
