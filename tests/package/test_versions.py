@@ -20,7 +20,10 @@ def test_the_version_is_the_same_everywhere() -> None:
         package["name"]: package.get("version") for package in tomllib.loads(read("uv.lock"))["package"]
     }
     stated = yaml.safe_load(read("CITATION.cff"))["version"], json.loads(read("codemeta.json"))["version"]
-    assert {*stated, locked["contactlab"]} == {PROJECT["version"]}
+    parts = [path.parent.name for path in ROOT.glob("packages/*/pyproject.toml")]
+    of_parts = [tomllib.loads(read(f"packages/{name}/pyproject.toml"))["project"]["version"] for name in parts]
+    assert {*stated, *of_parts, *(locked[name] for name in ("contactlab", *parts))} == {PROJECT["version"]}
+    assert all(f"packages/{name}\n" in read(".github/workflows/wheels.yml") for name in parts)
     assert f"\n## [{PROJECT['version']}]" in read("CHANGELOG.md")
 
 
