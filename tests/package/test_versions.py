@@ -21,7 +21,9 @@ def test_the_version_is_the_same_everywhere() -> None:
     }
     stated = yaml.safe_load(read("CITATION.cff"))["version"], json.loads(read("codemeta.json"))["version"]
     parts = [path.parent.name for path in ROOT.glob("packages/*/pyproject.toml")]
-    of_parts = [tomllib.loads(read(f"packages/{name}/pyproject.toml"))["project"]["version"] for name in parts]
+    of_parts = [
+        tomllib.loads(read(f"packages/{name}/pyproject.toml"))["project"]["version"] for name in parts
+    ]
     assert {*stated, *of_parts, *(locked[name] for name in ("contactlab", *parts))} == {PROJECT["version"]}
     assert all(f"packages/{name}\n" in read(".github/workflows/wheels.yml") for name in parts)
     assert f"\n## [{PROJECT['version']}]" in read("CHANGELOG.md")
