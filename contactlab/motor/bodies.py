@@ -19,6 +19,7 @@ from contactlab.checks import check_kind, check_number, check_shape, checked_arg
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
 from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
+from contactlab.motor.motion import FOREVER, Motion, drive_of, force_of, together
 from contactlab.motor.patched_beam import Steel
 from contactlab.motor.waveform import Waveform
 
@@ -30,9 +31,6 @@ CLOSED: Final = 1e-15
 
 HEAVY: Final = PRESCRIBED_ROOT**2
 """Mass of a belt that nothing brakes [kg]."""
-
-FOREVER: Final = 1e9
-"""Time for which a load point rests [s]: longer than any run."""
 
 MOST_MODES: Final = 20
 """Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
@@ -90,11 +88,16 @@ def block(
     belt_mass: float = HEAVY,
     belt_velocity: float = 0.0,
     load_velocity: Waveform | None = None,
+    base: Motion | None = None,
+    table: Motion | None = None,
     touching: bool = False,
 ) -> Motor:
     """Return a block over a belt: two rigid-body modes, one normal and one along the belt.
 
-    Seen from a belt whose velocity V changes, the load point moves at -V, and the push is -m dV/dt.
+    What the block lies on may be shaken: `base` is its displacement along the belt, `table` that across it.
+    The block is then seen from there: gap and slip are what they are, ways, heights and energies those over
+    the base, and what drives is inertia, -m zdd. `point_base` and `point_table`, the displacements, and
+    `point_body`, the block's way over the ground, are recorded. Springs are at rest where the motion begins.
 
     Args:
         mass: m [kg].
@@ -107,6 +110,8 @@ def block(
         belt_mass, belt_velocity: by default one that nothing brakes [kg]; along the way [m/s].
         load_velocity: of the load point, the far end of the spring along the belt, which begins at a way of
             zero [m/s]: one row, not periodic, and zero outside of its pieces; it may jump. None stands still.
+        base: displacement of the belt along itself beside its velocity: shaken ground, inertia drive.
+        table: displacement of the belt towards the block: vibrating table, moving wall.
         touching: whether a height in the neck of an adhesive law is in it, see `ModalState`.
 
     Example:
@@ -117,6 +122,15 @@ def block(
         >>> from scipy.interpolate import PPoly
         >>> velocity = cl.Waveform(PPoly(np.array([[[1e-5], [1e-4]]]), np.array([0.0, 1.0, 2.0])))
         >>> slider = cl.block(1.0, weight=10.0, stiffness=1e7, load_velocity=velocity)
+
+        Ground that is shaken by an acceleration, under 50 kg:
+
+        >>> shaken = cl.Waveform(PPoly(np.array([[[4.9], [-4.9]]]), np.array([0.0, 0.4, 0.8])))
+        >>> ground = shaken.integral().integral()
+        >>> lying = cl.block(50.0, weight=490.0, base=ground)
+        >>> law = cl.LagrangeStick(friction_coefficient=0.2)
+        >>> f"{cl.simulate(lying, law, duration=1.0)['point_body'][-1]:.3f} m"
+        '?'
     """
     _check_positive(mass=mass, belt_mass=belt_mass)
     root = sqrt(mass)
@@ -131,13 +145,67 @@ def block(
         tip_displacement=np.array([1.0 / root, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * root)]),
     )
-    return Motor(
+    motor = Motor(
         modes=modes,
         drive=drive,
         geometry=ContactGeometry(FLAT, FLAT, 0.0),
         rotor=_belt(belt_mass, belt_velocity),
         preload=np.array([weight, push]) / root,
         start=ModalState(root * np.array([-height, way]), root * np.array([-gap_rate, velocity]), touching),
+    )
+    if base is not None:
+        motor = _on_moving(motor, "base", base, 1, -1.0)
+    return motor if table is None else _on_moving(motor, "table", table, 0, 1.0)
+
+
+def _on_moving(motor: Motor, name: str, motion: Motion, mode: int, sign: float) -> Motor:
+    """Return a body as it is seen from what it lies on, which is displaced by z(t), less its z at t = 0.
+
+    The coordinate q of the body's mode becomes q' = q + s sqrt(m) z, and what acts on it
+    s sqrt(m) (zdd + c zd + k z): no impact is one with a body that is led, so that the ledger closes in all.
+    z is a prescribed coordinate that meets no contact, for the sake of its record.
+
+    Args:
+        motor: with a start and a preload.
+        name: of the motion and of its record.
+        motion: z [m] over time.
+        mode: that is displaced against what the body lies on.
+        sign: s.
+    """
+    modes, start, preload = motor.modes, motor.start, motor.preload
+    assert start is not None and preload is not None
+    drive, stiffness, damping = drive_of(name, motion), modes.stiffness[mode], modes.damping[mode]
+    place, speed = (float(drive.voltage(0.0, order)[0]) for order in (0, 1))
+    # sqrt(m), as a displacement of 1 m of the body is sqrt(m) of its mode.
+    row = np.maximum(np.abs(modes.approach), np.abs(FLAT * modes.tip_slope))[mode]
+    scale = sign / row
+    count = modes.stiffness.size
+    shared = np.zeros((count, 1))
+    shared[mode] = scale
+    constant = preload - (scale * stiffness * place) * (np.arange(count) == mode)
+    # The block's velocity along the base is that over the ground, its gap's rate that over the table.
+    velocity = start.velocity + (scale * speed if sign < 0.0 else 0.0) * (np.arange(count) == mode)
+    points = {key: np.append(values, 0.0) for key, values in modes.points.items()}
+    points[name] = np.append(np.zeros(count), 1.0)
+    if sign < 0.0:
+        points["body"] = np.append(row * (np.arange(count) == mode), 1.0)
+    return replace(
+        motor,
+        modes=replace(
+            modes,
+            stiffness=np.append(modes.stiffness, 0.0),
+            damping=np.append(modes.damping, 0.0),
+            coupling=scipy.linalg.block_diag(np.hstack([modes.coupling, shared]), 1.0),
+            tip_displacement=np.append(modes.tip_displacement, 0.0),
+            tip_slope=np.append(modes.tip_slope, 0.0),
+            prescribed=np.append(modes.is_prescribed, True),
+            points=points,
+        ),
+        drive=together(motor.drive, force_of(drive, stiffness, damping), drive),
+        preload=np.append(constant, 0.0),
+        start=replace(
+            start, displacement=np.append(start.displacement, 0.0), velocity=np.append(velocity, 0.0)
+        ),
     )
 
 
@@ -188,7 +256,15 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
     )
 
 
-@checked_arguments(mass="kg", height="m", speed="m/s", velocity="m/s", spin="rad/s", gravity="m/s^2")
+@checked_arguments(
+    mass="kg",
+    height="m",
+    speed="m/s",
+    velocity="m/s",
+    spin="m/s",
+    gravity="m/s^2",
+    damping="N s/m",
+)
 def ball(
     mass: float = 1.0,
     *,
@@ -198,8 +274,12 @@ def ball(
     spin: float = 0.0,
     gyration: float = 0.4,
     gravity: float = 9.81,
+    damping: float = 0.0,
+    table: Motion | None = None,
 ) -> Motor:
     """Return a ball over a plate, which moves in a plane and may spin in it.
+
+    The plate may be a vibrating table, as of `block`; its displacement is recorded as `point_table`.
 
     Its Delassus matrix is diagonal, D_nn = 1/m and D_tt = (1 + 1/gyration)/m: 3.5/m of a solid sphere.
 
@@ -210,6 +290,9 @@ def ball(
         spin: what the rotation adds to the slip at the start, radius times angular velocity [m/s].
         gyration: I / (m R^2) [1]: 2/5 of a solid sphere, 2/3 of a thin shell, 1/2 of a disc.
         gravity: g [m/s^2].
+        damping: of a dashpot between the centre and the ground along the plate, and between spin and ground
+            at the radius [N s/m]: without it a ball that rolls never stops.
+        table: displacement of the plate towards the ball.
 
     Example:
         >>> import contactlab as cl
@@ -221,12 +304,12 @@ def ball(
     root, turning = sqrt(mass), sqrt(gyration * mass)
     modes = NormalModes(
         stiffness=np.zeros(3),
-        damping=np.zeros(3),
+        damping=damping / np.array([np.inf, mass, gyration * mass]),
         coupling=np.zeros((3, 2)),
         tip_displacement=np.array([1.0 / root, 0.0, 0.0]),
         tip_slope=np.array([0.0, -1.0 / (FLAT * root), -1.0 / (FLAT * turning)]),
     )
-    return Motor(
+    motor = Motor(
         modes=modes,
         geometry=ContactGeometry(FLAT, FLAT, 0.0),
         rotor=_belt(),
@@ -235,6 +318,7 @@ def ball(
             np.array([-root * height, 0.0, 0.0]), np.array([root * speed, root * velocity, turning * spin])
         ),
     )
+    return motor if table is None else _on_moving(motor, "table", table, 0, 1.0)
 
 
 @checked_arguments(
@@ -343,6 +427,75 @@ def belt(
         stiffness=stiffness,
         belt_mass=BELT * mass if belt_mass is None else belt_mass,
         belt_velocity=belt_velocity,
+    )
+
+
+@checked_arguments(
+    mass="kg",
+    weight="N",
+    load="N",
+    damping="N s/m",
+    normal_damping="N s/m",
+    velocity="m/s",
+    penetration="m",
+)
+def slider(
+    mass: float = 1.0,
+    *,
+    tip: Motion,
+    weight: float = 1.0,
+    load: float = 0.0,
+    damping: float = 0.0,
+    normal_damping: float = 0.0,
+    velocity: float = 0.0,
+    penetration: float = 0.0,
+) -> Motor:
+    """Return a slider that is pressed on a driven tip, m dv/dt = F - c v - P: an inertia drive.
+
+    The slider is the rotor, of a radius of 1 m: its velocity in rad/s is that of the slider in m/s, and a
+    torque in N m the force in N. The tip's end is straight, so that a way x changes the gap by x^2 / 2 m.
+
+    Args:
+        mass: m of the slider [kg].
+        tip: displacement of the tip along the slider.
+        weight: force that presses the slider on the tip [N].
+        load: P, which brakes positive motion and drives negative [N].
+        damping, normal_damping: of dashpots between slider and ground along the tip's way, c, and across it
+            [N s/m].
+        velocity: of the slider at the start [m/s].
+        penetration: at the start [m]: as of `belt`.
+
+    Example:
+        The slow flank takes the slider along, the fast one slips under it:
+
+        >>> import contactlab as cl
+        >>> driven = cl.slider(0.01, tip=cl.Sawtooth("1 um", "1 kHz"), weight=1.0)
+        >>> state = cl.steady(driven, cl.LagrangeStick(friction_coefficient=0.3))
+        >>> f"{1e3 * state.velocity.value:.3f} mm/s"
+        '?'
+    """
+    _check_positive(mass=mass)
+    root, led = sqrt(mass), drive_of("tip", tip)
+    geometry = ContactGeometry(FLAT, 1.0, 0.0)
+    # Where the tip begins aside, the slider lies on it all the same, but for round-off.
+    way = float(led.voltage(0.0)[0])
+    opened = (1.0 - CLOSED) * geometry.frame(0.0, -way / FLAT)[0]
+    return Motor(
+        modes=NormalModes(
+            stiffness=np.zeros(2),
+            damping=np.array([normal_damping / mass, 0.0]),
+            coupling=np.array([[0.0], [PRESCRIBED_ROOT]]),
+            tip_displacement=np.zeros(2),
+            tip_slope=np.array([0.0, -1.0 / (FLAT * PRESCRIBED_ROOT)]),
+            rotor_displacement=np.array([-1.0 / root, 0.0]),
+            prescribed=np.array([False, True]),
+            points={"tip": np.array([0.0, 1.0 / PRESCRIBED_ROOT])},
+        ),
+        drive=led,
+        geometry=geometry,
+        rotor=Rotor(mass, damping, load, velocity),
+        preload=np.array([weight / root, 0.0]),
+        start=ModalState(np.array([root * (penetration + opened), 0.0]), np.zeros(2)),
     )
 
 
